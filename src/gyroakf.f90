@@ -1,0 +1,12 @@
+! SPDX-License-Identifier: MIT
+!> gyroakf: random errors of gyroscopes, characterised and compensated.
+!>
+!> The whole public interface under one name; this module holds no code. Where it comes from is
+!> told by the names: `gyroakf_allan_deviation` is in `src/gyroakf/allan/deviation.f90`.
+module gyroakf
+   use gyroakf_kinds, only : dp, int8, int16, int32, int64
+   use gyroakf_error, only : error_type, fatal_error, status, status_text, exit_code
+   use gyroakf_release, only : release_major, release_minor, release_patch, release_string, release_number
+   implicit none (type, external)
+   public
+end module gyroakf

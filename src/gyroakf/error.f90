@@ -1,0 +1,115 @@
+! SPDX-License-Identifier: MIT
+!> The error that every procedure that can fail returns in its last argument.
+!>
+!>     type(error_type), allocatable :: error
+!>     call do_something(x, error)
+!>     if (allocated(error)) ...           ! error%code, error%message
+!>
+!> The numbers of the codes are part of the C interface (`enum gyroakf_status`): never renumbered,
+!> new ones at the end.
+module gyroakf_error
+   implicit none (type, external)
+   private
+   public :: error_type, fatal_error, status, status_text, exit_code
+
+   !> What went wrong
+   type :: error_type
+      !> One of the components of [[status]]
+      integer :: code = 0
+      !> For humans, with the numbers in it; several lines where a place in a file is shown
+      character(:), allocatable :: message
+   end type error_type
+
+   !> The codes, reached as `status%parse`
+   type :: status_enum
+      !> Done
+      integer :: ok = 0
+      !> An argument is out of its documented range
+      integer :: invalid_argument = 1
+      !> The series is too short for what was asked
+      integer :: too_few_samples = 2
+      !> A file cannot be opened, read or written
+      integer :: io = 3
+      !> A file's content cannot be understood
+      integer :: parse = 4
+      !> The series has no variance
+      integer :: constant_input = 5
+      !> A matrix is singular or a fit is perfect
+      integer :: singular = 6
+      !> An iteration did not converge
+      integer :: not_converged = 7
+      !> A model is not stationary
+      integer :: unstable = 8
+      !> A value is NaN or infinite where that is not allowed
+      integer :: non_finite = 9
+      !> Memory could not be allocated, or a size overflows
+      integer :: no_memory = 10
+      !> A format or a feature that this build does not have
+      integer :: not_supported = 11
+      !> The caller's callback asked to stop
+      integer :: cancelled = 12
+      !> A defect of the library
+      integer :: internal = 13
+      !> The command line is wrong
+      integer :: usage = 14
+   end type status_enum
+
+   !> All codes
+   type(status_enum), parameter :: status = status_enum()
+
+contains
+
+   !> Fills the error.
+   pure subroutine fatal_error(error, code, message)
+      !> The error of the caller, allocated here
+      type(error_type), allocatable, intent(out) :: error
+      !> One of the components of [[status]]
+      integer, intent(in) :: code
+      !> What is wrong and what to do
+      character(*), intent(in) :: message
+
+      allocate (error)
+      error%code = code
+      error%message = message
+   end subroutine fatal_error
+
+   !> A short text for a code, "unknown status" for a number that is none.
+   pure function status_text(code) result(text)
+      !> A component of [[status]]
+      integer, intent(in) :: code
+      character(:), allocatable :: text
+
+      select case (code)
+      case (status%ok); text = "ok"
+      case (status%invalid_argument); text = "invalid argument"
+      case (status%too_few_samples); text = "too few samples"
+      case (status%io); text = "file cannot be opened, read or written"
+      case (status%parse); text = "file content not understood"
+      case (status%constant_input); text = "series has no variance"
+      case (status%singular); text = "singular problem"
+      case (status%not_converged); text = "iteration did not converge"
+      case (status%unstable); text = "model not stationary"
+      case (status%non_finite); text = "value not finite"
+      case (status%no_memory); text = "out of memory"
+      case (status%not_supported); text = "not supported by this build"
+      case (status%cancelled); text = "cancelled by the caller"
+      case (status%internal); text = "internal error"
+      case (status%usage); text = "wrong usage"
+      case default; text = "unknown status"
+      end select
+   end function status_text
+
+   !> The exit code of a program that stops with this error: 1 usage, 2 data or file, 3 numerical.
+   pure integer function exit_code(code)
+      !> A component of [[status]]
+      integer, intent(in) :: code
+
+      select case (code)
+      case (status%ok); exit_code = 0
+      case (status%usage); exit_code = 1
+      case (status%singular, status%not_converged, status%unstable, status%internal); exit_code = 3
+      case default; exit_code = 2
+      end select
+   end function exit_code
+
+end module gyroakf_error
