@@ -1,0 +1,19 @@
+! SPDX-License-Identifier: MIT
+!> All tests of the library:
+!>
+!>     fpm test                     all suites
+!>     fpm test -- error            one suite
+!>     fpm test -- error texts      one test
+program test_main
+   ! One line for every suite here, in alphabetical order ...
+   use test_error, only : collect_error
+   use test_release, only : collect_release
+   use suite_runner, only : add, finish
+   implicit none (type, external)
+
+   ! ... and one line here, in the same order.
+   call add("error", collect_error)
+   call add("release", collect_release)
+
+   if (finish()) stop 1, quiet=.true.
+end program test_main

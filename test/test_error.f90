@@ -1,0 +1,95 @@
+! SPDX-License-Identifier: MIT
+!> Tests of the error type: the numbers of the codes are part of the C interface.
+module test_error
+   use gyroakf_error, only : gyro_error => error_type, exit_code, fatal_error, status, status_text
+   use testdrive, only : check, error_type, new_unittest, unittest_type
+   implicit none (type, external)
+   private
+   public :: collect_error
+
+contains
+
+   !> The tests of this suite.
+   subroutine collect_error(testsuite)
+      !> The tests
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         & new_unittest("codes", test_codes), &
+         & new_unittest("texts", test_texts), &
+         & new_unittest("exit_codes", test_exit_codes), &
+         & new_unittest("fatal", test_fatal)]
+   end subroutine collect_error
+
+   !> The codes never change.
+   subroutine test_codes(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+
+      integer :: codes(0:14), i
+
+      codes = [status%ok, status%invalid_argument, status%too_few_samples, status%io, status%parse, &
+         & status%constant_input, status%singular, status%not_converged, status%unstable, &
+         & status%non_finite, status%no_memory, status%not_supported, status%cancelled, &
+         & status%internal, status%usage]
+      do i = lbound(codes, 1), ubound(codes, 1)
+         call check(error, codes(i), i, "code of a status changed")
+         if (allocated(error)) return
+      end do
+   end subroutine test_codes
+
+   !> Every code has a text of its own, any other number has none.
+   subroutine test_texts(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+
+      integer :: i, j
+
+      call check(error, status_text(status%ok), "ok")
+      if (allocated(error)) return
+      do i = status%ok, status%usage
+         call check(error, status_text(i) /= "unknown status", "a code has no text")
+         if (allocated(error)) return
+         do j = status%ok, i - 1
+            call check(error, status_text(i) /= status_text(j), "two codes have one text: "//status_text(i))
+            if (allocated(error)) return
+         end do
+      end do
+      call check(error, status_text(-1), "unknown status")
+      if (allocated(error)) return
+      call check(error, status_text(status%usage + 1), "unknown status")
+   end subroutine test_texts
+
+   !> 0 done, 1 usage, 2 data or file, 3 numerical.
+   subroutine test_exit_codes(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+
+      integer, parameter :: expected(0:14) = [0, 2, 2, 2, 2, 2, 3, 3, 3, 2, 2, 2, 2, 3, 1]
+      integer :: i
+
+      do i = lbound(expected, 1), ubound(expected, 1)
+         call check(error, exit_code(i), expected(i), "exit code for: "//status_text(i))
+         if (allocated(error)) return
+      end do
+   end subroutine test_exit_codes
+
+   !> The error holds what it was given, also when it replaces another one.
+   subroutine test_fatal(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+
+      type(gyro_error), allocatable :: problem
+
+      call check(error, .not. allocated(problem), "an error from nowhere")
+      if (allocated(error)) return
+      call fatal_error(problem, status%parse, "line 3: not a number")
+      call fatal_error(problem, status%io, "cannot open")
+      call check(error, allocated(problem), "no error")
+      if (allocated(error)) return
+      call check(error, problem%code, status%io)
+      if (allocated(error)) return
+      call check(error, problem%message, "cannot open")
+   end subroutine test_fatal
+
+end module test_error
