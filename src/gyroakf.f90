@@ -7,6 +7,9 @@ module gyroakf
    use gyroakf_kinds, only : dp, int8, int16, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status, status_text, exit_code
    use gyroakf_release, only : release_major, release_minor, release_patch, release_string, release_number
+   use gyroakf_units, only : unit_type, coefficient_unit_type, quantity, term_names, &
+      parse_unit, coefficient_unit, angle_to_rate_unit
+   use gyroakf_record, only : record_type, audit_type, text_type, add_text
    implicit none (type, external)
    public
 end module gyroakf

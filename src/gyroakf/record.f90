@@ -1,0 +1,94 @@
+! SPDX-License-Identifier: MIT
+!> A recording in memory: the value of every channel at evenly spaced instants, and what is known about it.
+!>
+!> Missing samples are marked in `present` and keep their place; `value` is finite everywhere.
+module gyroakf_record
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_units, only : unit_type
+   implicit none (type, external)
+   private
+   public :: record_type, audit_type, text_type, add_text
+
+   !> A string of its own length, for lists
+   type :: text_type
+      character(:), allocatable :: text
+   end type text_type
+
+   !> What was found while reading
+   type :: audit_type
+      !> Samples per channel, missing ones included
+      integer(int64) :: samples = 0
+      !> Samples that are missing, summed over the channels
+      integer(int64) :: missing = 0
+      !> Places where the stamps show that samples were lost for good
+      integer(int64) :: gaps = 0
+      !> Stamps equal to the one before
+      integer(int64) :: duplicates = 0
+      !> Stamps smaller than the one before
+      integer(int64) :: backward_steps = 0
+      !> Lines that could not be read and were marked missing
+      integer(int64) :: bad_lines = 0
+      !> True where the file has a time column
+      logical :: has_stamps = .false.
+      !> (n - 1)/(t_n - t_1) in Hz; 0 without stamps
+      real(dp) :: stamp_rate = 0.0_dp
+      !> Largest distance of a stamp from the even grid, s
+      real(dp) :: jitter_max = 0.0_dp
+      !> Line of the first duplicate, the first backward step, the first gap: [3], 0 where there is none
+      integer(int64), allocatable :: line_of_first(:)
+      !> Smallest and largest value: [channel], of the record's unit
+      real(dp), allocatable :: minimum(:), maximum(:)
+      !> Smallest non-zero step between successive present samples: [channel], of the record's unit; 0 where there is none
+      real(dp), allocatable :: quantisation(:)
+   end type audit_type
+
+   !> A recording
+   type :: record_type
+      !> The file's name, "-" for standard input
+      character(:), allocatable :: path
+      !> As in "text"
+      character(:), allocatable :: format
+      !> The samples: [sample, channel]; finite everywhere, 0 where missing
+      real(dp), allocatable :: value(:, :)
+      !> 1 where a sample is present, 0 where it is missing: [sample, channel]; allocated only where something is missing
+      integer(int8), allocatable :: present(:, :)
+      !> Names: [channel]
+      type(text_type), allocatable :: channel(:)
+      !> s; 1 (per sample) where `rate_known` is false
+      real(dp) :: sample_interval = 1.0_dp
+      !> True where somebody gave the rate or the stamps show it
+      logical :: rate_known = .false.
+      !> "option", "header", "timestamps" or "none"
+      character(:), allocatable :: rate_source
+      !> Of the values
+      type(unit_type) :: unit
+      !> "option", "header" or "none"
+      character(:), allocatable :: unit_source
+      !> What was found while reading
+      type(audit_type) :: audit
+      !> For the user, one sentence each
+      type(text_type), allocatable :: warnings(:)
+   end type record_type
+
+contains
+
+   !> Appends a text to a list (of warnings, of names); the list may be unallocated.
+   pure subroutine add_text(list, text)
+      !> Grows by one
+      type(text_type), allocatable, intent(inout) :: list(:)
+      !> The new last entry
+      character(*), intent(in) :: text
+      type(text_type), allocatable :: longer(:)
+      integer :: i, n
+
+      n = 0
+      if (allocated(list)) n = size(list)
+      allocate (longer(n + 1))
+      do i = 1, n
+         call move_alloc(list(i)%text, longer(i)%text)
+      end do
+      longer(n + 1)%text = text
+      call move_alloc(longer, list)
+   end subroutine add_text
+
+end module gyroakf_record

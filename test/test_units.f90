@@ -1,0 +1,197 @@
+! SPDX-License-Identifier: MIT
+!> Units: every spelling, exact factors, messages.
+module test_units
+   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use gyroakf_kinds, only : dp
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_spelling, only : lower, replace_all, nearest_word, edit_distance
+   use gyroakf_units, only : unit_type, coefficient_unit_type, quantity, parse_unit, coefficient_unit, angle_to_rate_unit
+   implicit none (type, external)
+   private
+   public :: collect_units
+
+   !> One rounding of pi and one of the quotient
+   real(dp), parameter :: thr = 4*epsilon(1.0_dp)
+
+contains
+
+   !> Names the tests.
+   subroutine collect_units(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         new_unittest("factors", test_factors), &
+         new_unittest("spellings", test_spellings), &
+         new_unittest("unknown", test_unknown), &
+         new_unittest("angle-to-rate", test_angle_to_rate), &
+         new_unittest("coefficients-rate", test_coefficients_rate), &
+         new_unittest("coefficients-acceleration", test_coefficients_acceleration), &
+         new_unittest("coefficients-unknown", test_coefficients_unknown), &
+         new_unittest("spelling", test_spelling)]
+   end subroutine collect_units
+
+   !> The factor to SI of a text, -1 where it is refused.
+   real(dp) function factor(text)
+      character(*), intent(in) :: text
+      type(unit_type) :: unit
+      type(gyro_error), allocatable :: failed
+
+      call parse_unit(text, unit, failed)
+      factor = unit%to_si
+      if (allocated(failed)) factor = -1.0_dp
+   end function factor
+
+   !> The canonical name and the quantity of a text as "name quantity", "?" where it is refused.
+   function canonical(text) result(name)
+      character(*), intent(in) :: text
+      character(:), allocatable :: name
+      type(unit_type) :: unit
+      type(gyro_error), allocatable :: failed
+
+      call parse_unit(text, unit, failed)
+      name = "?"
+      if (.not. allocated(failed)) name = unit%name//" "//achar(48 + unit%quantity)
+   end function canonical
+
+   subroutine test_factors(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(8), parameter :: name(9) = [character(8) :: "deg/s", "deg/h", "mdps", "rad/s", "mrad/s", "rpm", "arcsec", "g", "mg"]
+      !> pi/180, pi/648000, pi/180000, ..., 2 pi/60, pi/648000
+      real(dp), parameter :: expected(9) = [0.017453292519943295_dp, 4.84813681109536e-6_dp, 1.7453292519943296e-5_dp, 1.0_dp, &
+                                            1.0e-3_dp, 0.10471975511965977_dp, 4.84813681109536e-6_dp, 9.80665_dp, 9.80665e-3_dp]
+      integer :: i
+
+      do i = 1, size(name)
+         call check(error, factor(trim(name(i))), expected(i), thr=thr, rel=.true., more=trim(name(i)))
+         if (allocated(error)) return
+      end do
+   end subroutine test_factors
+
+   subroutine test_spellings(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(20), parameter :: same(2, 18) = reshape([character(20) :: &
+         "dps", "deg/s 1", "DEG/S", "deg/s 1", "degrees per second", "deg/s 1", "[deg/s]", "deg/s 1", "deg s^-1", "deg/s 1", &
+         "deg/sec", "deg/s 1", "degps", "deg/s 1", "dph", "deg/h 1", "deg/hr", "deg/h 1", "mdeg/s", "mdps 1", &
+         "rad*s**-1", "rad/s 1", &
+         "m/s2", "m/s^2 2", "m/s/s", "m/s^2 2", "m s^-2", "m/s^2 2", "arcseconds", "arcsec 3", "degrees", "deg 3", &
+         " rad ", "rad 3", "rev/min", "rpm 1"], [2, 18])
+      integer :: i
+
+      do i = 1, size(same, 2)
+         call check(error, canonical(trim(same(1, i))), trim(same(2, i)), more=trim(same(1, i)))
+         if (allocated(error)) return
+      end do
+      call check(error, canonical(char(194)//char(176)//"/s"), "deg/s 1")
+      if (allocated(error)) return
+      call check(error, canonical("m/s"//char(194)//char(178)), "m/s^2 2")
+   end subroutine test_spellings
+
+   subroutine test_unknown(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(unit_type) :: unit
+      type(gyro_error), allocatable :: failed
+      character(8), parameter :: bad(7) = [character(8) :: "", "volt", "deg/ss", "deg/s/h", "/s", "deg/", "m/s"]
+      integer :: i
+
+      do i = 1, size(bad)
+         call parse_unit(trim(bad(i)), unit, failed)
+         call check(error, allocated(failed), "accepted: "//bad(i))
+         if (allocated(error)) return
+         call check(error, failed%code, status%invalid_argument)
+         if (allocated(error)) return
+      end do
+      call parse_unit("deg/ss", unit, failed)
+      call check(error, index(failed%message, "unknown unit 'deg/ss', perhaps deg/s; known are deg/s, deg/h") == 1, failed%message)
+   end subroutine test_unknown
+
+   subroutine test_angle_to_rate(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(unit_type) :: unit, rate
+      type(gyro_error), allocatable :: failed
+
+      call parse_unit("arcsec", unit, failed)
+      rate = angle_to_rate_unit(unit)
+      call check(error, rate%name//achar(48 + rate%quantity), "arcsec/s1")
+      if (allocated(error)) return
+      call check(error, rate%to_si, factor("deg/h"), thr=0.0_dp)
+      if (allocated(error)) return
+      call parse_unit("g", unit, failed)
+      rate = angle_to_rate_unit(unit)
+      call check(error, rate%name, "g")
+      if (allocated(error)) return
+      call check(error, canonical("arcsec/s"), "arcsec/s 1")
+   end subroutine test_angle_to_rate
+
+   subroutine test_coefficients_rate(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(unit_type) :: unit
+      type(coefficient_unit_type) :: u
+      type(gyro_error), allocatable :: failed
+      character(11), parameter :: name(5) = [character(11) :: "arcsec", "deg/sqrt(h)", "deg/h", "deg/h^1.5", "deg/h^2"]
+      !> 648000/pi, 10800/pi, 648000/pi, 38.88e6/pi, 2332.8e6/pi
+      real(dp), parameter :: from_si(5) = [206264.80624709636_dp, 3437.746770784939_dp, 206264.80624709636_dp, &
+                                           12375888.374825781_dp, 742553302.4895469_dp]
+      integer :: i
+
+      call parse_unit("deg/s", unit, failed)
+      do i = 1, 5
+         u = coefficient_unit(unit, i)
+         call check(error, u%name, trim(name(i)))
+         if (allocated(error)) return
+         call check(error, u%from_si, from_si(i), thr=thr, rel=.true.)
+         if (allocated(error)) return
+      end do
+   end subroutine test_coefficients_rate
+
+   subroutine test_coefficients_acceleration(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(unit_type) :: unit
+      type(coefficient_unit_type) :: u
+      type(gyro_error), allocatable :: failed
+
+      call parse_unit("mg", unit, failed)
+      u = coefficient_unit(unit, 2)
+      call check(error, u%name//" "//u%si_name, "m/s/sqrt(h) m/s/sqrt(s)")
+      if (allocated(error)) return
+      call check(error, u%from_si, 60.0_dp, thr=thr)
+      if (allocated(error)) return
+      u = coefficient_unit(unit, 3)
+      call check(error, u%from_si*9.80665e-6_dp, 1.0_dp, thr=thr)
+   end subroutine test_coefficients_acceleration
+
+   subroutine test_coefficients_unknown(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(unit_type) :: unit
+      type(coefficient_unit_type) :: u
+      type(gyro_error), allocatable :: failed
+
+      u = coefficient_unit(unit, 2)
+      call check(error, u%name//", "//u%si_name, "input unit*sqrt(s), input unit*sqrt(s)")
+      if (allocated(error)) return
+      call check(error, u%from_si, 1.0_dp)
+      if (allocated(error)) return
+      call parse_unit("deg/s", unit, failed)
+      u = coefficient_unit(unit, 5, per_sample=.true.)
+      call check(error, u%name, "deg/s/sample")
+      if (allocated(error)) return
+      call check(error, u%from_si*unit%to_si, 1.0_dp, thr=thr)
+   end subroutine test_coefficients_unknown
+
+   subroutine test_spelling(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(6), parameter :: known(3) = [character(6) :: "--rate", "--unit", "--out"]
+
+      call check(error, edit_distance("kitten", "sitting"), 3)
+      if (allocated(error)) return
+      call check(error, edit_distance("rtae", "rate"), 1)
+      if (allocated(error)) return
+      call check(error, edit_distance("", "ab"), 2)
+      if (allocated(error)) return
+      call check(error, nearest_word("--UNTI", known), 2)
+      if (allocated(error)) return
+      call check(error, nearest_word("column", known), 0)
+      if (allocated(error)) return
+      call check(error, replace_all("a**b**", "**", "^")//lower("AbZ1"), "a^b^abz1")
+   end subroutine test_spelling
+
+end module test_units
