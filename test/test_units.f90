@@ -5,7 +5,8 @@ module test_units
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_spelling, only : lower, replace_all, nearest_word, edit_distance
-   use gyroakf_units, only : unit_type, coefficient_unit_type, quantity, parse_unit, coefficient_unit, angle_to_rate_unit
+   use gyroakf_units, only : unit_type, coefficient_unit_type, quantity, parse_unit, coefficient_unit, density_unit, &
+      angle_to_rate_unit
    implicit none (type, external)
    private
    public :: collect_units
@@ -27,6 +28,7 @@ contains
          new_unittest("coefficients-rate", test_coefficients_rate), &
          new_unittest("coefficients-acceleration", test_coefficients_acceleration), &
          new_unittest("coefficients-unknown", test_coefficients_unknown), &
+         new_unittest("densities", test_densities), &
          new_unittest("spelling", test_spelling)]
    end subroutine collect_units
 
@@ -158,6 +160,28 @@ contains
       u = coefficient_unit(unit, 3)
       call check(error, u%from_si*9.80665e-6_dp, 1.0_dp, thr=thr)
    end subroutine test_coefficients_acceleration
+
+   subroutine test_densities(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(unit_type) :: unit
+      type(coefficient_unit_type) :: u
+      type(gyro_error), allocatable :: failed
+
+      call parse_unit("deg/h", unit, failed)
+      u = density_unit(unit)
+      call check(error, u%name, "deg/s/sqrt(Hz)")
+      if (allocated(error)) return
+      ! 36 deg/h/sqrt(Hz) = 0.01 deg/s/sqrt(Hz)
+      call check(error, 36*unit%to_si*u%from_si, 0.01_dp, thr=thr, rel=.true.)
+      if (allocated(error)) return
+      call parse_unit("mg", unit, failed)
+      u = density_unit(unit)
+      call check(error, u%name == "ug/sqrt(Hz)" .and. abs(unit%to_si*u%from_si - 1000) < 1.0e-9_dp)
+      if (allocated(error)) return
+      unit = unit_type()
+      u = density_unit(unit)
+      call check(error, u%name == "input unit/sqrt(Hz)" .and. abs(u%from_si - 1) < thr)
+   end subroutine test_densities
 
    subroutine test_coefficients_unknown(error)
       type(error_type), allocatable, intent(out) :: error

@@ -10,7 +10,7 @@ module gyroakf_units
    implicit none (type, external)
    private
    public :: unit_type, coefficient_unit_type, quantity, term_names
-   public :: parse_unit, coefficient_unit, angle_to_rate_unit
+   public :: parse_unit, coefficient_unit, density_unit, angle_to_rate_unit
 
    !> The order of the five terms everywhere: quantisation, angle random walk, bias instability, rate random walk, ramp
    character(1), parameter :: term_names(5) = ["Q", "N", "B", "K", "R"]
@@ -275,6 +275,27 @@ contains
          u = input_coefficient_unit(unit, term, per_sample)
       end if
    end function coefficient_unit
+
+   !> What N is stated in as a density: deg/s/sqrt(Hz), ug/sqrt(Hz), otherwise the input's own unit per root of a hertz.
+   pure function density_unit(unit) result(u)
+      !> Of the record
+      type(unit_type), intent(in) :: unit
+      type(coefficient_unit_type) :: u
+
+      if (unit%quantity == quantity%angular_rate) then
+         u%name = "deg/s/sqrt(Hz)"
+         u%si_name = "rad/s/sqrt(Hz)"
+         u%from_si = 180.0_dp/pi
+      else if (unit%quantity == quantity%acceleration) then
+         u%name = "ug/sqrt(Hz)"
+         u%si_name = "m/s^2/sqrt(Hz)"
+         u%from_si = 1.0e6_dp/standard_gravity
+      else
+         u = input_coefficient_unit(unit, 3)
+         u%name = u%name//"/sqrt(Hz)"
+         u%si_name = u%name
+      end if
+   end function density_unit
 
    !> The coefficient in the unit of the input and seconds, or samples.
    pure function input_coefficient_unit(unit, term, per_sample) result(u)
