@@ -1,0 +1,164 @@
+! SPDX-License-Identifier: MIT
+!> The texts of `--help`, `--version` and `--citation`; the options in them come from [[gyroakf_app_option]].
+module gyroakf_app_help
+   use gyroakf_app_option, only : option_type, options, commands, group_titles, belongs_to
+   use gyroakf_release, only : release_string
+   implicit none (type, external)
+   private
+   public :: program_help, command_help, version_text, citation_text
+
+   character(*), parameter :: nl = new_line("a")
+
+   !> Column at which the explanations begin, and the last one that is written on
+   integer, parameter :: first_column = 31, last_column = 98
+
+   !> Commands and examples of them
+   character(92), parameter :: examples(2, 16) = reshape([character(92) :: &
+      "run", "gyroakf log.csv --rate 100 --unit deg/s", &
+      "run", "gyroakf run log.csv --column gx,gy,gz --time-column t --unit deg/s --out results", &
+      "run", "gyroakf run mems.txt --preset paper --json - > results.json", &
+      "inspect", "gyroakf inspect log.csv", &
+      "inspect", "gyroakf inspect increments.dat --input increment --unit arcsec --scale 0.1 --rate 100", &
+      "allan", "gyroakf allan log.csv --rate 100 --unit deg/s", &
+      "allan", "zcat log.gz | gyroakf allan - --rate 200 --unit rad/s --taus log:20 --json -", &
+      "allan", "gyroakf allan log.csv --terms NBK --fit-tau-min 0.1 --fit-tau-max 1000 --out results", &
+      "tests", "gyroakf tests log.csv --outliers auto --detrend 3", &
+      "tests", "gyroakf tests log.csv --adf-regression ct --adf-lags 4", &
+      "ar", "gyroakf ar log.csv --outliers auto --detrend 3 --ar-criterion bic", &
+      "filter", "gyroakf filter log.csv --outliers auto --detrend 3 --order 1 --out results", &
+      "filter", "gyroakf filter log.csv --akf robust --forgetting 0.995", &
+      "simulate", "gyroakf simulate --preset paper --output mems.txt", &
+      "simulate", "gyroakf simulate --samples 360000 --rate 100 --coefficients N=0.005,B=0.001 --seed 7", &
+      "simulate", "gyroakf simulate --ar 0.7,-0.2 --ar-variance 1e-4 --missing 0.003 | gyroakf run -"], [2, 16])
+
+contains
+
+   !> What `--version` prints.
+   function version_text() result(text)
+      character(:), allocatable :: text
+
+      text = "gyroakf "//release_string//nl
+   end function version_text
+
+   !> What `--citation` prints.
+   function citation_text() result(text)
+      character(:), allocatable :: text
+
+      text = "gyroakf "//release_string//": random errors of gyroscopes, characterised and compensated."//nl//nl// &
+         "The method:"//nl// &
+         "  Yi et al., Random Errors Compensation method of Autoregressive Adaptive Kalman Filter based on"//nl// &
+         "  MEMS Gyroscope."//nl// &
+         "The Allan deviation and its uncertainty:"//nl// &
+         "  W. J. Riley and D. A. Howe, Handbook of Frequency Stability Analysis, NIST SP 1065 (2008)."//nl// &
+         "  IEEE Std 952, Specification Format Guide and Test Procedure for Single-Axis Interferometric"//nl// &
+         "  Fiber Optic Gyros, annex C."//nl// &
+         "The adaptive filter:"//nl// &
+         "  A. P. Sage and G. W. Husa, Adaptive filtering with unknown prior statistics, Joint Automatic"//nl// &
+         "  Control Conference (1969)."//nl
+   end function citation_text
+
+   !> What `gyroakf --help` prints.
+   function program_help() result(text)
+      character(:), allocatable :: text
+      integer :: i
+
+      text = "gyroakf "//release_string//": random errors of gyroscopes, from a recording to numbers"//nl//nl// &
+         "Usage: gyroakf [COMMAND] FILE [OPTIONS]"//nl// &
+         "       FILE may be - (standard input); -- ends the options."//nl//nl//"Commands"//nl
+      do i = 1, size(commands)
+         text = text//"  "//commands(i)%name//"  "//trim(commands(i)%purpose)//nl
+      end do
+      text = text//nl//"Without a COMMAND gyroakf does the whole job (run)."//nl
+      text = text//options_of("run", "input")//options_of("run", "common")
+      text = text//nl//"Examples"//nl//first_examples()//nl// &
+         "A header in the data file (# rate_hz: 5, # unit: deg/h, # columns: t gx gy gz) is honoured; an"//nl// &
+         "option overrides it. Where nobody gave a rate or a unit, results are per sample and in input units."//nl// &
+         "Exit codes: 0 done; 1 wrong usage; 2 the data or a file; 3 a numerical failure."//nl// &
+         "All options of a command: gyroakf COMMAND --help"//nl
+   end function program_help
+
+   !> What `gyroakf COMMAND --help` prints.
+   function command_help(command) result(text)
+      !> A known command
+      character(*), intent(in) :: command
+      character(:), allocatable :: text
+      integer :: i
+
+      text = "gyroakf "//command//": "//trim(purpose_of(command))//nl//nl//"Usage: gyroakf "//command
+      if (command /= "simulate") text = text//" FILE"
+      text = text//" [OPTIONS]"//nl
+      do i = 1, size(group_titles, 2)
+         text = text//options_of(command, trim(group_titles(1, i)))
+      end do
+      text = text//nl//"Examples"//nl
+      do i = 1, size(examples, 2)
+         if (examples(1, i) == command) text = text//"  "//trim(examples(2, i))//nl
+      end do
+   end function command_help
+
+   !> One example of every command.
+   function first_examples() result(text)
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ""
+      do i = 1, size(examples, 2)
+         if (any(examples(1, :i - 1) == examples(1, i))) cycle
+         text = text//"  "//trim(examples(2, i))//nl
+      end do
+   end function first_examples
+
+   !> Purpose of a command, "" of an unknown one.
+   function purpose_of(command) result(purpose)
+      character(*), intent(in) :: command
+      character(:), allocatable :: purpose
+      integer :: i
+
+      purpose = ""
+      do i = 1, size(commands)
+         if (commands(i)%name == command) purpose = trim(commands(i)%purpose)
+      end do
+   end function purpose_of
+
+   !> A title and the options of a group, as far as the command knows them; "" where it knows none.
+   function options_of(command, group) result(text)
+      character(*), intent(in) :: command, group
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ""
+      do i = 1, size(options)
+         if (options(i)%group /= group .or. .not. belongs_to(options(i), command)) cycle
+         text = text//option_lines(options(i))
+      end do
+      if (text == "") return
+      do i = 1, size(group_titles, 2)
+         if (group_titles(1, i) == group) text = nl//trim(group_titles(2, i))//nl//text
+      end do
+   end function options_of
+
+   !> The lines of one option: name and value, then what it does, wrapped.
+   function option_lines(option) result(text)
+      type(option_type), intent(in) :: option
+      character(:), allocatable :: text
+      character(:), allocatable :: line, rest
+      integer :: cut
+
+      line = "  "//trim(option%name)//" "//trim(option%value)
+      text = ""
+      if (len_trim(line) > first_column - 3) then
+         text = trim(line)//nl
+         line = ""
+      end if
+      rest = trim(option%help)
+      do while (len(rest) > 0)
+         line = line//repeat(" ", max(0, first_column - 1 - len(line)))
+         cut = len(rest)
+         if (cut > last_column - first_column + 1) cut = index(rest(:last_column - first_column + 2), " ", back=.true.) - 1
+         text = text//line//rest(:cut)//nl
+         rest = trim(adjustl(rest(cut + 1:)))
+         line = ""
+      end do
+   end function option_lines
+
+end module gyroakf_app_help

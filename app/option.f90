@@ -1,0 +1,231 @@
+! SPDX-License-Identifier: MIT
+!> The table of all options: parsing, `--help` and the suggestions for misspelt names are made from it.
+!>
+!> A new option is a row here and a case in [[gyroakf_app_setting]].
+module gyroakf_app_option
+   use gyroakf_spelling, only : edit_distance, nearest_word
+   implicit none (type, external)
+   private
+   public :: option_type, options, commands, command_names, group_titles
+   public :: find_option, takes_value, belongs_to, suggest_option, suggest_word
+
+   !> One row
+   type :: option_type
+      !> With its dashes
+      character(20) :: name = ""
+      !> What stands for its value in the help; the words themselves, separated by |, where kind is "choice"
+      character(28) :: value = ""
+      !> flag: no value; text; choice; real; positive; share: 0 < x <= 1; natural: 0, 1, ...; count: 1, 2, ...;
+      !> later: known, but not in this version
+      character(8) :: kind = "flag"
+      !> The commands that know it
+      character(42) :: commands = ""
+      !> Under which title of the help it stands
+      character(6) :: group = "common"
+      !> What it does
+      character(170) :: help = ""
+      !> Words that are known, but not in this version, separated by |
+      character(32) :: later = ""
+   end type option_type
+
+   !> Name and purpose of a command
+   type :: command_type
+      !> Its name
+      character(8) :: name = ""
+      !> What it does
+      character(90) :: purpose = ""
+   end type command_type
+
+   !> The commands, in the order of the help; the first is the one that needs no name
+   type(command_type), parameter :: commands(*) = [ &
+      command_type("run", "the whole chain: clean, test, model, filter, Allan analysis before and after (default)"), &
+      command_type("inspect", "what was read: format, columns, rate, gaps, jitter, duplicates, range, quantisation"), &
+      command_type("allan", "deviation curve with confidence limits, and the coefficients Q N B K R"), &
+      command_type("tests", "stationarity (ADF), normality (Jarque-Bera) and whiteness (Ljung-Box)"), &
+      command_type("ar", "order table by every criterion, coefficients with standard errors, residuals"), &
+      command_type("filter", "Kalman filter and adaptive Kalman filter: filtered series and diagnostics"), &
+      command_type("simulate", "a record with known noise: Q N B K R, AR terms, trend, outliers, seed")]
+
+   !> Their names alone
+   character(8), parameter :: command_names(*) = commands%name
+
+   character(*), parameter :: reading = "run inspect allan tests ar filter"
+   character(*), parameter :: analysing = "run allan tests ar filter"
+   character(*), parameter :: every = "run inspect allan tests ar filter simulate"
+   character(*), parameter :: none = ""
+
+   !> Groups and their titles, in the order of the help
+   character(28), parameter :: group_titles(2, 8) = reshape([character(28) :: &
+      "input", "Reading", "clean", "Cleaning", "tests", "Tests", "ar", "AR model", &
+      "filter", "Filters", "allan", "Allan analysis", "record", "The simulated record", "common", "Common"], [2, 8])
+
+   type(option_type), parameter :: input_options(*) = [ &
+      option_type("--rate", "HZ", "positive", reading, "input", "sample rate; overrides header and time stamps"), &
+      option_type("--dt", "S", "positive", reading, "input", "sample interval, instead of --rate"), &
+      option_type("--unit", "UNIT", "text", reading, "input", &
+                  "unit of the values: rad/s, deg/s, deg/h, mdps, m/s^2, g, mg, ...; of the angle (rad, deg, "// &
+                  "arcsec) with --input increment or angle"), &
+      option_type("--input", "rate|increment|angle", "choice", reading, "input", &
+                  "what the values are: rates, angle increments per sample, or accumulated angles"), &
+      option_type("--scale", "F", "real", reading, "input", "multiply every value by F"), &
+      option_type("--column", "N|NAME[,...]", "text", reading, "input", "columns to read (default: all but the time)"), &
+      option_type("--time-column", "N|NAME|none", "text", reading, "input", &
+                  "column of the time stamps (default: found by its name)"), &
+      option_type("--format", "auto|text|csv", "choice", reading, "input", "how the file is written", &
+                  "npy|f32|f64|i16|i32"), &
+      option_type("--skip", "N", "natural", reading, "input", "leave out the first N samples"), &
+      option_type("--from", "S", "real", reading, "input", "begin S seconds after the first sample"), &
+      option_type("--to", "S", "positive", reading, "input", "end S seconds after the first sample"), &
+      option_type("--bad-lines", "error|missing", "choice", reading, "input", &
+                  "a line that cannot be read is an error, or marked missing and counted")]
+
+   type(option_type), parameter :: series_options(*) = [ &
+      option_type("--outliers", "none|auto|pauta|mad", "choice", analysing, "clean", &
+                  "mark outliers missing; auto: Pauta's rule with the threshold for the record's length (default in "// &
+                  "run, else none)", "hampel"), &
+      option_type("--outlier-threshold", "K", "positive", analysing, "clean", "threshold in standard deviations"), &
+      option_type("--detrend", "none|DEGREE", "text", analysing, "clean", &
+                  "remove a polynomial trend of degree 0 to 9 (default: 3 in run, else none)"), &
+      option_type("--adf-regression", "n|c|ct|ctt", "choice", "run tests", "tests", &
+                  "terms of the ADF regression: none, constant (default), trend, quadratic trend"), &
+      option_type("--adf-lags", "auto|N", "text", "run tests", "tests", "lags of the ADF regression"), &
+      option_type("--adf-criterion", "aic|bic|t", "choice", "run tests", "tests", "what chooses the lags"), &
+      option_type("--ar-method", "yw", "choice", "run ar filter", "ar", "yw: Yule-Walker by the Levinson recursion", &
+                  "burg|ols"), &
+      option_type("--ar-criterion", "aic|aicc|bic|hqic|fpe", "choice", "run ar filter", "ar", &
+                  "what chooses the order (default aic)"), &
+      option_type("--max-order", "N", "natural", "run ar filter", "ar", &
+                  "largest order compared (default: 12 in ar, else 3)"), &
+      option_type("--order", "N", "natural", "run ar filter", "ar", "take this order"), &
+      option_type("--akf", "paper|robust", "choice", "run filter", "filter", &
+                  "the adaptive filter: the paper's Sage-Husa on Q and R, or on R only in residual form"), &
+      option_type("--forgetting", "B", "share", "run filter", "filter", "forgetting factor b (default 0.98)"), &
+      option_type("--estimate", "q,r,Q,R", "text", "run filter", "filter", &
+                  "what adapts: means q and r, variances Q and R (default Q,R)"), &
+      option_type("--r-factor", "F", "positive", "run filter", "filter", &
+                  "R of the Kalman filter is F times the variance of the series (default 1)"), &
+      option_type("--kinds", "oadev", "choice", "run allan", "allan", "kinds of deviation: overlapping Allan", &
+                  "adev|mdev|hdev|ohdev|tdev|totdev"), &
+      option_type("--taus", "octave|decade|log:N|all|LIST", "text", "run allan", "allan", &
+                  "averaging times; log:N has N a decade, LIST is seconds separated by commas"), &
+      option_type("--confidence", "P", "share", "run allan", "allan", "of the limits (default 0.683)"), &
+      option_type("--min-coverage", "P", "share", "run allan", "allan", &
+                  "share of a window that must be present (default 0.9; 1: all of it)"), &
+      option_type("--terms", "auto|QNBKR", "text", "run allan", "allan", &
+                  "terms that are fitted, e.g. NBK (default: all five, none of them negative)"), &
+      option_type("--fit-tau-min", "S", "positive", "run allan", "allan", "the fit begins at this averaging time"), &
+      option_type("--fit-tau-max", "S", "positive", "run allan", "allan", "the fit ends at this averaging time"), &
+      option_type("--preset", "paper", "choice", "run", "clean", &
+                  "the paper's chain to the letter: 3 sigma, cubic trend, AIC over AR(1..3), b = 0.98")]
+
+   type(option_type), parameter :: record_options(*) = [ &
+      option_type("--preset", "paper", "choice", "simulate", "record", &
+                  "the paper's record: 12000 samples at 5 Hz, AR(1), cubic trend, 12 outliers; other options change it"), &
+      option_type("--samples", "N", "count", "simulate", "record", "number of samples (default 12000)"), &
+      option_type("--rate", "HZ", "positive", "simulate", "record", "sample rate (default 5)"), &
+      option_type("--dt", "S", "positive", "simulate", "record", "sample interval, instead of --rate"), &
+      option_type("--unit", "UNIT", "text", "simulate", "record", "unit of the values (default deg/s)"), &
+      option_type("--seed", "N", "natural", "simulate", "record", "seed of the random numbers (default 1)"), &
+      option_type("--coefficients", "Q=..,N=..,B=..,K=..,R=..", "text", "simulate", "record", &
+                  "noise terms in the output unit u and seconds: Q in u s, N in u sqrt(s), B in u, K in u/sqrt(s), "// &
+                  "R in u/s"), &
+      option_type("--ar", "PHI[,...]", "text", "simulate", "record", "coefficients of an AR(p) term"), &
+      option_type("--ar-variance", "V", "positive", "simulate", "record", "variance of the AR(p) term"), &
+      option_type("--trend", "C0[,C1,...]", "text", "simulate", "record", "trend, in powers of the sample index 0, 1, ..."), &
+      option_type("--offset", "X", "real", "simulate", "record", "constant rate"), &
+      option_type("--outlier-count", "N", "natural", "simulate", "record", "number of outliers"), &
+      option_type("--outlier-size", "K", "real", "simulate", "record", "their size in standard deviations of the rest"), &
+      option_type("--rounding", "X", "positive", "simulate", "record", "round the values to multiples of X"), &
+      option_type("--missing", "P", "real", "simulate", "record", "share of the samples lost at random, 0 to 0.9"), &
+      option_type("--output", "FILE", "text", "simulate", "record", "write FILE instead of standard output")]
+
+   type(option_type), parameter :: common_options(*) = [ &
+      option_type("--out", "DIR", "text", analysing, "common", "write the result files into DIR"), &
+      option_type("--json", "FILE", "text", reading, "common", "write the results as JSON; - is standard output"), &
+      option_type("--threads", "N", "count", every, "common", "number of threads (default: all)"), &
+      option_type("--quiet", "", "flag", reading, "common", "print no report"), &
+      option_type("--help", "", "flag", every, "common", "this text, or that of a command"), &
+      option_type("--version", "", "flag", every, "common", "the version"), &
+      option_type("--citation", "", "flag", every, "common", "what to cite"), &
+      option_type("--memory", "SIZE", "later", none), &
+      option_type("--progress", "auto|on|off", "later", none), &
+      option_type("--config", "FILE", "later", none), &
+      option_type("--truth", "FILE", "later", none), &
+      option_type("--drift-tau", "S", "later", none)]
+
+   !> All options
+   type(option_type), parameter :: options(*) = [input_options, series_options, record_options, common_options]
+
+contains
+
+   !> Row of an option for a command; where the command does not know it, its first row; 0 where no row has the name.
+   pure integer function find_option(name, command)
+      !> With its dashes
+      character(*), intent(in) :: name
+      !> A command; "" for any
+      character(*), intent(in) :: command
+      integer :: i
+
+      find_option = 0
+      do i = 1, size(options)
+         if (options(i)%name /= name) cycle
+         if (find_option == 0) find_option = i
+         if (belongs_to(options(i), command)) find_option = i
+      end do
+   end function find_option
+
+   !> Whether a value follows.
+   pure logical function takes_value(option)
+      !> A row
+      type(option_type), intent(in) :: option
+
+      takes_value = option%kind /= "flag"
+   end function takes_value
+
+   !> Whether a command knows the option.
+   pure logical function belongs_to(option, command)
+      !> A row
+      type(option_type), intent(in) :: option
+      !> A command
+      character(*), intent(in) :: command
+
+      belongs_to = index(" "//option%commands//" ", " "//trim(command)//" ") > 0
+   end function belongs_to
+
+   !> The known option that a misspelt one probably means, "" if none is near.
+   !>
+   !> The distance to an option is that to its whole name or to its last part: --threshold means --outlier-threshold.
+   function suggest_option(name) result(known)
+      !> As it was typed, with its dashes
+      character(*), intent(in) :: name
+      character(:), allocatable :: known, full
+      integer :: i, distance, best
+
+      known = ""
+      if (len(name) < 3 .or. len(name) > 2*len(options%name)) return
+      best = (len(name) - 2)/2 + 1
+      do i = 1, size(options)
+         full = trim(options(i)%name)
+         distance = min(edit_distance(name(3:), full(3:)), edit_distance(name(3:), full(index(full, "-", back=.true.) + 1:)))
+         if (distance >= best) cycle
+         best = distance
+         known = full
+      end do
+   end function suggest_option
+
+   !> The nearest of some words, "" if none is near.
+   function suggest_word(word, words) result(known)
+      !> As it was typed
+      character(*), intent(in) :: word
+      !> [n] the known ones
+      character(*), intent(in) :: words(:)
+      character(:), allocatable :: known
+      integer :: i
+
+      known = ""
+      if (len_trim(word) > 2*len(words)) return
+      i = nearest_word(word, words)
+      if (i > 0) known = trim(words(i))
+   end function suggest_word
+
+end module gyroakf_app_option

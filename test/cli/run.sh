@@ -1,0 +1,54 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Tests of the program through its binary:   test/cli/run.sh PATH-OF-THE-BINARY
+# Prints a line for every failure and as the last line "N passed, N failed"; exits non-zero on failure.
+set -u
+[ $# -ge 1 ] && [ -x "$1" ] || { echo "usage: $0 PATH-OF-THE-BINARY" >&2; exit 1; }
+gyroakf=$(cd "$(dirname "$1")" && pwd)/$(basename "$1")
+here=$(cd "$(dirname "$0")" && pwd)
+root=$(cd "$here/../.." && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+passed=0
+failed=0
+
+pass() { passed=$((passed + 1)); }
+fail() { failed=$((failed + 1)); printf 'FAILED: %s\n' "$*"; }
+
+# run ARGUMENTS...: sets code, leaves standard output in out, standard error in err
+run() { "$gyroakf" "$@" >out 2>err </dev/null; code=$?; }
+
+# good NAME ARGUMENTS...: exit code 0, nothing on standard error
+good() {
+   local name=$1; shift
+   run "$@"
+   if [ $code -ne 0 ]; then fail "$name: exit code $code: $(head -c 300 err)"
+   elif [ -s err ]; then fail "$name: standard error: $(head -c 300 err)"
+   else pass; fi
+}
+
+# bad NAME CODE FRAGMENT ARGUMENTS...: that exit code, the message, an empty standard output
+bad() {
+   local name=$1 expected=$2 fragment=$3; shift 3
+   run "$@"
+   if [ $code -ne "$expected" ]; then fail "$name: exit code $code instead of $expected: $(head -c 300 err)"
+   elif [ -s out ]; then fail "$name: standard output is not empty"
+   elif [ "$(head -c 16 err)" != "gyroakf: error: " ]; then fail "$name: standard error: $(head -c 300 err)"
+   elif ! grep -qF -- "$fragment" err; then fail "$name: no '$fragment' in: $(head -c 300 err)"
+   else pass; fi
+}
+
+# holds NAME TEXT FILE: the text is in the file
+holds() { if grep -qF -- "$2" "$3"; then pass; else fail "$1: no '$2' in $3"; fi; }
+
+# is NAME ACTUAL EXPECTED
+is() { if [ "$2" = "$3" ]; then pass; else fail "$1: '$2' instead of '$3'"; fi; }
+
+for part in "$here"/part_*.sh; do
+   # shellcheck source=/dev/null
+   . "$part"
+done
+
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]
