@@ -1,0 +1,201 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Prepares a machine for gyroakf, then runs the command it is given with optimising flags:
+#
+#   ./setup.sh fpm run gyroakf -- example/data/mems_gyro_x.txt
+#   ./setup.sh fpm test
+#
+# It installs only what is missing and can be run any number of times. Root (or sudo) is needed only
+# where a package of the system is missing. After it plain `fpm run` and `fpm test` work too.
+#
+#   FPM_FFLAGS=...      other compiler flags; empty: fpm's own debug flags
+#   GYROAKF_PLOTS=1     install gnuplot too (figures)
+#   GYROAKF_LINT=1      install fortitude too (style checks)
+# shellcheck disable=SC2016,SC2086  # lists of words are split on purpose
+set -eu
+root=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd)
+cache=${XDG_CACHE_HOME:-${HOME:-/tmp}/.cache}/gyroakf
+venv=$cache/venv
+fpm_version=0.12.0
+fortitude_version=0.10.0
+unset GIT_DIR GIT_WORK_TREE GIT_INDEX_FILE
+
+say()  { printf 'setup: %s\n' "$*" >&2; }
+die()  { say "$*"; exit 1; }
+have() { command -v "$1" >/dev/null 2>&1; }
+
+as_root() {
+  if [ "$(id -u)" -eq 0 ]; then "$@"
+  elif have sudo; then sudo "$@"
+  else die "this needs root, and there is no sudo; run as root: $*"; fi
+}
+
+bounded() { # runs a command for at most $1 seconds, where the system can bound one
+  seconds=$1; shift
+  if have timeout; then timeout "$seconds" "$@"; else "$@"; fi
+}
+
+links() { # whether a program that calls LAPACK from a parallel region builds with these flags
+  dir=$(mktemp -d)
+  printf 'external dposv\n!$omp parallel\ncall dposv\n!$omp end parallel\nend\n' > "$dir/t.f90"
+  if gfortran -fopenmp "$@" "$dir/t.f90" -o "$dir/t" -llapack -lblas >/dev/null 2>&1; then r=0; else r=1; fi
+  rm -rf "$dir"
+  return $r
+}
+
+is_fpm() { # whether this is the Fortran package manager (there is another fpm), and not an old one
+  v=$("$1" --version 2>/dev/null | tr '\n' ' ') || return 1
+  case $v in *"Version: "*0.[0-8].*) return 1 ;; *Fortran*) return 0 ;; *) return 1 ;; esac
+}
+
+# --- what is missing -------------------------------------------------------------------------
+need=
+native=-march=native
+if have gfortran && have gcc && have ar; then
+  links $native || { native=; links || need=lapack; }
+else
+  need='compiler lapack'
+fi
+have git || need="$need git"
+own_fpm=
+if have fpm && is_fpm fpm; then :; else own_fpm=yes; fi
+if { [ -n "$own_fpm" ] && ! is_fpm "$venv/bin/fpm"; } ||
+   { [ -n "${GYROAKF_LINT:-}" ] && ! have fortitude && [ ! -x "$venv/bin/fortitude" ]; }; then
+  have python3 && python3 -c 'import ensurepip, venv' >/dev/null 2>&1 || need="$need python"
+fi
+[ -z "${GYROAKF_PLOTS:-}" ] || have gnuplot || need="$need gnuplot"
+
+# --- packages of the system ------------------------------------------------------------------
+if [ -n "$need" ]; then
+  say "installing:" $need
+  list=
+  add() { list="$list $*"; }
+  if have apt-get; then
+    for n in $need; do case $n in
+      compiler) add gfortran gcc libc6-dev binutils ;;
+      lapack) add liblapack-dev libblas-dev ;;
+      git) add git ca-certificates ;;
+      python) add python3 python3-venv ca-certificates ;;
+      gnuplot) add gnuplot-nox ;;
+    esac; done
+    as_root apt-get update -qq >&2 || say "the package index was not refreshed"
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $list >&2
+  elif have dnf; then
+    for n in $need; do case $n in
+      compiler) add gcc-gfortran gcc binutils ;;
+      lapack) add lapack-devel blas-devel ;;
+      git) add git-core ;;
+      python) add python3 python3-pip ;;
+      gnuplot) add gnuplot ;;
+    esac; done
+    as_root dnf install -y $list >&2
+  elif have brew; then
+    for n in $need; do case $n in
+      compiler) add gcc ;; *) add "$n" ;;
+    esac; done
+    brew install $list >&2
+  elif have mamba || have conda; then
+    tool=conda; if have mamba; then tool=mamba; fi
+    for n in $need; do case $n in
+      compiler) add gfortran gcc binutils ;; lapack) add liblapack libblas ;; *) add "$n" ;;
+    esac; done
+    $tool install -y -c conda-forge $list >&2
+  else
+    die "no known package manager; please install:" $need
+  fi
+  links $native || { native=; links || die "gfortran cannot link LAPACK (-llapack -lblas)"; }
+fi
+
+# --- fpm, in an environment of its own -------------------------------------------------------
+in_venv() { # installs a Python package into the private environment
+  if [ ! -x "$venv/bin/python" ] || ! "$venv/bin/python" -c '' >/dev/null 2>&1; then
+    rm -rf "$venv"
+    python3 -m venv "$venv" >&2
+  fi
+  say "installing $1 into $venv"
+  "$venv/bin/python" -m pip install -q --disable-pip-version-check "$1" >&2
+}
+
+link_fpm() { # leaves fpm on the PATH; never replaces a file that is not ours
+  for dir in /usr/local/bin "${HOME:-/nonexistent}/.local/bin"; do
+    mkdir -p "$dir" 2>/dev/null || continue
+    [ -w "$dir" ] || continue
+    link=$dir/fpm
+    [ ! -L "$link" ] || [ "$(readlink "$link")" != "$venv/bin/fpm" ] || return 0
+    if [ -e "$link" ]; then
+      say "$link is another program and stays; use: ./setup.sh fpm ..."
+      return 0
+    fi
+    ln -sf "$venv/bin/fpm" "$link"
+    case :$PATH: in
+      *":$dir:"*) say "fpm is now at $link" ;;
+      *) say "fpm is now at $link; to find it, add this to your profile: PATH=\"$dir:\$PATH\"" ;;
+    esac
+    return 0
+  done
+  say "fpm is at $venv/bin/fpm"
+}
+
+if [ -n "$own_fpm" ]; then
+  is_fpm "$venv/bin/fpm" || in_venv "fpm==$fpm_version"
+  link_fpm
+fi
+if [ -n "${GYROAKF_LINT:-}" ] && ! have fortitude && [ ! -x "$venv/bin/fortitude" ]; then
+  in_venv "fortitude-lint==$fortitude_version"
+fi
+if [ -d "$venv/bin" ]; then
+  if [ -n "$own_fpm" ]; then PATH=$venv/bin:$PATH; else PATH=$PATH:$venv/bin; fi
+  export PATH
+fi
+
+# --- the test framework ----------------------------------------------------------------------
+# It is a git dependency, fetched by fpm on its first build. Where its address does not answer, a
+# checkout of ci/test-drive, which has the same interface, is put where fpm would put the original.
+dep=$root/build/dependencies/test-drive
+stand_in=$root/ci/test-drive
+
+is_stand_in() { grep -q '^# Stand-in' "$dep/README.md" 2>/dev/null; }
+is_current() { # whether the stand-in in use is the one in ci/
+  (cd "$stand_in" && find . -type f) | while read -r f; do
+    cmp -s "$stand_in/$f" "$dep/$f" || exit 1
+  done
+}
+put_stand_in() {
+  new=$root/build/dependencies/new.$$
+  mkdir -p "$new"
+  cp -R "$stand_in/." "$new/"
+  git -C "$new" init -q
+  git -C "$new" add -A -f
+  git -C "$new" -c user.name=setup -c user.email=setup@localhost -c commit.gpgsign=false \
+    -c core.hooksPath=/dev/null commit -q -m "$1"
+  rm -rf "$dep"
+  mv "$new" "$dep"
+}
+
+if [ -d "$dep" ] && { [ ! -d "$dep/src" ] ||
+     ! git --git-dir="$dep/.git" rev-parse -q --verify HEAD >/dev/null 2>&1; }; then
+  rm -rf "$dep" # a fetch that was cut off
+fi
+if [ ! -d "$dep" ]; then
+  # fpm's notes say that the checkout is there; its archives keep the objects of another one
+  rm -rf "$root"/build/cache.toml "$root"/build/*_*
+  url=$(sed -n 's/^test-drive *=.*git *= *"\([^"]*\)".*/\1/p' "$root/fpm.toml")
+  tag=$(sed -n 's/^test-drive *=.*tag *= *"\([^"]*\)".*/\1/p' "$root/fpm.toml")
+  if ! GIT_TERMINAL_PROMPT=0 bounded 20 git ls-remote --exit-code "$url" "refs/tags/$tag" >/dev/null 2>&1; then
+    say "$url does not answer; the tests use ci/test-drive"
+    put_stand_in "$tag"
+  fi
+elif is_stand_in && ! is_current; then
+  put_stand_in updated
+fi
+
+# --- flags -----------------------------------------------------------------------------------
+# Without --profile fpm builds for debugging. No fused multiply-add by the compiler's choice: the
+# results are then the same to the last digit on every level of optimisation.
+: "${FPM_FFLAGS=-O3 $native -ffp-contract=off -fPIC -g -fbacktrace}"
+: "${FPM_CFLAGS=-O3 $native -ffp-contract=off -fPIC -g}"
+: "${OMP_WAIT_POLICY=passive}" # waiting threads sleep: other work on the machine does not slow us down
+export FPM_FFLAGS FPM_CFLAGS OMP_WAIT_POLICY
+
+if [ $# -eq 0 ]; then say "ready"; exit 0; fi
+exec "$@"
