@@ -47,7 +47,7 @@ contains
          if (wanted_suite /= name) return
       end if
 
-      write (output_unit, '(a)') "# Testing: "//name
+      write (output_unit, "(a)") "# Testing: "//name
       flush (output_unit)
       suites = suites + 1
       before = failures
@@ -77,9 +77,9 @@ contains
 
       integer :: i
 
-      write (output_unit, '(a)') "No test '"//name//"'; there are:"
+      write (output_unit, "(a)") "No test '"//name//"'; there are:"
       do i = 1, size(tests)
-         write (output_unit, '(a)') "  "//tests(i)%name
+         write (output_unit, "(a)") "  "//tests(i)%name
       end do
       failures = failures + 1
       total = total + 1
@@ -88,7 +88,7 @@ contains
    !> Prints the count as the last line; true if a test failed or nothing ran.
    logical function finish()
       if (suites == 0) then
-         write (output_unit, '(a)') "No such suite"
+         write (output_unit, "(a)") "No such suite"
          failures = failures + 1
          total = total + 1
       end if

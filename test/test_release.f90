@@ -45,7 +45,7 @@ contains
       call check(error, stat, "fpm.toml cannot be opened: run the tests from the root of the project")
       if (allocated(error)) return
       do
-         read (unit, '(a)', iostat=stat) line
+         read (unit, "(a)", iostat=stat) line
          if (stat /= 0) exit
          if (index(line, key) == 1) exit
       end do

@@ -1,0 +1,106 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# The rules of CONTRIBUTING.md that a text search can check:   ci/style.sh
+# Prints a line for every violation and as the last line "N passed, N failed" (rules, not lines).
+set -u
+shopt -s lastpipe # the last command of a pipe runs here and can count
+cd "$(dirname "$0")/.." || exit 1
+passed=0
+failed=0
+
+# rule NAME: fails if there is anything on standard input, and shows it
+rule() {
+  local found
+  found=$(cat)
+  if [ -z "$found" ]; then passed=$((passed + 1)); return; fi
+  failed=$((failed + 1))
+  printf '%s:\n%s\n' "$1" "$found" | head -n 20
+}
+
+files() { # of the repository, also the new ones that are not ignored
+  git ls-files --cached --others --exclude-standard -- "$@" | while read -r f; do [ -f "$f" ] && echo "$f"; done
+}
+
+code() { # FILE:LINE:code, without texts and comments, in lower case
+  files "$@" | while read -r f; do
+    sed "s/\"[^\"]*\"/\"\"/g; s/'[^']*'/\"\"/g; s/!.*//" "$f" | tr '[:upper:]' '[:lower:]' | awk -v f="$f" '{ print f ":" NR ":" $0 }'
+  done
+}
+
+src=$(code 'src/*.f90')
+app=$(code 'app/*.f90')
+
+grep -E ':[0-9]+:(.*[^a-z0-9_%])?(error +)?stop( *$| *[0-9",a-z(]| *;)' <<<"$src" |
+  grep -vE '(end +(subroutine|function)|%) *stop|stop *=' | rule "the library does not stop"
+grep -E ':[0-9]+:(.*[^a-z0-9_%])?(print *([*(]|"")|write *\( *((unit *= *)?(\*|output_unit|error_unit)))' <<<"$src" |
+  rule "the library does not print"
+grep -E ':[0-9]+:(.*[^a-z0-9_%])?(error +)?stop( *$| *[0-9",a-z(]| *;)' <<<"$app" | grep -v '^app/main.f90:' |
+  grep -vE 'stop *=' | rule "only app/main.f90 ends the program"
+printf '%s\n%s\n' "$src" "$app" | grep -E ':[0-9]+: *use[ ,:]' | grep -vE 'only *:' | grep -v '^src/gyroakf.f90:' |
+  rule "every use has only:"
+grep -E '(^|[^a-z_])random_(number|seed) *\(|random_init' <<<"$src" | rule "the library draws from its own generator"
+grep -E ':[0-9]+: *(integer|real|logical|character|type|class|complex)[^:]*, *save|:[0-9]+: *save( |$)|threadprivate' <<<"$src" |
+  rule "the library keeps no state"
+
+files 'src/*.f90' | while read -r f; do
+  want=${f#src/}; want=${want%.f90}; want=${want//\//_}
+  got=$(sed -nE 's/^ *(module|submodule *\([^)]*\)) +([A-Za-z0-9_]+) *(!.*)?$/\2/p' "$f" | head -n 1)
+  [ "$got" = "$want" ] || echo "$f: $got instead of $want"
+done | rule "a module is named after its path"
+
+files 'src/*.f90' 'app/*.f90' 'test/*.f90' 'example/*.f90' | while read -r f; do
+  head -n 1 "$f" | grep -q '^! SPDX-License-Identifier: MIT$' || echo "$f"
+  grep -q 'implicit none (type, external)' "$f" || echo "$f: no implicit none (type, external)"
+done | rule "every Fortran file has its licence and implicit none (type, external)"
+
+files '*.c' '*.h' '*.sh' | while read -r f; do
+  head -n 3 "$f" | grep -q 'SPDX-License-Identifier: MIT' || echo "$f"
+done | rule "every C file and script has its licence"
+
+# foundations < io, simulate < the methods < pipeline < report < c_api
+level() {
+  case $1 in
+    gyroakf_c_api*) echo 5 ;;
+    gyroakf_report*) echo 4 ;;
+    gyroakf_pipeline*) echo 3 ;;
+    gyroakf_preprocess* | gyroakf_series* | gyroakf_ar | gyroakf_ar_* | gyroakf_allan* | gyroakf_filter*) echo 2 ;;
+    gyroakf_io* | gyroakf_simulate*) echo 1 ;;
+    *) echo 0 ;;
+  esac
+}
+sed -nE 's/^src\/([^:]*)\.f90:[0-9]+: *use *(, *non_intrinsic *)?(::)? *(gyroakf_[a-z0-9_]+).*/\1 \4/p' <<<"$src" |
+  sort -u | while read -r path used; do
+    own=${path//\//_}
+    [ "$own" = gyroakf ] && continue
+    [ "$(level "$own")" -ge "$(level "$used")" ] || echo "src/$path.f90 uses $used"
+  done | rule "a module uses only its own layer and lower ones"
+
+files '*.f90' '*.c' '*.h' '*.sh' '*.toml' '*.md' 'setup.sh' | grep -v '^test/data/' | while read -r f; do
+  grep -nE "[[:space:]]+\$|$(printf '\t')" "$f" | sed "s|^|$f:|"
+done | rule "no tabs, no blanks at the end of a line"
+
+files '*' | grep -vE '^(test|example)/data/|\.(png|svg|npy|gz)$' | while read -r f; do
+  [ ! -s "$f" ] || grep -qI . "$f" || echo "$f"
+done | rule "no binary files"
+
+# one version everywhere
+version=$(sed -n 's/^version *= *"\(.*\)"/\1/p' fpm.toml)
+{
+  same() { # FILE TEXT...: the text is in the file, if there is such a file
+    [ ! -f "$1" ] || grep -qF -- "$2" "$1" || echo "$1: no '$2'"
+  }
+  IFS=. read -r major minor patch <<<"$version"
+  same src/gyroakf/release.f90 "release_string = \"$version\""
+  same CMakeLists.txt "VERSION $version"
+  if [ -f c_api/include/gyroakf.h ]; then
+    for part in MAJOR:"$major" MINOR:"$minor" PATCH:"$patch"; do
+      grep -qE "GYROAKF_VERSION_${part%:*} +${part#*:}\$" c_api/include/gyroakf.h ||
+        echo "c_api/include/gyroakf.h: GYROAKF_VERSION_${part%:*} is not ${part#*:}"
+    done
+  fi
+  same man/gyroakf.1 "gyroakf $version"
+  same CITATION.cff "version: $version"
+} | rule "one version everywhere"
+
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]
