@@ -10,6 +10,8 @@ module gyroakf
    use gyroakf_units, only : unit_type, coefficient_unit_type, quantity, term_names, &
       parse_unit, coefficient_unit, angle_to_rate_unit
    use gyroakf_record, only : record_type, audit_type, text_type, add_text
+   use gyroakf_special, only : normal_cdf, normal_quantile, chi_square_cdf, chi_square_survival, &
+      & chi_square_quantile, digamma
    implicit none (type, external)
    public
 end module gyroakf

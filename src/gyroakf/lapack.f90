@@ -1,0 +1,101 @@
+! SPDX-License-Identifier: MIT
+!> Explicit interfaces of the LAPACK and BLAS routines that the library calls; no code.
+!>
+!> Any implementation serves (reference, OpenBLAS, MKL): link with `-llapack -lblas`.
+!> Source of the interfaces: LAPACK Users' Guide, 3rd edition (SIAM, 1999). Integers are of
+!> the default kind, as in every LP64 build; callers check a size before they narrow it.
+module gyroakf_lapack
+   use gyroakf_kinds, only : dp
+   implicit none (type, external)
+   private
+   public :: dpotrf, dpotrs, dposv, dpotri, dgels, dtrtrs, dsyev, dsyrk
+
+   interface
+
+      !> Cholesky factor of a symmetric positive definite matrix
+      subroutine dpotrf(uplo, n, a, lda, info)
+         import :: dp
+         implicit none (type, external)
+         character(1), intent(in) :: uplo
+         integer, intent(in) :: n, lda
+         real(dp), intent(inout) :: a(lda, *)
+         integer, intent(out) :: info
+      end subroutine dpotrf
+
+      !> Solves A X = B with the factor of dpotrf
+      subroutine dpotrs(uplo, n, nrhs, a, lda, b, ldb, info)
+         import :: dp
+         implicit none (type, external)
+         character(1), intent(in) :: uplo
+         integer, intent(in) :: n, nrhs, lda, ldb
+         real(dp), intent(in) :: a(lda, *)
+         real(dp), intent(inout) :: b(ldb, *)
+         integer, intent(out) :: info
+      end subroutine dpotrs
+
+      !> Solves A X = B, A symmetric positive definite
+      subroutine dposv(uplo, n, nrhs, a, lda, b, ldb, info)
+         import :: dp
+         implicit none (type, external)
+         character(1), intent(in) :: uplo
+         integer, intent(in) :: n, nrhs, lda, ldb
+         real(dp), intent(inout) :: a(lda, *), b(ldb, *)
+         integer, intent(out) :: info
+      end subroutine dposv
+
+      !> Inverse of a symmetric positive definite matrix from the factor of dpotrf
+      subroutine dpotri(uplo, n, a, lda, info)
+         import :: dp
+         implicit none (type, external)
+         character(1), intent(in) :: uplo
+         integer, intent(in) :: n, lda
+         real(dp), intent(inout) :: a(lda, *)
+         integer, intent(out) :: info
+      end subroutine dpotri
+
+      !> Least squares by QR or LQ, A of full rank
+      subroutine dgels(trans, m, n, nrhs, a, lda, b, ldb, work, lwork, info)
+         import :: dp
+         implicit none (type, external)
+         character(1), intent(in) :: trans
+         integer, intent(in) :: m, n, nrhs, lda, ldb, lwork
+         real(dp), intent(inout) :: a(lda, *), b(ldb, *)
+         real(dp), intent(out) :: work(*)
+         integer, intent(out) :: info
+      end subroutine dgels
+
+      !> Solves a triangular system
+      subroutine dtrtrs(uplo, trans, diag, n, nrhs, a, lda, b, ldb, info)
+         import :: dp
+         implicit none (type, external)
+         character(1), intent(in) :: uplo, trans, diag
+         integer, intent(in) :: n, nrhs, lda, ldb
+         real(dp), intent(in) :: a(lda, *)
+         real(dp), intent(inout) :: b(ldb, *)
+         integer, intent(out) :: info
+      end subroutine dtrtrs
+
+      !> Eigenvalues and, where asked, eigenvectors of a symmetric matrix
+      subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
+         import :: dp
+         implicit none (type, external)
+         character(1), intent(in) :: jobz, uplo
+         integer, intent(in) :: n, lda, lwork
+         real(dp), intent(inout) :: a(lda, *)
+         real(dp), intent(out) :: w(*), work(*)
+         integer, intent(out) :: info
+      end subroutine dsyev
+
+      !> C := alpha A A' + beta C, one triangle of C
+      subroutine dsyrk(uplo, trans, n, k, alpha, a, lda, beta, c, ldc)
+         import :: dp
+         implicit none (type, external)
+         character(1), intent(in) :: uplo, trans
+         integer, intent(in) :: n, k, lda, ldc
+         real(dp), intent(in) :: alpha, beta, a(lda, *)
+         real(dp), intent(inout) :: c(ldc, *)
+      end subroutine dsyrk
+
+   end interface
+
+end module gyroakf_lapack
