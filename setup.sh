@@ -27,7 +27,7 @@ have() { command -v "$1" >/dev/null 2>&1; }
 as_root() {
   if [ "$(id -u)" -eq 0 ]; then "$@"
   elif have sudo; then sudo "$@"
-  else die "this needs root, and there is no sudo; run as root: $*"; fi
+  else say "there is no sudo"; return 1; fi
 }
 
 bounded() { # runs a command for at most $1 seconds, where the system can bound one
@@ -79,7 +79,8 @@ if [ -n "$need" ]; then
       gnuplot) add gnuplot-nox ;;
     esac; done
     as_root apt-get update -qq >&2 || say "the package index was not refreshed"
-    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $list >&2
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $list >&2 ||
+      die "not installed; please run as root: apt-get install$list"
   elif have dnf; then
     for n in $need; do case $n in
       compiler) add gcc-gfortran gcc binutils ;;
@@ -88,7 +89,7 @@ if [ -n "$need" ]; then
       python) add python3 python3-pip ;;
       gnuplot) add gnuplot ;;
     esac; done
-    as_root dnf install -y $list >&2
+    as_root dnf install -y $list >&2 || die "not installed; please run as root: dnf install$list"
   elif have brew; then
     for n in $need; do case $n in
       compiler) add gcc ;; *) add "$n" ;;
