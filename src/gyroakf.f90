@@ -12,6 +12,8 @@ module gyroakf
    use gyroakf_record, only : record_type, audit_type, text_type, add_text
    use gyroakf_special, only : normal_cdf, normal_quantile, chi_square_cdf, chi_square_survival, &
       & chi_square_quantile, digamma
+   use gyroakf_fft, only : fft_plan_type, new_fft_plan, fft_forward, fft_backward, smooth_length, &
+      real_fft_plan_type, new_real_fft_plan, real_fft_forward, real_fft_backward, convolve
    implicit none (type, external)
    public
 end module gyroakf

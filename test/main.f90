@@ -7,6 +7,7 @@
 program test_main
    ! One line for every suite here, in alphabetical order ...
    use test_error, only : collect_error
+   use test_fft, only : collect_fft
    use test_release, only : collect_release
    use test_special, only : collect_special
    use test_units, only : collect_units
@@ -15,6 +16,7 @@ program test_main
 
    ! ... and one line here, in the same order.
    call add("error", collect_error)
+   call add("fft", collect_fft)
    call add("release", collect_release)
    call add("special", collect_special)
    call add("units", collect_units)
