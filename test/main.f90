@@ -8,6 +8,7 @@ program test_main
    ! One line for every suite here, in alphabetical order ...
    use test_error, only : collect_error
    use test_fft, only : collect_fft
+   use test_random, only : collect_random
    use test_release, only : collect_release
    use test_special, only : collect_special
    use test_units, only : collect_units
@@ -17,6 +18,7 @@ program test_main
    ! ... and one line here, in the same order.
    call add("error", collect_error)
    call add("fft", collect_fft)
+   call add("random", collect_random)
    call add("release", collect_release)
    call add("special", collect_special)
    call add("units", collect_units)
