@@ -15,6 +15,7 @@ module gyroakf
    use gyroakf_fft, only : fft_plan_type, new_fft_plan, fft_forward, fft_backward, smooth_length, &
       real_fft_plan_type, new_real_fft_plan, real_fft_forward, real_fft_backward, convolve
    use gyroakf_simulate_random, only : random_type, seed_random, next_bits, next_uniform, next_normal, fill_normal
+   use gyroakf_io_record_writer, only : write_record
    implicit none (type, external)
    public
 end module gyroakf

@@ -9,6 +9,7 @@ program test_main
    use test_error, only : collect_error
    use test_fft, only : collect_fft
    use test_random, only : collect_random
+   use test_record_writer, only : collect_record_writer
    use test_release, only : collect_release
    use test_special, only : collect_special
    use test_units, only : collect_units
@@ -19,6 +20,7 @@ program test_main
    call add("error", collect_error)
    call add("fft", collect_fft)
    call add("random", collect_random)
+   call add("record_writer", collect_record_writer)
    call add("release", collect_release)
    call add("special", collect_special)
    call add("units", collect_units)

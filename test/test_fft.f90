@@ -318,7 +318,7 @@ contains
       integer(int64), intent(in) :: n
       character(8) :: text
 
-      write (text, '(i0)') n
+      write (text, "(i0)") n
    end function decimal
 
 end module test_fft

@@ -39,7 +39,9 @@ contains
          return
       end if
       n = 2*smooth_length((na + nb)/2)
-      allocate (padded(n), spectrum(n/2 + 1), other(n/2 + 1), stat=stat)
+      allocate (padded(n), stat=stat)
+      if (stat == 0) allocate (spectrum(n/2 + 1), stat=stat)
+      if (stat == 0) allocate (other(n/2 + 1), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for a convolution")
          return

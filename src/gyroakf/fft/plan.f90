@@ -242,7 +242,9 @@ contains
       integer(int64) :: j, square
       integer :: stat
 
-      allocate (plan%chirp(0:plan%length - 1), plan%filter(0:plan%inner - 1), work(0:plan%inner - 1), stat=stat)
+      allocate (plan%chirp(0:plan%length - 1), stat=stat)
+      if (stat == 0) allocate (plan%filter(0:plan%inner - 1), stat=stat)
+      if (stat == 0) allocate (work(0:plan%inner - 1), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the tables of a Fourier transform")
          return

@@ -1,0 +1,134 @@
+! SPDX-License-Identifier: MIT
+!> Records written as text.
+module test_record_writer
+   use testdrive, only : error_type, unittest_type, new_unittest, check, test_failed
+   use gyroakf_kinds, only : dp
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_record, only : record_type, text_type, add_text
+   use gyroakf_io_record_writer, only : write_record
+   implicit none (type, external)
+   private
+   public :: collect_record_writer
+
+   character(*), parameter :: path = "test_record_writer.tmp"
+
+contains
+
+   subroutine collect_record_writer(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      allocate (testsuite(4))
+      testsuite(1) = new_unittest("layout", test_layout)
+      testsuite(2) = new_unittest("numbers", test_numbers)
+      testsuite(3) = new_unittest("long", test_long)
+      testsuite(4) = new_unittest("failures", test_failures)
+   end subroutine collect_record_writer
+
+   !> Header keys, columns, missing samples
+   subroutine test_layout(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(text_type), allocatable :: header(:)
+      type(gyro_error), allocatable :: failure
+      character(:), allocatable :: text
+
+      call add_text(header, "made by hand")
+      record%rate_known = .true.
+      record%sample_interval = 0.01_dp
+      record%unit%name = "deg/s"
+      call add_text(record%channel, "gx")
+      call add_text(record%channel, "gy")
+      allocate (record%value(2, 2), record%present(2, 2))
+      record%value(:, 1) = [1.5_dp, 0.0_dp]
+      record%value(:, 2) = [-2.0_dp, 1.0e-7_dp]
+      record%present = 1
+      record%present(2, 1) = 0
+      call write_record(path, record, header, 6, failure)
+      call check(error, .not. allocated(failure))
+      if (allocated(error)) return
+      call read_back(text)
+      call check(error, text, "# made by hand|# rate_hz: 100|# unit: deg/s|# columns: gx gy|1.5 -2|nan 1e-07|")
+   end subroutine test_layout
+
+   !> As C's %.9g; nothing known but the values
+   subroutine test_numbers(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(text_type), allocatable :: header(:)
+      type(gyro_error), allocatable :: failure
+      character(:), allocatable :: text
+
+      allocate (header(0), record%value(12, 1))
+      record%value(:, 1) = [0.0_dp, 1.0_dp, -1.0_dp, 0.1_dp, 123456789.4_dp, 1234567891.0_dp, 999999999.9_dp, 0.0001_dp, &
+         & 0.00009999999999_dp, 1.0_dp/3, -huge(1.0_dp), tiny(1.0_dp)]
+      call write_record(path, record, header, 9, failure)
+      call check(error, .not. allocated(failure))
+      if (allocated(error)) return
+      call read_back(text)
+      call check(error, text, "0|1|-1|0.1|123456789|1.23456789e+09|1e+09|0.0001|0.0001|0.333333333|"// &
+         & "-1.79769313e+308|2.22507386e-308|")
+   end subroutine test_numbers
+
+   !> More than one block of output, at 17 digits: every value is read back to the last bit.
+   subroutine test_long(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(text_type), allocatable :: header(:)
+      type(gyro_error), allocatable :: failure
+      real(dp) :: again(20000)
+      integer :: i, unit
+
+      allocate (header(0), record%value(20000, 1))
+      record%value(:, 1) = [(sin(real(i, dp))*10.0_dp**mod(i, 30), i=1, 20000)]
+      call write_record(path, record, header, 17, failure)
+      call check(error, .not. allocated(failure))
+      if (allocated(error)) return
+      open (newunit=unit, file=path, status="old")
+      read (unit, *) again
+      close (unit, status="delete")
+      call check(error, maxval(abs(again - record%value(:, 1))) <= 0)
+   end subroutine test_long
+
+   subroutine test_failures(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(text_type), allocatable :: header(:)
+      type(gyro_error), allocatable :: failure
+      integer :: i
+      integer, parameter :: digits(2) = [0, 18]
+
+      allocate (header(0), record%value(1, 1))
+      record%value(1, 1) = 0
+      do i = 1, 2
+         call write_record(path, record, header, digits(i), failure)
+         call check(error, allocated(failure))
+         if (allocated(error)) return
+         call check(error, failure%code, status%invalid_argument)
+         if (allocated(error)) return
+      end do
+      call write_record("no/such/directory/x.txt", record, header, 9, failure)
+      call check(error, allocated(failure))
+      if (allocated(error)) return
+      call check(error, failure%code, status%io)
+      if (allocated(error)) return
+      call check(error, index(failure%message, "no/such/directory/x.txt") > 0)
+   end subroutine test_failures
+
+   !> The file's text, a bar for every end of line; the file is deleted
+   subroutine read_back(text)
+      character(:), allocatable, intent(out) :: text
+      integer :: unit, stat
+      character(1) :: letter
+
+      text = ""
+      open (newunit=unit, file=path, access="stream", form="unformatted", status="old", action="read")
+      do
+         read (unit, iostat=stat) letter
+         if (stat /= 0) exit
+         if (letter == achar(10)) letter = "|"
+         text = text//letter
+      end do
+      close (unit, status="delete")
+   end subroutine read_back
+
+end module test_record_writer
