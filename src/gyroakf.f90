@@ -16,6 +16,7 @@ module gyroakf
       real_fft_plan_type, new_real_fft_plan, real_fft_forward, real_fft_backward, convolve
    use gyroakf_simulate_random, only : random_type, seed_random, next_bits, next_uniform, next_normal, fill_normal
    use gyroakf_io_record_writer, only : write_record
+   use gyroakf_simulate_record, only : simulate_options, simulate_record, paper_preset, paper_seed
    implicit none (type, external)
    public
 end module gyroakf

@@ -11,6 +11,7 @@ program test_main
    use test_random, only : collect_random
    use test_record_writer, only : collect_record_writer
    use test_release, only : collect_release
+   use test_simulate, only : collect_simulate
    use test_special, only : collect_special
    use test_units, only : collect_units
    use suite_runner, only : add, finish
@@ -22,6 +23,7 @@ program test_main
    call add("random", collect_random)
    call add("record_writer", collect_record_writer)
    call add("release", collect_release)
+   call add("simulate", collect_simulate)
    call add("special", collect_special)
    call add("units", collect_units)
 

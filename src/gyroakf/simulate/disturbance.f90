@@ -1,0 +1,133 @@
+! SPDX-License-Identifier: MIT
+!> What disturbs a simulated record besides its noise: trend, outliers, rounding, lost samples.
+module gyroakf_simulate_disturbance
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_simulate_random, only : random_type, next_uniform
+   implicit none (type, external)
+   private
+   public :: add_polynomial, add_outliers, round_to_step, lose_samples
+
+contains
+
+   !> Adds a polynomial in the sample index i = 0 .. n-1.
+   pure subroutine add_polynomial(x, coefficient)
+      !> Series: [n]
+      real(dp), intent(inout), contiguous :: x(:)
+      !> Coefficients of the powers of i, unit of x: [0:degree]
+      real(dp), intent(in) :: coefficient(0:)
+      integer(int64) :: i
+      integer :: k
+      real(dp) :: value
+
+      do i = 1, size(x, kind=int64)
+         value = 0
+         do k = ubound(coefficient, 1), 0, -1
+            value = value*real(i - 1, dp) + coefficient(k)
+         end do
+         x(i) = x(i) + value
+      end do
+   end subroutine add_polynomial
+
+   !> Adds outliers: at distinct random places, of random sign, of 0.75 .. 1.25 times the given size (uniform).
+   !>
+   !> The places are drawn by Floyd's method: every set of places is equally likely.
+   subroutine add_outliers(x, number, size_in_deviations, random, error)
+      !> Series: [n]; its standard deviation about its mean is the measure of the sizes
+      real(dp), intent(inout), contiguous :: x(:)
+      !> How many, 0 .. n
+      integer(int64), intent(in) :: number
+      !> Mean size in standard deviations of x, >= 0
+      real(dp), intent(in) :: size_in_deviations
+      !> Where places, signs and sizes come from
+      type(random_type), intent(inout) :: random
+      !> invalid_argument: x is constant, its standard deviation measures nothing; no_memory
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8), allocatable :: taken(:)
+      integer(int64) :: n, last, place
+      integer :: stat
+      real(dp) :: deviation, u
+
+      n = size(x, kind=int64)
+      deviation = standard_deviation(x)
+      if (.not. deviation > 0) then
+         call fatal_error(error, status%invalid_argument, &
+            & "outliers are measured in standard deviations of the noise, and this record has none")
+         return
+      end if
+      allocate (taken(n), source=0_int8, stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the places of the outliers")
+         return
+      end if
+      do last = n - number + 1, n
+         call next_uniform(random, u)
+         place = min(1 + int(u*last, int64), last)
+         if (taken(place) == 1) place = last
+         taken(place) = 1
+         call next_uniform(random, u)
+         ! u < 1/2 and u > 1/2 give the signs, its rest 0 .. 1/2 the size
+         x(place) = x(place) + sign(size_in_deviations*deviation*(0.75_dp + mod(u, 0.5_dp)), u - 0.5_dp)
+      end do
+   end subroutine add_outliers
+
+   !> Rounds to multiples of a step, as a digital output does.
+   pure subroutine round_to_step(x, step)
+      !> Series: [n]
+      real(dp), intent(inout), contiguous :: x(:)
+      !> Step, unit of x, > 0
+      real(dp), intent(in) :: step
+      integer(int64) :: i
+
+      do i = 1, size(x, kind=int64)
+         x(i) = step*anint(x(i)/step)
+      end do
+   end subroutine round_to_step
+
+   !> Loses every sample with the same probability, independently.
+   pure subroutine lose_samples(x, share, random, present, lost)
+      !> Series: [n]; 0 where lost
+      real(dp), intent(inout), contiguous :: x(:)
+      !> Probability, 0 .. 1
+      real(dp), intent(in) :: share
+      !> Where the decisions come from
+      type(random_type), intent(inout) :: random
+      !> 1 present, 0 lost: [n]
+      integer(int8), intent(out), contiguous :: present(:)
+      !> How many were lost
+      integer(int64), intent(out) :: lost
+      integer(int64) :: i
+      real(dp) :: u
+
+      lost = 0
+      do i = 1, size(x, kind=int64)
+         call next_uniform(random, u)
+         present(i) = 1
+         if (u < share) then
+            present(i) = 0
+            x(i) = 0
+            lost = lost + 1
+         end if
+      end do
+   end subroutine lose_samples
+
+   !> Standard deviation about the mean; 0 for a single value
+   pure real(dp) function standard_deviation(x)
+      real(dp), intent(in), contiguous :: x(:)
+      integer(int64) :: i, n
+      real(dp) :: mean, total
+
+      n = size(x, kind=int64)
+      total = 0
+      do i = 1, n
+         total = total + (x(i) - x(1))
+      end do
+      mean = x(1) + total/n
+      total = 0
+      do i = 1, n
+         total = total + (x(i) - mean)**2
+      end do
+      standard_deviation = sqrt(total/max(n - 1, 1_int64))
+   end function standard_deviation
+
+end module gyroakf_simulate_disturbance
