@@ -190,6 +190,17 @@ elif is_stand_in && ! is_current; then
   put_stand_in updated
 fi
 
+# --- what is left of sources that are gone ---------------------------------------------------
+# fpm keeps their objects in its archives, and a moved source would be linked in its old version.
+known=$(cd "$root" && find ./* -path './build/*_*' -prune -o -type f -print | sed 's|^\./||; s|/|_|g; s|$|.o|')
+for object in "$root"/build/*_*/gyroakf/*.o; do
+  case "
+$known
+" in *"
+${object##*/}
+"*) ;; *) [ ! -e "$object" ] || { say "a source is gone: building anew"; rm -rf "$root"/build/*_*; }; break ;; esac
+done
+
 # --- flags -----------------------------------------------------------------------------------
 # Without --profile fpm builds for debugging. No fused multiply-add by the compiler's choice: the
 # results are then the same to the last digit on every level of optimisation.
