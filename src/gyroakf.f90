@@ -17,6 +17,7 @@ module gyroakf
    use gyroakf_simulate_random, only : random_type, seed_random, next_bits, next_uniform, next_normal, fill_normal
    use gyroakf_io_record_writer, only : write_record
    use gyroakf_simulate_record, only : simulate_options, simulate_record, paper_preset, paper_seed
+   use gyroakf_filter_state_space, only : stationary_covariance, steady_state, dc_gain, output_variance_ratio
    implicit none (type, external)
    public
 end module gyroakf

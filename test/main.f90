@@ -13,6 +13,7 @@ program test_main
    use test_release, only : collect_release
    use test_simulate, only : collect_simulate
    use test_special, only : collect_special
+   use test_state_space, only : collect_state_space
    use test_units, only : collect_units
    use suite_runner, only : add, finish
    implicit none (type, external)
@@ -25,6 +26,7 @@ program test_main
    call add("release", collect_release)
    call add("simulate", collect_simulate)
    call add("special", collect_special)
+   call add("state_space", collect_state_space)
    call add("units", collect_units)
 
    if (finish()) stop 1, quiet=.true.

@@ -8,7 +8,7 @@ module gyroakf_lapack
    use gyroakf_kinds, only : dp
    implicit none (type, external)
    private
-   public :: dpotrf, dpotrs, dposv, dpotri, dgels, dtrtrs, dsyev, dsyrk
+   public :: dpotrf, dpotrs, dposv, dpotri, dgels, dtrtrs, dsyev, dsyrk, dgesv
 
    interface
 
@@ -95,6 +95,15 @@ module gyroakf_lapack
          real(dp), intent(in) :: alpha, beta, a(lda, *)
          real(dp), intent(inout) :: c(ldc, *)
       end subroutine dsyrk
+
+      !> Solves A X = B by LU factors with partial pivoting
+      subroutine dgesv(n, nrhs, a, lda, ipiv, b, ldb, info)
+         import :: dp
+         implicit none (type, external)
+         integer, intent(in) :: n, nrhs, lda, ldb
+         real(dp), intent(inout) :: a(lda, *), b(ldb, *)
+         integer, intent(out) :: ipiv(*), info
+      end subroutine dgesv
 
    end interface
 
