@@ -18,6 +18,7 @@ module gyroakf
    use gyroakf_io_record_writer, only : write_record
    use gyroakf_simulate_record, only : simulate_options, simulate_record, paper_preset, paper_seed
    use gyroakf_filter_state_space, only : stationary_covariance, steady_state, dc_gain, output_variance_ratio
+   use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
    implicit none (type, external)
    public
 end module gyroakf

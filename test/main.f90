@@ -12,6 +12,9 @@ program test_main
    use test_record_writer, only : collect_record_writer
    use test_release, only : collect_release
    use test_simulate, only : collect_simulate
+   use test_kalman, only : collect_kalman
+   use test_release, only : collect_release
+   use test_sage_husa, only : collect_sage_husa
    use test_special, only : collect_special
    use test_state_space, only : collect_state_space
    use test_units, only : collect_units
@@ -25,6 +28,9 @@ program test_main
    call add("record_writer", collect_record_writer)
    call add("release", collect_release)
    call add("simulate", collect_simulate)
+   call add("kalman", collect_kalman)
+   call add("release", collect_release)
+   call add("sage_husa", collect_sage_husa)
    call add("special", collect_special)
    call add("state_space", collect_state_space)
    call add("units", collect_units)

@@ -1,0 +1,172 @@
+! SPDX-License-Identifier: MIT
+!> A filter is made: its arguments tested, its state and the limits of its adaptation set.
+module gyroakf_filter_creation
+   use gyroakf_kinds, only : dp
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_filter_types, only : filter_options, filter_type
+   use gyroakf_filter_state_space, only : predict_covariance, correct_covariance, stationary_covariance, steady_state
+   use gyroakf_filter_sage_husa, only : consistency_factor
+   use gyroakf_filter_scalar, only : is_sample
+   implicit none (type, external)
+   private
+   public :: new_filter
+
+   !> Largest state
+   integer, parameter :: largest_order = 1000
+   !> b^(k+1) below this no longer changes the weight d_k
+   real(dp), parameter :: weight_resolution = 1.0e-17_dp
+   !> Automatic burn-in: at least, at most so many measurements; relative distance from the steady gain
+   integer, parameter :: shortest_burn_in = 20, longest_burn_in = 5000
+   real(dp), parameter :: burn_in_tolerance = 1.0e-6_dp
+
+contains
+
+   !> Makes a filter from an AR(p) model and the variances of its noises.
+   !>
+   !> The state starts at zero with the stationary covariance, or with `initial_variance` on the diagonal.
+   !> No coefficients at all (a white series) is the model of one coefficient that is zero: the filter then
+   !> only scales, x = K z with K = Q/(Q + R); there is nothing to predict.
+   subroutine new_filter(filter, phi, q, r, options, error)
+      !> The filter
+      type(filter_type), intent(out) :: filter
+      !> Coefficients, [p], p = 0 ... 1000, of a stationary series (p = 1 and `initial_variance` > 0: also 1, the random walk)
+      real(dp), intent(in) :: phi(:)
+      !> Variances Q of the driving and R of the measurement noise, unit of the series squared, >= 0, not both 0;
+      !> > 0 where adapted
+      real(dp), intent(in) :: q, r
+      !> What is adapted, and how
+      type(filter_options), intent(in) :: options
+      !> invalid_argument, non_finite, unstable, no_memory, not_converged, singular
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: prior(:, :)
+      integer :: i, n, stat
+
+      call check_numbers(phi, q, r, options, error)
+      if (allocated(error)) return
+      n = max(1, size(phi))
+      allocate (filter%p(n, n), stat=stat)
+      if (stat == 0) allocate (prior(n, n), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the state of the filter")
+         return
+      end if
+      allocate (filter%phi(n), filter%x(n), filter%gain(n), filter%gain_sum(n), filter%steady_gain(n), filter%work(n))
+      filter%order = n
+      filter%options = options
+      filter%phi = 0.0_dp
+      filter%phi(:size(phi)) = phi
+      filter%x = 0.0_dp
+      filter%gain = 0.0_dp
+      filter%gain_sum = 0.0_dp
+      filter%work = 0.0_dp
+      filter%q = q
+      filter%r = r
+      call set_adaptation(filter)
+      if (n > 1 .or. .not. options%initial_variance > 0.0_dp .or. abs(filter%phi(1)) > 1.0_dp) then
+         call stationary_covariance(filter%phi, q, filter%p, error)
+         if (allocated(error)) return
+      end if
+      if (options%initial_variance > 0.0_dp) then
+         filter%p = 0.0_dp
+         do i = 1, n
+            filter%p(i, i) = options%initial_variance
+         end do
+      end if
+      call steady_state(filter%phi, filter%q, filter%r, filter%steady_gain, prior, error)
+      if (allocated(error)) return
+      if (options%burn_in < 0) call find_burn_in(filter, prior)
+   end subroutine new_filter
+
+   !> The arguments of new_filter, tested.
+   subroutine check_numbers(phi, q, r, options, error)
+      !> As in new_filter
+      real(dp), intent(in) :: phi(:), q, r
+      type(filter_options), intent(in) :: options
+      type(error_type), allocatable, intent(out) :: error
+      logical :: good
+
+      good = all(is_sample(phi)) .and. is_sample(q) .and. is_sample(r) .and. is_sample(options%r_scale) &
+         .and. is_sample(options%initial_variance) .and. is_sample(options%forgetting) .and. is_sample(options%huber)
+      if (.not. good) then
+         call fatal_error(error, status%non_finite, "a filter's coefficients, variances and options must be finite numbers")
+      else if (size(phi) > largest_order) then
+         call fatal_error(error, status%invalid_argument, "the order of a filter is at most 1000")
+      else if (q < 0.0_dp .or. r < 0.0_dp .or. .not. q + r > tiny(1.0_dp)) then
+         call fatal_error(error, status%invalid_argument, "a filter needs variances Q >= 0 and R >= 0, not both zero")
+      else if (options%estimate_process_variance .and. .not. q > 0.0_dp) then
+         call fatal_error(error, status%invalid_argument, "Q must start above zero where it is adapted")
+      else if (options%estimate_measurement_variance .and. .not. max(r, options%r_scale) > 0.0_dp) then
+         call fatal_error(error, status%invalid_argument, "R, or the scale of its bounds, must be above zero where it is adapted")
+      else if (.not. (options%forgetting > 0.0_dp .and. options%forgetting <= 1.0_dp)) then
+         call fatal_error(error, status%invalid_argument, "the forgetting factor must lie in 0 < b <= 1")
+      else if (options%huber < 0.0_dp .or. options%initial_variance < 0.0_dp .or. options%r_scale < 0.0_dp) then
+         call fatal_error(error, status%invalid_argument, "the gate, the initial variance and the scale of R cannot be negative")
+      else if (.not. (all_ordered(options%q_lower, options%q_upper) .and. all_ordered(options%r_lower, options%r_upper))) then
+         call fatal_error(error, status%invalid_argument, "bounds of a variance must satisfy 0 < lower <= upper")
+      else
+         select case (options%measurement_form)
+         case ("residual", "exact", "biased", "paper")
+         case default
+            call fatal_error(error, status%invalid_argument, "unknown form of the adaptation of R: " &
+                             //trim(options%measurement_form)//" (residual, exact, biased, paper)")
+         end select
+      end if
+   end subroutine check_numbers
+
+   !> Whether 0 < lower <= upper, both finite.
+   pure logical function all_ordered(lower, upper)
+      !> The bounds
+      real(dp), intent(in) :: lower, upper
+
+      all_ordered = is_sample(lower) .and. is_sample(upper)
+      if (all_ordered) all_ordered = lower > 0.0_dp .and. lower <= upper
+   end function all_ordered
+
+   !> Flags, bounds and counters of the adaptation; Q and R that start beyond their bounds start at them.
+   pure subroutine set_adaptation(filter)
+      !> Its options, q and r are set
+      type(filter_type), intent(inout) :: filter
+      real(dp) :: scale, updates
+
+      associate (options => filter%options)
+         filter%adaptive = options%estimate_process_mean .or. options%estimate_measurement_mean &
+            .or. options%estimate_process_variance .or. options%estimate_measurement_variance
+         filter%varying = filter%adaptive .or. options%huber > 0.0_dp
+         filter%by_residual = options%measurement_form == "residual" .or. options%measurement_form == "biased"
+         filter%by_posterior = options%measurement_form == "paper" .or. options%measurement_form == "biased"
+         scale = filter%r
+         if (options%r_scale > 0.0_dp) scale = options%r_scale
+         filter%q_bounds = filter%q*[options%q_lower, options%q_upper]
+         filter%r_bounds = scale*[options%r_lower, options%r_upper]
+         if (options%estimate_measurement_variance) filter%r = min(max(filter%r, filter%r_bounds(1)), filter%r_bounds(2))
+         filter%weight = 1.0_dp
+         filter%weight_updates = huge(1)
+         if (options%forgetting < 1.0_dp) then
+            updates = log(weight_resolution)/log(options%forgetting)
+            if (updates < real(huge(1), dp)) filter%weight_updates = ceiling(updates)
+         end if
+         filter%wait = max(0, options%burn_in)
+         filter%consistency = 1.0_dp
+         if (options%huber > 0.0_dp) filter%consistency = consistency_factor(options%huber)
+      end associate
+   end subroutine set_adaptation
+
+   !> Measurements until the gain of the filter with its first Q and R is the steady one.
+   pure subroutine find_burn_in(filter, work)
+      !> Its `wait` is set
+      type(filter_type), intent(inout) :: filter
+      !> Work space, [order, order]
+      real(dp), intent(inout), contiguous :: work(:, :)
+      real(dp) :: s
+      integer :: k
+
+      work = filter%p
+      do k = 1, longest_burn_in
+         call predict_covariance(filter%phi, filter%q, work, filter%work)
+         call correct_covariance(filter%r, work, filter%gain, s)
+         if (abs(filter%gain(1) - filter%steady_gain(1)) <= burn_in_tolerance*filter%steady_gain(1)) exit
+      end do
+      filter%gain = 0.0_dp
+      filter%wait = max(shortest_burn_in, min(k, longest_burn_in))
+   end subroutine find_burn_in
+end module gyroakf_filter_creation

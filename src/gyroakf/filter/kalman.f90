@@ -1,0 +1,161 @@
+! SPDX-License-Identifier: MIT
+!> The Kalman filter of an AR(p) state, fixed or adaptive (Sage-Husa): made, stepped, run over a series.
+!>
+!>     call new_filter(filter, phi, q, r, options, error)
+!>     do k = 1, n
+!>        call step_filter(filter, z(k), x)          ! real time: no allocation; NaN z: no measurement
+!>     end do
+!>
+!> The model is x_k = phi_1 x_{k-1} + ... + phi_p x_{k-p} + w_k, z_k = x_k + v_k, with E(w) = q, Var(w) = Q,
+!> E(v) = r, Var(v) = R. Each object carries its whole state: different objects may run in different threads.
+!>
+!> Source: Kalman, Trans. ASME J. Basic Eng. 82 (1960) 35-45; Sage & Husa, JACC 1969; the gate: Huber's
+!> weight on the innovation.
+module gyroakf_filter_kalman
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_filter_types, only : filter_options, filter_type
+   use gyroakf_filter_creation, only : new_filter
+   use gyroakf_filter_state_space, only : predict_covariance, correct_covariance
+   use gyroakf_filter_sage_husa, only : adapt_noise, gate_inflation, longest_run, shift_variance
+   use gyroakf_filter_scalar, only : run_scalar, is_sample, settle_tolerance
+   implicit none (type, external)
+   private
+   public :: filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
+
+contains
+
+   !> One step: prediction, and the correction by the measurement if there is one. Allocates nothing.
+   pure subroutine step_filter(filter, z, x)
+      !> The filter; its state goes on
+      type(filter_type), intent(inout) :: filter
+      !> Measurement in the unit of the variances' root; NaN, infinite or beyond 1e149: missing, only the prediction
+      real(dp), intent(in) :: z
+      !> Estimate of the state
+      real(dp), intent(out) :: x
+      real(dp) :: zs(1), xs(1)
+
+      if (filter%order == 1) then
+         zs(1) = z
+         call run_scalar(filter, zs, xs)
+         x = xs(1)
+      else
+         call step_vector(filter, z, is_sample(z))
+         x = filter%x(1)
+      end if
+   end subroutine step_filter
+
+   !> A whole series, or the next part of one: the same numbers as step by step.
+   subroutine run_filter(filter, z, x, valid, normalised_innovation)
+      !> The filter; its state goes on
+      type(filter_type), intent(inout) :: filter
+      !> Measurements, [n]; NaN, infinite or beyond 1e149: missing
+      real(dp), intent(in), contiguous :: z(:)
+      !> Estimates, [n]; not the same array as z
+      real(dp), intent(out), contiguous :: x(:)
+      !> 1 where the measurement is present, 0 where it is missing, [n]
+      integer(int8), intent(in), contiguous, optional :: valid(:)
+      !> Innovations over their standard deviations, [n], 0 where missing
+      real(dp), intent(out), contiguous, optional :: normalised_innovation(:)
+      integer(int64) :: k
+      logical :: here
+
+      if (filter%order == 1) then
+         ! an absent optional is not passed on: the undefined-behaviour sanitizer of gfortran 12 stops there
+         if (present(valid) .and. present(normalised_innovation)) then
+            call run_scalar(filter, z, x, valid, normalised_innovation)
+         else if (present(valid)) then
+            call run_scalar(filter, z, x, valid)
+         else if (present(normalised_innovation)) then
+            call run_scalar(filter, z, x, normalised_innovation=normalised_innovation)
+         else
+            call run_scalar(filter, z, x)
+         end if
+         return
+      end if
+      do k = 1, size(z, kind=int64)
+         here = is_sample(z(k))
+         if (present(valid)) here = here .and. valid(k) /= 0_int8
+         call step_vector(filter, z(k), here)
+         x(k) = filter%x(1)
+         if (present(normalised_innovation)) then
+            normalised_innovation(k) = 0.0_dp
+            if (here) normalised_innovation(k) = filter%innovation/sqrt(filter%innovation_variance)
+         end if
+      end do
+   end subroutine run_filter
+
+   !> No adaptation of q, r, Q, R from here on, or adaptation again; the state goes on either way.
+   !>
+   !> While the sensor rotates freeze, and give NaN instead of the measurement: the drift is then predicted.
+   pure subroutine freeze_filter(filter, frozen)
+      !> The filter
+      type(filter_type), intent(inout) :: filter
+      !> Whether it is frozen
+      logical, intent(in) :: frozen
+
+      filter%frozen = frozen
+   end subroutine freeze_filter
+
+   !> One step of any order.
+   pure subroutine step_vector(filter, z, here)
+      !> The filter
+      type(filter_type), intent(inout) :: filter
+      !> Measurement
+      real(dp), intent(in) :: z
+      !> Whether there is one
+      logical, intent(in) :: here
+      real(dp) :: first, prior, inflation
+      integer :: i
+
+      filter%steps = filter%steps + 1
+      first = dot_product(filter%phi, filter%x) + filter%q_mean
+      do i = filter%order, 2, -1
+         filter%x(i) = filter%x(i - 1)
+      end do
+      filter%x(1) = first
+      if (.not. (here .and. filter%settled)) call predict_covariance(filter%phi, filter%q, filter%p, filter%work)
+      if (.not. here) then
+         filter%settled = .false.
+         return
+      end if
+      filter%innovation = z - first - filter%r_mean
+      if (.not. filter%settled) then
+         prior = filter%p(1, 1)
+         filter%innovation_variance = prior + filter%r
+         inflation = gate_inflation(filter%options%huber, filter%innovation, filter%innovation_variance)
+         call correct_gated(filter, inflation)
+         if (filter%adaptive .and. .not. filter%frozen) then
+            call adapt_noise(filter, filter%innovation, filter%innovation_variance, prior)
+         end if
+         if (.not. filter%varying) then
+            filter%settled = maxval(abs(filter%gain - filter%steady_gain)) <= settle_tolerance*maxval(abs(filter%steady_gain))
+         end if
+      end if
+      filter%x = filter%x + filter%gain*filter%innovation
+      filter%gain_sum = filter%gain_sum + filter%gain
+      filter%gain_measurements = filter%gain_measurements + 1
+      filter%measurements = filter%measurements + 1
+   end subroutine step_vector
+
+   !> Gain and covariance with R inflated by the gate, and the rule for a level that has shifted.
+   pure subroutine correct_gated(filter, inflation)
+      !> The filter, its innovation set
+      type(filter_type), intent(inout) :: filter
+      !> Factor on R, 1 where the gate does not act
+      real(dp), intent(in) :: inflation
+      real(dp) :: s
+
+      call correct_covariance(filter%r*inflation, filter%p, filter%gain, s)
+      if (inflation > 1.0_dp) then
+         filter%gated = filter%gated + 1
+         if (real(filter%run, dp)*filter%innovation < 0.0_dp) filter%run = 0
+         filter%run = filter%run + merge(1, -1, filter%innovation > 0.0_dp)
+         if (abs(filter%run) > longest_run) then
+            filter%p(1, 1) = filter%p(1, 1) + shift_variance*filter%r
+            filter%run = 0
+         end if
+      else
+         filter%run = 0
+      end if
+   end subroutine correct_gated
+end module gyroakf_filter_kalman

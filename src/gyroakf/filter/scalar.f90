@@ -1,0 +1,292 @@
+! SPDX-License-Identifier: MIT
+!> The filter of a state of one coefficient over many samples, everything in registers.
+!>
+!> The same recursion as the general one (gyroakf_filter_kalman, gyroakf_filter_sage_husa), written out
+!> because a step of a few nanoseconds is wanted: the numbers of both agree to rounding, and a test says so.
+module gyroakf_filter_scalar
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_filter_types, only : filter_type
+   use gyroakf_filter_sage_husa, only : longest_run, shift_variance
+   implicit none (type, external)
+   private
+   public :: run_scalar, is_sample, settle_tolerance
+
+   !> Relative distance from the steady gain at which the gain is taken as settled
+   real(dp), parameter :: settle_tolerance = 1.0e-13_dp
+   !> Below it a state without measurements is set to zero: no subnormal numbers in a long gap
+   real(dp), parameter :: vanished = 1.0e-290_dp
+
+   !> What changes from step to step, and what a step needs to know: plain numbers only, so that the
+   !> compiler keeps a local of this type in registers
+   type :: lane_type
+      real(dp) :: phi, phi2, state, p, q, r, q_mean, r_mean, weight, forgetting
+      real(dp) :: prior, s, gain, share, innovation, square, clipped
+      real(dp) :: gate, inverse_consistency, q_low, q_high, r_low, r_high, gain_sum, steady_gain, pole
+      integer(int64) :: used, clamped, gated, q_floor, r_floor
+      integer :: wait, updates, run
+      logical :: adapt, adapt_q_mean, adapt_r_mean, adapt_q, adapt_r, by_residual, by_posterior, has_gate, settled
+   end type lane_type
+
+contains
+
+   !> Whether a value is a measurement: finite and below 1e149 in magnitude, so that its square is finite too.
+   !>
+   !> By the exponent's bits: a NaN meets no comparison, so nothing traps.
+   elemental logical function is_sample(z)
+      !> The value
+      real(dp), intent(in) :: z
+      integer(int64), parameter :: exponent_mask = 2047_int64, exponent_limit = 1023_int64 + 495_int64
+
+      is_sample = iand(shiftr(transfer(z, 0_int64), 52), exponent_mask) < exponent_limit
+   end function is_sample
+
+   !> The filter over a series, or the next part of one.
+   pure subroutine run_scalar(filter, z, x, valid, normalised_innovation)
+      !> Of order 1; its state goes on
+      type(filter_type), intent(inout) :: filter
+      !> Measurements, [n]
+      real(dp), intent(in), contiguous :: z(:)
+      !> Estimates, [n]
+      real(dp), intent(out), contiguous :: x(:)
+      !> 1 where the measurement is present, [n]
+      integer(int8), intent(in), contiguous, optional :: valid(:)
+      !> Innovations over their standard deviations, [n], 0 where missing
+      real(dp), intent(out), contiguous, optional :: normalised_innovation(:)
+      type(lane_type) :: lane
+      integer(int64) :: k
+      logical :: here, varying
+
+      call load(filter, lane)
+      varying = filter%varying
+      do k = 1, size(z, kind=int64)
+         here = is_sample(z(k))
+         if (present(valid)) here = here .and. valid(k) /= 0_int8
+         if (.not. here) then
+            call predict(lane)
+            call skip(lane)
+         else if (varying) then
+            call predict(lane)
+            call weigh(lane)
+            call correct(lane, z(k))
+         else
+            call correct_fixed(lane, z(k))
+         end if
+         x(k) = lane%state
+         if (present(normalised_innovation)) then
+            normalised_innovation(k) = 0.0_dp
+            if (here) normalised_innovation(k) = lane%innovation/sqrt(lane%s)
+         end if
+         if (here .and. lane%adapt) call adapt(lane)
+      end do
+      call store(lane, size(z, kind=int64), filter)
+   end subroutine run_scalar
+
+   !> Constant q and r, no gate: once the gain has settled the step is x = phi (1 - K) x + K z.
+   pure subroutine correct_fixed(lane, z)
+      type(lane_type), intent(inout) :: lane
+      !> The measurement
+      real(dp), intent(in) :: z
+
+      if (lane%settled) then
+         lane%innovation = z - lane%phi*lane%state
+         lane%state = lane%pole*lane%state + lane%gain*z
+      else
+         call predict(lane)
+         call weigh(lane)
+         lane%innovation = z - lane%state
+         lane%state = lane%state + lane%gain*lane%innovation
+         lane%p = lane%gain*lane%r
+         lane%settled = abs(lane%gain - lane%steady_gain) <= settle_tolerance*lane%steady_gain
+         if (lane%settled) lane%gain = lane%steady_gain
+      end if
+      lane%gain_sum = lane%gain_sum + lane%gain
+      lane%used = lane%used + 1
+   end subroutine correct_fixed
+
+   !> A step without a measurement, after the prediction.
+   pure subroutine skip(lane)
+      type(lane_type), intent(inout) :: lane
+
+      if (abs(lane%state) < vanished) lane%state = 0.0_dp
+      lane%p = lane%prior
+      lane%settled = .false.
+   end subroutine skip
+
+   !> Prediction of the state and its variance.
+   pure subroutine predict(lane)
+      type(lane_type), intent(inout) :: lane
+
+      lane%state = lane%phi*lane%state + lane%q_mean
+      lane%prior = lane%phi2*lane%p + lane%q
+   end subroutine predict
+
+   !> Variance of the innovation and gain.
+   pure subroutine weigh(lane)
+      type(lane_type), intent(inout) :: lane
+      real(dp) :: inverse
+
+      lane%s = lane%prior + lane%r
+      inverse = 1.0_dp/lane%s
+      lane%gain = lane%prior*inverse
+      lane%share = lane%r*inverse
+   end subroutine weigh
+
+   !> Estimate from the prediction and a measurement, gated.
+   pure subroutine correct(lane, z)
+      type(lane_type), intent(inout) :: lane
+      !> The measurement
+      real(dp), intent(in) :: z
+      real(dp) :: inflated, gain
+      logical :: beyond
+
+      lane%used = lane%used + 1
+      lane%innovation = z - lane%state - lane%r_mean
+      lane%square = lane%innovation*lane%innovation
+      lane%clipped = lane%innovation
+      beyond = .false.
+      if (lane%has_gate) beyond = lane%square > lane%gate*lane%s
+      if (.not. beyond) then
+         lane%state = lane%state + lane%gain*lane%innovation
+         lane%p = lane%gain*lane%r
+         lane%gain_sum = lane%gain_sum + lane%gain
+         lane%run = 0
+         return
+      end if
+      lane%square = lane%gate*lane%s
+      lane%clipped = sign(sqrt(lane%square), lane%innovation)
+      inflated = lane%r*(lane%innovation/lane%clipped)            ! R over Huber's weight
+      gain = lane%prior/(lane%prior + inflated)
+      lane%state = lane%state + gain*lane%innovation
+      lane%p = gain*inflated
+      lane%gain_sum = lane%gain_sum + gain
+      lane%gated = lane%gated + 1
+      if (real(lane%run, dp)*lane%innovation < 0.0_dp) lane%run = 0
+      lane%run = lane%run + merge(1, -1, lane%innovation > 0.0_dp)
+      if (abs(lane%run) > longest_run) then                       ! the level has shifted: believe the measurements
+         lane%p = lane%p + shift_variance*lane%r
+         lane%run = 0
+      end if
+   end subroutine correct
+
+   !> Adaptation of q, r, Q, R: `adapt_noise` of gyroakf_filter_sage_husa.
+   pure subroutine adapt(lane)
+      type(lane_type), intent(inout) :: lane
+      real(dp) :: excess, step
+      logical :: held
+
+      if (lane%wait > 0) then
+         lane%wait = lane%wait - 1
+         return
+      end if
+      if (lane%updates > 0) then
+         lane%updates = lane%updates - 1
+         lane%weight = lane%weight/(lane%weight + lane%forgetting)
+      end if
+      if (lane%adapt_q_mean) lane%q_mean = lane%q_mean + lane%weight*lane%gain*lane%clipped
+      if (lane%adapt_r_mean) lane%r_mean = lane%r_mean + lane%weight*lane%clipped
+      excess = lane%square*lane%inverse_consistency - lane%s
+      held = .false.
+      if (lane%adapt_r) then
+         step = excess
+         if (lane%by_residual) step = lane%share*lane%share*excess
+         if (lane%by_posterior) step = step + lane%gain*lane%prior
+         lane%r = lane%r + lane%weight*step
+         if (lane%r <= lane%r_low) then
+            lane%r = lane%r_low
+            lane%r_floor = lane%r_floor + 1
+            held = .true.
+         else if (lane%r > lane%r_high) then
+            lane%r = lane%r_high
+            held = .true.
+         end if
+      end if
+      if (lane%adapt_q) then
+         lane%q = lane%q + (lane%weight*excess)*(lane%gain*lane%gain)
+         if (lane%q <= lane%q_low) then
+            lane%q = lane%q_low
+            lane%q_floor = lane%q_floor + 1
+            held = .true.
+         else if (lane%q > lane%q_high) then
+            lane%q = lane%q_high
+            held = .true.
+         end if
+      end if
+      if (held) lane%clamped = lane%clamped + 1
+   end subroutine adapt
+
+   !> The numbers of a filter of order 1.
+   pure subroutine load(filter, lane)
+      type(filter_type), intent(in) :: filter
+      type(lane_type), intent(out) :: lane
+
+      lane%phi = filter%phi(1)
+      lane%phi2 = filter%phi(1)**2
+      lane%state = filter%x(1)
+      lane%p = filter%p(1, 1)
+      lane%q = filter%q
+      lane%r = filter%r
+      lane%q_mean = filter%q_mean
+      lane%r_mean = filter%r_mean
+      lane%weight = filter%weight
+      lane%forgetting = filter%options%forgetting
+      lane%s = filter%innovation_variance
+      lane%gain = filter%gain(1)
+      lane%innovation = filter%innovation
+      lane%gate = filter%options%huber**2
+      lane%has_gate = filter%options%huber > 0.0_dp
+      lane%inverse_consistency = 1.0_dp/filter%consistency
+      lane%q_low = filter%q_bounds(1)
+      lane%q_high = filter%q_bounds(2)
+      lane%r_low = filter%r_bounds(1)
+      lane%r_high = filter%r_bounds(2)
+      lane%settled = filter%settled
+      lane%steady_gain = filter%steady_gain(1)
+      lane%pole = lane%phi*(1.0_dp - lane%steady_gain)
+      lane%gain_sum = 0.0_dp
+      lane%used = 0
+      lane%clamped = 0
+      lane%gated = 0
+      lane%q_floor = 0
+      lane%r_floor = 0
+      lane%wait = filter%wait
+      lane%updates = filter%weight_updates
+      lane%run = filter%run
+      lane%adapt = filter%adaptive .and. .not. filter%frozen
+      lane%adapt_q_mean = filter%options%estimate_process_mean
+      lane%adapt_r_mean = filter%options%estimate_measurement_mean
+      lane%adapt_q = filter%options%estimate_process_variance
+      lane%adapt_r = filter%options%estimate_measurement_variance
+      lane%by_residual = filter%by_residual
+      lane%by_posterior = filter%by_posterior
+   end subroutine load
+
+   !> The numbers back into the filter after so many steps.
+   pure subroutine store(lane, steps, filter)
+      type(lane_type), intent(in) :: lane
+      integer(int64), intent(in) :: steps
+      type(filter_type), intent(inout) :: filter
+
+      filter%x(1) = lane%state
+      filter%p(1, 1) = lane%p
+      filter%gain(1) = lane%gain
+      filter%q = lane%q
+      filter%r = lane%r
+      filter%q_mean = lane%q_mean
+      filter%r_mean = lane%r_mean
+      filter%weight = lane%weight
+      filter%weight_updates = lane%updates
+      filter%wait = lane%wait
+      filter%settled = lane%settled
+      filter%run = lane%run
+      filter%innovation = lane%innovation
+      filter%innovation_variance = lane%s
+      filter%gain_sum(1) = filter%gain_sum(1) + lane%gain_sum
+      filter%gain_measurements = filter%gain_measurements + lane%used
+      filter%measurements = filter%measurements + lane%used
+      filter%steps = filter%steps + steps
+      filter%clamped = filter%clamped + lane%clamped
+      filter%gated = filter%gated + lane%gated
+      filter%q_at_floor = filter%q_at_floor + lane%q_floor
+      filter%r_at_floor = filter%r_at_floor + lane%r_floor
+   end subroutine store
+end module gyroakf_filter_scalar

@@ -1,0 +1,483 @@
+! SPDX-License-Identifier: MIT
+!> Tests of the adaptation: the literal recursion, the gate, guards over priors, recovery from a wrong start.
+module test_sage_husa
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_value, ieee_quiet_nan
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : gyro_error => error_type
+   use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
+   use gyroakf_filter_sage_husa, only : consistency_factor
+   use filter_library, only : companion_matrix, fill_noise, make_series, paper_phi
+   use testdrive, only : check, error_type, new_unittest, unittest_type
+   implicit none (type, external)
+   private
+   public :: collect_sage_husa
+
+   !> The four forms of the adaptation of R
+   character(8), parameter :: forms(4) = ["exact   ", "residual", "paper   ", "biased  "]
+   !> A stationary AR(3)
+   real(dp), parameter :: phi3(3) = [0.9_dp, -0.5_dp, 0.2_dp]
+
+contains
+
+   !> The tests of this suite.
+   subroutine collect_sage_husa(testsuite)
+      !> The tests
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         & new_unittest("increments_are_the_recursion", test_increments), &
+         & new_unittest("increments_order_three", test_increments_three), &
+         & new_unittest("scalar_and_vector_agree", test_scalar_vector), &
+         & new_unittest("weights", test_weights), &
+         & new_unittest("consistency_factor", test_consistency), &
+         & new_unittest("guards_over_priors", test_guards), &
+         & new_unittest("vector_guards", test_vector_guards), &
+         & new_unittest("wrong_r_is_forgotten", test_wrong_r), &
+         & new_unittest("pure_ar_has_no_noise", test_pure_ar), &
+         & new_unittest("printed_posterior_holds_back", test_paper_form), &
+         & new_unittest("gate_and_outliers", test_gate), &
+         & new_unittest("level_shift_is_accepted", test_level_shift), &
+         & new_unittest("burn_in", test_burn_in), &
+         & new_unittest("missing_does_not_adapt", test_missing), &
+         & new_unittest("freeze", test_freeze), &
+         & new_unittest("offset_goes_into_r", test_offset), &
+         & new_unittest("million_steps", test_million)]
+   end subroutine collect_sage_husa
+
+   !> Options that adapt these letters
+   pure type(filter_options) function adapting(letters, form, forgetting) result(options)
+      character(*), intent(in) :: letters, form
+      real(dp), intent(in) :: forgetting
+
+      options%estimate_process_mean = index(letters, "q") > 0
+      options%estimate_measurement_mean = index(letters, "r") > 0
+      options%estimate_process_variance = index(letters, "Q") > 0
+      options%estimate_measurement_variance = index(letters, "R") > 0
+      options%measurement_form = form
+      options%forgetting = forgetting
+   end function adapting
+
+   !> q, r, Q, R after a step as equations (19)-(22) say it, corrected, in matrices, from the filter before it
+   pure function literal(before, form, d, z) result(noise)
+      type(filter_type), intent(in) :: before
+      character(*), intent(in) :: form
+      real(dp), intent(in) :: d, z
+      real(dp) :: noise(4)
+      real(dp), dimension(before%order, before%order) :: a, predicted, p
+      real(dp), dimension(before%order) :: x_predicted, x, k
+      real(dp) :: e, s, eta, q_term(before%order, before%order), r_term
+
+      a = companion_matrix(before%phi)
+      x_predicted = matmul(a, before%x)
+      x_predicted(1) = x_predicted(1) + before%q_mean
+      predicted = matmul(a, matmul(before%p, transpose(a)))
+      q_term = -predicted
+      predicted(1, 1) = predicted(1, 1) + before%q
+      e = z - x_predicted(1) - before%r_mean
+      s = predicted(1, 1) + before%r
+      k = predicted(:, 1)/s
+      x = x_predicted + k*e
+      p = predicted - s*spread(k, 2, size(k))*spread(k, 1, size(k))
+      q_term = q_term + p + e*e*spread(k, 2, size(k))*spread(k, 1, size(k))
+      eta = z - x(1) - before%r_mean
+      select case (form)
+      case ("exact"); r_term = e*e - predicted(1, 1)
+      case ("paper"); r_term = e*e - p(1, 1)
+      case ("residual"); r_term = eta*eta + p(1, 1)
+      case default; r_term = eta*eta + predicted(1, 1)
+      end select
+      noise(1) = (1 - d)*before%q_mean + d*(x(1) - dot_product(before%phi, before%x))
+      noise(2) = (1 - d)*before%r_mean + d*(z - x_predicted(1))
+      noise(3) = (1 - d)*before%q + d*q_term(1, 1)
+      noise(4) = (1 - d)*before%r + d*r_term
+   end function literal
+
+   !> Compares 200 steps of a filter with the literal recursion
+   subroutine compare(error, phi, form)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), intent(in) :: phi(:)
+      character(*), intent(in) :: form
+      real(dp), parameter :: b = 0.98_dp
+      type(gyro_error), allocatable :: failure
+      type(filter_type) :: filter, before
+      type(filter_options) :: options
+      real(dp) :: z(200), x, expected(4)
+      integer :: k
+
+      call fill_noise(11, z)
+      options = adapting("qrQR", form, b)
+      options%q_lower = 1.0e-300_dp
+      options%r_lower = 1.0e-300_dp
+      call new_filter(filter, phi, 0.5_dp, 0.6_dp, options, failure)
+      do k = 1, size(z)
+         before = filter
+         call step_filter(filter, z(k), x)
+         if (filter%clamped > before%clamped) cycle
+         expected = literal(before, form, (1 - b)/(1 - b**(k + 1)), z(k))
+         call check(error, maxval(abs([filter%q_mean, filter%r_mean, filter%q, filter%r] - expected)) <= 1.0e-14_dp, &
+                    "the increments are not the recursion: "//form)
+         if (allocated(error)) return
+      end do
+      call check(error, filter%clamped < 100, "nearly every step was held at a bound: nothing was compared")
+   end subroutine compare
+
+   subroutine test_increments(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i
+
+      do i = 1, size(forms)
+         call compare(error, [0.6_dp], trim(forms(i)))
+         if (allocated(error)) return
+      end do
+   end subroutine test_increments
+
+   subroutine test_increments_three(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i
+
+      do i = 1, size(forms)
+         call compare(error, phi3, trim(forms(i)))
+         if (allocated(error)) return
+      end do
+   end subroutine test_increments_three
+
+   !> The path for one coefficient against the general one, for every form, with gate, burn-in and missing samples
+   subroutine test_scalar_vector(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(filter_type) :: one, two
+      type(filter_options) :: options
+      real(dp) :: z(3000), x1(3000), x2(3000)
+      integer :: i
+
+      call make_series(12, 0.9_dp, 1.0_dp, 2.0_dp, z)
+      z([500, 777]) = ieee_value(1.0_dp, ieee_quiet_nan)
+      z(1000) = 30
+      z(2000:) = z(2000:) + 40
+      do i = 1, 2*size(forms)
+         options = adapting(merge("qrQR", "QR  ", i > size(forms)), forms(mod(i - 1, 4) + 1), 0.97_dp)
+         options%huber = merge(2.5_dp, 0.0_dp, mod(i, 2) == 0)
+         options%burn_in = 30
+         call new_filter(one, [0.9_dp], 0.19_dp, 2.0_dp, options, failure)
+         call new_filter(two, [0.9_dp, 0.0_dp], 0.19_dp, 2.0_dp, options, failure)
+         call run_filter(one, z, x1)
+         call run_filter(two, z, x2)
+         call check(error, maxval(abs(x1 - x2)) <= 1.0e-9_dp, "the estimates differ: "//forms(mod(i - 1, 4) + 1))
+         if (allocated(error)) return
+         call check(error, one%clamped == two%clamped .and. one%gated == two%gated, "the counts differ")
+         if (allocated(error)) return
+         call check(error, two%r, one%r, thr=1.0e-9_dp, rel=.true.)
+         if (allocated(error)) return
+      end do
+   end subroutine test_scalar_vector
+
+   !> d_k = (1 - b)/(1 - b^(k+1)); 1/(k + 1) where b = 1; 1 - b in the end
+   subroutine test_weights(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(filter_type) :: filter
+      real(dp) :: b, x, expected
+      integer :: i, k
+
+      do i = 1, 3
+         b = merge(1.0_dp, 1 - 0.1_dp**i, i == 3)
+         call new_filter(filter, [0.5_dp], 1.0_dp, 1.0_dp, adapting("R", "exact", b), failure)
+         do k = 1, 5000
+            call step_filter(filter, sin(real(k, dp)), x)
+            expected = 1/real(k + 1, dp)
+            if (b < 1) expected = (1 - b)/(1 - b**(k + 1))
+            call check(error, filter%weight, expected, thr=1.0e-13_dp, rel=.true.)
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_weights
+
+   !> E min(u^2, c^2): values of reference, and the integral by the midpoint rule
+   subroutine test_consistency(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: u, total
+      integer :: i
+
+      call check(error, consistency_factor(2.0_dp), 0.92054_dp, thr=5.0e-6_dp)
+      if (allocated(error)) return
+      call check(error, consistency_factor(2.5_dp), 0.97756_dp, thr=5.0e-6_dp)
+      if (allocated(error)) return
+      call check(error, consistency_factor(3.0_dp), 0.99501_dp, thr=5.0e-6_dp)
+      if (allocated(error)) return
+      total = 0
+      do i = 1, 20000
+         u = (i - 0.5_dp)*5.0e-4_dp
+         total = total + min(u*u, 6.25_dp)*exp(-0.5_dp*u*u)*5.0e-4_dp
+      end do
+      call check(error, consistency_factor(2.5_dp), 2*total*0.39894228040143268_dp, thr=1.0e-7_dp)
+   end subroutine test_consistency
+
+   !> Priors of Q and R wrong by 1e-3 ... 1e3, three b, every subset and form: never S <= 0, never NaN, never diverging
+   subroutine test_guards(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(4), parameter :: subsets(6) = ["QR  ", "qrQR", "R   ", "Q   ", "rR  ", "qQ  "]
+      type(gyro_error), allocatable :: failure
+      type(filter_type) :: filter
+      type(filter_options) :: options
+      real(dp) :: z(2000), x(2000), b(3)
+      integer :: i, iq, ir
+
+      b = [0.95_dp, 0.98_dp, 0.999_dp]
+      call make_series(13, paper_phi, 1.0_dp, 0.0_dp, z)
+      do i = 1, size(forms)*size(subsets)*size(b)
+         options = adapting(subsets(mod(i - 1, 6) + 1), forms(mod((i - 1)/6, 4) + 1), b((i - 1)/24 + 1))
+         options%r_scale = 0.59_dp
+         do iq = -3, 3, 3
+            do ir = -3, 3, 3
+               call new_filter(filter, [paper_phi], 0.83_dp*10.0_dp**iq, 10.0_dp**ir, options, failure)
+               call run_filter(filter, z, x)
+               call check(error, all(ieee_is_finite(x)) .and. filter%innovation_variance > 0 .and. filter%q > 0 &
+                          .and. filter%r > 0, "broken: "//subsets(mod(i - 1, 6) + 1)//forms(mod((i - 1)/6, 4) + 1))
+               if (allocated(error)) return
+               call check(error, sum(x**2) <= 2*sum(z**2), "diverged: " &
+                          //subsets(mod(i - 1, 6) + 1)//forms(mod((i - 1)/6, 4) + 1))
+               if (allocated(error)) return
+            end do
+         end do
+      end do
+   end subroutine test_guards
+
+   !> The same for order 3, where the unguarded recursion breaks in every run
+   subroutine test_vector_guards(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(filter_type) :: filter
+      real(dp) :: z(3000), x(3000)
+      integer :: i, iq, ir, k
+
+      call fill_noise(14, z)
+      do k = 4, size(z)
+         z(k) = z(k) + dot_product(phi3, z(k - 1:k - 3:-1))
+      end do
+      do i = 1, size(forms)
+         do iq = -3, 3, 3
+            do ir = -3, 3, 3
+               call new_filter(filter, phi3, 10.0_dp**iq, 10.0_dp**ir, adapting("QR", forms(i), 0.97_dp), failure)
+               call run_filter(filter, z, x)
+               call check(error, all(ieee_is_finite(x)) .and. filter%innovation_variance > 0, "broken: "//forms(i))
+               if (allocated(error)) return
+               call check(error, minval([(filter%p(k, k), k=1, 3)]) >= 0, "a negative variance: "//forms(i))
+               if (allocated(error)) return
+               call check(error, sum(x**2) <= 2*sum(z**2), "diverged: "//forms(i))
+               if (allocated(error)) return
+            end do
+         end do
+      end do
+   end subroutine test_vector_guards
+
+   !> R only, by residuals, Q right, R from 1e-3 to 1e3 of the truth, bounds hanging on the differences: error within
+   !> 1.07 of the filter that knows R (drift 0.98 with variance 1e-4, white 4.2e-4, as in a cheap gyroscope)
+   subroutine test_wrong_r(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(filter_type) :: filter, oracle
+      type(filter_options) :: options
+      real(dp), parameter :: phi = 0.98_dp, d = 1.0e-4_dp, r = 4.2e-4_dp
+      real(dp) :: z(12000), drift(12000), x(12000), best
+      integer :: power, seed
+
+      do seed = 1, 3
+         call make_series(20 + seed, phi, d, r, z, drift)
+         call new_filter(oracle, [phi], d*(1 - phi**2), r, filter_options(), failure)
+         call run_filter(oracle, z, x)
+         best = norm2(x - drift)
+         options = adapting("R", "residual", 0.99_dp)
+         options%r_scale = 0.5_dp*sum((z(2:) - z(:11999))**2)/11999
+         options%burn_in = -1
+         do power = -3, 3, 3
+            call new_filter(filter, [phi], d*(1 - phi**2), r*10.0_dp**power, options, failure)
+            call run_filter(filter, z, x)
+            call check(error, norm2(x - drift) <= 1.07_dp*best, "a wrong R is not forgotten")
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_wrong_r
+
+   !> Data that are exactly AR(1) hold no white noise: R falls to its bound, the filter passes the series
+   subroutine test_pure_ar(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(filter_type) :: filter
+      real(dp), allocatable :: z(:), x(:)
+
+      allocate (z(50000), x(50000))
+      call make_series(15, paper_phi, 1.0_dp, 0.0_dp, z)
+      call new_filter(filter, [paper_phi], 1 - paper_phi**2, 1.0_dp, adapting("R", "residual", 0.98_dp), failure)
+      call run_filter(filter, z, x)
+      call check(error, filter%gain_sum(1)/filter%gain_measurements > 0.93_dp, "the gain is not near 1")
+      if (allocated(error)) return
+      call check(error, sum(x**2) > 0.9_dp*sum(z**2), "the series does not pass")
+      if (allocated(error)) return
+      call check(error, filter%r < 0.04_dp, "R is not near 0")
+   end subroutine test_pure_ar
+
+   !> The printed posterior in (22) biases R upwards: on the same data R alone rests near a gain of 0.63
+   subroutine test_paper_form(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(filter_type) :: filter
+      real(dp), allocatable :: z(:), x(:)
+
+      allocate (z(50000), x(50000))
+      call make_series(16, paper_phi, 1.0_dp, 0.0_dp, z)
+      call new_filter(filter, [paper_phi], 1 - paper_phi**2, 1.0_dp, adapting("R", "paper", 0.995_dp), failure)
+      call run_filter(filter, z, x)
+      call check(error, filter%gain_sum(1)/filter%gain_measurements, 0.63_dp, thr=0.02_dp)
+   end subroutine test_paper_form
+
+   !> One outlier of 50 sigma: with the gate the estimate moves by a twentieth; R does not jump
+   subroutine test_gate(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(filter_type) :: gated, open_filter
+      type(filter_options) :: options
+      real(dp) :: z(1001), x(1001), y(1001), moved(2)
+
+      call make_series(17, 0.98_dp, 1.0_dp, 1.0_dp, z)
+      options = adapting("R", "residual", 0.98_dp)
+      call new_filter(open_filter, [0.98_dp], 0.0396_dp, 1.0_dp, options, failure)
+      options%huber = 2.5_dp
+      call new_filter(gated, [0.98_dp], 0.0396_dp, 1.0_dp, options, failure)
+      z(1001) = z(1000) + 50
+      call run_filter(gated, z, x)
+      call run_filter(open_filter, z, y)
+      moved = abs([x(1001) - x(1000), y(1001) - y(1000)])
+      call check(error, moved(1) < 0.15_dp*moved(2), "the gate does not hold the estimate")
+      if (allocated(error)) return
+      call check(error, open_filter%r > 10*gated%r, "the gate does not hold R")
+      if (allocated(error)) return
+      call check(error, real(gated%gated, dp)/1001, 0.0124_dp, thr=0.012_dp)
+   end subroutine test_gate
+
+   !> A step of 100 sigma that stays: accepted after eleven gated samples, without one the filter would crawl
+   subroutine test_level_shift(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(filter_type) :: filter
+      type(filter_options) :: options
+      real(dp) :: z(600), x(600)
+
+      call fill_noise(18, z)
+      z(301:) = z(301:) + 100
+      options%huber = 2.5_dp
+      options%initial_variance = 1.0_dp
+      call new_filter(filter, [1.0_dp], 1.0e-4_dp, 1.0_dp, options, failure)
+      call run_filter(filter, z, x)
+      call check(error, abs(x(311)) < 10.0_dp, "accepted too early")
+      if (allocated(error)) return
+      call check(error, x(330), 100.0_dp, thr=1.5_dp)
+      if (allocated(error)) return
+      call check(error, x(600), 100.0_dp, thr=0.5_dp)
+   end subroutine test_level_shift
+
+   !> R stays as given for so many measurements; automatic: at least 20
+   subroutine test_burn_in(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(filter_type) :: filter
+      type(filter_options) :: options
+      real(dp) :: z(400), x(400)
+
+      call fill_noise(19, z)
+      options = adapting("QR", "exact", 0.98_dp)
+      options%burn_in = 50
+      call new_filter(filter, [0.5_dp], 1.0_dp, 1.0_dp, options, failure)
+      call run_filter(filter, z(:50), x(:50))
+      call check(error, filter%r + filter%q, 2.0_dp)
+      if (allocated(error)) return
+      call run_filter(filter, z(51:51), x(51:51))
+      call check(error, abs(filter%r - 1.0_dp) > 0, "no adaptation after the burn-in")
+      if (allocated(error)) return
+      options%burn_in = -1
+      call new_filter(filter, [0.999_dp], 1.0e-4_dp, 1.0_dp, options, failure)
+      call check(error, filter%wait > 300 .and. filter%wait < 2000, "a slow filter has a long burn-in")
+      if (allocated(error)) return
+      call new_filter(filter, [0.1_dp], 1.0_dp, 1.0_dp, options, failure)
+      call check(error, filter%wait, 20)
+   end subroutine test_burn_in
+
+   !> A missing sample moves the state, not the noise
+   subroutine test_missing(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(filter_type) :: filter, before
+      real(dp) :: x
+      integer :: order
+
+      do order = 1, 3, 2
+         call new_filter(filter, phi3(:order), 1.0_dp, 1.0_dp, adapting("qrQR", "exact", 0.98_dp), failure)
+         call step_filter(filter, 1.0_dp, x)
+         before = filter
+         call step_filter(filter, ieee_value(1.0_dp, ieee_quiet_nan), x)
+         call check(error, sum(abs([filter%q - before%q, filter%r - before%r, filter%q_mean - before%q_mean, &
+                                    filter%r_mean - before%r_mean, filter%weight - before%weight])), 0.0_dp)
+         if (allocated(error)) return
+         call check(error, x, dot_product(phi3(:order), before%x) + before%q_mean, thr=1.0e-15_dp)
+         if (allocated(error)) return
+      end do
+   end subroutine test_missing
+
+   !> Frozen, the noise stays and the state goes on; afterwards adaptation resumes
+   subroutine test_freeze(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(filter_type) :: filter
+      real(dp) :: z(100), x(100), r, q
+      integer :: order
+
+      call fill_noise(23, z)
+      do order = 1, 3, 2
+         call new_filter(filter, phi3(:order), 1.0_dp, 1.0_dp, adapting("QR", "exact", 0.98_dp), failure)
+         call run_filter(filter, z, x)
+         r = filter%r
+         q = filter%q
+         call freeze_filter(filter, .true.)
+         call run_filter(filter, 100 + z, x)
+         call check(error, abs(filter%r - r) + abs(filter%q - q), 0.0_dp)
+         if (allocated(error)) return
+         call check(error, x(100) > 10, "the state stands still")
+         if (allocated(error)) return
+         call freeze_filter(filter, .false.)
+         call run_filter(filter, z, x)
+         call check(error, abs(filter%r - r) > 0, "adaptation does not resume")
+         if (allocated(error)) return
+      end do
+   end subroutine test_freeze
+
+   !> r adapted alone takes up a constant offset whole
+   subroutine test_offset(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(filter_type) :: filter
+      real(dp) :: z(5000), x(5000)
+
+      call make_series(24, 0.5_dp, 1.0_dp, 1.0_dp, z)
+      z = z + 10
+      call new_filter(filter, [0.5_dp], 0.75_dp, 1.0_dp, adapting("r", "exact", 0.999_dp), failure)
+      call run_filter(filter, z, x)
+      call check(error, filter%r_mean, 10.0_dp, thr=0.2_dp)
+      if (allocated(error)) return
+      call check(error, sum(x(2501:))/2500, 0.0_dp, thr=0.1_dp)
+   end subroutine test_offset
+
+   !> A million steps of the paper's form: finite, within the bounds
+   subroutine test_million(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(filter_type) :: filter
+      real(dp), allocatable :: z(:), x(:)
+
+      allocate (z(1000000), x(1000000))
+      call make_series(25, paper_phi, 1.0_dp, 0.0_dp, z)
+      call new_filter(filter, [paper_phi], 1 - paper_phi**2, 1.0_dp, adapting("QR", "paper", 0.98_dp), failure)
+      call run_filter(filter, z, x)
+      call check(error, all(ieee_is_finite(x)), "not finite")
+      if (allocated(error)) return
+      call check(error, sum(x**2)/sum(z**2), 0.043_dp, thr=0.004_dp)
+   end subroutine test_million
+end module test_sage_husa
