@@ -19,6 +19,9 @@ module gyroakf
    use gyroakf_simulate_record, only : simulate_options, simulate_record, paper_preset, paper_seed
    use gyroakf_filter_state_space, only : stationary_covariance, steady_state, dc_gain, output_variance_ratio
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
+   use gyroakf_allan_grid, only : averaging_factors
+   use gyroakf_allan_deviation, only : allan_options, allan_curve_type, compute_allan
+   use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, chi_square_limits
    implicit none (type, external)
    public
 end module gyroakf

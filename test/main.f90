@@ -6,6 +6,9 @@
 !>     fpm test -- error texts      one test
 program test_main
    ! One line for every suite here, in alphabetical order ...
+   use test_allan_deviation, only : collect_allan_deviation
+   use test_allan_freedom, only : collect_allan_freedom
+   use test_allan_grid, only : collect_allan_grid
    use test_error, only : collect_error
    use test_fft, only : collect_fft
    use test_random, only : collect_random
@@ -22,6 +25,9 @@ program test_main
    implicit none (type, external)
 
    ! ... and one line here, in the same order.
+   call add("allan_deviation", collect_allan_deviation)
+   call add("allan_freedom", collect_allan_freedom)
+   call add("allan_grid", collect_allan_grid)
    call add("error", collect_error)
    call add("fft", collect_fft)
    call add("random", collect_random)

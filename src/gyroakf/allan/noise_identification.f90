@@ -1,0 +1,170 @@
+! SPDX-License-Identifier: MIT
+!> The power-law noise that dominates at an averaging time, by the lag-1 autocorrelation.
+!>
+!> The rate is averaged over windows of m samples and a straight line is removed. With the lag-1 autocorrelation
+!> r of these means, rho = r/(1 + r); while rho >= 1/4 the means are differenced (at most twice), and
+!> alpha = -2 rho - 2 d with the number of differences d, rounded.
+!> Source: W. J. Riley, C. A. Greenhall, "Power law noise identification using the lag 1 autocorrelation",
+!> Proc. 18th EFTF (2004). It needs 30 means; beyond that the last identified noise is carried on.
+module gyroakf_allan_noise_identification
+   use gyroakf_kinds, only : dp, int32, int64
+   implicit none (type, external)
+   private
+   public :: identify_noise
+
+   !> Means that an identification needs
+   integer(int64), parameter :: means_min = 30
+   !> Means that it looks at, from the middle of the record
+   integer(int64), parameter :: means_max = 16384
+   !> Differences at most (Allan variance)
+   integer, parameter :: differences_max = 2
+
+contains
+
+   !> Noise exponent alpha (spectrum of the rate ~ f**alpha, 2 .. -2) for each averaging factor.
+   pure subroutine identify_noise(phase, m, min_coverage, alpha, missing)
+      !> Phase: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> Averaging factors, ascending
+      integer(int64), intent(in) :: m(:)
+      !> Share of a window that must be present
+      real(dp), intent(in) :: min_coverage
+      !> The exponents: [size(m)]; 0 until one could be identified
+      integer, intent(out) :: alpha(:)
+      !> Missing samples so far: [0:n]; none if absent
+      integer(int32), intent(in), optional :: missing(0:)
+
+      integer :: i, last
+
+      last = 0
+      do i = 1, size(m)
+         call identify_one(phase, m(i), min_coverage, last, missing)
+         alpha(i) = last
+      end do
+   end subroutine identify_noise
+
+   !> The exponent for one averaging factor.
+   pure subroutine identify_one(phase, m, min_coverage, alpha, missing)
+      !> Phase: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> Averaging factor
+      integer(int64), intent(in) :: m
+      !> Share of a window that must be present
+      real(dp), intent(in) :: min_coverage
+      !> The exponent; left alone where there are too few windows or nothing varies
+      integer, intent(inout) :: alpha
+      !> Missing samples so far: [0:n]
+      integer(int32), intent(in), optional :: missing(0:)
+
+      real(dp), allocatable :: mean(:)
+      logical, allocatable :: use_it(:)
+      real(dp) :: r, rho
+      integer(int64) :: means, d, j
+      logical :: varies
+
+      means = min(ubound(phase, 1, kind=int64)/m, means_max)
+      if (means < means_min) return
+      allocate (mean(means), use_it(means))
+      call window_means(phase, m, min_coverage, mean, use_it, missing)
+      if (count(use_it) < means_min) return
+      call remove_line(mean, use_it)
+      do d = 0, differences_max
+         call lag_one(mean(:means - d), use_it(:means - d), r, varies)
+         if (.not. varies) return
+         rho = r/(1 + r)
+         if (rho < 0.25_dp) exit
+         if (d == differences_max) exit
+         do j = 1, means - d - 1
+            mean(j) = mean(j + 1) - mean(j)
+            use_it(j) = use_it(j) .and. use_it(j + 1)
+         end do
+      end do
+      alpha = min(max(-nint(2*rho) - 2*int(d), -2), 2)
+   end subroutine identify_one
+
+   !> Means of adjacent windows around the middle of the record.
+   pure subroutine window_means(phase, m, min_coverage, mean, use_it, missing)
+      !> Phase: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> Samples in a window
+      integer(int64), intent(in) :: m
+      !> Share of a window that must be present
+      real(dp), intent(in) :: min_coverage
+      !> Means
+      real(dp), intent(out) :: mean(:)
+      !> Whether the window is complete enough
+      logical, intent(out) :: use_it(:)
+      !> Missing samples so far: [0:n]
+      integer(int32), intent(in), optional :: missing(0:)
+
+      integer(int64) :: j, k, there, first
+
+      first = (ubound(phase, 1, kind=int64) - m*size(mean, kind=int64))/2
+      do j = 1, size(mean, kind=int64)
+         k = first + (j - 1)*m
+         there = m
+         if (present(missing)) there = m - (missing(k + m) - missing(k))
+         use_it(j) = real(there, dp) >= min_coverage*real(m, dp) - 1e-9_dp .and. there > 0
+         mean(j) = 0
+         if (use_it(j)) mean(j) = (phase(k + m) - phase(k))/real(there, dp)
+      end do
+   end subroutine window_means
+
+   !> Removes the least-squares straight line.
+   pure subroutine remove_line(y, use_it)
+      !> Values
+      real(dp), intent(inout) :: y(:)
+      !> Which of them count
+      logical, intent(in) :: use_it(:)
+
+      real(dp) :: count_y, mean_y, mean_t, slope_top, slope_bottom, t
+      integer(int64) :: j
+
+      count_y = real(count(use_it), dp)
+      mean_y = sum(y, mask=use_it)/count_y
+      mean_t = 0
+      do j = 1, size(y, kind=int64)
+         if (use_it(j)) mean_t = mean_t + real(j, dp)/count_y
+      end do
+      slope_top = 0
+      slope_bottom = 0
+      do j = 1, size(y, kind=int64)
+         if (.not. use_it(j)) cycle
+         t = real(j, dp) - mean_t
+         slope_top = slope_top + t*(y(j) - mean_y)
+         slope_bottom = slope_bottom + t*t
+      end do
+      do j = 1, size(y, kind=int64)
+         if (use_it(j)) y(j) = y(j) - mean_y - (real(j, dp) - mean_t)*slope_top/slope_bottom
+      end do
+   end subroutine remove_line
+
+   !> Lag-1 autocorrelation over neighbouring pairs.
+   pure subroutine lag_one(y, use_it, r, varies)
+      !> Values
+      real(dp), intent(in) :: y(:)
+      !> Which of them count
+      logical, intent(in) :: use_it(:)
+      !> The autocorrelation, > -1 and < 1
+      real(dp), intent(out) :: r
+      !> False where there is nothing to correlate
+      logical, intent(out) :: varies
+
+      real(dp) :: mean, products, squares
+      integer(int64) :: j, n
+
+      r = 0
+      n = size(y, kind=int64)
+      varies = count(use_it) >= means_min - differences_max
+      if (.not. varies) return
+      mean = sum(y, mask=use_it)/real(count(use_it), dp)
+      squares = sum((y - mean)**2, mask=use_it)
+      products = 0
+      do j = 1, n - 1
+         if (use_it(j) .and. use_it(j + 1)) products = products + (y(j) - mean)*(y(j + 1) - mean)
+      end do
+      varies = squares > 0
+      if (varies) r = min(max(products/squares, -0.9_dp), 0.9_dp)
+   end subroutine lag_one
+
+end module gyroakf_allan_noise_identification
