@@ -13,6 +13,7 @@ program test_main
    use test_fft, only : collect_fft
    use test_random, only : collect_random
    use test_record_writer, only : collect_record_writer
+   use test_number, only : collect_number
    use test_release, only : collect_release
    use test_simulate, only : collect_simulate
    use test_kalman, only : collect_kalman
@@ -32,6 +33,7 @@ program test_main
    call add("fft", collect_fft)
    call add("random", collect_random)
    call add("record_writer", collect_record_writer)
+   call add("number", collect_number)
    call add("release", collect_release)
    call add("simulate", collect_simulate)
    call add("kalman", collect_kalman)

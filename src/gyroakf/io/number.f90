@@ -1,0 +1,395 @@
+! SPDX-License-Identifier: MIT
+!> Decimal numbers in text, read correctly rounded (to nearest, ties to even), always, and whatever the locale is.
+!>
+!> A number m * 10^q takes the first of three paths that is sure of its result:
+!>
+!> 1. m <= 2^53 and |q| <= 22: one multiplication or division of two exact numbers
+!>    (W. D. Clinger, How to read floating point numbers accurately, 1990);
+!> 2. m * 10^q bounded from below and above in 62-bit integer arithmetic, 10^q being an exact power times one of 35
+!>    truncated ones; where both bounds round to the same number, that is the number;
+!> 3. the C library's `strtod_l` with the C locale: ties, subnormals, very many digits.
+module gyroakf_io_number
+   use, intrinsic :: iso_c_binding, only : c_char, c_double, c_int, c_null_char, c_null_ptr, c_ptr
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
+   use gyroakf_kinds, only : dp, int8, int64
+   implicit none (type, external)
+   private
+   public :: scan_number, parse_number, is_missing_word, number, digits_ahead
+
+   !> What scanning found, reached as `number%ok`
+   type :: number_enum
+      !> A number
+      integer :: ok = 0
+      !> Something else
+      integer :: none = 1
+      !> A number beyond the largest double
+      integer :: overflow = 2
+   end type number_enum
+
+   !> All outcomes
+   type(number_enum), parameter :: number = number_enum()
+
+   !> So many bytes after the last one of the text have to be addressable
+   integer, parameter :: digits_ahead = 8
+
+   !> A decimal number in parts: its value lies between mantissa and mantissa + excess, times 10^exponent
+   type :: decimal_type
+      integer(int64) :: mantissa, excess, exponent
+      logical :: negative
+   end type decimal_type
+
+   integer(int64), parameter :: ten(0:18) = [ &
+      1_int64, 10_int64, 100_int64, 1000_int64, 10000_int64, &
+      100000_int64, 1000000_int64, 10000000_int64, 100000000_int64, 1000000000_int64, &
+      10000000000_int64, 100000000000_int64, 1000000000000_int64, 10000000000000_int64, 100000000000000_int64, &
+      1000000000000000_int64, 10000000000000000_int64, 100000000000000000_int64, 1000000000000000000_int64]
+   real(dp), parameter :: exact_ten(0:22) = [ &
+      1.0e0_dp, 1.0e1_dp, 1.0e2_dp, 1.0e3_dp, 1.0e4_dp, 1.0e5_dp, 1.0e6_dp, 1.0e7_dp, &
+      1.0e8_dp, 1.0e9_dp, 1.0e10_dp, 1.0e11_dp, 1.0e12_dp, 1.0e13_dp, 1.0e14_dp, 1.0e15_dp, &
+      1.0e16_dp, 1.0e17_dp, 1.0e18_dp, 1.0e19_dp, 1.0e20_dp, 1.0e21_dp, 1.0e22_dp]
+   !> 10*m + 9 does not overflow up to here
+   integer(int64), parameter :: mantissa_limit = 922337203685477579_int64
+
+   !> 10^(18 a), a = -17 to 17, truncated to 62 bits: the value is power * 2^(floor(log2(10^(18 a))) - 61)
+   integer(int64), parameter :: power(-17:17) = [ &
+      3238436052916969893_int64, 2808895523222368605_int64, 2436328502849999770_int64, 4226356249085321970_int64, &
+      3665779701564795034_int64, 3179557053031851899_int64, 2757826131550993649_int64, 2392032866531905486_int64, &
+      4149515568880992958_int64, 3599131035634557106_int64, 3121748550315992231_int64, 2707685248164858261_int64, &
+      2348542582773833227_int64, 4074071952668972172_int64, 3533694129556768659_int64, 3064991081731777716_int64, &
+      2658455991569831745_int64, 2305843009213693952_int64, 4000000000000000000_int64, 3469446951953614188_int64, &
+      3009265538105056020_int64, 2610121787199409810_int64, 4527839539413356183_int64, 3927274772238181242_int64, &
+      3406367872006520575_int64, 2954553157691435449_int64, 2562666361834369183_int64, 4445517498970154966_int64, &
+      3855871784164614588_int64, 3344435652173466552_int64, 2900835519859557836_int64, 2516073738123880198_int64, &
+      4364692180812216115_int64, 3785766995733679075_int64, 3283629441038700999_int64]
+
+   integer(int64), parameter :: low31 = 2_int64**31 - 1
+   integer(int64), parameter :: bit61 = 2_int64**61
+   integer(int64), parameter :: nibbles = int(z'0F0F0F0F0F0F0F0F', int64), zeros = int(z'3030303030303030', int64)
+   integer(int64), parameter :: sixes = int(z'0606060606060606', int64), bytes_even = int(z'00FF00FF00FF00FF', int64)
+   integer(int64), parameter :: words_even = int(z'0000FFFF0000FFFF', int64), low32 = 2_int64**32 - 1
+   logical, parameter :: little_endian = transfer([1_int8, 0_int8, 0_int8, 0_int8, 0_int8, 0_int8, 0_int8, 0_int8], 0_int64) == 1
+
+   interface
+      !> The number at the start of a C string, in a locale
+      pure function c_strtod_l(text, end, locale) result(value) bind(C, name="strtod_l")
+         import :: c_char, c_double, c_ptr
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: text(*)
+         type(c_ptr), intent(in), value :: end, locale
+         real(c_double) :: value
+      end function c_strtod_l
+
+      !> A locale object; with a null base the categories outside of the mask are those of the C locale
+      pure function c_newlocale(mask, name, base) result(locale) bind(C, name="newlocale")
+         import :: c_char, c_int, c_ptr
+         implicit none (type, external)
+         integer(c_int), intent(in), value :: mask
+         character(kind=c_char), intent(in) :: name(*)
+         type(c_ptr), intent(in), value :: base
+         type(c_ptr) :: locale
+      end function c_newlocale
+
+      !> Frees a locale object
+      pure subroutine c_freelocale(locale) bind(C, name="freelocale")
+         import :: c_ptr
+         implicit none (type, external)
+         type(c_ptr), intent(in), value :: locale
+      end subroutine c_freelocale
+   end interface
+
+contains
+
+   !> The number that begins at a byte: `[+-] digits [. digits] [e|E|d|D [+-] digits]`, one digit at least.
+   !>
+   !> Whether what follows may follow is the caller's business. Thread-safe; no allocation but for a number of more than
+   !> 120 characters.
+   pure subroutine scan_number(bytes, at, value, found)
+      !> The text; [[digits_ahead]] more bytes than the text, the first of them no digit
+      integer(int8), intent(in), contiguous :: bytes(:)
+      !> First byte of the number; afterwards the byte after it, unchanged where there is no number
+      integer(int64), intent(inout) :: at
+      !> The number; 0 where there is none, +-huge on overflow
+      real(dp), intent(out) :: value
+      !> One of the components of [[number]]
+      integer, intent(out) :: found
+      type(decimal_type) :: decimal
+      integer(int64) :: next
+      logical :: sure
+
+      value = 0.0_dp
+      call scan_decimal(bytes, at, next, decimal)
+      if (next == at) then
+         found = number%none
+         return
+      end if
+      found = number%ok
+      if (decimal%excess == 0 .and. decimal%mantissa <= 2_int64**53 .and. abs(decimal%exponent) <= 22) then
+         value = real(decimal%mantissa, dp)
+         if (decimal%exponent < 0) value = value/exact_ten(-decimal%exponent)
+         if (decimal%exponent > 0) value = value*exact_ten(decimal%exponent)
+      else if (decimal%mantissa > 0) then
+         call round_decimal(decimal, value, sure)
+         if (.not. sure) then
+            value = library_value(bytes(at:next - 1))
+            if (decimal%negative) value = -value
+            if (.not. ieee_is_finite(value)) then
+               found = number%overflow
+               value = huge(1.0_dp)
+            end if
+         end if
+      end if
+      if (decimal%negative) value = -value
+      at = next
+   end subroutine scan_number
+
+   !> Takes the number apart; `next` is `at` where there is none.
+   pure subroutine scan_decimal(bytes, at, next, decimal)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: at
+      integer(int64), intent(out) :: next
+      type(decimal_type), intent(out) :: decimal
+      integer(int64) :: p, first, m, q, eight
+      integer :: digit
+      logical :: any_digit, all_digits
+
+      p = at
+      next = at
+      decimal%negative = bytes(p) == 45
+      if (bytes(p) == 45 .or. bytes(p) == 43) p = p + 1
+      m = 0
+      q = 0
+      decimal%excess = 0
+      first = p
+      do
+         digit = bytes(p) - 48
+         if (digit < 0 .or. digit > 9) exit
+         if (m > mantissa_limit) then
+            if (digit > 0) decimal%excess = 1
+            q = q + 1
+         else
+            m = 10*m + digit
+         end if
+         p = p + 1
+      end do
+      any_digit = p > first
+      if (bytes(p) == 46) then
+         p = p + 1
+         first = p
+         do while (little_endian .and. m < ten(10))
+            call eight_digits(bytes(p:p + 7), eight, all_digits)
+            if (.not. all_digits) exit
+            m = m*ten(8) + eight
+            q = q - 8
+            p = p + 8
+         end do
+         do
+            digit = bytes(p) - 48
+            if (digit < 0 .or. digit > 9) exit
+            if (m > mantissa_limit) then
+               if (digit > 0) decimal%excess = 1
+            else
+               m = 10*m + digit
+               q = q - 1
+            end if
+            p = p + 1
+         end do
+         any_digit = any_digit .or. p > first
+      end if
+      if (.not. any_digit) return
+      decimal%mantissa = m
+      decimal%exponent = q
+      next = p
+      if (bytes(p) > 44) call scan_exponent(bytes, next, decimal)
+      if (next == p) return
+      if (next < 0) next = at
+   end subroutine scan_decimal
+
+   !> Adds the exponent that may begin at `next`; -1 where its digits are missing.
+   pure subroutine scan_exponent(bytes, next, decimal)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(inout) :: next
+      type(decimal_type), intent(inout) :: decimal
+      integer(int64) :: p, first, exponent
+      integer :: digit, letter
+      logical :: negative
+
+      letter = ior(int(bytes(next)), 32)
+      if (letter /= 101 .and. letter /= 100) return
+      p = next + 1
+      negative = bytes(p) == 45
+      if (bytes(p) == 45 .or. bytes(p) == 43) p = p + 1
+      first = p
+      exponent = 0
+      do
+         digit = bytes(p) - 48
+         if (digit < 0 .or. digit > 9) exit
+         if (exponent < 1000000000) exponent = 10*exponent + digit
+         p = p + 1
+      end do
+      next = p
+      if (p == first) next = -1
+      if (negative) exponent = -exponent
+      decimal%exponent = decimal%exponent + exponent
+   end subroutine scan_exponent
+
+   !> Eight digits at once, in one 64-bit word (no lane overflows into the next).
+   pure subroutine eight_digits(bytes, value, all_digits)
+      integer(int8), intent(in) :: bytes(8)
+      integer(int64), intent(out) :: value
+      logical, intent(out) :: all_digits
+      integer(int64) :: w
+
+      w = transfer(bytes, w)
+      value = 0
+      all_digits = iand(w, not(nibbles)) == zeros
+      if (all_digits) all_digits = iand(w + sixes, not(nibbles)) == zeros
+      if (.not. all_digits) return
+      w = iand(w, nibbles)
+      w = iand(w*10 + shiftr(w, 8), bytes_even)
+      w = iand(w*100 + shiftr(w, 16), words_even)
+      value = iand(w*10000 + shiftr(w, 32), low32)
+   end subroutine eight_digits
+
+   !> Path 2. The number is between lower and lower + width, times 2^scale, all the way; not sure where these round differently.
+   pure subroutine round_decimal(decimal, value, sure)
+      type(decimal_type), intent(in) :: decimal
+      real(dp), intent(out) :: value
+      logical, intent(out) :: sure
+      integer(int64) :: lower, width, scale, coarse, fine, rest, biased
+      integer :: shift
+
+      value = 0.0_dp
+      sure = .false.
+      if (abs(decimal%exponent) > 306) return
+      shift = leadz(decimal%mantissa) - 2
+      lower = shiftl(decimal%mantissa, max(shift, 0))
+      width = shiftl(decimal%excess, max(shift, 0))
+      if (shift < 0) then
+         lower = shiftr(lower, 1)
+         width = width + 1
+      end if
+      scale = -shift
+      coarse = (decimal%exponent + 360)/18 - 20
+      fine = decimal%exponent - 18*coarse
+      if (fine > 0) then
+         shift = leadz(ten(fine)) - 2
+         call multiply(lower, width, scale, shiftl(ten(fine), shift), -int(shift, int64))
+      end if
+      if (coarse /= 0) call multiply(lower, width, scale, power(coarse), shifta(217706*18*coarse, 16) - 61)
+
+      rest = iand(lower, 511_int64)
+      sure = rest + width < 256 .or. (rest > 256 .and. rest + width < 768)
+      biased = scale + 9 + 52 + 1023
+      if (biased < 1 .or. biased > 2045) sure = .false.
+      if (.not. sure) return
+      lower = shiftr(lower, 9)
+      if (rest > 256) lower = lower + 1
+      value = transfer(shiftl(biased - 1, 52) + lower, value)
+   end subroutine round_decimal
+
+   !> (lower, width, scale) times a factor that lies between factor and factor + 1, times 2^factor_scale; both are in [2^61, 2^62).
+   pure subroutine multiply(lower, width, scale, factor, factor_scale)
+      integer(int64), intent(inout) :: lower, width, scale
+      integer(int64), intent(in) :: factor, factor_scale
+      integer(int64) :: a1, a0, b1, b0, middle, low, high
+
+      a1 = shiftr(lower, 31)
+      a0 = iand(lower, low31)
+      b1 = shiftr(factor, 31)
+      b0 = iand(factor, low31)
+      low = a0*b0
+      middle = a1*b0 + a0*b1
+      middle = middle + shiftr(low, 31)
+      high = a1*b1 + shiftr(middle, 31)
+      width = width + 3
+      scale = scale + factor_scale + 62
+      if (high < bit61) then
+         high = 2*high + iand(shiftr(middle, 30), 1_int64)
+         width = 2*width
+         scale = scale - 1
+      end if
+      lower = high
+   end subroutine multiply
+
+   !> Path 3, without the fear of a locale; infinite on overflow.
+   pure function library_value(bytes) result(value)
+      integer(int8), intent(in) :: bytes(:)
+      real(dp) :: value
+      character(kind=c_char) :: short(128)
+      character(kind=c_char), allocatable :: long(:)
+      type(c_ptr) :: locale
+
+      locale = c_newlocale(2_c_int, "C"//c_null_char, c_null_ptr)
+      if (size(bytes) < size(short)) then
+         call copy_number(bytes, short)
+         value = c_strtod_l(short, c_null_ptr, locale)
+      else
+         allocate (long(size(bytes, kind=int64) + 1))
+         call copy_number(bytes, long)
+         value = c_strtod_l(long, c_null_ptr, locale)
+      end if
+      call c_freelocale(locale)
+   end function library_value
+
+   !> Copies a number into a C string, d and D becoming e.
+   pure subroutine copy_number(bytes, text)
+      integer(int8), intent(in) :: bytes(:)
+      character(kind=c_char), intent(out) :: text(:)
+      integer(int64) :: i
+
+      do i = 1, size(bytes, kind=int64)
+         text(i) = achar(bytes(i))
+         if (text(i) == "d" .or. text(i) == "D") text(i) = "e"
+      end do
+      text(size(bytes, kind=int64) + 1) = c_null_char
+   end subroutine copy_number
+
+   !> The number that a text is; blanks around it are allowed.
+   pure subroutine parse_number(text, value, found)
+      !> As an option or a header gives it
+      character(*), intent(in) :: text
+      !> The number; 0 where there is none
+      real(dp), intent(out) :: value
+      !> One of the components of [[number]]
+      integer, intent(out) :: found
+      integer(int8) :: bytes(len(text) + digits_ahead + 1)
+      integer(int64) :: at, last
+      integer :: i
+
+      bytes = 10_int8
+      do i = 1, len(text)
+         bytes(i) = int(iachar(text(i:i)) - merge(256, 0, iachar(text(i:i)) > 127), int8)
+      end do
+      at = verify(text, " ")
+      last = len_trim(text)
+      value = 0.0_dp
+      found = number%none
+      if (at == 0) return
+      call scan_number(bytes, at, value, found)
+      if (at == last + 1) return
+      found = number%none
+      value = 0.0_dp
+   end subroutine parse_number
+
+   !> True for the words that stand for a missing number: nan, NA, n/a, null, none, inf, infinity; any case, a sign allowed.
+   pure logical function is_missing_word(word)
+      !> Without blanks around it
+      character(*), intent(in) :: word
+      character(9), parameter :: known(9) = [character(9) :: &
+         "nan", "na", "n/a", "null", "none", "inf", "infinity", "nan(ind)", "nan(snan)"]
+      character(len(word)) :: low
+      integer :: i, first
+
+      is_missing_word = .false.
+      if (len(word) == 0 .or. len(word) > 10) return
+      do i = 1, len(word)
+         low(i:i) = word(i:i)
+         if (word(i:i) >= "A" .and. word(i:i) <= "Z") low(i:i) = achar(iachar(word(i:i)) + 32)
+      end do
+      first = 1
+      if (low(1:1) == "-" .or. low(1:1) == "+") first = 2
+      if (first > len(word)) return
+      is_missing_word = any(known == low(first:))
+   end function is_missing_word
+
+end module gyroakf_io_number

@@ -1,0 +1,377 @@
+! SPDX-License-Identifier: MIT
+!> Decimal numbers: bit for bit what the C library's strtod reads, whatever their length and exponent.
+module test_number
+   use, intrinsic :: iso_c_binding, only : c_char, c_double, c_null_char, c_null_ptr, c_ptr
+   use testdrive, only : new_unittest, unittest_type, error_type, check, test_failed
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_io_number, only : scan_number, parse_number, is_missing_word, number, digits_ahead
+   implicit none (type, external)
+   private
+   public :: collect_number
+
+   !> Characters of the longest number
+   integer, parameter :: room = 900
+
+   !> The text of a number under construction
+   type :: builder_type
+      character(room) :: text
+      integer :: length
+      !> State of the generator (multiplicative congruential, modulus 2^31 - 1)
+      integer(int64) :: state
+   end type builder_type
+
+   interface
+      pure function c_strtod(text, end) result(value) bind(C, name="strtod")
+         import :: c_char, c_double, c_ptr
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: text(*)
+         type(c_ptr), intent(in), value :: end
+         real(c_double) :: value
+      end function c_strtod
+   end interface
+
+contains
+
+   !> Names the tests.
+   subroutine collect_number(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         new_unittest("written-numbers", test_written), &
+         new_unittest("refused-texts", test_refused), &
+         new_unittest("place-after", test_place), &
+         new_unittest("overflow-underflow", test_overflow), &
+         new_unittest("missing-words", test_missing), &
+         new_unittest("random-plain", test_random_plain), &
+         new_unittest("random-exponent", test_random_exponent), &
+         new_unittest("random-subnormal", test_random_subnormal), &
+         new_unittest("random-halfway", test_random_halfway), &
+         new_unittest("random-shortest", test_random_shortest), &
+         new_unittest("random-long", test_random_long)]
+   end subroutine collect_number
+
+   !> A random integer from 0 to n - 1, n <= 2^30.
+   integer function draw(b, n)
+      type(builder_type), intent(inout) :: b
+      integer, intent(in) :: n
+
+      b%state = mod(b%state*48271_int64, 2147483647_int64)
+      draw = int(b%state*int(n, int64)/2147483647_int64)
+   end function draw
+
+   !> Empties the text but for a sign in one of four.
+   subroutine begin(b)
+      type(builder_type), intent(inout) :: b
+
+      b%length = 0
+      if (draw(b, 4) == 0) call add(b, "-")
+      if (draw(b, 16) == 0 .and. b%length == 0) call add(b, "+")
+   end subroutine begin
+
+   !> Appends a text.
+   subroutine add(b, text)
+      type(builder_type), intent(inout) :: b
+      character(*), intent(in) :: text
+
+      b%text(b%length + 1:b%length + len(text)) = text
+      b%length = b%length + len(text)
+   end subroutine add
+
+   !> Appends n random digits, in one of eight texts nines or zeros only.
+   subroutine add_digits(b, n)
+      type(builder_type), intent(inout) :: b
+      integer, intent(in) :: n
+      integer :: i, what
+
+      what = draw(b, 16)
+      do i = b%length + 1, b%length + n
+         b%text(i:i) = achar(48 + draw(b, 10))
+         if (what == 0) b%text(i:i) = "9"
+         if (what == 1) b%text(i:i) = "0"
+      end do
+      b%length = b%length + n
+   end subroutine add_digits
+
+   !> Appends an exponent from `low` to `high`.
+   subroutine add_exponent(b, low, high)
+      type(builder_type), intent(inout) :: b
+      integer, intent(in) :: low, high
+      integer :: e
+      character(8) :: text
+
+      e = low + draw(b, high - low + 1)
+      write (text, "(i0)") abs(e)
+      call add(b, merge("e", "E", draw(b, 2) == 0))
+      if (e < 0) call add(b, "-")
+      if (e >= 0 .and. draw(b, 2) == 0) call add(b, "+")
+      call add(b, trim(text))
+   end subroutine add_exponent
+
+   !> Reads the text by both readers; false where a bit differs.
+   logical function same(b)
+      type(builder_type), intent(inout) :: b
+      integer(int8) :: bytes(b%length + digits_ahead + 1)
+      character(kind=c_char) :: text(b%length + 1)
+      real(dp) :: value, expected
+      integer(int64) :: at
+      integer :: i, found
+
+      bytes = 10_int8
+      do i = 1, b%length
+         bytes(i) = int(iachar(b%text(i:i)), int8)
+         text(i) = b%text(i:i)
+      end do
+      text(b%length + 1) = c_null_char
+      expected = c_strtod(text, c_null_ptr)
+      at = 1
+      call scan_number(bytes, at, value, found)
+      same = at == b%length + 1
+      if (abs(expected) > huge(expected)) then
+         same = same .and. found == number%overflow .and. abs(value) >= huge(value)
+      else
+         same = same .and. found == number%ok .and. transfer(value, at) == transfer(expected, at)
+      end if
+   end function same
+
+   subroutine test_written(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(24), parameter :: text(20) = [character(24) :: "0", "-0", "1", "+1", ".5", "5.", "1.5D-3", "1.5d3", "1e0", "1E+2", &
+         "0.1", "123456789012345678", "9007199254740993", "1.7976931348623157e308", "2.2250738585072014e-308", "4.9e-324", &
+         "0.00000001", "00012.5", "  7.25 ", "1e-5"]
+      real(dp), parameter :: expected(20) = [0.0_dp, -0.0_dp, 1.0_dp, 1.0_dp, 0.5_dp, 5.0_dp, 1.5e-3_dp, 1.5e3_dp, 1.0_dp, &
+         100.0_dp, 0.1_dp, 123456789012345678.0_dp, 9007199254740992.0_dp, huge(1.0_dp), tiny(1.0_dp), 0.0_dp, &
+         1.0e-8_dp, 12.5_dp, 7.25_dp, 1.0e-5_dp]
+      real(dp) :: value, right
+      integer :: i, found
+
+      do i = 1, size(text)
+         call parse_number(text(i), value, found)
+         right = expected(i)
+         if (i == 16) right = transfer(1_int64, right)
+         call check(error, found == number%ok .and. transfer(value, 1_int64) == transfer(right, 1_int64), text(i))
+         if (allocated(error)) return
+      end do
+   end subroutine test_written
+
+   subroutine test_refused(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(8), parameter :: text(17) = [character(8) :: "", "-", "+", ".", "-.", "e5", "1e", "1e+", "1d-", "0x10", "1,5", &
+         "1.5.2", "1 2", "--1", "abc", "nan", "1.5f"]
+      real(dp) :: value
+      integer :: i, found
+
+      do i = 1, size(text)
+         call parse_number(text(i), value, found)
+         call check(error, found, number%none, more=text(i))
+         if (allocated(error)) return
+      end do
+   end subroutine test_refused
+
+   subroutine test_place(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: text = "12.5;-3e2x7e"
+      integer(int8) :: bytes(len(text) + digits_ahead + 1)
+      integer(int64) :: at
+      integer :: i, found
+      real(dp) :: value
+
+      bytes = 10_int8
+      bytes(:len(text)) = [(int(iachar(text(i:i)), int8), i=1, len(text))]
+      at = 1
+      call scan_number(bytes, at, value, found)
+      call check(error, at == 5 .and. value == 12.5_dp, "first")
+      if (allocated(error)) return
+      at = 6
+      call scan_number(bytes, at, value, found)
+      call check(error, at == 10 .and. value == -300.0_dp, "second")
+      if (allocated(error)) return
+      at = 11
+      call scan_number(bytes, at, value, found)
+      call check(error, at == 11 .and. found == number%none, "an exponent without digits")
+   end subroutine test_place
+
+   subroutine test_overflow(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: value
+      integer :: found
+
+      call parse_number("-1e999", value, found)
+      call check(error, found == number%overflow .and. value <= -huge(value), "-1e999")
+      if (allocated(error)) return
+      call parse_number("1e99999999999999999999", value, found)
+      call check(error, found, number%overflow)
+      if (allocated(error)) return
+      call parse_number("1.7976931348623159e308", value, found)
+      call check(error, found, number%overflow)
+      if (allocated(error)) return
+      call parse_number("1e-99999999999999999999", value, found)
+      call check(error, found == number%ok .and. value == 0.0_dp, "to zero")
+      if (allocated(error)) return
+      call parse_number("0e999", value, found)
+      call check(error, found == number%ok .and. value == 0.0_dp, "zero stays zero")
+   end subroutine test_overflow
+
+   subroutine test_missing(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(9), parameter :: yes(10) = [character(9) :: &
+         "nan", "NaN", "-nan", "NA", "n/a", "inf", "-Inf", "+INFINITY", "null", "None"]
+      character(9), parameter :: no(7) = [character(9) :: "", "-", "n", "nano", "in", "1", "infinit"]
+      integer :: i
+
+      do i = 1, size(yes)
+         call check(error, is_missing_word(trim(yes(i))), yes(i))
+         if (allocated(error)) return
+      end do
+      do i = 1, size(no)
+         call check(error, .not. is_missing_word(trim(no(i))), "taken: "//no(i))
+         if (allocated(error)) return
+      end do
+   end subroutine test_missing
+
+   !> As files have them: up to 20 digits before and 25 after the point.
+   subroutine test_random_plain(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(builder_type) :: b
+      integer :: i
+
+      b%state = 1
+      do i = 1, 450000
+         call begin(b)
+         call add_digits(b, 1 + draw(b, merge(3, 20, draw(b, 2) == 0)))
+         if (draw(b, 8) > 0) call add(b, ".")
+         if (b%text(b%length:b%length) == ".") call add_digits(b, draw(b, 26))
+         if (same(b)) cycle
+         call test_failed(error, b%text(:b%length))
+         return
+      end do
+   end subroutine test_random_plain
+
+   !> 1 to 25 digits and an exponent anywhere in the range and beyond.
+   subroutine test_random_exponent(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(builder_type) :: b
+      integer :: i
+
+      b%state = 2
+      do i = 1, 300000
+         call begin(b)
+         call add_digits(b, 1)
+         call add(b, ".")
+         call add_digits(b, draw(b, 25))
+         if (draw(b, 2) == 0) call add_exponent(b, -30, 30)
+         if (b%text(b%length:b%length) == "." .or. draw(b, 2) == 0) call add_digits(b, 1)
+         if (scan(b%text(:b%length), "eE") == 0) call add_exponent(b, -345, 312)
+         if (same(b)) cycle
+         call test_failed(error, b%text(:b%length))
+         return
+      end do
+   end subroutine test_random_exponent
+
+   !> Around the smallest normal number and below.
+   subroutine test_random_subnormal(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(builder_type) :: b
+      integer :: i
+
+      b%state = 3
+      do i = 1, 100000
+         call begin(b)
+         call add_digits(b, 1)
+         call add(b, ".")
+         call add_digits(b, draw(b, 22))
+         call add_exponent(b, -326, -305)
+         if (same(b)) cycle
+         call test_failed(error, b%text(:b%length))
+         return
+      end do
+   end subroutine test_random_subnormal
+
+   !> Exactly between two numbers, and a little beside it: (2 m + 1)/2^k with a mantissa m of 53 bits.
+   subroutine test_random_halfway(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(builder_type) :: b
+      integer(int64) :: odd
+      integer :: i
+
+      b%state = 4
+      do i = 1, 60000
+         odd = 2_int64**53 + 2*(int(draw(b, 2**26), int64)*2_int64**26 + draw(b, 2**26)) + 1
+         if (draw(b, 8) == 0) odd = 2_int64**54 - 1
+         call begin(b)
+         call add_halved(b, odd, draw(b, 70))
+         if (.not. same(b)) exit
+         call add(b, repeat("0", draw(b, 9))//"1")
+         if (.not. same(b)) exit
+      end do
+      if (i <= 60000) call test_failed(error, b%text(:b%length))
+   end subroutine test_random_halfway
+
+   !> Appends whole/2^k with all of its decimal places.
+   subroutine add_halved(b, whole, k)
+      type(builder_type), intent(inout) :: b
+      integer(int64), intent(in) :: whole
+      integer, intent(in) :: k
+      integer :: digit(0:100), places, i, j, rest
+      character(20) :: text
+
+      write (text, "(i0)") whole
+      digit = 0
+      places = len_trim(text)
+      read (text, "(*(i1))") digit(1:places)
+      do i = 1, k
+         rest = 0
+         do j = 1, len_trim(text) + i
+            rest = 10*rest + digit(j)
+            digit(j) = rest/2
+            rest = mod(rest, 2)
+         end do
+      end do
+      do i = 1, places + k
+         if (i == places + 1) call add(b, ".")
+         call add(b, achar(48 + digit(i)))
+      end do
+      if (k == 0) call add(b, ".")
+   end subroutine add_halved
+
+   !> Random bits printed with 17 digits, which have to come back.
+   subroutine test_random_shortest(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(builder_type) :: b
+      real(dp) :: value
+      integer(int64) :: bits
+      integer :: i
+
+      b%state = 5
+      do i = 1, 40000
+         bits = int(draw(b, 2**26), int64)*2_int64**26 + draw(b, 2**26)
+         value = transfer(shiftl(int(1 + draw(b, 2045), int64), 52) + bits, value)
+         b%length = 24
+         write (b%text(:24), "(es24.16e3)") value
+         b%text(:24) = adjustl(b%text(:24))
+         b%length = len_trim(b%text(:24))
+         if (same(b)) cycle
+         call test_failed(error, b%text(:b%length))
+         return
+      end do
+   end subroutine test_random_shortest
+
+   !> Hundreds of digits.
+   subroutine test_random_long(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(builder_type) :: b
+      integer :: i
+
+      b%state = 6
+      do i = 1, 1500
+         call begin(b)
+         call add_digits(b, 1 + draw(b, 400))
+         call add(b, ".")
+         call add_digits(b, draw(b, 400))
+         if (draw(b, 2) == 0) call add_exponent(b, -700, 300)
+         if (same(b)) cycle
+         call test_failed(error, b%text(:b%length))
+         return
+      end do
+   end subroutine test_random_long
+
+end module test_number
