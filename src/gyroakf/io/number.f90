@@ -5,13 +5,14 @@
 !>
 !> 1. m <= 2^53 and |q| <= 22: one multiplication or division of two exact numbers
 !>    (W. D. Clinger, How to read floating point numbers accurately, 1990);
-!> 2. m * 10^q bounded from below and above in 62-bit integer arithmetic, 10^q being an exact power times one of 35
-!>    truncated ones; where both bounds round to the same number, that is the number;
+!> 2. m * 10^q bounded from below and above in 62-bit integers ([[gyroakf_io_power]]); where both bounds round to the
+!>    same number, that is the number;
 !> 3. the C library's `strtod_l` with the C locale: ties, subnormals, very many digits.
 module gyroakf_io_number
    use, intrinsic :: iso_c_binding, only : c_char, c_double, c_int, c_null_char, c_null_ptr, c_ptr
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_io_power, only : most_exponent, times_power
    implicit none (type, external)
    private
    public :: scan_number, parse_number, is_missing_word, number, digits_ahead
@@ -38,11 +39,6 @@ module gyroakf_io_number
       logical :: negative
    end type decimal_type
 
-   integer(int64), parameter :: ten(0:18) = [ &
-      1_int64, 10_int64, 100_int64, 1000_int64, 10000_int64, &
-      100000_int64, 1000000_int64, 10000000_int64, 100000000_int64, 1000000000_int64, &
-      10000000000_int64, 100000000000_int64, 1000000000000_int64, 10000000000000_int64, 100000000000000_int64, &
-      1000000000000000_int64, 10000000000000000_int64, 100000000000000000_int64, 1000000000000000000_int64]
    real(dp), parameter :: exact_ten(0:22) = [ &
       1.0e0_dp, 1.0e1_dp, 1.0e2_dp, 1.0e3_dp, 1.0e4_dp, 1.0e5_dp, 1.0e6_dp, 1.0e7_dp, &
       1.0e8_dp, 1.0e9_dp, 1.0e10_dp, 1.0e11_dp, 1.0e12_dp, 1.0e13_dp, 1.0e14_dp, 1.0e15_dp, &
@@ -50,20 +46,6 @@ module gyroakf_io_number
    !> 10*m + 9 does not overflow up to here
    integer(int64), parameter :: mantissa_limit = 922337203685477579_int64
 
-   !> 10^(18 a), a = -17 to 17, truncated to 62 bits: the value is power * 2^(floor(log2(10^(18 a))) - 61)
-   integer(int64), parameter :: power(-17:17) = [ &
-      3238436052916969893_int64, 2808895523222368605_int64, 2436328502849999770_int64, 4226356249085321970_int64, &
-      3665779701564795034_int64, 3179557053031851899_int64, 2757826131550993649_int64, 2392032866531905486_int64, &
-      4149515568880992958_int64, 3599131035634557106_int64, 3121748550315992231_int64, 2707685248164858261_int64, &
-      2348542582773833227_int64, 4074071952668972172_int64, 3533694129556768659_int64, 3064991081731777716_int64, &
-      2658455991569831745_int64, 2305843009213693952_int64, 4000000000000000000_int64, 3469446951953614188_int64, &
-      3009265538105056020_int64, 2610121787199409810_int64, 4527839539413356183_int64, 3927274772238181242_int64, &
-      3406367872006520575_int64, 2954553157691435449_int64, 2562666361834369183_int64, 4445517498970154966_int64, &
-      3855871784164614588_int64, 3344435652173466552_int64, 2900835519859557836_int64, 2516073738123880198_int64, &
-      4364692180812216115_int64, 3785766995733679075_int64, 3283629441038700999_int64]
-
-   integer(int64), parameter :: low31 = 2_int64**31 - 1
-   integer(int64), parameter :: bit61 = 2_int64**61
    integer(int64), parameter :: nibbles = int(z'0F0F0F0F0F0F0F0F', int64), zeros = int(z'3030303030303030', int64)
    integer(int64), parameter :: sixes = int(z'0606060606060606', int64), bytes_even = int(z'00FF00FF00FF00FF', int64)
    integer(int64), parameter :: words_even = int(z'0000FFFF0000FFFF', int64), low32 = 2_int64**32 - 1
@@ -175,10 +157,10 @@ contains
       if (bytes(p) == 46) then
          p = p + 1
          first = p
-         do while (little_endian .and. m < ten(10))
+         do while (little_endian .and. m < 10000000000_int64)
             call eight_digits(bytes(p:p + 7), eight, all_digits)
             if (.not. all_digits) exit
-            m = m*ten(8) + eight
+            m = m*100000000_int64 + eight
             q = q - 8
             p = p + 8
          end do
@@ -255,12 +237,12 @@ contains
       type(decimal_type), intent(in) :: decimal
       real(dp), intent(out) :: value
       logical, intent(out) :: sure
-      integer(int64) :: lower, width, scale, coarse, fine, rest, biased
+      integer(int64) :: lower, width, scale, rest, biased
       integer :: shift
 
       value = 0.0_dp
       sure = .false.
-      if (abs(decimal%exponent) > 306) return
+      if (abs(decimal%exponent) > most_exponent) return
       shift = leadz(decimal%mantissa) - 2
       lower = shiftl(decimal%mantissa, max(shift, 0))
       width = shiftl(decimal%excess, max(shift, 0))
@@ -269,14 +251,7 @@ contains
          width = width + 1
       end if
       scale = -shift
-      coarse = (decimal%exponent + 360)/18 - 20
-      fine = decimal%exponent - 18*coarse
-      if (fine > 0) then
-         shift = leadz(ten(fine)) - 2
-         call multiply(lower, width, scale, shiftl(ten(fine), shift), -int(shift, int64))
-      end if
-      if (coarse /= 0) call multiply(lower, width, scale, power(coarse), shifta(217706*18*coarse, 16) - 61)
-
+      call times_power(lower, width, scale, decimal%exponent)
       rest = iand(lower, 511_int64)
       sure = rest + width < 256 .or. (rest > 256 .and. rest + width < 768)
       biased = scale + 9 + 52 + 1023
@@ -286,30 +261,6 @@ contains
       if (rest > 256) lower = lower + 1
       value = transfer(shiftl(biased - 1, 52) + lower, value)
    end subroutine round_decimal
-
-   !> (lower, width, scale) times a factor that lies between factor and factor + 1, times 2^factor_scale; both are in [2^61, 2^62).
-   pure subroutine multiply(lower, width, scale, factor, factor_scale)
-      integer(int64), intent(inout) :: lower, width, scale
-      integer(int64), intent(in) :: factor, factor_scale
-      integer(int64) :: a1, a0, b1, b0, middle, low, high
-
-      a1 = shiftr(lower, 31)
-      a0 = iand(lower, low31)
-      b1 = shiftr(factor, 31)
-      b0 = iand(factor, low31)
-      low = a0*b0
-      middle = a1*b0 + a0*b1
-      middle = middle + shiftr(low, 31)
-      high = a1*b1 + shiftr(middle, 31)
-      width = width + 3
-      scale = scale + factor_scale + 62
-      if (high < bit61) then
-         high = 2*high + iand(shiftr(middle, 30), 1_int64)
-         width = 2*width
-         scale = scale - 1
-      end if
-      lower = high
-   end subroutine multiply
 
    !> Path 3, without the fear of a locale; infinite on overflow.
    pure function library_value(bytes) result(value)
