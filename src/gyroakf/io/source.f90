@@ -1,0 +1,225 @@
+! SPDX-License-Identifier: MIT
+!> Bytes of a file, of standard input or of a FIFO, in blocks.
+!>
+!> Regular files are read by stream access. Anything that may deliver in pieces (`-`, FIFOs, devices) is read by the system's
+!> `read`, again and again until it says that there is no more.
+module gyroakf_io_source
+   use, intrinsic :: iso_c_binding, only : c_associated, c_char, c_int, c_loc, c_long, c_null_char, c_ptr, c_short, c_size_t
+   use gyroakf_kinds, only : int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   implicit none (type, external)
+   private
+   public :: source_type, open_source, read_block, close_source, is_directory
+
+   !> An open source of bytes
+   type :: source_type
+      !> For messages: the path, or `<stdin>`
+      character(:), allocatable :: name
+      !> Of stream access, -1 where the system's calls are used
+      integer :: unit = -1
+      !> Of the system's calls, -1 where it is closed
+      integer(c_int) :: descriptor = -1
+      !> Bytes of a regular file, 0 where that is not known
+      integer(int64) :: length = 0
+      !> Bytes delivered so far
+      integer(int64) :: delivered = 0
+   end type source_type
+
+   !> `struct pollfd` of poll.h
+   type, bind(C) :: poll_type
+      integer(c_int) :: descriptor
+      integer(c_short) :: events, happened
+   end type poll_type
+
+   !> A read that fails is tried again so often: signals interrupt it, and a descriptor may be non-blocking
+   integer, parameter :: most_tries = 1000
+
+   interface
+      function c_open(path, flags) result(descriptor) bind(C, name="open")
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int), intent(in), value :: flags
+         integer(c_int) :: descriptor
+      end function c_open
+
+      function c_read(descriptor, buffer, count) result(got) bind(C, name="read")
+         import :: c_int, c_long, c_ptr, c_size_t
+         implicit none (type, external)
+         integer(c_int), intent(in), value :: descriptor
+         type(c_ptr), intent(in), value :: buffer
+         integer(c_size_t), intent(in), value :: count
+         integer(c_long) :: got
+      end function c_read
+
+      function c_close(descriptor) result(failed) bind(C, name="close")
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), intent(in), value :: descriptor
+         integer(c_int) :: failed
+      end function c_close
+
+      function c_poll(descriptors, count, milliseconds) result(ready) bind(C, name="poll")
+         import :: c_int, c_long, poll_type
+         implicit none (type, external)
+         type(poll_type), intent(inout) :: descriptors
+         integer(c_long), intent(in), value :: count
+         integer(c_int), intent(in), value :: milliseconds
+         integer(c_int) :: ready
+      end function c_poll
+
+      function c_opendir(path) result(directory) bind(C, name="opendir")
+         import :: c_char, c_ptr
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         type(c_ptr) :: directory
+      end function c_opendir
+
+      function c_closedir(directory) result(failed) bind(C, name="closedir")
+         import :: c_int, c_ptr
+         implicit none (type, external)
+         type(c_ptr), intent(in), value :: directory
+         integer(c_int) :: failed
+      end function c_closedir
+   end interface
+
+contains
+
+   !> True where the path is a directory that may be listed.
+   logical function is_directory(path)
+      !> Any path
+      character(*), intent(in) :: path
+      type(c_ptr) :: directory
+      integer(c_int) :: ignored
+
+      directory = c_opendir(path//c_null_char)
+      is_directory = c_associated(directory)
+      if (is_directory) ignored = c_closedir(directory)
+   end function is_directory
+
+   !> Opens a source.
+   subroutine open_source(source, path, error)
+      !> To be closed by [[close_source]]
+      type(source_type), intent(out) :: source
+      !> A path; "-" is standard input
+      character(*), intent(in) :: path
+      !> Allocated where it cannot be opened: io
+      type(error_type), allocatable, intent(out) :: error
+      character(256) :: reason
+      integer :: failed
+      logical :: exists
+
+      source%name = path
+      if (path == "-") then
+         source%name = "<stdin>"
+         source%descriptor = 0
+         return
+      end if
+      if (is_directory(path)) then
+         call fatal_error(error, status%io, path//": is a directory"//new_line("a")//"give the file in it that holds the record")
+         return
+      end if
+      inquire (file=path, exist=exists, size=source%length)
+      if (.not. exists) then
+         call fatal_error(error, status%io, path//": no such file"//new_line("a")// &
+                          "check the path; - reads standard input")
+         return
+      end if
+      if (source%length > 0) then
+         open (newunit=source%unit, file=path, access="stream", form="unformatted", action="read", status="old", &
+               iostat=failed, iomsg=reason)
+         if (failed == 0) return
+         source%unit = -1
+         call fatal_error(error, status%io, path//": cannot be opened: "//trim(reason)//new_line("a")// &
+                          "check the file's permissions")
+         return
+      end if
+      source%length = 0
+      source%descriptor = c_open(path//c_null_char, 0_c_int)
+      if (source%descriptor >= 0) return
+      call fatal_error(error, status%io, path//": cannot be opened"//new_line("a")//"check the file's permissions")
+   end subroutine open_source
+
+   !> Reads until the room is full or the source has no more.
+   subroutine read_block(source, room, got, error)
+      !> An open source
+      type(source_type), intent(inout) :: source
+      !> Filled from its first byte
+      integer(int8), intent(inout), contiguous, target :: room(:)
+      !> Bytes read; fewer than the room has only at the end of the source
+      integer(int64), intent(out) :: got
+      !> Allocated where reading fails: io
+      type(error_type), allocatable, intent(out) :: error
+
+      if (source%unit /= -1) then
+         call read_stream(source, room, got, error)
+      else
+         call read_pieces(source, room, got, error)
+      end if
+      source%delivered = source%delivered + got
+   end subroutine read_block
+
+   !> A block of a regular file.
+   subroutine read_stream(source, room, got, error)
+      type(source_type), intent(inout) :: source
+      integer(int8), intent(inout), contiguous :: room(:)
+      integer(int64), intent(out) :: got
+      type(error_type), allocatable, intent(out) :: error
+      character(256) :: reason
+      integer(int64) :: before, after
+      integer :: failed
+
+      inquire (unit=source%unit, pos=before)
+      read (source%unit, iostat=failed, iomsg=reason) room
+      inquire (unit=source%unit, pos=after)
+      got = after - before
+      if (failed == 0 .or. is_iostat_end(failed)) return
+      call fatal_error(error, status%io, source%name//": cannot be read: "//trim(reason))
+   end subroutine read_stream
+
+   !> A block of something that may deliver in pieces.
+   subroutine read_pieces(source, room, got, error)
+      type(source_type), intent(inout) :: source
+      integer(int8), intent(inout), contiguous, target :: room(:)
+      integer(int64), intent(out) :: got
+      type(error_type), allocatable, intent(out) :: error
+      integer(c_long) :: piece
+      type(poll_type) :: waiting
+      integer(c_int) :: ready
+      integer :: tries
+
+      got = 0
+      tries = 0
+      do while (got < size(room, kind=int64))
+         piece = c_read(source%descriptor, c_loc(room(got + 1)), size(room, kind=c_size_t) - int(got, c_size_t))
+         if (piece == 0) exit
+         if (piece > 0) then
+            got = got + piece
+            tries = 0
+            cycle
+         end if
+         tries = tries + 1
+         if (tries > most_tries) then
+            call fatal_error(error, status%io, source%name//": cannot be read")
+            return
+         end if
+         waiting%descriptor = source%descriptor
+         waiting%events = 1_c_short
+         waiting%happened = 0_c_short
+         ready = c_poll(waiting, 1_c_long, -1_c_int)
+      end do
+   end subroutine read_pieces
+
+   !> Closes the source; harmless where it is closed, and standard input stays open.
+   subroutine close_source(source)
+      !> Closed afterwards
+      type(source_type), intent(inout) :: source
+      integer(c_int) :: ignored
+
+      if (source%unit /= -1) close (source%unit)
+      if (source%descriptor > 0) ignored = c_close(source%descriptor)
+      source%unit = -1
+      source%descriptor = -1
+   end subroutine close_source
+
+end module gyroakf_io_source

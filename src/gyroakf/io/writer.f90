@@ -1,0 +1,287 @@
+! SPDX-License-Identifier: MIT
+!> Files that appear whole or not at all: written aside in the same directory, then renamed.
+!>
+!>     call open_writer(writer, "allan.csv", error)
+!>     call put_line(writer, "tau,deviation")        ! any number of these; failures are kept
+!>     call commit_writer(writer, error)             ! ... and reported here, where the file appears
+module gyroakf_io_writer
+   use, intrinsic :: iso_c_binding, only : c_char, c_int, c_loc, c_long, c_null_char, c_ptr, c_size_t
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_decimal, only : format_real, longest_real, real_to_text
+   use gyroakf_io_source, only : is_directory
+   implicit none (type, external)
+   private
+   public :: writer_type, open_writer, put, put_line, put_real, commit_writer, discard_writer, format_real, make_directory
+
+   !> A file that is being written
+   type :: writer_type
+      !> Where it appears; "-" is standard output
+      character(:), allocatable :: path
+      !> Where it is written; the same as `path` for what is no regular file
+      character(:), allocatable :: aside
+      !> The system's descriptor, -1 where nothing is open
+      integer(c_int) :: unit = -1
+      !> What was not yet written
+      character(:, kind=c_char), allocatable :: buffer
+      integer :: used = 0
+      !> True after the first write that failed
+      logical :: failed = .false.
+   end type writer_type
+
+   !> Characters written at once
+   integer, parameter :: buffer_size = 65536
+   !> A write that fails is tried again so often: signals interrupt it
+   integer, parameter :: most_tries = 100
+
+   interface
+      function c_creat(path, mode) result(descriptor) bind(C, name="creat")
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int), intent(in), value :: mode
+         integer(c_int) :: descriptor
+      end function c_creat
+
+      function c_write(descriptor, buffer, count) result(done) bind(C, name="write")
+         import :: c_int, c_long, c_ptr, c_size_t
+         implicit none (type, external)
+         integer(c_int), intent(in), value :: descriptor
+         type(c_ptr), intent(in), value :: buffer
+         integer(c_size_t), intent(in), value :: count
+         integer(c_long) :: done
+      end function c_write
+
+      function c_close(descriptor) result(failed) bind(C, name="close")
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), intent(in), value :: descriptor
+         integer(c_int) :: failed
+      end function c_close
+
+      function c_rename(old, new) result(failed) bind(C, name="rename")
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: old(*), new(*)
+         integer(c_int) :: failed
+      end function c_rename
+
+      function c_unlink(path) result(failed) bind(C, name="unlink")
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int) :: failed
+      end function c_unlink
+
+      !> Fails for what is no regular file
+      function c_truncate(path, length) result(failed) bind(C, name="truncate")
+         import :: c_char, c_int, c_long
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_long), intent(in), value :: length
+         integer(c_int) :: failed
+      end function c_truncate
+
+      function c_getpid() result(process) bind(C, name="getpid")
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int) :: process
+      end function c_getpid
+
+      function c_mkdir(path, mode) result(failed) bind(C, name="mkdir")
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int), intent(in), value :: mode
+         integer(c_int) :: failed
+      end function c_mkdir
+   end interface
+
+contains
+
+   !> Begins a file.
+   subroutine open_writer(writer, path, error)
+      !> To be ended by [[commit_writer]] or [[discard_writer]]
+      type(writer_type), intent(out) :: writer
+      !> Where the file shall appear; "-" is standard output. Devices and FIFOs are written to directly
+      character(*), intent(in) :: path
+      !> Allocated where nothing can be written there: io, no_memory
+      type(error_type), allocatable, intent(out) :: error
+      character(12) :: process
+      integer :: failed
+
+      writer%path = path
+      writer%aside = path
+      allocate (character(buffer_size) :: writer%buffer, stat=failed)
+      if (failed /= 0) then
+         call fatal_error(error, status%no_memory, "no memory to write "//path)
+         return
+      end if
+      if (path == "-") then
+         writer%unit = 1
+         return
+      end if
+      if (is_directory(path)) then
+         call fatal_error(error, status%io, path//": is a directory, not a file to write")
+         return
+      end if
+      write (process, "(i0)") c_getpid()
+      if (.not. is_special(path)) writer%aside = path//".part"//trim(process)
+      writer%unit = c_creat(writer%aside//c_null_char, int(o'666', c_int))
+      if (writer%unit < 0) call fatal_error(error, status%io, path//": cannot be written: "//reason(writer%aside))
+   end subroutine open_writer
+
+   !> True for a device or a FIFO, which must not be replaced by a file.
+   logical function is_special(path)
+      character(*), intent(in) :: path
+      logical :: exists
+      integer(int64) :: length
+
+      inquire (file=path, exist=exists, size=length)
+      is_special = .false.
+      if (exists .and. length <= 0) is_special = c_truncate(path//c_null_char, 0_c_long) /= 0
+   end function is_special
+
+   !> Why a file cannot be created, in the words of the system.
+   function reason(path) result(text)
+      character(*), intent(in) :: path
+      character(:), allocatable :: text
+      character(256) :: message
+      integer :: unit, failed
+
+      message = ""
+      open (newunit=unit, file=path, status="replace", action="write", iostat=failed, iomsg=message)
+      text = "unknown reason"
+      if (failed == 0) then
+         close (unit, status="delete")
+      else
+         text = trim(message(index(message, ": ", back=.true.) + 1:))
+      end if
+      text = trim(adjustl(text))
+   end function reason
+
+   !> Writes a text; a failure is kept for [[commit_writer]].
+   subroutine put(writer, text)
+      !> An open writer
+      type(writer_type), intent(inout) :: writer
+      !> Any text
+      character(*), intent(in) :: text
+      integer :: from, piece
+
+      from = 1
+      do while (from <= len(text) .and. writer%unit >= 0)
+         piece = min(len(text) - from + 1, buffer_size - writer%used)
+         writer%buffer(writer%used + 1:writer%used + piece) = text(from:from + piece - 1)
+         writer%used = writer%used + piece
+         from = from + piece
+         if (writer%used == buffer_size) call flush_buffer(writer)
+      end do
+   end subroutine put
+
+   !> Writes a text and a line feed.
+   subroutine put_line(writer, text)
+      !> An open writer
+      type(writer_type), intent(inout) :: writer
+      !> Any text
+      character(*), intent(in) :: text
+
+      call put(writer, text)
+      call put(writer, new_line("a"))
+   end subroutine put_line
+
+   !> Writes a number as [[format_real]] gives it, without allocating.
+   subroutine put_real(writer, value, digits)
+      !> An open writer
+      type(writer_type), intent(inout) :: writer
+      !> Any number
+      real(dp), intent(in) :: value
+      !> 1 to 17; 0: as few as read back to the same number
+      integer, intent(in) :: digits
+      integer :: length
+
+      if (writer%unit < 0) return
+      if (writer%used + longest_real >= buffer_size) call flush_buffer(writer)
+      call real_to_text(value, digits, writer%buffer(writer%used + 1:writer%used + longest_real), length)
+      writer%used = writer%used + length
+   end subroutine put_real
+
+   !> Hands the buffer to the system.
+   subroutine flush_buffer(writer)
+      type(writer_type), intent(inout) :: writer
+      character(1, kind=c_char), target :: bytes(writer%used)
+      integer(c_long) :: done
+      integer :: from, i, tries
+
+      do i = 1, writer%used
+         bytes(i) = writer%buffer(i:i)
+      end do
+      from = 1
+      tries = 0
+      do while (from <= writer%used .and. .not. writer%failed)
+         done = c_write(writer%unit, c_loc(bytes(from)), int(writer%used - from + 1, c_size_t))
+         tries = merge(0, tries + 1, done > 0)
+         if (done > 0) from = from + int(done)
+         writer%failed = tries > most_tries
+      end do
+      writer%used = 0
+   end subroutine flush_buffer
+
+   !> Writes the rest and lets the file appear.
+   subroutine commit_writer(writer, error)
+      !> Closed afterwards
+      type(writer_type), intent(inout) :: writer
+      !> Allocated where something could not be written (a full disk, a closed pipe): io; then no file appears
+      type(error_type), allocatable, intent(out) :: error
+
+      if (writer%unit < 0) return
+      call flush_buffer(writer)
+      if (writer%unit > 1) writer%failed = c_close(writer%unit) /= 0 .or. writer%failed
+      writer%unit = -1
+      if (.not. writer%failed .and. writer%aside /= writer%path) &
+         writer%failed = c_rename(writer%aside//c_null_char, writer%path//c_null_char) /= 0
+      if (.not. writer%failed) return
+      call remove_aside(writer)
+      if (writer%path == "-") then
+         call fatal_error(error, status%io, "standard output cannot be written: the disk is full or the reader has gone")
+      else
+         call fatal_error(error, status%io, writer%path//": cannot be written: is the disk full?")
+      end if
+   end subroutine commit_writer
+
+   !> Gives the file up: nothing appears. Harmless after [[commit_writer]].
+   subroutine discard_writer(writer)
+      !> Closed afterwards
+      type(writer_type), intent(inout) :: writer
+      integer(c_int) :: ignored
+
+      if (writer%unit < 0) return
+      if (writer%unit > 1) ignored = c_close(writer%unit)
+      writer%unit = -1
+      call remove_aside(writer)
+   end subroutine discard_writer
+
+   !> Removes what was written aside.
+   subroutine remove_aside(writer)
+      type(writer_type), intent(in) :: writer
+      integer(c_int) :: ignored
+
+      if (writer%aside /= writer%path) ignored = c_unlink(writer%aside//c_null_char)
+   end subroutine remove_aside
+
+   !> Makes a directory and those above it; content where it is there already.
+   subroutine make_directory(path, error)
+      !> Any path
+      character(*), intent(in) :: path
+      !> Allocated where it is not there afterwards: io
+      type(error_type), allocatable, intent(out) :: error
+      integer(c_int) :: ignored
+      integer :: i
+
+      do i = 2, len(path)
+         if (path(i:i) == "/") ignored = c_mkdir(path(:i - 1)//c_null_char, int(o'777', c_int))
+      end do
+      ignored = c_mkdir(path//c_null_char, int(o'777', c_int))
+      if (.not. is_directory(path)) call fatal_error(error, status%io, path//": the directory cannot be made")
+   end subroutine make_directory
+
+end module gyroakf_io_writer
