@@ -22,6 +22,10 @@ module gyroakf
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_allan_deviation, only : allan_options, allan_curve_type, compute_allan
    use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, chi_square_limits
+   use gyroakf_io_number, only : parse_number
+   use gyroakf_io_reader, only : reader_options, read_record
+   use gyroakf_io_writer, only : writer_type, open_writer, put, put_line, put_real, commit_writer, discard_writer, &
+      format_real, make_directory
    implicit none (type, external)
    public
 end module gyroakf

@@ -11,14 +11,14 @@ program test_main
    use test_allan_grid, only : collect_allan_grid
    use test_error, only : collect_error
    use test_fft, only : collect_fft
-   use test_random, only : collect_random
-   use test_record_writer, only : collect_record_writer
-   use test_number, only : collect_number
-   use test_release, only : collect_release
-   use test_simulate, only : collect_simulate
    use test_kalman, only : collect_kalman
+   use test_number, only : collect_number
+   use test_random, only : collect_random
+   use test_reader, only : collect_reader
+   use test_record_writer, only : collect_record_writer
    use test_release, only : collect_release
    use test_sage_husa, only : collect_sage_husa
+   use test_simulate, only : collect_simulate
    use test_special, only : collect_special
    use test_state_space, only : collect_state_space
    use test_units, only : collect_units
@@ -31,14 +31,14 @@ program test_main
    call add("allan_grid", collect_allan_grid)
    call add("error", collect_error)
    call add("fft", collect_fft)
-   call add("random", collect_random)
-   call add("record_writer", collect_record_writer)
-   call add("number", collect_number)
-   call add("release", collect_release)
-   call add("simulate", collect_simulate)
    call add("kalman", collect_kalman)
+   call add("number", collect_number)
+   call add("random", collect_random)
+   call add("reader", collect_reader)
+   call add("record_writer", collect_record_writer)
    call add("release", collect_release)
    call add("sage_husa", collect_sage_husa)
+   call add("simulate", collect_simulate)
    call add("special", collect_special)
    call add("state_space", collect_state_space)
    call add("units", collect_units)

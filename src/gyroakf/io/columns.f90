@@ -1,0 +1,196 @@
+! SPDX-License-Identifier: MIT
+!> Columns by name and number: names with units in brackets, which columns were asked for.
+module gyroakf_io_columns
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_number, only : number, parse_number
+   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_text, only : bytes_text, fields_type, split, split_line
+   use gyroakf_record, only : add_text, text_type
+   use gyroakf_spelling, only : lower, nearest_word
+   implicit none (type, external)
+   private
+   public :: column_names_type, read_names, name_of, find_column, choose_columns
+
+   !> The names of a file's columns
+   type :: column_names_type
+      !> False where the file names none
+      logical :: known = .false.
+      !> Line that they stand in
+      integer(int64) :: line = 0
+      !> Without brackets: [column]; may be ""
+      type(text_type), allocatable :: name(:)
+      !> What stood in brackets behind the name: [column]; "" where there was nothing
+      type(text_type), allocatable :: unit(:)
+   end type column_names_type
+
+   integer(int8), parameter :: tab = 9, comma = 44, semicolon = 59
+
+contains
+
+   !> Names from a line: between commas, semicolons and tabs where there are any, else between blanks.
+   subroutine read_names(bytes, first, last, line, names)
+      !> Holds the names at first:last
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      !> Number of the line
+      integer(int64), intent(in) :: line
+      !> The names
+      type(column_names_type), intent(out) :: names
+      type(fields_type) :: fields
+      character(:), allocatable :: word
+      integer :: i, way, count
+
+      way = split%mixed
+      if (any(bytes(first:last) == comma .or. bytes(first:last) == semicolon .or. bytes(first:last) == tab)) way = split%names
+      call split_line(bytes, first, last, way, fields)
+      names%known = fields%count > 0
+      names%line = line
+      count = 0
+      do i = 1, fields%count
+         word = bytes_text(bytes, fields%first(i), fields%last(i))
+         if (way == split%mixed .and. count > 0 .and. scan(word, "[(") == 1) then
+            names%unit(count)%text = without_brackets(word)
+         else
+            call add_name(names, word)
+            count = count + 1
+         end if
+      end do
+   end subroutine read_names
+
+   !> Appends "gx [deg/s]" as name and unit.
+   subroutine add_name(names, word)
+      type(column_names_type), intent(inout) :: names
+      character(*), intent(in) :: word
+      integer :: bracket
+
+      bracket = scan(word, "[(")
+      if (bracket > 1 .and. scan(word, "])") == len(word)) then
+         call add_text(names%name, trim(word(:bracket - 1)))
+         call add_text(names%unit, without_brackets(word(bracket:)))
+      else
+         call add_text(names%name, word)
+         call add_text(names%unit, "")
+      end if
+   end subroutine add_name
+
+   !> "[deg/s]" as "deg/s".
+   pure function without_brackets(word) result(inner)
+      character(*), intent(in) :: word
+      character(:), allocatable :: inner
+      integer :: last
+
+      last = len(word)
+      if (last > 1 .and. scan(word, "])", back=.true.) == last) last = last - 1
+      inner = trim(adjustl(word(2:last)))
+   end function without_brackets
+
+   !> The name of a column, "column 3" where it has none.
+   pure function name_of(names, column) result(name)
+      !> Of the file
+      type(column_names_type), intent(in) :: names
+      !> Counted from 1
+      integer, intent(in) :: column
+      character(:), allocatable :: name
+
+      name = ""
+      if (names%known) name = names%name(column)%text
+      if (len(name) == 0) name = "column "//integer_text(int(column, int64))
+   end function name_of
+
+   !> The column that a number or a name means.
+   subroutine find_column(word, names, columns, column, error)
+      !> "2" or "gx"
+      character(*), intent(in) :: word
+      !> Of the file
+      type(column_names_type), intent(in) :: names
+      !> How many the file has
+      integer, intent(in) :: columns
+      !> From 1
+      integer, intent(out) :: column
+      !> Allocated where there is no such column: invalid_argument
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i, found
+      real(dp) :: x
+
+      column = 0
+      if (names%known) then
+         do i = columns, 1, -1
+            if (lower(names%name(i)%text) == lower(word) .and. len(word) > 0) column = i
+         end do
+         do i = columns, 1, -1
+            if (names%name(i)%text == word .and. len(word) > 0) column = i
+         end do
+      end if
+      if (column > 0) return
+      call parse_number(word, x, found)
+      if (found == number%ok .and. verify(word, "0123456789") == 0 .and. x < 1.0e9_dp) then
+         column = nint(x)
+         if (column >= 1 .and. column <= columns) return
+         column = 0
+         call fatal_error(error, status%invalid_argument, "there is no column "//word//": the file has columns 1 to "// &
+                          integer_text(int(columns, int64)))
+      else
+         call fatal_error(error, status%invalid_argument, unknown_name(word, names))
+      end if
+   end subroutine find_column
+
+   !> The message for a name that no column has.
+   function unknown_name(word, names) result(message)
+      character(*), intent(in) :: word
+      type(column_names_type), intent(in) :: names
+      character(:), allocatable :: message
+      character(80), allocatable :: known(:)
+      integer :: i, near
+
+      message = "there is no column '"//word//"'"
+      if (.not. names%known) then
+         message = message//": the file does not name its columns; give numbers, counted from 1"
+         return
+      end if
+      allocate (known(size(names%name)))
+      do i = 1, size(known)
+         known(i) = names%name(i)%text
+      end do
+      near = nearest_word(word, known)
+      if (near > 0) message = message//", perhaps '"//trim(known(near))//"'"
+      message = message//"; the file has"
+      do i = 1, min(size(known), 40)
+         message = message//" '"//names%name(i)%text//"'"
+      end do
+      if (size(known) > 40) message = message//" ..."
+   end function unknown_name
+
+   !> The columns of a comma list.
+   subroutine choose_columns(list, names, columns, chosen, error)
+      !> "2" or "gx,gz"
+      character(*), intent(in) :: list
+      !> Of the file
+      type(column_names_type), intent(in) :: names
+      !> How many the file has
+      integer, intent(in) :: columns
+      !> As asked for, in this order
+      integer, allocatable, intent(out) :: chosen(:)
+      !> Allocated where there is no such column or one is named twice: invalid_argument
+      type(error_type), allocatable, intent(out) :: error
+      integer :: room(len(list) + 1), count, from, to, i
+
+      count = 0
+      from = 1
+      do while (from <= len(list) + 1)
+         to = index(list(from:), ",")
+         to = merge(len(list), from + to - 2, to == 0)
+         count = count + 1
+         call find_column(trim(adjustl(list(from:to))), names, columns, room(count), error)
+         if (allocated(error)) return
+         do i = 1, count - 1
+            if (room(i) /= room(count)) cycle
+            call fatal_error(error, status%invalid_argument, "the column '"//list(from:to)//"' is chosen twice")
+            return
+         end do
+         from = to + 2
+      end do
+      chosen = room(:count)
+   end subroutine choose_columns
+
+end module gyroakf_io_columns

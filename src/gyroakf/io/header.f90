@@ -1,0 +1,174 @@
+! SPDX-License-Identifier: MIT
+!> What comment lines say about the record: `# rate_hz: 5`, `# dt = 0.2`, `# unit: deg/h`, `# columns: t gx gy gz`.
+!>
+!> They are read leniently (the first number counts); a value that cannot be understood is a warning, never an error.
+module gyroakf_io_header
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type
+   use gyroakf_io_columns, only : column_names_type, read_names
+   use gyroakf_io_number, only : number, scan_number
+   use gyroakf_io_place, only : integer_text, shown_bytes
+   use gyroakf_io_text, only : bytes_text, first_visible, last_visible
+   use gyroakf_record, only : add_text, text_type
+   use gyroakf_spelling, only : lower
+   use gyroakf_units, only : parse_unit, unit_type
+   implicit none (type, external)
+   private
+   public :: header_type, read_comment, time_scale
+
+   !> What the header says
+   type :: header_type
+      !> Hz; 0 where it says none
+      real(dp) :: rate_hz = 0.0_dp
+      !> Of the values; quantity unknown where it says none
+      type(unit_type) :: unit
+      !> From the key `columns`
+      type(column_names_type) :: names
+   end type header_type
+
+contains
+
+   !> Takes in one comment line; lines without a known key are ignored.
+   subroutine read_comment(bytes, first, last, line, header, warnings)
+      !> Holds the line at first:last; a line feed is behind it
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      !> Number of the line
+      integer(int64), intent(in) :: line
+      !> What is known so far
+      type(header_type), intent(inout) :: header
+      !> What could not be understood
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      integer(int64) :: from, mark
+      character(:), allocatable :: key
+
+      from = first
+      do while (from <= last)
+         if (scan(achar(iand(int(bytes(from)), 127)), "#%;/! "//achar(9)) == 0) exit
+         from = from + 1
+      end do
+      do mark = from, last
+         if (bytes(mark) == iachar(":") .or. bytes(mark) == iachar("=")) exit
+      end do
+      if (mark > last .or. mark - from > 32) return
+      key = lower(bytes_text(bytes, from, last_visible(bytes, from, mark - 1)))
+      from = first_visible(bytes, mark + 1, last)
+      select case (key)
+      case ("rate_hz"); call read_rate(bytes, from, last, line, header, warnings)
+      case ("dt"); call read_interval(bytes, from, last, line, header, warnings)
+      case ("unit"); call read_unit(bytes, from, last_visible(bytes, from, last), line, header, warnings)
+      case ("columns"); if (from <= last) call read_names(bytes, from, last_visible(bytes, from, last), line, header%names)
+      end select
+   end subroutine read_comment
+
+   !> The first number of a value and the word behind it.
+   subroutine first_number(bytes, first, last, x, word)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      real(dp), intent(out) :: x
+      character(:), allocatable, intent(out) :: word
+      integer(int64) :: p, to
+      integer :: found
+
+      p = first
+      word = ""
+      x = 0.0_dp
+      if (p > last) return
+      call scan_number(bytes, p, x, found)
+      if (found /= number%ok .or. bytes(p) == iachar(",")) x = 0.0_dp
+      p = first_visible(bytes, p, last)
+      to = p
+      do while (to <= last)
+         if (bytes(to) <= 32) exit
+         to = to + 1
+      end do
+      word = lower(bytes_text(bytes, p, to - 1))
+   end subroutine first_number
+
+   !> Key `rate_hz`.
+   subroutine read_rate(bytes, first, last, line, header, warnings)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last, line
+      type(header_type), intent(inout) :: header
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      character(:), allocatable :: word
+      real(dp) :: x
+
+      call first_number(bytes, first, last, x, word)
+      if (word == "khz") x = 1.0e3_dp*x
+      if (x > 0.0_dp .and. ieee_is_finite(x)) then
+         header%rate_hz = x
+      else
+         call warn(bytes, first, last, line, "rate_hz", "is not a positive number", warnings)
+      end if
+   end subroutine read_rate
+
+   !> Key `dt`, in seconds unless a unit of time follows.
+   subroutine read_interval(bytes, first, last, line, header, warnings)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last, line
+      type(header_type), intent(inout) :: header
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      character(:), allocatable :: word
+      real(dp) :: x, scale
+
+      call first_number(bytes, first, last, x, word)
+      scale = time_scale(word)
+      if (scale > 0.0_dp) x = x*scale
+      if (x > 1.0e-300_dp .and. ieee_is_finite(x)) then
+         header%rate_hz = 1.0_dp/x
+      else
+         call warn(bytes, first, last, line, "dt", "is not a positive number", warnings)
+      end if
+   end subroutine read_interval
+
+   !> Key `unit`: the whole value, or its first word.
+   subroutine read_unit(bytes, first, last, line, header, warnings)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last, line
+      type(header_type), intent(inout) :: header
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      type(unit_type) :: unit
+      type(error_type), allocatable :: failed
+      character(:), allocatable :: value
+      integer :: stop_at
+
+      value = bytes_text(bytes, first, last)
+      call parse_unit(value, unit, failed)
+      stop_at = scan(value, " ,;"//achar(9))
+      if (allocated(failed) .and. stop_at > 1) call parse_unit(value(:stop_at - 1), unit, failed)
+      if (allocated(failed)) then
+         call warn(bytes, first, last, line, "unit", "is not known", warnings)
+      else
+         header%unit = unit
+      end if
+   end subroutine read_unit
+
+   !> Appends a warning about a key.
+   subroutine warn(bytes, first, last, line, key, what, warnings)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last, line
+      character(*), intent(in) :: key, what
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+
+      call add_text(warnings, "line "//integer_text(line)//": the header's "//key//" '"// &
+                    shown_bytes(bytes, first, min(last_visible(bytes, first, last), first + 60))//"' "//what//" and is ignored")
+   end subroutine warn
+
+   !> Seconds in a unit of time: s, ms, us, ns and their spellings; 0 for other words.
+   pure real(dp) function time_scale(word)
+      !> In lower case
+      character(*), intent(in) :: word
+
+      select case (word)
+      case ("s", "sec", "secs", "second", "seconds"); time_scale = 1.0_dp
+      case ("ms", "msec", "msecs", "millis", "millisecond", "milliseconds"); time_scale = 1.0e-3_dp
+      case ("us", "usec", "usecs", "micros", "microsecond", "microseconds"); time_scale = 1.0e-6_dp
+      case (char(194)//char(181)//"s", char(206)//char(188)//"s"); time_scale = 1.0e-6_dp
+      case ("ns", "nsec", "nsecs", "nanos", "nanosecond", "nanoseconds"); time_scale = 1.0e-9_dp
+      case default; time_scale = 0.0_dp
+      end select
+   end function time_scale
+
+end module gyroakf_io_header

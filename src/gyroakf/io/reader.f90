@@ -1,0 +1,347 @@
+! SPDX-License-Identifier: MIT
+!> A recording from a file, from standard input or from a FIFO.
+!>
+!> What the file says about rate, unit and columns is honoured, an option overrides it, and where nobody says anything
+!> nothing is assumed. Everything that was decided on the way is in the record: `rate_source`, `unit_source`, `warnings`.
+module gyroakf_io_reader
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_is_nan
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_audit, only : audit_stamps, audit_values, gap_type
+   use gyroakf_io_columns, only : name_of
+   use gyroakf_io_lines, only : line_of
+   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_stamps, only : inferred_scale, named_scale
+   use gyroakf_io_shape, only : cut, fill_gaps, make_rates, mark_missing
+   use gyroakf_io_store, only : take_columns
+   use gyroakf_io_table, only : read_table, table_options, table_type
+   use gyroakf_io_decimal, only : format_real
+   use gyroakf_record, only : add_text, record_type
+   use gyroakf_units, only : parse_unit, quantity, unit_type
+   implicit none (type, external)
+   private
+   public :: reader_options, read_record
+
+   !> How a recording is to be read
+   type :: reader_options
+      !> Hz; 0: from the time stamps or the header
+      real(dp) :: rate_hz = 0.0_dp
+      !> Of the values after `scale`; unallocated: from the header, or unknown
+      character(:), allocatable :: unit
+      !> "rate" (also where unallocated), "increment" (angle per sample) or "angle"
+      character(:), allocatable :: input
+      !> Every value is multiplied by it
+      real(dp) :: scale = 1.0_dp
+      !> Columns by number (from 1, all columns count) or name, as "2" or "gx,gy"; unallocated: all but the time column
+      character(:), allocatable :: columns
+      !> Number or name; "none" forbids; unallocated: found by its name
+      character(:), allocatable :: time_column
+      !> "auto" (also where unallocated), "text" or "csv"
+      character(:), allocatable :: format
+      !> Lines that cannot be read count as missing samples instead of being an error
+      logical :: bad_lines_missing = .false.
+      !> The part from <= time < to is kept; s from the start
+      real(dp) :: from = 0.0_dp, to = huge(1.0_dp)
+      !> Lines that are left out at the start of the file
+      integer(int64) :: skip = 0
+   end type reader_options
+
+contains
+
+   !> Reads a recording.
+   subroutine read_record(path, options, record, error)
+      !> A path; "-" is standard input
+      character(*), intent(in) :: path
+      !> How
+      type(reader_options), intent(in) :: options
+      !> The recording
+      type(record_type), intent(out) :: record
+      !> Allocated on failure: io, parse, invalid_argument, not_supported, too_few_samples, no_memory
+      type(error_type), allocatable, intent(out) :: error
+      type(table_type) :: table
+      type(table_options) :: wanted
+      type(gap_type) :: gaps
+      real(dp), allocatable :: stamps(:)
+      character(:), allocatable :: input
+
+      call check_options(options, error)
+      if (allocated(error)) return
+      input = "rate"
+      if (allocated(options%input)) input = options%input
+      if (allocated(options%columns)) wanted%columns = options%columns
+      if (allocated(options%time_column)) wanted%time_column = options%time_column
+      wanted%bad_lines_missing = options%bad_lines_missing
+      wanted%skip = options%skip
+      call read_table(path, wanted, table, error)
+      if (allocated(error)) return
+      record%path = path
+      record%format = "text"
+      call move_alloc(table%warnings, record%warnings)
+      call take_values(table, record, stamps, error)
+      if (.not. allocated(error)) call warn_of_time(options, table, record)
+      if (.not. allocated(error)) call use_stamps(options, table, stamps, record, gaps)
+      if (.not. allocated(error)) call set_rate(options, table, record, error)
+      if (.not. allocated(error)) call fill_gaps(gaps, record, error)
+      if (.not. allocated(error)) call mark_missing(record, error)
+      if (.not. allocated(error)) call set_unit(options, table, record, error)
+      if (.not. allocated(error)) call make_rates(record, input, options%scale, error)
+      if (.not. allocated(error)) call cut(record, options%from, options%to, error)
+      if (allocated(error)) return
+      call audit_values(record%value, record%present, record%audit)
+      call tell(table, record)
+   end subroutine read_record
+
+   !> Refuses options that make no sense, before the file is touched.
+   subroutine check_options(options, error)
+      type(reader_options), intent(in) :: options
+      type(error_type), allocatable, intent(out) :: error
+      logical :: known
+
+      if (ieee_is_nan(options%rate_hz)) then
+         call fatal_error(error, status%invalid_argument, "the rate is not a number")
+      else if (options%rate_hz < 0.0_dp .or. .not. ieee_is_finite(options%rate_hz)) then
+         call fatal_error(error, status%invalid_argument, "the rate has to be positive, not "// &
+                          format_real(options%rate_hz, 6)//" Hz")
+      else if (.not. ieee_is_finite(options%scale)) then
+         call fatal_error(error, status%invalid_argument, "the scale has to be finite")
+      else if (abs(options%scale) < tiny(1.0_dp)) then
+         call fatal_error(error, status%invalid_argument, "the scale must not be 0")
+      else if (options%from < 0.0_dp .or. options%from >= options%to) then
+         call fatal_error(error, status%invalid_argument, "the part from "//format_real(options%from, 6)//" s to "// &
+                          format_real(options%to, 6)//" s is empty")
+      else if (options%skip < 0) then
+         call fatal_error(error, status%invalid_argument, "the number of lines to skip must not be negative")
+      end if
+      if (allocated(error)) return
+      if (allocated(options%format)) then
+         known = any(options%format == [character(4) :: "auto", "text", "csv"])
+         if (.not. known) call fatal_error(error, status%not_supported, "the format '"//options%format// &
+                                           "' is not supported; known are auto, text, csv")
+      end if
+      if (allocated(error)) return
+      if (allocated(options%input)) then
+         known = any(options%input == [character(9) :: "rate", "increment", "angle"])
+         if (.not. known) call fatal_error(error, status%invalid_argument, "the input '"//options%input// &
+                                           "' is not known; known are rate, increment, angle")
+      end if
+   end subroutine check_options
+
+   !> Moves the columns that hold numbers into the record.
+   subroutine take_values(table, record, stamps, error)
+      type(table_type), intent(inout) :: table
+      type(record_type), intent(inout) :: record
+      real(dp), allocatable, intent(out) :: stamps(:)
+      type(error_type), allocatable, intent(out) :: error
+      integer :: j, failed, time_slot
+      integer, allocatable :: slots(:)
+
+      time_slot = 0
+      if (table%time > 0) time_slot = table%layout%slot(table%time)
+      allocate (slots(0))
+      call find_numbers(table, slots, record, error)
+      if (allocated(error)) return
+      call take_columns(table%store, time_slot, slots, record%value, stamps, failed)
+      if (failed /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the record of "//table%name)
+         return
+      end if
+      allocate (record%channel(size(slots)))
+      do j = 1, size(slots)
+         record%channel(j)%text = name_of(table%names, table%chosen(slots(j)))
+      end do
+   end subroutine take_values
+
+   !> Which of the stored columns hold a number at all; blank ones are left out unless they were asked for.
+   subroutine find_numbers(table, slots, record, error)
+      type(table_type), intent(in) :: table
+      integer, allocatable, intent(inout) :: slots(:)
+      type(record_type), intent(inout) :: record
+      type(error_type), allocatable, intent(out) :: error
+      logical :: holds(size(table%chosen))
+      integer :: i, j
+
+      holds = .false.
+      do j = 1, size(holds)
+         do i = 1, table%store%count
+            associate (chunk => table%store%chunk(i))
+               holds(j) = .not. all(ieee_is_nan(chunk%value(:chunk%rows, j)))
+            end associate
+            if (holds(j)) exit
+         end do
+         if (holds(j)) cycle
+         if (table%asked .or. size(holds) == 1) then
+            call fatal_error(error, status%parse, table%name//":"//integer_text(line_of(table%map, 1_int64))//":1: the column '"// &
+                             name_of(table%names, table%chosen(j))//"' holds no number"//new_line("a")//"choose another --column")
+            return
+         end if
+         call add_text(record%warnings, "the column '"//name_of(table%names, table%chosen(j))//"' holds no number and is left out")
+      end do
+      slots = pack([(j, j=1, size(holds))], holds)
+      if (size(slots) > 0) return
+      call fatal_error(error, status%parse, table%name//":"//integer_text(line_of(table%map, 1_int64))// &
+                       ":1: no column holds a number"//new_line("a")//"give one row of numbers per sample")
+   end subroutine find_numbers
+
+   !> A first column that rises all the way, in a file without names, may be a time: it is not taken for one, but said.
+   subroutine warn_of_time(options, table, record)
+      type(reader_options), intent(in) :: options
+      type(table_type), intent(in) :: table
+      type(record_type), intent(inout) :: record
+      integer(int64) :: i, n
+      logical :: rises
+
+      if (table%names%known .or. allocated(options%time_column) .or. table%layout%columns < 2) return
+      if (table%chosen(1) /= 1) return
+      n = size(record%value, 1, kind=int64)
+      rises = n > 2
+      do i = 2, n
+         if (.not. rises) return
+         rises = .not. (ieee_is_nan(record%value(i, 1)) .or. ieee_is_nan(record%value(i - 1, 1)))
+         if (rises) rises = record%value(i, 1) > record%value(i - 1, 1)
+      end do
+      if (rises) call add_text(record%warnings, "column 1 rises from row to row and looks like time; it is read as a channel, "// &
+                               "--time-column 1 takes it for the time")
+   end subroutine warn_of_time
+
+   !> Turns the stamps into seconds from the first and audits them.
+   subroutine use_stamps(options, table, stamps, record, gaps)
+      type(reader_options), intent(in) :: options
+      type(table_type), intent(in) :: table
+      real(dp), intent(inout), contiguous :: stamps(:)
+      type(record_type), intent(inout) :: record
+      type(gap_type), intent(out) :: gaps
+      real(dp) :: scale, origin, given
+      integer(int64) :: i
+
+      record%audit%bad_lines = table%bad_lines
+      if (size(stamps) == 0) then
+         call audit_stamps(stamps, record%audit, gaps)
+         return
+      end if
+      scale = 0.0_dp
+      if (table%names%known) scale = named_scale(table%names%name(table%time)%text, table%names%unit(table%time)%text)
+      if (scale <= 0.0_dp) then
+         given = merge(options%rate_hz, table%header%rate_hz, options%rate_hz > 0.0_dp)
+         scale = inferred_scale(stamps, given)
+         if (scale < 0.5_dp) call add_text(record%warnings, "the time column '"//name_of(table%names, table%time)// &
+            "' names no unit and is taken as "//unit_word(scale)//" by its step; a name such as time_"//unit_word(scale)// &
+            " or a --rate settles it")
+      end if
+      do i = 1, size(stamps, kind=int64)
+         if (.not. ieee_is_nan(stamps(i))) exit
+      end do
+      origin = 0.0_dp
+      if (i <= size(stamps, kind=int64)) origin = stamps(i)
+      do i = 1, size(stamps, kind=int64)
+         stamps(i) = (stamps(i) - origin)*scale
+      end do
+      call audit_stamps(stamps, record%audit, gaps)
+   end subroutine use_stamps
+
+   !> The word for a unit of time.
+   pure function unit_word(scale) result(word)
+      real(dp), intent(in) :: scale
+      character(:), allocatable :: word
+
+      word = "ms"
+      if (scale < 0.5e-3_dp) word = "us"
+      if (scale < 0.5e-6_dp) word = "ns"
+   end function unit_word
+
+   !> The rate: an option, else the stamps, else the header; stamps that contradict the header by more than 1 % do not count.
+   subroutine set_rate(options, table, record, error)
+      type(reader_options), intent(in) :: options
+      type(table_type), intent(in) :: table
+      type(record_type), intent(inout) :: record
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: rate, stamped
+      logical :: differ
+
+      rate = 0.0_dp
+      record%rate_source = "none"
+      stamped = record%audit%stamp_rate
+      if (options%rate_hz > 0.0_dp) then
+         rate = options%rate_hz
+         record%rate_source = "option"
+      else if (table%header%rate_hz > 0.0_dp) then
+         rate = table%header%rate_hz
+         record%rate_source = "header"
+      end if
+      differ = .false.
+      if (rate > 0.0_dp .and. stamped > 0.0_dp) differ = abs(stamped - rate) > 0.01_dp*rate
+      if (differ) call add_text(record%warnings, "the rate "//format_real(rate, 6)//" Hz of the "//record%rate_source// &
+         " and the time stamps' "//format_real(stamped, 6)//" Hz differ; the "//record%rate_source//"'s is used")
+      if (stamped > 0.0_dp .and. record%rate_source /= "option" .and. .not. differ) then
+         rate = stamped
+         record%rate_source = "timestamps"
+      end if
+      record%rate_known = rate > 0.0_dp
+      if (record%rate_known) record%sample_interval = 1.0_dp/rate
+      if (record%rate_known) return
+      if (allocated(options%input)) then
+         if (options%input /= "rate") call fatal_error(error, status%invalid_argument, "--input "//options%input// &
+            " needs the rate, and "//table%name//" does not tell it: give --rate HZ or --dt S, or --time-column")
+      end if
+      if (options%from > 0.0_dp .or. options%to < huge(1.0_dp)) call fatal_error(error, status%invalid_argument, &
+         "--from and --to need the rate, and "//table%name//" does not tell it: give --rate HZ or --dt S, or --time-column")
+   end subroutine set_rate
+
+   !> The unit: an option, else the header.
+   subroutine set_unit(options, table, record, error)
+      type(reader_options), intent(in) :: options
+      type(table_type), intent(in) :: table
+      type(record_type), intent(inout) :: record
+      type(error_type), allocatable, intent(out) :: error
+      type(unit_type) :: unit
+      logical :: angles
+
+      angles = .false.
+      if (allocated(options%input)) angles = options%input /= "rate"
+      record%unit_source = "none"
+      record%unit%name = ""
+      if (allocated(options%unit)) then
+         call parse_unit(options%unit, unit, error)
+         if (allocated(error)) return
+         record%unit_source = "option"
+      else if (table%header%unit%quantity /= quantity%unknown) then
+         unit = table%header%unit
+         record%unit_source = "header"
+      end if
+      if (unit%quantity == quantity%unknown) return
+      if (angles .eqv. (unit%quantity == quantity%angle)) then
+         record%unit = unit
+      else if (record%unit_source == "header") then
+         call add_text(record%warnings, "the header's unit "//unit%name//" does not fit --input "// &
+                       trim(merge("increment or angle", "rate              ", angles))//" and is ignored")
+         record%unit_source = "none"
+      else if (angles) then
+         call fatal_error(error, status%invalid_argument, "--input "//options%input//" needs the unit of an angle "// &
+                          "(deg, rad, arcsec), not "//unit%name)
+      else
+         call fatal_error(error, status%invalid_argument, "the unit "//unit%name//" is that of an angle: give "// &
+                          "--input increment or --input angle, or the unit of a rate")
+      end if
+   end subroutine set_unit
+
+   !> Lines of what is odd, and the warnings about it.
+   subroutine tell(table, record)
+      type(table_type), intent(in) :: table
+      type(record_type), intent(inout) :: record
+      character(14), parameter :: what(3) = [character(14) :: "equal stamps", "backward steps", "gaps"]
+      integer(int64) :: count(3)
+      integer :: k
+
+      count = [record%audit%duplicates, record%audit%backward_steps, record%audit%gaps]
+      do k = 1, 3
+         if (record%audit%line_of_first(k) > 0) record%audit%line_of_first(k) = line_of(table%map, record%audit%line_of_first(k))
+         if (count(k) > 0) call add_text(record%warnings, "the time column shows "//integer_text(count(k))//" "//trim(what(k))// &
+            "; the first is in line "//integer_text(record%audit%line_of_first(k)))
+      end do
+      if (record%audit%jitter_max > 1.0_dp*record%sample_interval .and. record%rate_known) &
+         call add_text(record%warnings, "the time stamps are up to "//format_real(record%audit%jitter_max, 3)// &
+         " s away from an even grid; the samples are taken as evenly spaced at the mean rate")
+      if (table%bad_lines > 0) call add_text(record%warnings, integer_text(table%bad_lines)// &
+         " lines could not be read and count as missing; the first is line "//integer_text(table%first_bad_line))
+   end subroutine tell
+
+end module gyroakf_io_reader

@@ -1,0 +1,231 @@
+! SPDX-License-Identifier: MIT
+!> Rows of numbers: the fast way through the lines that hold numbers only, the careful way through the rest.
+!>
+!> Both work on a block of whole lines and know nothing of files, so that blocks can be given to several threads.
+module gyroakf_io_rows
+   use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_io_number, only : is_missing_word, number, scan_number
+   use gyroakf_io_place, only : integer_text, shown_bytes
+   use gyroakf_io_text, only : bytes_text, fields_type, split, split_line
+   implicit none (type, external)
+   private
+   public :: layout_type, problem_type, parse_rows, read_row
+
+   !> Which columns a file has, and which of them are kept
+   type :: layout_type
+      !> Columns of every row
+      integer :: columns = 0
+      !> Columns that are kept
+      integer :: stored = 0
+      !> Where a column is kept, 0 where it is not: [column]
+      integer, allocatable :: slot(:)
+      !> The last column may be left away: the row that it was counted in ended with a separator
+      logical :: last_optional = .false.
+   end type layout_type
+
+   !> What is wrong with a row
+   type :: problem_type
+      !> False where nothing is
+      logical :: found = .false.
+      !> The byte
+      integer(int64) :: at = 0
+      !> What is wrong, and what to do
+      character(:), allocatable :: what, advice
+   end type problem_type
+
+   character(*), parameter :: mend = "mend the line, or let such lines count as missing samples with --bad-lines missing"
+   integer(int8), parameter :: tab = 9, line_feed = 10, carriage_return = 13, blank = 32, comma = 44, semicolon = 59
+
+contains
+
+   !> Reads rows until one is not made of plain numbers, the lines end, or the room does.
+   pure subroutine parse_rows(bytes, at, last, layout, value, rows, odd)
+      !> Holds whole lines up to `last`, a line feed, and more bytes behind it
+      integer(int8), intent(in), contiguous :: bytes(:)
+      !> First byte of a line; afterwards that of the first line that was not read
+      integer(int64), intent(inout) :: at
+      !> The last line feed
+      integer(int64), intent(in) :: last
+      !> The columns
+      type(layout_type), intent(in) :: layout
+      !> [row, stored column]
+      real(dp), intent(inout), contiguous :: value(:, :)
+      !> Rows of `value` that are filled
+      integer(int64), intent(inout) :: rows
+      !> True where the line at `at` needs [[read_row]]
+      logical, intent(out) :: odd
+      integer(int64) :: p, room
+      integer :: j, slot, found
+
+      odd = .false.
+      room = size(value, 1, kind=int64)
+      do while (at <= last .and. rows < room)
+         p = at
+         do j = 1, layout%columns
+            do while (bytes(p) == blank .or. bytes(p) == tab)
+               p = p + 1
+            end do
+            slot = layout%slot(j)
+            if (slot == 0) then
+               call skip_field(bytes, p, odd)
+            else
+               call scan_number(bytes, p, value(rows + 1, slot), found)
+               odd = found /= number%ok
+            end if
+            if (odd) return
+            if (bytes(p) == blank .or. bytes(p) == tab .or. bytes(p) == carriage_return) then
+               do while (bytes(p) == blank .or. bytes(p) == tab .or. bytes(p) == carriage_return)
+                  p = p + 1
+               end do
+               if (bytes(p) == comma .or. bytes(p) == semicolon) p = p + 1
+            else if (bytes(p) == comma .or. bytes(p) == semicolon) then
+               p = p + 1
+            else if (bytes(p) /= line_feed .or. j < layout%columns) then
+               odd = .true.
+               return
+            end if
+         end do
+         odd = bytes(p) /= line_feed
+         if (odd) return
+         rows = rows + 1
+         at = p + 1
+      end do
+   end subroutine parse_rows
+
+   !> Moves behind a field that is not wanted; odd where it is empty, quoted or the start of a comment.
+   pure subroutine skip_field(bytes, p, odd)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(inout) :: p
+      logical, intent(out) :: odd
+      integer(int64) :: first
+
+      first = p
+      do
+         select case (bytes(p))
+         case (tab, line_feed, carriage_return, blank, comma, semicolon); exit
+         case (34, 35, 37, 39, 47)
+            odd = .true.
+            return
+         end select
+         p = p + 1
+      end do
+      odd = p == first
+   end subroutine skip_field
+
+   !> Reads one row of any kind: missing values, quotes, blank fields, comments behind it.
+   subroutine read_row(bytes, first, last, layout, fields, row, problem)
+      !> Holds the line at first:last, without its end
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      !> The columns
+      type(layout_type), intent(in) :: layout
+      !> Room, reused
+      type(fields_type), intent(inout) :: fields
+      !> [stored column]; NaN where missing
+      real(dp), intent(out) :: row(:)
+      !> What is wrong
+      type(problem_type), intent(out) :: problem
+      integer :: j, slot
+
+      row = ieee_value(1.0_dp, ieee_quiet_nan)
+      call split_line(bytes, first, last, split%mixed, fields)
+      if (.not. fits(layout, fields) .and. any(bytes(first:last) == tab)) then
+         call split_line(bytes, first, last, split%tabs, fields)
+         if (.not. fits(layout, fields)) call split_line(bytes, first, last, split%mixed, fields)
+      end if
+      if (fields%open_quote /= 0) then
+         call set_problem(problem, fields%open_quote, "a quote that is not closed", mend)
+         return
+      end if
+      if (.not. fits(layout, fields)) then
+         call count_problem(layout, fields, last, problem)
+         return
+      end if
+      do j = 1, min(layout%columns, fields%count)
+         slot = layout%slot(j)
+         if (slot > 0) call read_field(bytes, fields%first(j), fields%last(j), row(slot), problem)
+         if (problem%found) return
+      end do
+   end subroutine read_row
+
+   !> True where the line has the columns of the file.
+   pure logical function fits(layout, fields)
+      type(layout_type), intent(in) :: layout
+      type(fields_type), intent(in) :: fields
+
+      fits = fields%count == layout%columns .or. (fields%count == layout%columns + 1 .and. fields%trailing) &
+             .or. (fields%count == layout%columns - 1 .and. layout%last_optional)
+   end function fits
+
+   !> The number in first:last, NaN where it is missing.
+   subroutine read_field(bytes, first, last, value, problem)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      real(dp), intent(inout) :: value
+      type(problem_type), intent(inout) :: problem
+      character(:), allocatable :: advice
+      integer(int64) :: p
+      real(dp) :: x
+      integer :: found
+
+      if (last < first) return
+      p = first
+      call scan_number(bytes, p, x, found)
+      if (found /= number%none .and. p == last + 1) then
+         value = x
+         if (found == number%overflow) call set_problem(problem, first, &
+            "the number '"//excerpt(bytes, first, last)//"' is too large (at most 1.8e308)", mend)
+         return
+      end if
+      if (is_missing_word(bytes_text(bytes, first, last))) return
+      advice = mend//"; --column chooses columns"
+      if (index(bytes_text(bytes, first, last), ":") > 0) advice = "dates and times of day are not read; --column chooses columns"
+      call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not a number", advice)
+   end subroutine read_field
+
+   !> The start of a field, for a message.
+   pure function excerpt(bytes, first, last) result(text)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      character(:), allocatable :: text
+      integer(int64) :: to
+
+      to = last
+      if (last - first >= 40) then
+         to = first + 36
+         do while (bytes(to + 1) < -64)
+            to = to - 1
+         end do
+      end if
+      text = shown_bytes(bytes, first, to)
+      if (to < last) text = text//"..."
+   end function excerpt
+
+   !> The problem of a row with another number of columns, at the first field that is too much or at the end.
+   subroutine count_problem(layout, fields, last, problem)
+      type(layout_type), intent(in) :: layout
+      type(fields_type), intent(in) :: fields
+      integer(int64), intent(in) :: last
+      type(problem_type), intent(inout) :: problem
+      integer(int64) :: at
+
+      at = last + 1
+      if (fields%count > layout%columns) at = fields%first(layout%columns + 1)
+      call set_problem(problem, at, integer_text(int(fields%count, int64))//" columns where the rows above have "// &
+                       integer_text(int(layout%columns, int64)), mend)
+   end subroutine count_problem
+
+   !> Fills the problem.
+   pure subroutine set_problem(problem, at, what, advice)
+      type(problem_type), intent(inout) :: problem
+      integer(int64), intent(in) :: at
+      character(*), intent(in) :: what, advice
+
+      problem%found = .true.
+      problem%at = at
+      problem%what = what
+      problem%advice = advice
+   end subroutine set_problem
+
+end module gyroakf_io_rows

@@ -1,0 +1,185 @@
+! SPDX-License-Identifier: MIT
+!> A record is brought into shape: lost samples get their place, missing ones their mark, angles become rates.
+module gyroakf_io_shape
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_audit, only : gap_type
+   use gyroakf_io_decimal, only : format_real
+   use gyroakf_io_place, only : integer_text
+   use gyroakf_record, only : record_type
+   use gyroakf_units, only : angle_to_rate_unit
+   implicit none (type, external)
+   private
+   public :: fill_gaps, mark_missing, make_rates, cut
+
+contains
+
+   !> Makes room for the samples that were lost: NaN for now.
+   subroutine fill_gaps(gaps, record, error)
+      !> Where samples were lost
+      type(gap_type), intent(in) :: gaps
+      !> `value` grows
+      type(record_type), intent(inout) :: record
+      !> Allocated on failure: no_memory
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: longer(:, :)
+      integer(int64) :: n, lost, at, from
+      integer :: failed, k
+      real(dp) :: nan
+
+      if (gaps%count == 0) return
+      n = size(record%value, 1, kind=int64)
+      lost = sum(gaps%length(:gaps%count))
+      allocate (longer(n + lost, size(record%value, 2)), stat=failed)
+      if (failed /= 0) then
+         call fatal_error(error, status%no_memory, "no memory to fill the gaps with "//integer_text(lost)//" missing samples")
+         return
+      end if
+      nan = ieee_value(nan, ieee_quiet_nan)
+      at = 0
+      from = 1
+      do k = 1, gaps%count
+         longer(at + 1:at + gaps%before(k) - from, :) = record%value(from:gaps%before(k) - 1, :)
+         at = at + gaps%before(k) - from
+         longer(at + 1:at + gaps%length(k), :) = nan
+         at = at + gaps%length(k)
+         from = gaps%before(k)
+      end do
+      longer(at + 1:, :) = record%value(from:, :)
+      call move_alloc(longer, record%value)
+   end subroutine fill_gaps
+
+   !> NaN becomes 0 and a mark in `present`, which exists only where something is missing.
+   subroutine mark_missing(record, error)
+      !> NaN marks what is missing
+      type(record_type), intent(inout) :: record
+      !> Allocated on failure: no_memory
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: i
+      integer :: j, failed
+
+      do j = 1, size(record%value, 2)
+         do i = 1, size(record%value, 1, kind=int64)
+            if (.not. ieee_is_nan(record%value(i, j))) cycle
+            if (.not. allocated(record%present)) then
+               allocate (record%present(size(record%value, 1, kind=int64), size(record%value, 2)), stat=failed)
+               if (failed /= 0) then
+                  call fatal_error(error, status%no_memory, "no memory for the marks of missing samples")
+                  return
+               end if
+               record%present = 1_int8
+            end if
+            record%present(i, j) = 0_int8
+            record%value(i, j) = 0.0_dp
+         end do
+      end do
+   end subroutine mark_missing
+
+   !> Scales, and turns increments or angles into rates.
+   subroutine make_rates(record, input, scale, error)
+      !> Holds what the file holds; afterwards rates
+      type(record_type), intent(inout) :: record
+      !> "rate", "increment" or "angle"
+      character(*), intent(in) :: input
+      !> Every value is multiplied by it
+      real(dp), intent(in) :: scale
+      !> Allocated on failure: too_few_samples, no_memory
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: factor
+      integer(int64) :: i
+      integer :: j
+
+      factor = scale
+      if (input /= "rate") then
+         factor = scale/record%sample_interval
+         record%unit = angle_to_rate_unit(record%unit)
+      end if
+      if (input == "angle") call difference(record, error)
+      if (allocated(error) .or. abs(factor - 1.0_dp) <= 0.0_dp) return
+      do j = 1, size(record%value, 2)
+         do i = 1, size(record%value, 1, kind=int64)
+            record%value(i, j) = record%value(i, j)*factor
+         end do
+      end do
+   end subroutine make_rates
+
+   !> n angles become n - 1 differences; one is missing where one of its two angles is.
+   subroutine difference(record, error)
+      type(record_type), intent(inout) :: record
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: i, n
+      integer :: j
+
+      n = size(record%value, 1, kind=int64)
+      if (n < 2) then
+         call fatal_error(error, status%too_few_samples, "--input angle needs at least 2 samples, got "//integer_text(n))
+         return
+      end if
+      do j = 1, size(record%value, 2)
+         do i = 1, n - 1
+            record%value(i, j) = record%value(i + 1, j) - record%value(i, j)
+            if (.not. allocated(record%present)) cycle
+            record%present(i, j) = record%present(i, j)*record%present(i + 1, j)
+            if (record%present(i, j) == 0) record%value(i, j) = 0.0_dp
+         end do
+      end do
+      call keep_rows(record, 1_int64, n - 1, error)
+   end subroutine difference
+
+   !> Keeps the part that was asked for.
+   subroutine cut(record, from, to, error)
+      !> Of any length; afterwards the part from <= time < to
+      type(record_type), intent(inout) :: record
+      !> s from the start
+      real(dp), intent(in) :: from, to
+      !> Allocated where nothing is left: too_few_samples; or no_memory
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: first, last, n
+      real(dp) :: length
+
+      if (from <= 0.0_dp .and. to >= huge(1.0_dp)) return
+      n = size(record%value, 1, kind=int64)
+      length = real(n, dp)*record%sample_interval
+      if (from >= length) then
+         call fatal_error(error, status%too_few_samples, "the record ends at "//format_real(length, 6)//" s, before --from "// &
+                          format_real(from, 6))
+         return
+      end if
+      first = 1 + ceiling(from/record%sample_interval - 1.0e-6_dp, int64)
+      last = n
+      if (to < length) last = ceiling(to/record%sample_interval - 1.0e-6_dp, int64)
+      if (first > last) then
+         call fatal_error(error, status%too_few_samples, "no sample lies between --from and --to")
+         return
+      end if
+      call keep_rows(record, first, last, error)
+   end subroutine cut
+
+   !> Keeps some of the samples.
+   subroutine keep_rows(record, first, last, error)
+      type(record_type), intent(inout) :: record
+      integer(int64), intent(in) :: first, last
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: value(:, :)
+      integer(int8), allocatable :: present(:, :)
+      integer :: failed
+
+      failed = 0
+      allocate (value(last - first + 1, size(record%value, 2)), stat=failed)
+      if (failed == 0) then
+         value(:, :) = record%value(first:last, :)
+         call move_alloc(value, record%value)
+         if (.not. allocated(record%present)) return
+         allocate (present(last - first + 1, size(record%value, 2)), stat=failed)
+      end if
+      if (failed /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for a part of the record")
+         return
+      end if
+      present(:, :) = record%present(first:last, :)
+      call move_alloc(present, record%present)
+      if (all(record%present == 1_int8)) deallocate (record%present)
+   end subroutine keep_rows
+
+end module gyroakf_io_shape

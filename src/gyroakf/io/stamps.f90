@@ -1,0 +1,115 @@
+! SPDX-License-Identifier: MIT
+!> Time columns: which names mean one, and what their unit is.
+module gyroakf_io_stamps
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_io_header, only : time_scale
+   use gyroakf_spelling, only : lower
+   implicit none (type, external)
+   private
+   public :: is_time_name, named_scale, inferred_scale
+
+contains
+
+   !> True for the names that mean a time: t, time, timestamp, stamp, time_ms, timestamp [us], seconds, ...
+   pure logical function is_time_name(name)
+      !> Without brackets
+      character(*), intent(in) :: name
+      character(:), allocatable :: base
+      character(14), parameter :: known(18) = [character(14) :: "t", "time", "times", "timestamp", "timestamps", "time_stamp", &
+         "stamp", "stamps", "tstamp", "elapsed", "elapsed_time", "sec", "secs", "seconds", "millis", "milliseconds", "micros", &
+         "microseconds"]
+
+      base = base_name(name)
+      is_time_name = any(known == base) .or. ends_with(base, "timestamp") .or. ends_with(base, "_time") &
+                     .or. ends_with(base, "_stamp") .or. ends_with(base, ".stamp")
+   end function is_time_name
+
+   !> The name in lower case without the unit behind it: "Time_ms" as "time".
+   pure function base_name(name) result(base)
+      character(*), intent(in) :: name
+      character(:), allocatable :: base
+      integer :: mark
+
+      base = trim(adjustl(lower(name)))
+      mark = scan(base, "_-. ", back=.true.)
+      if (mark < 2 .or. mark == len(base)) return
+      if (time_scale(base(mark + 1:)) > 0.0_dp) base = trim(base(:mark - 1))
+   end function base_name
+
+   !> True where the text ends so.
+   pure logical function ends_with(text, tail)
+      character(*), intent(in) :: text, tail
+
+      ends_with = .false.
+      if (len(text) >= len(tail)) ends_with = text(len(text) - len(tail) + 1:) == tail
+   end function ends_with
+
+   !> Seconds in the unit that the name says by its brackets or its end; 0 where it says none.
+   pure real(dp) function named_scale(name, unit)
+      !> "time_ms", or "time" with its brackets' content as unit
+      character(*), intent(in) :: name, unit
+      character(:), allocatable :: low
+      integer :: mark
+
+      named_scale = time_scale(trim(adjustl(lower(unit))))
+      if (named_scale > 0.0_dp) return
+      low = trim(adjustl(lower(name)))
+      mark = scan(low, "_-. ", back=.true.)
+      named_scale = time_scale(low(mark + 1:))
+   end function named_scale
+
+   !> Seconds in the unit that the stamps themselves suggest.
+   !>
+   !> A rate that was given decides where it fits one unit within a factor of 3. Else: stamps with decimals are seconds; whole
+   !> ones are told by their size where they count from 1970, else by their mean step: up to 1.5 seconds, below 1000
+   !> milliseconds, below 10^6 microseconds, nanoseconds.
+   pure real(dp) function inferred_scale(stamps, rate_hz) result(scale)
+      !> As read, NaN where missing: [n]
+      real(dp), intent(in), contiguous :: stamps(:)
+      !> Hz, 0 where nobody gave one
+      real(dp), intent(in) :: rate_hz
+      real(dp), parameter :: units(4) = [1.0_dp, 1.0e-3_dp, 1.0e-6_dp, 1.0e-9_dp]
+      real(dp) :: first, last, step
+      integer(int64) :: i, count
+      integer :: k
+      logical :: whole
+
+      scale = 1.0_dp
+      whole = .true.
+      count = 0
+      first = 0.0_dp
+      last = 0.0_dp
+      do i = 1, size(stamps, kind=int64)
+         if (ieee_is_nan(stamps(i))) cycle
+         if (count == 0) first = stamps(i)
+         last = stamps(i)
+         count = count + 1
+         if (whole) whole = abs(stamps(i) - anint(stamps(i))) <= 0.0_dp
+      end do
+      if (count < 2) return
+      step = abs(last - first)/real(count - 1, dp)
+      if (rate_hz > 0.0_dp) then
+         do k = 1, 4
+            if (abs(log10(max(step*units(k)*rate_hz, tiny(step)))) > 0.48_dp) cycle
+            scale = units(k)
+            return
+         end do
+      end if
+      if (.not. whole) return
+      if (abs(first) > 1.0e17_dp) then
+         scale = units(4)
+      else if (abs(first) > 1.0e14_dp) then
+         scale = units(3)
+      else if (abs(first) > 1.0e11_dp) then
+         scale = units(2)
+      else if (abs(first) > 1.0e9_dp .and. step < 10.0_dp) then
+         scale = units(1)
+      else if (step > 1.5_dp) then
+         scale = units(2)
+         if (step >= 1.0e3_dp) scale = units(3)
+         if (step >= 1.0e6_dp) scale = units(4)
+      end if
+   end function inferred_scale
+
+end module gyroakf_io_stamps

@@ -1,0 +1,383 @@
+! SPDX-License-Identifier: MIT
+!> A table of numbers in text: header, names, rows. What the numbers mean is the reader's business.
+module gyroakf_io_table
+   use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_columns, only : choose_columns, column_names_type, find_column, name_of, read_names
+   use gyroakf_io_format, only : decimal_comma, foreign_content
+   use gyroakf_io_header, only : header_type, read_comment, time_scale
+   use gyroakf_io_lines, only : close_lines, line_end, line_map_type, next_line, lines_type, map_row, more_lines, open_lines
+   use gyroakf_io_number, only : is_missing_word, number, scan_number
+   use gyroakf_io_place, only : integer_text, place_error
+   use gyroakf_io_rows, only : layout_type, parse_rows, problem_type, read_row
+   use gyroakf_io_stamps, only : is_time_name
+   use gyroakf_io_store, only : next_chunk, store_type
+   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, split, split_line
+   use gyroakf_record, only : add_text, text_type
+   use gyroakf_units, only : parse_unit, unit_type
+   implicit none (type, external)
+   private
+   public :: table_type, table_options, read_table
+
+   !> What is wanted of a table
+   type :: table_options
+      !> Comma list; unallocated: all but the time column
+      character(:), allocatable :: columns
+      !> Number or name; "none" forbids; unallocated: by name
+      character(:), allocatable :: time_column
+      !> Lines that cannot be read are missing samples
+      logical :: bad_lines_missing = .false.
+      !> Lines that are left out at the start
+      integer(int64) :: skip = 0
+   end type table_options
+
+   !> A table as it was read
+   type :: table_type
+      !> For messages: the path or `<stdin>`
+      character(:), allocatable :: name
+      !> What the comment lines say
+      type(header_type) :: header
+      !> Names of all columns
+      type(column_names_type) :: names
+      !> All columns of the file, and which are kept
+      type(layout_type) :: layout
+      !> The columns that hold the record, in the order wanted; and the one that holds the time, 0 where there is none
+      integer, allocatable :: chosen(:)
+      integer :: time = 0
+      !> True where the columns were asked for
+      logical :: asked = .false.
+      !> The rows
+      type(store_type) :: store
+      !> Where the rows stood
+      type(line_map_type) :: map
+      !> Lines that could not be read
+      integer(int64) :: bad_lines = 0, first_bad_line = 0
+      !> What the user should know
+      type(text_type), allocatable :: warnings(:)
+   end type table_type
+
+   !> So many lines at the start are looked at for decimal commas
+   integer, parameter :: looked_at = 64
+
+contains
+
+   !> Reads a table.
+   subroutine read_table(path, options, table, error)
+      !> A path; "-" is standard input
+      character(*), intent(in) :: path
+      !> What is wanted
+      type(table_options), intent(in) :: options
+      !> What was read
+      type(table_type), intent(out) :: table
+      !> Allocated on failure: io, parse, invalid_argument, no_memory
+      type(error_type), allocatable, intent(out) :: error
+      type(lines_type) :: lines
+
+      call open_lines(lines, path, error)
+      if (.not. allocated(error)) then
+         table%name = lines%source%name
+         call check_content(lines, error)
+      end if
+      if (.not. allocated(error)) call read_preamble(lines, options, table, error)
+      if (.not. allocated(error)) call lay_out(lines, options, table, error)
+      if (.not. allocated(error)) call read_body(lines, options, table, error)
+      call close_lines(lines)
+   end subroutine read_table
+
+   !> Refuses what is no text.
+   subroutine check_content(lines, error)
+      type(lines_type), intent(in) :: lines
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: what, advice
+      integer(int64) :: at, line
+
+      if (lines%filled == 0) then
+         call fatal_error(error, status%parse, lines%source%name//":1:1: the file is empty"//new_line("a")// &
+                          "check what should have written it")
+         return
+      end if
+      call foreign_content(lines%bytes, lines%filled, what, at)
+      if (len(what) == 0) return
+      advice = "give a text file with one row of numbers per sample"
+      if (index(what, "gzip") > 0) advice = "pipe it through gunzip -c FILE and read -"
+      if (index(what, "UTF-16") > 0) advice = "turn it into UTF-8, as with iconv -f UTF-16 -t UTF-8"
+      line = 1 + count(lines%bytes(:at) == 10, kind=int64)
+      call fatal_error(error, status%parse, lines%source%name//":"//integer_text(line)//":1: the content is not text but "// &
+                       what//new_line("a")//advice)
+   end subroutine check_content
+
+   !> Reads comments and names up to the first line of numbers, which stays at hand.
+   subroutine read_preamble(lines, options, table, error)
+      type(lines_type), intent(inout) :: lines
+      type(table_options), intent(in) :: options
+      type(table_type), intent(inout) :: table
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: last
+
+      do
+         call more_lines(lines, error)
+         if (allocated(error)) return
+         if (lines%at > lines%last) exit
+         last = line_end(lines)
+         if (lines%number <= options%skip) then
+            continue
+         else if (is_comment(lines%bytes, lines%at, last)) then
+            call read_comment(lines%bytes, lines%at, last, lines%number, table%header, table%warnings)
+         else if (first_visible(lines%bytes, lines%at, last) <= last) then
+            if (.not. only_words(lines, last)) return
+            if (.not. table%names%known) then
+               call read_names(lines%bytes, lines%at, last, lines%number, table%names)
+            else if (.not. is_units_line(lines, last)) then
+               return
+            end if
+         end if
+         call next_line(lines)
+      end do
+      call fatal_error(error, status%parse, table%name//":"//integer_text(max(1_int64, lines%number - 1))// &
+                       ":1: the file holds no line of numbers"//new_line("a")// &
+                       "give one row of numbers per sample; lines that begin with # % ; // are comments")
+   end subroutine read_preamble
+
+   !> True for a line that holds words and no number: names of columns.
+   logical function only_words(lines, last)
+      type(lines_type), intent(in) :: lines
+      integer(int64), intent(in) :: last
+      type(fields_type) :: fields
+      integer(int64) :: p
+      integer :: i, found, words
+      real(dp) :: x
+
+      only_words = .false.
+      words = 0
+      call split_line(lines%bytes, lines%at, last, split%mixed, fields)
+      do i = 1, fields%count
+         p = fields%first(i)
+         if (fields%last(i) < p) cycle
+         call scan_number(lines%bytes, p, x, found)
+         if (found /= number%none .and. p == fields%last(i) + 1) return
+         if (.not. is_missing_word(bytes_text(lines%bytes, fields%first(i), fields%last(i)))) words = words + 1
+      end do
+      only_words = words > 0
+   end function only_words
+
+   !> True for a line of units below the names.
+   logical function is_units_line(lines, last)
+      type(lines_type), intent(in) :: lines
+      integer(int64), intent(in) :: last
+      type(column_names_type) :: words
+      type(unit_type) :: unit
+      type(error_type), allocatable :: failed
+      integer :: i
+
+      is_units_line = .false.
+      call read_names(lines%bytes, lines%at, last, lines%number, words)
+      do i = 1, size(words%name)
+         if (len(words%name(i)%text) == 0 .or. time_scale(words%name(i)%text) > 0.0_dp) cycle
+         call parse_unit(words%name(i)%text, unit, failed)
+         if (allocated(failed)) return
+      end do
+      is_units_line = .true.
+   end function is_units_line
+
+   !> Decides on the columns from the first line of numbers.
+   subroutine lay_out(lines, options, table, error)
+      type(lines_type), intent(in) :: lines
+      type(table_options), intent(in) :: options
+      type(table_type), intent(inout) :: table
+      type(error_type), allocatable, intent(out) :: error
+      type(fields_type) :: fields
+      integer(int64) :: last
+      integer :: named
+
+      last = line_end(lines)
+      call split_line(lines%bytes, lines%at, last, split%mixed, fields)
+      named = 0
+      if (table%names%known) named = size(table%names%name)
+      if (named /= fields%count) call refuse_decimal_commas(lines, table, error)
+      if (allocated(error)) return
+      if (table%header%names%known .and. .not. table%names%known) call take_header_names(fields, table, named)
+      if (named > 0 .and. .not. fits_names(fields, named)) call split_line(lines%bytes, lines%at, last, split%tabs, fields)
+      if (named > 0 .and. .not. fits_names(fields, named)) then
+         call split_line(lines%bytes, lines%at, last, split%mixed, fields)
+         call place_error(error, table%name, lines%number, lines%bytes, lines%at, last, &
+            fields%last(min(fields%count, named)) + 1, integer_text(int(fields%count, int64))//" columns where line "// &
+            integer_text(table%names%line)//" has "//integer_text(int(named, int64))//" names", &
+            "name every column, or mend the line")
+         return
+      end if
+      table%layout%columns = merge(named, fields%count, named > 0)
+      table%layout%last_optional = fields%trailing
+      call choose(options, table, error)
+   end subroutine lay_out
+
+   !> True where the line has a field for every name.
+   pure logical function fits_names(fields, named)
+      type(fields_type), intent(in) :: fields
+      integer, intent(in) :: named
+
+      fits_names = fields%count == named .or. (fields%count == named + 1 .and. fields%trailing)
+   end function fits_names
+
+   !> Takes the names of the header's key `columns` where their number is right.
+   subroutine take_header_names(fields, table, named)
+      type(fields_type), intent(in) :: fields
+      type(table_type), intent(inout) :: table
+      integer, intent(inout) :: named
+
+      if (fits_names(fields, size(table%header%names%name))) then
+         table%names = table%header%names
+         named = size(table%names%name)
+      else
+         call add_text(table%warnings, "line "//integer_text(table%header%names%line)//": the header's columns are "// &
+            integer_text(size(table%header%names%name, kind=int64))//", the first row has "// &
+            integer_text(int(fields%count, int64))//"; the names are ignored")
+      end if
+   end subroutine take_header_names
+
+   !> Looks at the first lines for decimal commas, which would be taken for separators.
+   subroutine refuse_decimal_commas(lines, table, error)
+      type(lines_type), intent(in) :: lines
+      type(table_type), intent(in) :: table
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: at, last, comma
+      integer :: i
+
+      at = lines%at
+      do i = 0, looked_at - 1
+         if (at > lines%last) return
+         last = at
+         do while (lines%bytes(last) /= 10)
+            last = last + 1
+         end do
+         comma = 0
+         if (.not. is_comment(lines%bytes, at, last - 1)) comma = decimal_comma(lines%bytes, at, last - 1)
+         if (comma > 0) then
+            call place_error(error, table%name, lines%number + i, lines%bytes, at, last - 1, comma, &
+               "this looks like a decimal comma, and a comma separates columns", &
+               "write decimal points, as with tr , . < FILE")
+            return
+         end if
+         at = last + 1
+      end do
+   end subroutine refuse_decimal_commas
+
+   !> The columns that are kept.
+   subroutine choose(options, table, error)
+      type(table_options), intent(in) :: options
+      type(table_type), intent(inout) :: table
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i, n
+
+      n = table%layout%columns
+      if (allocated(options%time_column)) then
+         if (options%time_column /= "none") call find_column(options%time_column, table%names, n, table%time, error)
+      else if (table%names%known) then
+         do i = n, 1, -1
+            if (is_time_name(table%names%name(i)%text)) table%time = i
+         end do
+      end if
+      if (allocated(error)) return
+      table%asked = allocated(options%columns)
+      if (table%asked) then
+         call choose_columns(options%columns, table%names, n, table%chosen, error)
+      else
+         allocate (table%chosen(n - merge(1, 0, table%time > 0)))
+         table%chosen(:) = pack([(i, i=1, n)], [(i /= table%time, i=1, n)])
+      end if
+      if (allocated(error)) return
+      if (size(table%chosen) == 0) then
+         call fatal_error(error, status%parse, table%name//":"//integer_text(table%names%line)// &
+                          ":1: there is no column besides the time column '"//name_of(table%names, table%time)//"'"// &
+                          new_line("a")//"--time-column none takes it for the record")
+         return
+      end if
+      call set_slots(table)
+   end subroutine choose
+
+   !> Where the columns are kept: the chosen ones in their order, then the time, unless it is one of them.
+   subroutine set_slots(table)
+      type(table_type), intent(inout) :: table
+      integer :: i
+
+      allocate (table%layout%slot(table%layout%columns))
+      table%layout%slot(:) = 0
+      do i = 1, size(table%chosen)
+         table%layout%slot(table%chosen(i)) = i
+      end do
+      table%layout%stored = size(table%chosen)
+      if (table%time == 0) return
+      if (table%layout%slot(table%time) > 0) return
+      table%layout%stored = table%layout%stored + 1
+      table%layout%slot(table%time) = table%layout%stored
+   end subroutine set_slots
+
+   !> Reads all rows.
+   subroutine read_body(lines, options, table, error)
+      type(lines_type), intent(inout) :: lines
+      type(table_options), intent(in) :: options
+      type(table_type), intent(inout) :: table
+      type(error_type), allocatable, intent(out) :: error
+      type(fields_type) :: fields
+      integer(int64) :: rows, total
+      integer :: failed
+      logical :: odd
+
+      total = 0
+      call map_row(table%map, 1_int64, lines%number)
+      do
+         call more_lines(lines, error)
+         if (allocated(error)) return
+         if (lines%at > lines%last) exit
+         call next_chunk(table%store, table%layout%stored, failed)
+         if (failed /= 0) then
+            call fatal_error(error, status%no_memory, table%name//": no memory for more than "//integer_text(total)//" rows")
+            return
+         end if
+         associate (chunk => table%store%chunk(table%store%count))
+            rows = chunk%rows
+            call parse_rows(lines%bytes, lines%at, lines%last, table%layout, chunk%value, chunk%rows, odd)
+            lines%number = lines%number + chunk%rows - rows
+            total = total + chunk%rows - rows
+         end associate
+         if (odd) call take_odd_line(lines, options, table, fields, total, error)
+         if (allocated(error)) return
+      end do
+   end subroutine read_body
+
+   !> Reads the line at hand, whatever it is.
+   subroutine take_odd_line(lines, options, table, fields, total, error)
+      type(lines_type), intent(inout) :: lines
+      type(table_options), intent(in) :: options
+      type(table_type), intent(inout) :: table
+      type(fields_type), intent(inout) :: fields
+      integer(int64), intent(inout) :: total
+      type(error_type), allocatable, intent(out) :: error
+      type(problem_type) :: problem
+      real(dp) :: row(table%layout%stored)
+      integer(int64) :: last
+
+      last = line_end(lines)
+      if (first_visible(lines%bytes, lines%at, last) > last .or. is_comment(lines%bytes, lines%at, last)) then
+         call map_row(table%map, total + 1, lines%number + 1)
+      else
+         call read_row(lines%bytes, lines%at, last, table%layout, fields, row, problem)
+         if (problem%found .and. .not. options%bad_lines_missing) then
+            call place_error(error, table%name, lines%number, lines%bytes, lines%at, last, problem%at, problem%what, problem%advice)
+            return
+         end if
+         if (problem%found) then
+            row = ieee_value(1.0_dp, ieee_quiet_nan)
+            table%bad_lines = table%bad_lines + 1
+            if (table%first_bad_line == 0) table%first_bad_line = lines%number
+         end if
+         associate (chunk => table%store%chunk(table%store%count))
+            chunk%rows = chunk%rows + 1
+            chunk%value(chunk%rows, :) = row
+         end associate
+         total = total + 1
+      end if
+      call next_line(lines)
+   end subroutine take_odd_line
+
+end module gyroakf_io_table

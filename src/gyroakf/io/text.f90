@@ -1,0 +1,209 @@
+! SPDX-License-Identifier: MIT
+!> Lines of text taken apart: fields between blanks, tabs, commas and semicolons in any mix, comments, quotes.
+module gyroakf_io_text
+   use gyroakf_kinds, only : int8, int64
+   implicit none (type, external)
+   private
+   public :: fields_type, split, split_line, is_comment, first_visible, last_visible, bytes_text
+
+   !> How a line is split, reached as `split%mixed`
+   type :: split_enum
+      !> Blanks and tabs separate, as many as there are; each comma or semicolon ends a field
+      integer :: mixed = 0
+      !> As mixed, but each tab ends a field too
+      integer :: tabs = 1
+      !> Each comma, semicolon or tab ends a field; blanks belong to it (names)
+      integer :: names = 2
+   end type split_enum
+
+   !> All ways
+   type(split_enum), parameter :: split = split_enum()
+
+   !> The fields of a line
+   type :: fields_type
+      !> How many, an empty one after a trailing separator included
+      integer :: count = 0
+      !> First and last byte of each field, without quotes; last = first - 1 where it is empty
+      integer(int64), allocatable :: first(:), last(:)
+      !> True where the line ends with a comma or semicolon (or tab, where those count)
+      logical :: trailing = .false.
+      !> Byte of a quote that is not closed, 0 where there is none
+      integer(int64) :: open_quote = 0
+   end type fields_type
+
+   integer(int8), parameter :: tab = 9, blank = 32, quote = 34, hash = 35, percent = 37, apostrophe = 39
+   integer(int8), parameter :: comma = 44, slash = 47, semicolon = 59, carriage_return = 13
+
+contains
+
+   !> Splits a line. A `#`, `%` or `//` at the start of a field ends the line.
+   pure subroutine split_line(bytes, first, last, way, fields)
+      !> Holds the line at first:last, without its end
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      !> One of the components of [[split]]
+      integer, intent(in) :: way
+      !> The fields; its arrays are reused
+      type(fields_type), intent(inout) :: fields
+      integer(int64) :: p, from, to
+      logical :: ended
+
+      fields%count = 0
+      fields%open_quote = 0
+      fields%trailing = .false.
+      p = first
+      do
+         call skip_blanks(bytes, last, way, p)
+         ended = p > last
+         if (.not. ended) ended = comment_at(bytes, p, last)
+         if (ended) exit
+         call next_field(bytes, last, way, p, from, to, fields%open_quote)
+         call append(fields, from, to)
+         if (fields%open_quote /= 0) return
+         call skip_blanks(bytes, last, way, p)
+         fields%trailing = .false.
+         if (p > last) exit
+         fields%trailing = separates(bytes(p), way)
+         if (fields%trailing) p = p + 1
+      end do
+      if (fields%trailing) call append(fields, min(p, last + 1), min(p, last + 1) - 1)
+   end subroutine split_line
+
+   !> Moves on to the next byte that is no soft separator.
+   pure subroutine skip_blanks(bytes, last, way, p)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: last
+      integer, intent(in) :: way
+      integer(int64), intent(inout) :: p
+
+      do while (p <= last)
+         if (bytes(p) /= blank .and. bytes(p) /= carriage_return .and. (bytes(p) /= tab .or. way /= split%mixed)) exit
+         p = p + 1
+      end do
+   end subroutine skip_blanks
+
+   !> True for a byte that ends a field, even an empty one.
+   pure logical function separates(byte, way)
+      integer(int8), intent(in) :: byte
+      integer, intent(in) :: way
+
+      separates = byte == comma .or. byte == semicolon .or. (byte == tab .and. way /= split%mixed)
+   end function separates
+
+   !> The field at p, without its quotes or trailing blanks; p moves behind it.
+   pure subroutine next_field(bytes, last, way, p, from, to, open_quote)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: last
+      integer, intent(in) :: way
+      integer(int64), intent(inout) :: p, open_quote
+      integer(int64), intent(out) :: from, to
+      integer(int8) :: mark
+
+      from = p
+      if (bytes(p) == quote .or. bytes(p) == apostrophe) then
+         mark = bytes(p)
+         from = p + 1
+         p = p + 1
+         do while (p <= last)
+            if (bytes(p) == mark) exit
+            p = p + 1
+         end do
+         to = p - 1
+         if (p > last) open_quote = from - 1
+         p = p + 1
+         return
+      end if
+      do while (p <= last)
+         if (separates(bytes(p), way)) exit
+         if (way /= split%names .and. (bytes(p) == blank .or. bytes(p) == tab .or. bytes(p) == carriage_return)) exit
+         p = p + 1
+      end do
+      to = last_visible(bytes, from, p - 1)
+   end subroutine next_field
+
+   !> Appends a field.
+   pure subroutine append(fields, from, to)
+      type(fields_type), intent(inout) :: fields
+      integer(int64), intent(in) :: from, to
+      integer(int64), allocatable :: longer(:)
+      integer :: n
+
+      n = fields%count
+      if (.not. allocated(fields%first)) allocate (fields%first(16), fields%last(16))
+      if (n == size(fields%first)) then
+         allocate (longer(2*n))
+         longer(:n) = fields%first
+         call move_alloc(longer, fields%first)
+         allocate (longer(2*n))
+         longer(:n) = fields%last
+         call move_alloc(longer, fields%last)
+      end if
+      fields%count = n + 1
+      fields%first(n + 1) = from
+      fields%last(n + 1) = to
+   end subroutine append
+
+   !> True where a comment begins within a line: `#`, `%`, `//`.
+   pure logical function comment_at(bytes, p, last)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: p, last
+
+      comment_at = bytes(p) == hash .or. bytes(p) == percent
+      if (bytes(p) /= slash .or. p >= last) return
+      comment_at = bytes(p + 1) == slash
+   end function comment_at
+
+   !> True for a line that is a comment: it begins with `#`, `%`, `;` or `//`.
+   pure logical function is_comment(bytes, first, last)
+      !> Holds the line at first:last
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      integer(int64) :: p
+
+      is_comment = .false.
+      p = first_visible(bytes, first, last)
+      if (p > last) return
+      is_comment = bytes(p) == semicolon .or. comment_at(bytes, p, last)
+   end function is_comment
+
+   !> First byte in first:last that is not blank; last + 1 where all are.
+   pure integer(int64) function first_visible(bytes, first, last)
+      !> The text
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+
+      first_visible = first
+      do while (first_visible <= last)
+         if (bytes(first_visible) < 0 .or. bytes(first_visible) > blank) exit
+         first_visible = first_visible + 1
+      end do
+   end function first_visible
+
+   !> Last byte in first:last that is not blank; first - 1 where all are.
+   pure integer(int64) function last_visible(bytes, first, last)
+      !> The text
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+
+      last_visible = last
+      do while (last_visible >= first)
+         if (bytes(last_visible) < 0 .or. bytes(last_visible) > blank) exit
+         last_visible = last_visible - 1
+      end do
+   end function last_visible
+
+   !> Bytes as a character string.
+   pure function bytes_text(bytes, first, last) result(text)
+      !> The text at first:last
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      character(:), allocatable :: text
+      integer(int64) :: i
+
+      allocate (character(max(0_int64, last - first + 1)) :: text)
+      do i = first, last
+         text(i - first + 1:i - first + 1) = achar(iand(int(bytes(i)), 255))
+      end do
+   end function bytes_text
+
+end module gyroakf_io_text
