@@ -26,6 +26,8 @@ module gyroakf
    use gyroakf_io_reader, only : reader_options, read_record
    use gyroakf_io_writer, only : writer_type, open_writer, put, put_line, put_real, commit_writer, discard_writer, &
       format_real, make_directory
+   use gyroakf_series_moments, only : moments_type, compute_moments
+   use gyroakf_series_normality, only : jarque_bera_type, test_jarque_bera
    implicit none (type, external)
    public
 end module gyroakf

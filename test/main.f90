@@ -13,6 +13,8 @@ program test_main
    use test_fft, only : collect_fft
    use test_kalman, only : collect_kalman
    use test_number, only : collect_number
+   use test_moments, only : collect_moments
+   use test_normality, only : collect_normality
    use test_random, only : collect_random
    use test_reader, only : collect_reader
    use test_record_writer, only : collect_record_writer
@@ -33,6 +35,8 @@ program test_main
    call add("fft", collect_fft)
    call add("kalman", collect_kalman)
    call add("number", collect_number)
+   call add("moments", collect_moments)
+   call add("normality", collect_normality)
    call add("random", collect_random)
    call add("reader", collect_reader)
    call add("record_writer", collect_record_writer)

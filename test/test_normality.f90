@@ -1,0 +1,123 @@
+! SPDX-License-Identifier: MIT
+!> Tests of the Jarque-Bera test. The reference values were computed in exact arithmetic from the
+!> doubles of the series (series_library, 1000 samples each) and rounded once.
+module test_normality
+   use gyroakf_kinds, only : dp
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_series_moments, only : moments_type, compute_moments
+   use gyroakf_series_normality, only : jarque_bera_type, test_jarque_bera
+   use series_library, only : reference_series, reference_names
+   use testdrive, only : check, error_type, new_unittest, unittest_type
+   implicit none (type, external)
+   private
+   public :: collect_normality
+
+   real(dp), parameter :: tolerance = 1.0e-12_dp
+   !> In the order of reference_names
+   real(dp), parameter :: statistic_of(11) = [ &
+      & 0.8158830306718312_dp, 1.0012122337438372_dp, 62.693708432819264_dp, 63.096756418082684_dp, &
+      & 1.143737094093957_dp, 39.73873664973366_dp, 11.85394003680525_dp, 3.767092854130486_dp, &
+      & 1.2615830621568083_dp, 1.1437370924114114_dp, 1.048592408767007_dp]
+   real(dp), parameter :: p_value_of(11) = [ &
+      & 0.6650177710260406_dp, 0.6061631426368473_dp, 2.433515903499219e-14_dp, 1.9893602266001574e-14_dp, &
+      & 0.564469714453444_dp, 2.3487834472227337e-9_dp, 0.002666549356094504_dp, 0.1520499145165288_dp, &
+      & 0.5321704048403791_dp, 0.564469714928317_dp, 0.5919718449805954_dp]
+
+contains
+
+   !> The tests of this suite.
+   subroutine collect_normality(testsuite)
+      !> The tests
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         & new_unittest("by_hand", test_by_hand), &
+         & new_unittest("reference", test_reference), &
+         & new_unittest("offset_scale", test_offset_scale), &
+         & new_unittest("failures", test_failures)]
+   end subroutine collect_normality
+
+   !> -1 and 1: skewness 0, kurtosis 1, JB = 4/6 (2^2/4).
+   subroutine test_by_hand(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(jarque_bera_type) :: jb
+
+      call run([-1.0_dp, 1.0_dp, -1.0_dp, 1.0_dp], jb)
+      call check(error, jb%statistic, 2.0_dp/3.0_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, jb%p_value, exp(-1.0_dp/3.0_dp), thr=tolerance)
+      if (allocated(error)) return
+      call check(error, jb%kurtosis, 1.0_dp, thr=tolerance)
+   end subroutine test_by_hand
+
+   !> Moments and test of a series that has both.
+   subroutine run(x, jb)
+      !> Series
+      real(dp), intent(in), contiguous :: x(:)
+      !> The test
+      type(jarque_bera_type), intent(out) :: jb
+      type(moments_type) :: moments
+      type(gyro_error), allocatable :: problem
+
+      call compute_moments(x, moments)
+      call test_jarque_bera(moments, jb, problem)
+      if (allocated(problem)) jb%statistic = -1.0_dp
+   end subroutine run
+
+   !> The eleven series; the statistic of a nearly normal series is a small difference.
+   subroutine test_reference(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(jarque_bera_type) :: jb
+      integer :: i
+
+      do i = 1, size(reference_names)
+         call run(reference_series(trim(reference_names(i)), 1000), jb)
+         call check(error, jb%statistic, statistic_of(i), reference_names(i), thr=tolerance, rel=.true.)
+         if (allocated(error)) return
+         call check(error, jb%p_value, p_value_of(i), reference_names(i), thr=tolerance*max(1.0_dp, statistic_of(i)), rel=.true.)
+         if (allocated(error)) return
+      end do
+   end subroutine test_reference
+
+   !> Powers of two are exact, and so is the offset for multiples of 1/1024.
+   subroutine test_offset_scale(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(jarque_bera_type) :: a, b
+      real(dp), allocatable :: x(:)
+
+      x = anint(1024.0_dp*reference_series("ar2", 5000))/1024.0_dp
+      call run(x, a)
+      call run((x + 1048576.0_dp)*2.0_dp**(-60), b)
+      call check(error, b%statistic, a%statistic, thr=tolerance, rel=.true.)
+      if (allocated(error)) return
+      call run(-x, b)
+      call check(error, b%skewness, -a%skewness, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, b%statistic, a%statistic, thr=tolerance, rel=.true.)
+   end subroutine test_offset_scale
+
+   !> One sample; a constant series.
+   subroutine test_failures(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(moments_type) :: moments
+      type(jarque_bera_type) :: jb
+      type(gyro_error), allocatable :: problem
+
+      call compute_moments([1.0_dp], moments)
+      call test_jarque_bera(moments, jb, problem)
+      call check(error, allocated(problem), "one sample was accepted")
+      if (allocated(error)) return
+      call check(error, problem%code, status%too_few_samples)
+      if (allocated(error)) return
+      call compute_moments([0.1_dp, 0.1_dp, 0.1_dp], moments)
+      call test_jarque_bera(moments, jb, problem)
+      call check(error, allocated(problem), "a constant series was accepted")
+      if (allocated(error)) return
+      call check(error, problem%code, status%constant_input)
+   end subroutine test_failures
+
+end module test_normality
