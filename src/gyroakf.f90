@@ -28,6 +28,9 @@ module gyroakf
       format_real, make_directory
    use gyroakf_series_moments, only : moments_type, compute_moments
    use gyroakf_series_normality, only : jarque_bera_type, test_jarque_bera
+   use gyroakf_series_whiteness, only : ljung_box_type, test_ljung_box, ljung_box_of
+   use gyroakf_ar_autocovariance, only : compute_autocovariance, residual_autocovariance
+   use gyroakf_ar_levinson, only : solve_levinson
    implicit none (type, external)
    public
 end module gyroakf

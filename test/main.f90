@@ -9,10 +9,12 @@ program test_main
    use test_allan_deviation, only : collect_allan_deviation
    use test_allan_freedom, only : collect_allan_freedom
    use test_allan_grid, only : collect_allan_grid
+   use test_autocovariance, only : collect_autocovariance
    use test_error, only : collect_error
    use test_fft, only : collect_fft
    use test_kalman, only : collect_kalman
    use test_number, only : collect_number
+   use test_levinson, only : collect_levinson
    use test_moments, only : collect_moments
    use test_normality, only : collect_normality
    use test_random, only : collect_random
@@ -24,6 +26,7 @@ program test_main
    use test_special, only : collect_special
    use test_state_space, only : collect_state_space
    use test_units, only : collect_units
+   use test_whiteness, only : collect_whiteness
    use suite_runner, only : add, finish
    implicit none (type, external)
 
@@ -31,10 +34,12 @@ program test_main
    call add("allan_deviation", collect_allan_deviation)
    call add("allan_freedom", collect_allan_freedom)
    call add("allan_grid", collect_allan_grid)
+   call add("autocovariance", collect_autocovariance)
    call add("error", collect_error)
    call add("fft", collect_fft)
    call add("kalman", collect_kalman)
    call add("number", collect_number)
+   call add("levinson", collect_levinson)
    call add("moments", collect_moments)
    call add("normality", collect_normality)
    call add("random", collect_random)
@@ -46,6 +51,7 @@ program test_main
    call add("special", collect_special)
    call add("state_space", collect_state_space)
    call add("units", collect_units)
+   call add("whiteness", collect_whiteness)
 
    if (finish()) stop 1, quiet=.true.
 end program test_main

@@ -1,0 +1,267 @@
+! SPDX-License-Identifier: MIT
+!> Tests of the lagged sums. The reference values were computed in exact arithmetic from the doubles
+!> of the series (series_library, 1000 samples each) and rounded once.
+module test_autocovariance
+   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_ar_autocovariance, only : compute_autocovariance, residual_autocovariance
+   use series_library, only : reference_series, reference_names
+   use testdrive, only : check, error_type, new_unittest, unittest_type
+   implicit none (type, external)
+   private
+   public :: collect_autocovariance
+
+   !> Relative to r(0)
+   real(dp), parameter :: tolerance = 1.0e-13_dp
+   !> Lags 0, 1, 2, 7, 20 in the order of reference_names
+   integer, parameter :: lag_of(5) = [0, 1, 2, 7, 20]
+   real(dp), parameter :: covariance_of(5,11) = reshape([ &
+      & 0.9453760778900991_dp, 0.011147282272936418_dp, -0.014575147683015075_dp, -0.07245939813446818_dp, &
+      & 0.03464869293241769_dp, 1.0397301975483946_dp, -0.021328748730344068_dp, 0.03915097230847313_dp, &
+      & 0.022901100360988_dp, 0.0002183044829195672_dp, 0.08312963072716309_dp, -0.002216081005093361_dp, &
+      & 0.001528678919906072_dp, -0.004977028841316011_dp, 0.001983978658242227_dp, 72.61159628555379_dp, &
+      & 71.97001003174356_dp, 71.32024436891852_dp, 68.35426827617242_dp, 61.962886770579466_dp, &
+      & 1.7894086048059512_dp, 1.2292044611580708_dp, 0.8111590319822368_dp, -0.0927351787863671_dp, &
+      & -0.07592490564948848_dp, 16.21891332408116_dp, 15.741101362723237_dp, 15.25389232354208_dp, &
+      & 13.03057414911966_dp, 9.203304633151626_dp, 3.6503114641352807_dp, 2.921016717962106_dp, &
+      & 1.6428158172176048_dp, -0.8331176759080113_dp, -0.14527636735927965_dp, 1.2764492630401685_dp, &
+      & 0.34045483755754_dp, 0.31373807806903087_dp, 0.24856229284595469_dp, 0.340056705101512_dp, &
+      & 1.8860128228558422_dp, 1.3256051037746128_dp, 0.9073918914954496_dp, -0.0032677875918178524_dp, &
+      & 0.0013689978190547806_dp, 1.7894086047159458e-6_dp, 1.2292044611013289e-6_dp, 8.111590319133136e-7_dp, &
+      & -9.2735178768007e-8_dp, -7.592490566753704e-8_dp, 0.9827258362879051_dp, 0.04658983570128766_dp, &
+      & 0.015495455537458338_dp, -0.09425301906752617_dp, 0.07265591961360557_dp], [5, 11])
+
+contains
+
+   !> The tests of this suite.
+   subroutine collect_autocovariance(testsuite)
+      !> The tests
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         & new_unittest("by_hand", test_by_hand), &
+         & new_unittest("reference", test_reference), &
+         & new_unittest("direct_sum", test_direct_sum), &
+         & new_unittest("offset_scale", test_offset_scale), &
+         & new_unittest("threads", test_threads), &
+         & new_unittest("missing", test_missing), &
+         & new_unittest("residuals", test_residuals), &
+         & new_unittest("failures", test_failures)]
+   end subroutine collect_autocovariance
+
+   !> 1 2 3 4: mean 5/2, r = 5/4, 5/16, -3/8, -9/16.
+   subroutine test_by_hand(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: r(:)
+      real(dp) :: mean
+      type(gyro_error), allocatable :: problem
+
+      call compute_autocovariance([1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp], 3, mean, r, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, mean, 2.5_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, maxval(abs(r - [1.25_dp, 0.3125_dp, -0.375_dp, -0.5625_dp])), 0.0_dp, thr=tolerance)
+   end subroutine test_by_hand
+
+   !> The eleven series.
+   subroutine test_reference(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: r(:)
+      real(dp) :: mean
+      type(gyro_error), allocatable :: problem
+      integer :: i
+
+      do i = 1, size(reference_names)
+         call compute_autocovariance(reference_series(trim(reference_names(i)), 1000), 20, mean, r, problem)
+         call check(error, .not. allocated(problem), "it failed")
+         if (allocated(error)) return
+         call check(error, maxval(abs(r(lag_of) - covariance_of(:, i)))/r(0), 0.0_dp, reference_names(i), thr=tolerance)
+         if (allocated(error)) return
+      end do
+   end subroutine test_reference
+
+   !> Every lag against the plain double loop, lengths around the block, lags beyond a block.
+   subroutine test_direct_sum(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: length(6) = [9, 300, 4095, 4097, 5000, 12289], lags(6) = [8, 299, 7, 40, 4990, 12]
+      real(dp), allocatable :: x(:), r(:)
+      real(dp) :: mean, worst
+      type(gyro_error), allocatable :: problem
+      integer :: i, k
+
+      do i = 1, size(length)
+         x = reference_series("ar1_99", length(i))
+         call compute_autocovariance(x, lags(i), mean, r, problem)
+         call check(error, .not. allocated(problem), "it failed")
+         if (allocated(error)) return
+         x = x - mean
+         worst = 0.0_dp
+         do k = 0, lags(i), max(1, lags(i)/50)
+            worst = max(worst, abs(r(k) - dot_product(x(1 + k:), x(:size(x) - k))/real(size(x), dp)))
+         end do
+         call check(error, worst/r(0), 0.0_dp, thr=tolerance)
+         if (allocated(error)) return
+      end do
+   end subroutine test_direct_sum
+
+   !> An offset of 2^40 and a scale of 2^-50 lose nothing, as the values are multiples of 1/1024.
+   subroutine test_offset_scale(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: x(:), r(:), s(:)
+      real(dp) :: mean
+      type(gyro_error), allocatable :: problem
+
+      x = anint(1024.0_dp*reference_series("ar2", 9000))/1024.0_dp
+      call compute_autocovariance(x, 33, mean, r, problem)
+      call compute_autocovariance((x + 2.0_dp**40)*2.0_dp**(-50), 33, mean, s, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, maxval(abs(s*2.0_dp**100 - r))/r(0), 0.0_dp, thr=tolerance)
+   end subroutine test_offset_scale
+
+   !> One and two threads give the same bits.
+   subroutine test_threads(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: x(:), r(:), s(:)
+      real(dp) :: mean
+      type(gyro_error), allocatable :: problem
+      integer :: before
+
+      x = reference_series("ar1", 70000)
+      before = omp_get_max_threads()
+      call omp_set_num_threads(1)
+      call compute_autocovariance(x, 20, mean, r, problem)
+      call omp_set_num_threads(2)
+      call compute_autocovariance(x, 20, mean, s, problem)
+      call omp_set_num_threads(before)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, maxval(abs(r - s)), 0.0_dp, thr=tiny(mean))
+   end subroutine test_threads
+
+   !> Missing samples: the definition by the double loop; their values do not matter; an all-present
+   !> mask changes nothing.
+   subroutine test_missing(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: x(:), r(:), s(:)
+      integer(int8), allocatable :: valid(:)
+      integer(int64), allocatable :: pairs(:)
+      real(dp) :: mean, worst
+      type(gyro_error), allocatable :: problem
+      integer :: k
+
+      x = reference_series("ar1", 9001)
+      allocate (valid(size(x)), source=1_int8)
+      call compute_autocovariance(x, 11, mean, r, problem)
+      call compute_autocovariance(x, 11, mean, s, problem, valid)
+      call check(error, maxval(abs(r - s)), 0.0_dp, thr=tolerance)
+      if (allocated(error)) return
+      valid(1:9001:13) = 0_int8
+      valid(4090:4110) = 0_int8
+      where (valid == 0_int8) x = 1.0e6_dp
+      call compute_autocovariance(x, 11, mean, r, problem, valid, pairs)
+      call check(error, mean, sum(x, mask=valid == 1_int8)/real(count(valid == 1_int8), dp), thr=tolerance)
+      if (allocated(error)) return
+      x = merge(x - mean, 0.0_dp, valid == 1_int8)
+      worst = 0.0_dp
+      do k = 0, 11
+         worst = max(worst, abs(r(k) - direct(x, valid, k)))
+         call check(error, int(pairs(k)), count(valid(1 + k:) == 1_int8 .and. valid(:size(x) - k) == 1_int8))
+         if (allocated(error)) return
+      end do
+      call check(error, worst/r(0), 0.0_dp, thr=tolerance)
+   end subroutine test_missing
+
+   !> The definition with gaps.
+   pure real(dp) function direct(x, valid, k)
+      !> Series, its mean removed
+      real(dp), intent(in) :: x(:)
+      !> 1 present, 0 missing
+      integer(int8), intent(in) :: valid(:)
+      !> Lag
+      integer, intent(in) :: k
+      real(dp) :: n, m
+
+      n = real(size(x), dp)
+      m = real(count(valid(1 + k:) == 1_int8 .and. valid(:size(x) - k) == 1_int8), dp)
+      direct = dot_product(x(1 + k:), x(:size(x) - k))/m*((n - real(k, dp))/n)
+   end function direct
+
+   !> Residuals of a model against residuals that are stored, with and without gaps.
+   subroutine test_residuals(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: phi(2) = [1.2_dp, -0.5_dp]
+      real(dp), allocatable :: x(:), e(:), r(:), s(:)
+      integer(int8), allocatable :: valid(:), whole(:)
+      real(dp) :: mean
+      type(gyro_error), allocatable :: problem
+
+      x = 5.0_dp + reference_series("ar2", 6000)
+      e = (x(3:) - 5.0_dp) - phi(1)*(x(2:5999) - 5.0_dp) - phi(2)*(x(:5998) - 5.0_dp)
+      call compute_autocovariance(e, 9, mean, r, problem)
+      call residual_autocovariance(x, 5.0_dp, phi, 9, s, problem)
+      call check(error, maxval(abs(r - s))/r(0), 0.0_dp, thr=tolerance)
+      if (allocated(error)) return
+      allocate (valid(size(x)), source=1_int8)
+      valid(1::50) = 0_int8
+      where (valid == 0_int8) x = -1.0e5_dp
+      whole = valid(3:)*valid(2:5999)*valid(:5998)
+      call compute_autocovariance(e, 9, mean, r, problem, whole)
+      call residual_autocovariance(x, 5.0_dp, phi, 9, s, problem, valid)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, maxval(abs(r - s))/r(0), 0.0_dp, thr=tolerance)
+   end subroutine test_residuals
+
+   !> Each error.
+   subroutine test_failures(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: r(:)
+      integer(int8) :: valid(4)
+      real(dp) :: x(4), mean
+      type(gyro_error), allocatable :: problem
+
+      x = [1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp]
+      valid = 0_int8
+      call compute_autocovariance(x, -1, mean, r, problem)
+      call refused(error, problem, status%invalid_argument)
+      if (allocated(error)) return
+      call compute_autocovariance(x, 4, mean, r, problem)
+      call refused(error, problem, status%too_few_samples)
+      if (allocated(error)) return
+      call compute_autocovariance(x, 1, mean, r, problem, valid(:3))
+      call refused(error, problem, status%invalid_argument)
+      if (allocated(error)) return
+      call compute_autocovariance(x, 1, mean, r, problem, valid)
+      call refused(error, problem, status%too_few_samples)
+      if (allocated(error)) return
+      valid = [1_int8, 0_int8, 1_int8, 0_int8]
+      call residual_autocovariance(x, 0.0_dp, [0.5_dp], 1, r, problem, valid)
+      call refused(error, problem, status%too_few_samples)
+   end subroutine test_failures
+
+   !> Fails unless the problem has the code.
+   subroutine refused(error, problem, code)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      !> What the library said
+      type(gyro_error), allocatable, intent(in) :: problem
+      !> What it should have said
+      integer, intent(in) :: code
+
+      call check(error, allocated(problem), "bad input was accepted")
+      if (allocated(error)) return
+      call check(error, problem%code, code, problem%message)
+   end subroutine refused
+
+end module test_autocovariance
