@@ -8,7 +8,7 @@ module gyroakf
    use gyroakf_error, only : error_type, fatal_error, status, status_text, exit_code
    use gyroakf_release, only : release_major, release_minor, release_patch, release_string, release_number
    use gyroakf_units, only : unit_type, coefficient_unit_type, quantity, term_names, &
-      parse_unit, coefficient_unit, angle_to_rate_unit
+      parse_unit, coefficient_unit, density_unit, angle_to_rate_unit
    use gyroakf_record, only : record_type, audit_type, text_type, add_text
    use gyroakf_special, only : normal_cdf, normal_quantile, chi_square_cdf, chi_square_survival, &
       & chi_square_quantile, digamma
@@ -24,8 +24,8 @@ module gyroakf
    use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, chi_square_limits
    use gyroakf_io_number, only : parse_number
    use gyroakf_io_reader, only : reader_options, read_record
-   use gyroakf_io_writer, only : writer_type, open_writer, put, put_line, put_real, commit_writer, discard_writer, &
-      format_real, make_directory
+   use gyroakf_io_writer, only : writer_type, open_writer, put, put_line, put_real, complete_writer, commit_writer, &
+      discard_writer, format_real, make_directory
    use gyroakf_series_moments, only : moments_type, compute_moments
    use gyroakf_series_normality, only : jarque_bera_type, test_jarque_bera
    use gyroakf_series_whiteness, only : ljung_box_type, test_ljung_box, ljung_box_of

@@ -27,6 +27,7 @@ program test_main
    use test_state_space, only : collect_state_space
    use test_units, only : collect_units
    use test_whiteness, only : collect_whiteness
+   use test_writer, only : collect_writer
    use suite_runner, only : add, finish
    implicit none (type, external)
 
@@ -52,6 +53,7 @@ program test_main
    call add("state_space", collect_state_space)
    call add("units", collect_units)
    call add("whiteness", collect_whiteness)
+   call add("writer", collect_writer)
 
    if (finish()) stop 1, quiet=.true.
 end program test_main

@@ -12,7 +12,8 @@ module gyroakf_io_writer
    use gyroakf_io_source, only : is_directory
    implicit none (type, external)
    private
-   public :: writer_type, open_writer, put, put_line, put_real, commit_writer, discard_writer, format_real, make_directory
+   public :: writer_type, open_writer, put, put_line, put_real, complete_writer, commit_writer, discard_writer, format_real
+   public :: make_directory
 
    !> A file that is being written
    type :: writer_type
@@ -27,6 +28,8 @@ module gyroakf_io_writer
       integer :: used = 0
       !> True after the first write that failed
       logical :: failed = .false.
+      !> True where all is written and only the renaming is left
+      logical :: complete = .false.
    end type writer_type
 
    !> Characters written at once
@@ -226,6 +229,22 @@ contains
       writer%used = 0
    end subroutine flush_buffer
 
+   !> Writes the rest and closes the file, which does not appear yet: where several files belong together, all are completed
+   !> before the first one is committed.
+   subroutine complete_writer(writer, error)
+      !> Nothing more can be written; to be ended by [[commit_writer]] or [[discard_writer]]
+      type(writer_type), intent(inout) :: writer
+      !> Allocated where something could not be written (a full disk, a closed pipe): io; then nothing is left of it
+      type(error_type), allocatable, intent(out) :: error
+
+      if (writer%unit < 0) return
+      call flush_buffer(writer)
+      if (writer%unit > 1) writer%failed = c_close(writer%unit) /= 0 .or. writer%failed
+      writer%unit = -1
+      writer%complete = .not. writer%failed
+      if (writer%failed) call give_up(writer, error)
+   end subroutine complete_writer
+
    !> Writes the rest and lets the file appear.
    subroutine commit_writer(writer, error)
       !> Closed afterwards
@@ -233,20 +252,26 @@ contains
       !> Allocated where something could not be written (a full disk, a closed pipe): io; then no file appears
       type(error_type), allocatable, intent(out) :: error
 
-      if (writer%unit < 0) return
-      call flush_buffer(writer)
-      if (writer%unit > 1) writer%failed = c_close(writer%unit) /= 0 .or. writer%failed
-      writer%unit = -1
-      if (.not. writer%failed .and. writer%aside /= writer%path) &
+      call complete_writer(writer, error)
+      if (.not. writer%complete) return
+      writer%complete = .false.
+      if (writer%aside /= writer%path) &
          writer%failed = c_rename(writer%aside//c_null_char, writer%path//c_null_char) /= 0
-      if (.not. writer%failed) return
+      if (writer%failed) call give_up(writer, error)
+   end subroutine commit_writer
+
+   !> Removes what was written aside and says why.
+   subroutine give_up(writer, error)
+      type(writer_type), intent(in) :: writer
+      type(error_type), allocatable, intent(out) :: error
+
       call remove_aside(writer)
       if (writer%path == "-") then
          call fatal_error(error, status%io, "standard output cannot be written: the disk is full or the reader has gone")
       else
          call fatal_error(error, status%io, writer%path//": cannot be written: is the disk full?")
       end if
-   end subroutine commit_writer
+   end subroutine give_up
 
    !> Gives the file up: nothing appears. Harmless after [[commit_writer]].
    subroutine discard_writer(writer)
@@ -254,9 +279,10 @@ contains
       type(writer_type), intent(inout) :: writer
       integer(c_int) :: ignored
 
-      if (writer%unit < 0) return
+      if (writer%unit < 0 .and. .not. writer%complete) return
       if (writer%unit > 1) ignored = c_close(writer%unit)
       writer%unit = -1
+      writer%complete = .false.
       call remove_aside(writer)
    end subroutine discard_writer
 
