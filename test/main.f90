@@ -12,6 +12,7 @@ program test_main
    use test_autocovariance, only : collect_autocovariance
    use test_error, only : collect_error
    use test_fft, only : collect_fft
+   use test_json, only : collect_json
    use test_kalman, only : collect_kalman
    use test_number, only : collect_number
    use test_levinson, only : collect_levinson
@@ -38,6 +39,7 @@ program test_main
    call add("autocovariance", collect_autocovariance)
    call add("error", collect_error)
    call add("fft", collect_fft)
+   call add("json", collect_json)
    call add("kalman", collect_kalman)
    call add("number", collect_number)
    call add("levinson", collect_levinson)

@@ -1,0 +1,65 @@
+! SPDX-License-Identifier: MIT
+!> Characters in a row of bytes: how many there are, and whether they are UTF-8 at all.
+module gyroakf_report_utf8
+   implicit none (type, external)
+   private
+   public :: text_width, is_continuation, sequence_length
+
+contains
+
+   !> Characters of a UTF-8 text.
+   pure integer function text_width(text)
+      !> Any bytes
+      character(*), intent(in) :: text
+      integer :: i
+
+      text_width = 0
+      do i = 1, len(text)
+         if (.not. is_continuation(text(i:i))) text_width = text_width + 1
+      end do
+   end function text_width
+
+   !> The byte goes on with a character that began before it.
+   pure logical function is_continuation(byte)
+      !> One byte
+      character(1), intent(in) :: byte
+
+      is_continuation = iand(ichar(byte), 192) == 128
+   end function is_continuation
+
+   !> Bytes of the UTF-8 sequence that text begins with; 0 where it is not one (also overlong, surrogate, above U+10FFFF).
+   pure integer function sequence_length(text)
+      !> Any bytes
+      character(*), intent(in) :: text
+      integer :: lead, second, i
+
+      lead = byte(text, 1)
+      select case (lead)
+      case (0:127); sequence_length = 1
+      case (194:223); sequence_length = 2
+      case (224:239); sequence_length = 3
+      case (240:244); sequence_length = 4
+      case default; sequence_length = 0
+      end select
+      if (sequence_length > len(text)) sequence_length = 0
+      do i = 2, sequence_length
+         if (byte(text, i)/64 /= 2) sequence_length = 0
+      end do
+      if (sequence_length < 3) return
+      second = byte(text, 2)
+      if (lead == 224 .and. second < 160) sequence_length = 0
+      if (lead == 237 .and. second > 159) sequence_length = 0
+      if (lead == 240 .and. second < 144) sequence_length = 0
+      if (lead == 244 .and. second > 143) sequence_length = 0
+   end function sequence_length
+
+   !> The i-th byte as 0..255; 0 past the end.
+   pure integer function byte(text, i)
+      character(*), intent(in) :: text
+      integer, intent(in) :: i
+
+      byte = 0
+      if (i <= len(text)) byte = iand(ichar(text(i:i)), 255)
+   end function byte
+
+end module gyroakf_report_utf8

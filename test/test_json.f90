@@ -1,0 +1,171 @@
+! SPDX-License-Identifier: MIT
+!> The JSON writer: nesting, digits, escapes; UTF-8.
+module test_json
+   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan, ieee_positive_inf, ieee_negative_inf
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_record, only : text_type
+   use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, &
+      json_text, json_string
+   use gyroakf_report_utf8, only : text_width, sequence_length
+   use json_reader, only : json_item, read_json, json_text_at, json_real
+   implicit none (type, external)
+   private
+   public :: collect_json
+
+   character(1), parameter :: lf = new_line("a")
+
+contains
+
+   !> Names the tests.
+   subroutine collect_json(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         new_unittest("nesting", test_nesting), &
+         new_unittest("empty", test_empty), &
+         new_unittest("digits", test_digits), &
+         new_unittest("not-finite", test_not_finite), &
+         new_unittest("escapes", test_escapes), &
+         new_unittest("utf8-invalid", test_utf8_invalid), &
+         new_unittest("utf8-width", test_utf8_width), &
+         new_unittest("large", test_large)]
+   end subroutine collect_json
+
+   subroutine test_nesting(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(json_type) :: json
+      type(text_type) :: names(2)
+
+      names(1)%text = "gx"
+      names(2)%text = "gy"
+      call open_object(json)
+      call put_member(json, "schema", 1)
+      call open_array(json, "list")
+      call open_object(json)
+      call put_member(json, "yes", .true.)
+      call put_null(json, "nothing")
+      call close_object(json)
+      call put_member(json, "", 12000_int64)
+      call close_array(json)
+      call put_member(json, "names", names)
+      call put_member(json, "x", [0.5_dp, -2.0_dp])
+      call close_object(json)
+      call check(error, json_text(json), '{'//lf//'  "schema": 1,'//lf//'  "list": ['//lf//'    {'//lf//'      "yes": true,'//lf// &
+                 '      "nothing": null'//lf//'    },'//lf//'    12000'//lf//'  ],'//lf//'  "names": ["gx", "gy"],'//lf// &
+                 '  "x": [0.5, -2]'//lf//'}'//lf)
+   end subroutine test_nesting
+
+   subroutine test_empty(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(json_type) :: json
+      real(dp) :: nothing(0)
+
+      call check(error, json_text(json), "")
+      if (allocated(error)) return
+      call open_object(json)
+      call open_object(json, "a")
+      call close_object(json)
+      call open_array(json, "b")
+      call close_array(json)
+      call put_member(json, "c", nothing)
+      call close_object(json)
+      call check(error, json_text(json), '{'//lf//'  "a": {},'//lf//'  "b": [],'//lf//'  "c": []'//lf//'}'//lf)
+   end subroutine test_empty
+
+   !> 17 digits give the same bits back.
+   subroutine test_digits(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: x(7) = [0.1_dp, 1.0_dp/3, -5.24e-4_dp, huge(1.0_dp), tiny(1.0_dp), 2.0_dp**(-1074), 12345678901.5_dp]
+      type(json_type) :: json
+      type(json_item), allocatable :: items(:)
+      character(4) :: path
+      logical :: valid
+      integer :: i
+
+      call open_object(json)
+      call put_member(json, "x", x)
+      call close_object(json)
+      call read_json(json_text(json), items, valid)
+      call check(error, valid)
+      if (allocated(error)) return
+      do i = 1, size(x)
+         write (path, "(a, i0)") "/x/", i - 1
+         call check(error, transfer(json_real(items, trim(path)), 0_int64) == transfer(x(i), 0_int64), "bits of "//path)
+         if (allocated(error)) return
+      end do
+   end subroutine test_digits
+
+   subroutine test_not_finite(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(json_type) :: json
+      type(json_item), allocatable :: items(:)
+      logical :: valid
+
+      call open_object(json)
+      call put_member(json, "x", [ieee_value(1.0_dp, ieee_quiet_nan), ieee_value(1.0_dp, ieee_positive_inf), &
+                                  ieee_value(1.0_dp, ieee_negative_inf), 1.0_dp])
+      call put_member(json, "y", ieee_value(1.0_dp, ieee_quiet_nan))
+      call close_object(json)
+      call read_json(json_text(json), items, valid)
+      call check(error, valid .and. json_text_at(items, "/x/0") == "null" .and. json_text_at(items, "/x/1") == "null" .and. &
+                 json_text_at(items, "/x/2") == "null" .and. json_text_at(items, "/x/3") == "1" .and. &
+                 json_text_at(items, "/y") == "null")
+   end subroutine test_not_finite
+
+   subroutine test_escapes(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: degree = char(194)//char(176)
+
+      call check(error, json_string('a"b\c'), '"a\"b\\c"')
+      if (allocated(error)) return
+      call check(error, json_string(achar(10)//achar(9)//achar(0)//achar(127)), '"\u000a\u0009\u0000\u007f"')
+      if (allocated(error)) return
+      call check(error, json_string(degree//"/s"), '"'//degree//'/s"')
+   end subroutine test_escapes
+
+   !> Overlong, surrogate, beyond U+10FFFF, cut short, a lonely continuation.
+   subroutine test_utf8_invalid(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      call check(error, json_string("a"//char(176)//"b"), '"a\ufffdb"')
+      if (allocated(error)) return
+      call check(error, all([sequence_length(char(192)//char(128)), sequence_length(char(224)//char(159)//char(191)), &
+                             sequence_length(char(237)//char(160)//char(128)), &
+                             sequence_length(char(240)//char(143)//char(191)//char(191)), &
+                             sequence_length(char(244)//char(144)//char(128)//char(128)), &
+                             sequence_length(char(226)//char(130)), sequence_length(char(255))] == 0))
+      if (allocated(error)) return
+      call check(error, all([sequence_length("a"), sequence_length(char(194)//char(176)), &
+                             sequence_length(char(226)//char(130)//char(172)//"x"), &
+                             sequence_length(char(240)//char(159)//char(152)//char(128))] == [1, 2, 3, 4]))
+   end subroutine test_utf8_invalid
+
+   subroutine test_utf8_width(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      call check(error, text_width(char(207)//char(129)//"x"//char(226)//char(130)//char(172)), 3)
+      if (allocated(error)) return
+      call check(error, text_width(""), 0)
+   end subroutine test_utf8_width
+
+   !> The buffer grows and keeps what it holds.
+   subroutine test_large(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(json_type) :: json
+      type(json_item), allocatable :: items(:)
+      logical :: valid
+      integer :: i
+
+      call open_array(json)
+      do i = 1, 3000
+         call put_member(json, "", i)
+      end do
+      call close_array(json)
+      call read_json(json_text(json), items, valid)
+      call check(error, valid .and. size(items) == 3001)
+      if (allocated(error)) return
+      call check(error, json_text_at(items, "/2999"), "3000")
+   end subroutine test_large
+
+end module test_json
