@@ -1,0 +1,184 @@
+! SPDX-License-Identifier: MIT
+!> What was read and what was assumed about it.
+module gyroakf_report_input
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_record, only : record_type
+   use gyroakf_units, only : quantity
+   use gyroakf_release, only : release_string
+   use gyroakf_io_writer, only : writer_type, put_line
+   use gyroakf_report_layout, only : put_heading, put_item, put_items, number, fixed, count_text, plural
+   use gyroakf_report_table, only : table_type, new_table, set_cell, put_table
+   implicit none (type, external)
+   private
+   public :: report_inspect, put_title, put_input, has_unit, unit_name, duration_text
+
+contains
+
+   !> What was read, and nothing else.
+   subroutine report_inspect(writer, record)
+      !> Open; "-" is standard output
+      type(writer_type), intent(inout) :: writer
+      !> What was read
+      type(record_type), intent(in) :: record
+
+      call put_title(writer, "what the file holds")
+      call put_input(writer, record)
+      call put_ranges(writer, record)
+   end subroutine report_inspect
+
+   !> The first line of a report.
+   subroutine put_title(writer, text)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> What it is about
+      character(*), intent(in) :: text
+
+      call put_line(writer, "gyroakf "//release_string//": "//text)
+   end subroutine put_title
+
+   !> File, samples, rate, unit, what is missing, warnings.
+   subroutine put_input(writer, record)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> What was read
+      type(record_type), intent(in) :: record
+      character(:), allocatable :: names
+      integer :: i
+
+      call put_heading(writer, "Input", "-")
+      call put_item(writer, "File", text_or(record%path, "(in memory)")//" ("//text_or(record%format, "no format")//")")
+      names = ""
+      if (allocated(record%channel)) then
+         do i = 1, size(record%channel)
+            names = names//merge(": ", ", ", i == 1)//record%channel(i)%text
+         end do
+      end if
+      call put_item(writer, "Samples", count_text(size(record%value, 1, kind=int64))//" in "// &
+                    plural(size(record%value, 2, kind=int64), "channel")//names)
+      if (record%rate_known) then
+         call put_item(writer, "Rate", number(1.0_dp/record%sample_interval, 7)//" Hz"//source(record%rate_source)//"; "// &
+                       duration_text(real(size(record%value, 1, kind=int64), dp)*record%sample_interval))
+      else
+         call put_item(writer, "Rate", "not known: times are in samples, and results per sample; --rate HZ (or --dt S) "// &
+                       "gives seconds and the usual units")
+      end if
+      if (has_unit(record)) then
+         call put_item(writer, "Unit", unit_name(record)//source(record%unit_source))
+      else
+         call put_item(writer, "Unit", "not known: results are in input units; --unit deg/s (or rad/s, deg/h, ...) gives "// &
+                       "the usual ones")
+      end if
+      call put_missing(writer, record)
+      call put_items(writer, "Warning", record%warnings)
+   end subroutine put_input
+
+   !> What is missing, and what the time stamps show.
+   subroutine put_missing(writer, record)
+      type(writer_type), intent(inout) :: writer
+      type(record_type), intent(in) :: record
+      character(:), allocatable :: text
+
+      text = plural(record%audit%missing, "value")
+      if (record%audit%missing > 0) text = text//" of "//count_text(size(record%value, kind=int64))//" ("// &
+         number(100*real(record%audit%missing, dp)/real(size(record%value, kind=int64), dp), 3)//" %)"
+      text = text//", "//plural(record%audit%gaps, "gap")
+      if (record%audit%bad_lines > 0) text = text//", "//plural(record%audit%bad_lines, "line")//" that could not be read"
+      call put_item(writer, "Missing", text)
+      if (.not. record%audit%has_stamps) return
+      text = "mean rate "//number(record%audit%stamp_rate, 7)//" Hz, largest distance from an even grid "// &
+             number(record%audit%jitter_max, 3)//" s, "//plural(record%audit%duplicates, "duplicate")//", "// &
+             plural(record%audit%backward_steps, "backward step")
+      call put_item(writer, "Time stamps", text)
+      if (.not. allocated(record%audit%line_of_first)) return
+      text = ""
+      if (record%audit%line_of_first(1) > 0) text = text//", duplicate: line "//count_text(record%audit%line_of_first(1))
+      if (record%audit%line_of_first(2) > 0) text = text//", backward step: line "//count_text(record%audit%line_of_first(2))
+      if (record%audit%line_of_first(3) > 0) text = text//", gap: line "//count_text(record%audit%line_of_first(3))
+      if (len(text) > 0) call put_item(writer, "", "the first"//text(2:))
+   end subroutine put_missing
+
+   !> Range and quantisation step of each channel.
+   subroutine put_ranges(writer, record)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> What was read
+      type(record_type), intent(in) :: record
+      type(table_type) :: table
+      integer :: i, n
+
+      n = size(record%value, 2)
+      if (.not. allocated(record%audit%minimum)) return
+      call put_heading(writer, "Channels, in "//unit_name(record), "-")
+      call new_table(table, n + 1, 4)
+      call set_cell(table, 1, 1, "channel")
+      call set_cell(table, 1, 2, "minimum")
+      call set_cell(table, 1, 3, "maximum")
+      call set_cell(table, 1, 4, "smallest step")
+      do i = 1, n
+         call set_cell(table, i + 1, 1, record%channel(i)%text)
+         call set_cell(table, i + 1, 2, number(record%audit%minimum(i), 7))
+         call set_cell(table, i + 1, 3, number(record%audit%maximum(i), 7))
+         call set_cell(table, i + 1, 4, number(record%audit%quantisation(i), 4))
+      end do
+      call put_table(writer, table, 1)
+   end subroutine put_ranges
+
+   !> Somebody gave a unit.
+   pure logical function has_unit(record)
+      !> What was read
+      type(record_type), intent(in) :: record
+
+      has_unit = record%unit%quantity /= quantity%unknown .and. allocated(record%unit%name)
+   end function has_unit
+
+   !> The unit's name, "input units" where nobody gave one.
+   pure function unit_name(record) result(name)
+      !> What was read
+      type(record_type), intent(in) :: record
+      character(:), allocatable :: name
+
+      name = "input units"
+      if (has_unit(record)) name = record%unit%name
+   end function unit_name
+
+   !> "2400 s (40 min)".
+   pure function duration_text(seconds) result(text)
+      !> Duration
+      real(dp), intent(in) :: seconds
+      character(:), allocatable :: text
+
+      text = number(seconds, 7)//" s"
+      if (seconds >= 7200.0_dp) then
+         text = text//" ("//number(seconds/3600.0_dp, 4)//" h)"
+      else if (seconds >= 120.0_dp) then
+         text = text//" ("//number(seconds/60.0_dp, 4)//" min)"
+      end if
+   end function duration_text
+
+   !> Who said so.
+   pure function source(name) result(text)
+      character(:), allocatable, intent(in) :: name
+      character(:), allocatable :: text
+
+      text = ""
+      if (.not. allocated(name)) return
+      select case (name)
+      case ("option"); text = " (as the option says)"
+      case ("header"); text = " (as the file says)"
+      case ("timestamps"); text = " (from the time stamps)"
+      end select
+   end function source
+
+   !> The text, or another one where it is unallocated or empty.
+   pure function text_or(text, other) result(chosen)
+      character(:), allocatable, intent(in) :: text
+      character(*), intent(in) :: other
+      character(:), allocatable :: chosen
+
+      chosen = other
+      if (allocated(text)) then
+         if (len(text) > 0) chosen = text
+      end if
+   end function text_or
+
+end module gyroakf_report_input
