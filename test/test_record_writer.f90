@@ -95,7 +95,7 @@ contains
       type(text_type), allocatable :: header(:)
       type(gyro_error), allocatable :: failure
       integer :: i
-      integer, parameter :: digits(2) = [0, 18]
+      integer, parameter :: digits(2) = [-1, 18]
 
       allocate (header(0), record%value(1, 1))
       record%value(1, 1) = 0
