@@ -3,6 +3,7 @@
 module filter_library
    use gyroakf_kinds, only : dp, int64
    use gyroakf_lapack, only : dpotrf, dpotrs
+   use gyroakf_simulate_random, only : random_type, seed_random, fill_normal
    implicit none (type, external)
    private
    public :: fill_noise, make_series, companion_matrix, dense_filter, dense_gaussian, paper_phi
@@ -12,33 +13,21 @@ module filter_library
 
 contains
 
-   !> Normal numbers: minimal standard generator (Park & Miller 1988) and Box-Muller; enough for tests.
+   !> Normal numbers of the library's own generator.
    subroutine fill_noise(seed, x)
       integer, intent(in) :: seed
-      real(dp), intent(out) :: x(:)
-      real(dp), parameter :: two_pi = 6.283185307179586_dp
-      integer(int64) :: state
-      real(dp) :: u(2)
-      integer :: i, k
+      real(dp), intent(out), contiguous :: x(:)
+      type(random_type) :: random
 
-      state = int(seed, int64)*7919_int64 + 12345_int64
-      do i = 1, 40                                   ! away from the seed
-         state = mod(16807_int64*state, 2147483647_int64)
-      end do
-      do i = 1, size(x)
-         do k = 1, 2
-            state = mod(16807_int64*state, 2147483647_int64)
-            u(k) = real(state, dp)/2147483647.0_dp
-         end do
-         x(i) = sqrt(-2*log(u(1)))*cos(two_pi*u(2))
-      end do
+      call seed_random(random, int(seed, int64))
+      call fill_normal(random, x)
    end subroutine fill_noise
 
    !> A stationary AR(1) drift of this variance, plus white noise; z is their sum.
    subroutine make_series(seed, phi, drift_variance, white_variance, z, drift)
       integer, intent(in) :: seed
       real(dp), intent(in) :: phi, drift_variance, white_variance
-      real(dp), intent(out) :: z(:)
+      real(dp), intent(out), contiguous :: z(:)
       real(dp), intent(out), optional :: drift(:)
       real(dp), allocatable :: w(:)
       real(dp) :: state

@@ -1,0 +1,121 @@
+! SPDX-License-Identifier: MIT
+!> Autocovariances of a series that arrives in blocks, exact across the borders, missing samples left out.
+module gyroakf_filter_lag_sums
+   use gyroakf_kinds, only : dp, int8, int64
+   implicit none (type, external)
+   private
+   public :: lag_sums_type, start_lag_sums, add_block, autocovariance_of, longest_lag
+
+   !> Lags that are summed
+   integer, parameter :: longest_lag = 20
+
+   !> Sums over the pairs (t, t - k) of which both samples are present
+   type :: lag_sums_type
+      !> Values are taken about it: the mean of the first block
+      real(dp) :: shift = 0
+      !> Samples, and those present
+      integer(int64) :: samples = 0, present = 0
+      !> Sum of the shifted values and of the squares of the values themselves
+      real(dp) :: total = 0, squares = 0
+      !> Pairs at lag k, their products, the sums of their later and of their earlier members, [0:longest_lag]
+      real(dp) :: pairs(0:longest_lag) = 0, products(0:longest_lag) = 0
+      real(dp) :: later(0:longest_lag) = 0, earlier(0:longest_lag) = 0
+      !> Shifted values and their presence (1 or 0): the last ones of the block before, then the block
+      real(dp), allocatable :: value(:), here(:)
+   end type lag_sums_type
+
+contains
+
+   !> Ready for blocks of up to so many samples.
+   subroutine start_lag_sums(sums, block, stat)
+      !> The sums, zero
+      type(lag_sums_type), intent(out) :: sums
+      !> Largest block
+      integer, intent(in) :: block
+      !> Not 0: no memory
+      integer, intent(out) :: stat
+
+      allocate (sums%value(1 - longest_lag:block), sums%here(1 - longest_lag:block), stat=stat)
+      if (stat /= 0) return
+      sums%value = 0.0_dp
+      sums%here = 0.0_dp
+   end subroutine start_lag_sums
+
+   !> Adds the next block.
+   subroutine add_block(sums, x, valid)
+      !> The sums
+      type(lag_sums_type), intent(inout) :: sums
+      !> Next samples, [n], 1 <= n <= the largest block
+      real(dp), intent(in), contiguous :: x(:)
+      !> 1 where a sample is present, [n]
+      integer(int8), intent(in), contiguous, optional :: valid(:)
+      real(dp) :: block_total, count
+      integer :: k, n
+
+      n = size(x)
+      sums%here(1:n) = 1.0_dp
+      if (present(valid)) sums%here(1:n) = merge(1.0_dp, 0.0_dp, valid /= 0_int8)
+      count = sum(sums%here(1:n))
+      if (sums%present == 0 .and. count > 0.0_dp) sums%shift = sum(x*sums%here(1:n))/count
+      sums%value(1:n) = (x - sums%shift)*sums%here(1:n)
+      sums%samples = sums%samples + n
+      sums%present = sums%present + nint(count, int64)
+      block_total = sum(sums%value(1:n))
+      sums%total = sums%total + block_total
+      sums%squares = sums%squares + sum((x*sums%here(1:n))**2)
+      do k = 0, longest_lag
+         sums%products(k) = sums%products(k) + dot(sums%value(1:n), sums%value(1 - k:n - k))
+      end do
+      if (all(sums%here(:n) > 0.5_dp)) then
+         do k = 0, longest_lag
+            sums%pairs(k) = sums%pairs(k) + count
+            sums%later(k) = sums%later(k) + block_total
+            sums%earlier(k) = sums%earlier(k) + sum(sums%value(1 - k:n - k))
+         end do
+      else
+         do k = 0, longest_lag
+            sums%pairs(k) = sums%pairs(k) + dot(sums%here(1:n), sums%here(1 - k:n - k))
+            sums%later(k) = sums%later(k) + dot(sums%value(1:n), sums%here(1 - k:n - k))
+            sums%earlier(k) = sums%earlier(k) + dot(sums%here(1:n), sums%value(1 - k:n - k))
+         end do
+      end if
+      do k = 1 - longest_lag, 0
+         sums%value(k) = sums%value(n + k)
+         sums%here(k) = sums%here(n + k)
+      end do
+   end subroutine add_block
+
+   !> Scalar product of two vectors of one length.
+   pure real(dp) function dot(a, b)
+      !> The vectors, [n]
+      real(dp), intent(in), contiguous :: a(:), b(:)
+      integer :: i
+
+      dot = 0.0_dp
+      !$omp simd reduction(+:dot)
+      do i = 1, size(a)
+         dot = dot + a(i)*b(i)
+      end do
+   end function dot
+
+   !> Autocovariances about the mean: per lag the mean over the present pairs times (n - k)/n, which without
+   !> gaps is the biased estimate with divisor n.
+   pure subroutine autocovariance_of(sums, r)
+      !> The sums
+      type(lag_sums_type), intent(in) :: sums
+      !> r(0), ..., r(longest_lag); 0 at a lag without pairs
+      real(dp), intent(out) :: r(0:)
+      real(dp) :: mean, n
+      integer :: k
+
+      r = 0.0_dp
+      if (sums%present == 0) return
+      n = real(sums%samples, dp)
+      mean = sums%total/real(sums%present, dp)
+      do k = 0, longest_lag
+         if (sums%pairs(k) < 0.5_dp) cycle
+         r(k) = sums%products(k) - mean*(sums%later(k) + sums%earlier(k)) + sums%pairs(k)*mean**2
+         r(k) = r(k)/sums%pairs(k)*(n - real(k, dp))/n
+      end do
+   end subroutine autocovariance_of
+end module gyroakf_filter_lag_sums

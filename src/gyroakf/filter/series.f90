@@ -1,0 +1,260 @@
+! SPDX-License-Identifier: MIT
+!> A filter over a whole series, with the measures of its quality.
+!>
+!> In blocks: no temporaries of the record's length. What a result means is said in sentences, by the size
+!> of the effect: in a long record every deviation is significant.
+module gyroakf_filter_series
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_record, only : text_type
+   use gyroakf_series_whiteness, only : ljung_box_type, ljung_box_of
+   use gyroakf_filter_kalman, only : filter_type, run_filter
+   use gyroakf_filter_state_space, only : dc_gain
+   use gyroakf_filter_lag_sums, only : lag_sums_type, start_lag_sums, add_block, autocovariance_of, longest_lag
+   use gyroakf_filter_scalar, only : is_sample
+   use gyroakf_filter_warnings, only : filter_facts, filter_warnings
+   implicit none (type, external)
+   private
+   public :: filter_result_type, filter_series
+
+   !> Samples a block
+   integer, parameter :: block_size = 4096
+   !> Fewest measurements that the diagnostics make sense for
+   integer, parameter :: fewest_measurements = 30
+
+   !> What a filter did to a series
+   type :: filter_result_type
+      !> Mean and variance (ddof 1) of the output, over the present samples
+      real(dp) :: mean = 0, variance = 0
+      !> Mean of the first gain over the last third of the series
+      real(dp) :: gain = 0
+      !> Share of a constant true rotation that passes, from the mean gain; with q or r adapted, the share left
+      !> after the memory 1/(1 - b)
+      real(dp) :: dc_gain = 0
+      !> Variances Q, R and means q, r at the end
+      real(dp) :: q = 0, r = 0, q_mean = 0, r_mean = 0
+      !> Mean of the squared normalised innovations; 1 where the stated variances are those of the series
+      real(dp) :: nis_mean = 0
+      !> Whiteness of the normalised innovations, 20 lags, no fitted parameters subtracted
+      type(ljung_box_type) :: ljung_box
+      !> Forgetting factor b; 0: nothing is adapted
+      real(dp) :: forgetting = 0
+      !> What is adapted: "q", "r", "Q", "R"; [0 ... 4]
+      type(text_type), allocatable :: estimate(:)
+      !> Measurements with Q or R at a bound, measurements at which the gate acted, samples
+      integer(int64) :: clamped = 0, gated = 0, steps = 0
+      !> What the user must know, in sentences
+      type(text_type), allocatable :: warnings(:)
+   end type filter_result_type
+
+   !> Mean and sum of squared deviations, merged block by block
+   type :: moments_sum_type
+      integer(int64) :: count = 0
+      real(dp) :: mean = 0, squares = 0
+   end type moments_sum_type
+
+contains
+
+   !> Runs the filter over a series and measures what it did.
+   subroutine filter_series(filter, z, x, result, error, valid)
+      !> The filter, made by new_filter or a design procedure; its state goes on
+      type(filter_type), intent(inout) :: filter
+      !> Series, [n], at least 30 present samples; NaN counts as missing
+      real(dp), intent(in), contiguous :: z(:)
+      !> Output, [n]: the estimate of the state; the prediction where a sample is missing; not the same array as z
+      real(dp), intent(out), contiguous :: x(:)
+      !> Its diagnostics
+      type(filter_result_type), intent(out) :: result
+      !> invalid_argument: lengths differ, filter not made; too_few_samples; no_memory
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 where a sample is present, 0 where it is missing, [n]
+      integer(int8), intent(in), contiguous, optional :: valid(:)
+      type(lag_sums_type) :: innovations
+      type(moments_sum_type) :: output
+      real(dp), allocatable :: normalised(:)
+      integer(int8), allocatable :: here(:)
+      integer(int64) :: first, last, third, before(2)
+      integer :: n, stat
+
+      if (present(valid)) then
+         call check_series(filter, z, x, error, valid)
+      else
+         call check_series(filter, z, x, error)
+      end if
+      if (allocated(error)) return
+      allocate (normalised(block_size), here(block_size), stat=stat)
+      if (stat == 0) call start_lag_sums(innovations, block_size, stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the blocks of a filter's innovations")
+         return
+      end if
+      before = [filter%clamped, filter%gated]
+      third = size(z, kind=int64) - size(z, kind=int64)/3
+      last = 0
+      do while (last < size(z, kind=int64))
+         if (last == 0 .or. last == third) call restart_gain(filter)
+         first = last + 1
+         last = min(first + block_size - 1, size(z, kind=int64))
+         if (first <= third) last = min(last, third)
+         n = int(last - first + 1)
+         if (present(valid)) then
+            here(:n) = merge(1_int8, 0_int8, valid(first:last) /= 0_int8 .and. is_sample(z(first:last)))
+         else
+            here(:n) = merge(1_int8, 0_int8, is_sample(z(first:last)))
+         end if
+         call run_filter(filter, z(first:last), x(first:last), here(:n), normalised(:n))
+         call add_moments(output, x(first:last), here(:n))
+         call add_block(innovations, normalised(:n), here(:n))
+      end do
+      result%steps = size(z, kind=int64)
+      result%clamped = filter%clamped - before(1)
+      result%gated = filter%gated - before(2)
+      result%mean = output%mean
+      result%variance = output%squares/real(output%count - 1, dp)
+      call conclude(filter, innovations, result, error)
+   end subroutine filter_series
+
+   !> Lengths and the number of measurements.
+   subroutine check_series(filter, z, x, error, valid)
+      !> As in filter_series
+      type(filter_type), intent(in) :: filter
+      real(dp), intent(in), contiguous :: z(:), x(:)
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int64) :: k, measurements
+      logical :: here, same
+      character(120) :: buffer
+
+      same = size(x, kind=int64) == size(z, kind=int64)
+      if (present(valid)) same = same .and. size(valid, kind=int64) == size(z, kind=int64)
+      if (.not. same .or. filter%order < 1) then
+         call fatal_error(error, status%invalid_argument, &
+                          "a filter needs a series, an output and a mask of one length, and must be made before it runs")
+         return
+      end if
+      measurements = 0
+      do k = 1, size(z, kind=int64)
+         here = is_sample(z(k))
+         if (present(valid)) here = here .and. valid(k) /= 0_int8
+         if (here) measurements = measurements + 1
+         if (measurements >= fewest_measurements) return
+      end do
+      write (buffer, '(a, i0, a, i0)') "a filter's diagnostics need at least ", fewest_measurements, &
+         " present samples, got ", measurements
+      call fatal_error(error, status%too_few_samples, trim(buffer))
+   end subroutine check_series
+
+   !> Begins a new mean of the gain.
+   pure subroutine restart_gain(filter)
+      !> The filter
+      type(filter_type), intent(inout) :: filter
+
+      filter%gain_sum = 0.0_dp
+      filter%gain_measurements = 0
+   end subroutine restart_gain
+
+   !> Merges the moments of a block.
+   pure subroutine add_moments(sums, x, here)
+      !> The moments so far
+      type(moments_sum_type), intent(inout) :: sums
+      !> The block, [n], and the presence of its samples
+      real(dp), intent(in), contiguous :: x(:)
+      integer(int8), intent(in), contiguous :: here(:)
+      real(dp) :: mean, squares, difference
+      integer(int64) :: count, together
+
+      count = sum(int(here, int64))
+      if (count == 0) return
+      mean = sum(x*here)/real(count, dp)
+      squares = sum(here*(x - mean)**2)
+      together = sums%count + count
+      difference = mean - sums%mean
+      sums%squares = sums%squares + squares + difference**2*(real(sums%count, dp)*(real(count, dp)/real(together, dp)))
+      sums%mean = sums%mean + difference*(real(count, dp)/real(together, dp))
+      sums%count = together
+   end subroutine add_moments
+
+   !> Everything that is known at the end.
+   subroutine conclude(filter, innovations, result, error)
+      !> The filter after the series
+      type(filter_type), intent(in) :: filter
+      !> Sums of its normalised innovations
+      type(lag_sums_type), intent(in) :: innovations
+      !> The result, the moments and counts set
+      type(filter_result_type), intent(inout) :: result
+      !> As ljung_box_of
+      type(error_type), allocatable, intent(out) :: error
+      type(filter_facts) :: facts
+      real(dp) :: gain(size(filter%gain)), autocovariance(0:longest_lag)
+
+      gain = filter%gain
+      if (filter%gain_measurements > 0) gain = filter%gain_sum/real(filter%gain_measurements, dp)
+      result%gain = gain(1)
+      result%dc_gain = lasting_gain(filter, gain)
+      result%q = filter%q
+      result%r = filter%r
+      result%q_mean = filter%q_mean
+      result%r_mean = filter%r_mean
+      result%nis_mean = innovations%squares/real(innovations%present, dp)
+      if (filter%adaptive) result%forgetting = filter%options%forgetting
+      call list_estimates(filter, result%estimate)
+      call autocovariance_of(innovations, autocovariance)
+      if (autocovariance(0) > 0.0_dp) then
+         call ljung_box_of(autocovariance, innovations%samples, 0, result%ljung_box, error, nint(innovations%pairs, int64))
+         if (allocated(error)) return
+      end if
+      facts%measurements = innovations%present
+      facts%clamped = result%clamped
+      facts%gated = result%gated
+      facts%gain = result%gain
+      facts%dc_gain = result%dc_gain
+      facts%nis_mean = result%nis_mean
+      facts%largest_rho = result%ljung_box%largest_rho
+      facts%p_value = result%ljung_box%p_value
+      call filter_warnings(filter, facts, result%warnings)
+   end subroutine conclude
+
+   !> DC gain in the end: an adapted mean takes up a part of a constant rate, or all of it.
+   pure real(dp) function lasting_gain(filter, gain)
+      !> The filter
+      type(filter_type), intent(in) :: filter
+      !> Its mean gain, [order]
+      real(dp), intent(in) :: gain(:)
+
+      associate (by_q => filter%options%estimate_process_mean, by_r => filter%options%estimate_measurement_mean)
+         if (by_q .and. by_r) then                 ! q = K r: one innovation drives both
+            lasting_gain = gain(1)/(gain(1) + 1.0_dp - sum(filter%phi))
+         else if (by_r) then
+            lasting_gain = 0.0_dp
+         else if (by_q) then
+            lasting_gain = 1.0_dp
+         else
+            lasting_gain = dc_gain(filter%phi, gain)
+         end if
+      end associate
+   end function lasting_gain
+
+   !> The names of what is adapted, in the paper's order.
+   pure subroutine list_estimates(filter, list)
+      !> The filter
+      type(filter_type), intent(in) :: filter
+      !> "q", "r", "Q", "R" as they apply
+      type(text_type), allocatable, intent(out) :: list(:)
+      logical :: adapted(4)
+      integer :: i, k
+
+      associate (options => filter%options)
+         adapted(1) = options%estimate_process_mean
+         adapted(2) = options%estimate_measurement_mean
+         adapted(3) = options%estimate_process_variance
+         adapted(4) = options%estimate_measurement_variance
+      end associate
+      allocate (list(count(adapted)))
+      k = 0
+      do i = 1, 4
+         if (.not. adapted(i)) cycle
+         k = k + 1
+         list(k)%text = "qrQR"(i:i)
+      end do
+   end subroutine list_estimates
+end module gyroakf_filter_series
