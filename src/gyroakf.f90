@@ -31,6 +31,7 @@ module gyroakf
    use gyroakf_series_whiteness, only : ljung_box_type, test_ljung_box, ljung_box_of
    use gyroakf_ar_autocovariance, only : compute_autocovariance, residual_autocovariance
    use gyroakf_ar_levinson, only : solve_levinson
+   use gyroakf_filter_series, only : filter_result_type, filter_series
    implicit none (type, external)
    public
 end module gyroakf

@@ -13,11 +13,12 @@ program test_main
    use test_error, only : collect_error
    use test_fft, only : collect_fft
    use test_json, only : collect_json
+   use test_filter_series, only : collect_filter_series
    use test_kalman, only : collect_kalman
-   use test_number, only : collect_number
    use test_levinson, only : collect_levinson
    use test_moments, only : collect_moments
    use test_normality, only : collect_normality
+   use test_number, only : collect_number
    use test_random, only : collect_random
    use test_reader, only : collect_reader
    use test_record_writer, only : collect_record_writer
@@ -40,11 +41,12 @@ program test_main
    call add("error", collect_error)
    call add("fft", collect_fft)
    call add("json", collect_json)
+   call add("filter_series", collect_filter_series)
    call add("kalman", collect_kalman)
-   call add("number", collect_number)
    call add("levinson", collect_levinson)
    call add("moments", collect_moments)
    call add("normality", collect_normality)
+   call add("number", collect_number)
    call add("random", collect_random)
    call add("reader", collect_reader)
    call add("record_writer", collect_record_writer)

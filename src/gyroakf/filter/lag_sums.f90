@@ -35,7 +35,8 @@ contains
       !> Not 0: no memory
       integer, intent(out) :: stat
 
-      allocate (sums%value(1 - longest_lag:block), sums%here(1 - longest_lag:block), stat=stat)
+      allocate (sums%value(1 - longest_lag:block), stat=stat)
+      if (stat == 0) allocate (sums%here(1 - longest_lag:block), stat=stat)
       if (stat /= 0) return
       sums%value = 0.0_dp
       sums%here = 0.0_dp

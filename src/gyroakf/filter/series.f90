@@ -82,7 +82,8 @@ contains
          call check_series(filter, z, x, error)
       end if
       if (allocated(error)) return
-      allocate (normalised(block_size), here(block_size), stat=stat)
+      allocate (normalised(block_size), stat=stat)
+      if (stat == 0) allocate (here(block_size), stat=stat)
       if (stat == 0) call start_lag_sums(innovations, block_size, stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the blocks of a filter's innovations")
@@ -139,7 +140,7 @@ contains
          if (here) measurements = measurements + 1
          if (measurements >= fewest_measurements) return
       end do
-      write (buffer, '(a, i0, a, i0)') "a filter's diagnostics need at least ", fewest_measurements, &
+      write (buffer, "(a, i0, a, i0)") "a filter's diagnostics need at least ", fewest_measurements, &
          " present samples, got ", measurements
       call fatal_error(error, status%too_few_samples, trim(buffer))
    end subroutine check_series

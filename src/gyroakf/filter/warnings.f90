@@ -46,16 +46,22 @@ contains
 
       allocate (warnings(0))
       call judge_adaptation(filter, facts, warnings)
-      if (facts%dc_gain < attenuated) call add_text(warnings, &
-         "of a constant true rotation the output keeps "//percent(facts%dc_gain)//": do not navigate with it")
-      if (facts%largest_rho > coloured .and. facts%p_value < significant) call add_text(warnings, &
-         "the innovations are not white: an autocorrelation of "//decimal(facts%largest_rho)// &
-         " within 20 lags (a good model leaves less than 0.10); the model does not describe the series")
-      if (facts%nis_mean < lowest_nis .or. facts%nis_mean > highest_nis) call add_text(warnings, &
-         "the mean normalised innovation squared is "//decimal(facts%nis_mean)// &
-         " (1 is consistent): the variances that the filter states are not those of the series")
-      if (.not. any(abs(filter%phi) > 0.0_dp)) call add_text(warnings, &
-         "the model is white noise: there is nothing to predict, and the output is the series times the gain")
+      if (facts%dc_gain < attenuated) then
+         call add_text(warnings, "of a constant true rotation the output keeps "//percent(facts%dc_gain) &
+                       //": do not navigate with it")
+      end if
+      if (facts%largest_rho > coloured .and. facts%p_value < significant) then
+         call add_text(warnings, "the innovations are not white: an autocorrelation of "//decimal(facts%largest_rho) &
+                       //" within 20 lags (a good model leaves less than 0.10); the model does not describe the series")
+      end if
+      if (facts%nis_mean < lowest_nis .or. facts%nis_mean > highest_nis) then
+         call add_text(warnings, "the mean normalised innovation squared is "//decimal(facts%nis_mean) &
+                       //" (1 is consistent): the variances that the filter states are not those of the series")
+      end if
+      if (.not. any(abs(filter%phi) > 0.0_dp)) then
+         call add_text(warnings, "the model is white noise: there is nothing to predict, " &
+                       //"and the output is the series times the gain")
+      end if
    end subroutine filter_warnings
 
    !> Warnings of the adaptation and the gate.
@@ -69,23 +75,29 @@ contains
 
       all_of_them = real(max(1_int64, facts%measurements), dp)
       associate (options => filter%options)
-         if (options%estimate_process_variance .and. options%estimate_measurement_variance) call add_text(warnings, &
-            "Q and R are both adapted but not identifiable together: their sum follows the data, their ratio, " &
-            //"and with it the gain, does not")
-         if (options%estimate_process_mean .and. options%estimate_measurement_mean) call add_text(warnings, &
-            "q and r are both adapted but not identifiable together: a constant offset may be in either")
-         if (facts%gain < collapsed .and. facts%gain < 0.01_dp*filter%steady_gain(1) .and. filter%adaptive) call add_text(warnings, &
-            "the gain has collapsed: the output no longer follows the measurements")
+         if (options%estimate_process_variance .and. options%estimate_measurement_variance) then
+            call add_text(warnings, "Q and R are both adapted but not identifiable together: their sum follows the data, " &
+                          //"their ratio, and with it the gain, does not")
+         end if
+         if (options%estimate_process_mean .and. options%estimate_measurement_mean) then
+            call add_text(warnings, "q and r are both adapted but not identifiable together: " &
+                          //"a constant offset may be in either")
+         end if
+         if (filter%adaptive .and. facts%gain < min(collapsed, 0.01_dp*filter%steady_gain(1))) then
+            call add_text(warnings, "the gain has collapsed to "//decimal(facts%gain) &
+                          //": the output no longer follows the measurements")
+         end if
          if (options%estimate_measurement_variance .and. facts%gain > passing) then
             call add_text(warnings, "R has fallen towards zero: the series holds hardly any white measurement noise beside " &
                           //"the model, and the filter passes it through (gain "//decimal(facts%gain)//")")
          else if (real(facts%clamped, dp) > often*all_of_them) then
             call add_text(warnings, "Q or R was held at a bound at "//percent(real(facts%clamped, dp)/all_of_them) &
-                     //" of the measurements")
+                          //" of the measurements")
          end if
-         if (real(facts%gated, dp) > often*all_of_them) call add_text(warnings, &
-            "the gate acted at "//percent(real(facts%gated, dp)/all_of_them) &
-            //" of the measurements: outliers, or variances that are too small")
+         if (real(facts%gated, dp) > often*all_of_them) then
+            call add_text(warnings, "the gate acted at "//percent(real(facts%gated, dp)/all_of_them) &
+                          //" of the measurements: outliers, or variances that are too small")
+         end if
       end associate
    end subroutine judge_adaptation
 
@@ -96,7 +108,7 @@ contains
       character(:), allocatable :: text
       character(24) :: buffer
 
-      write (buffer, '(f20.1)') 100.0_dp*share
+      write (buffer, "(f20.1)") 100.0_dp*share
       text = trim(adjustl(buffer))//" %"
    end function percent
 
@@ -108,9 +120,9 @@ contains
       character(24) :: buffer
 
       if (abs(value) >= 0.01_dp .and. abs(value) < 1.0e6_dp) then
-         write (buffer, '(f20.2)') value
+         write (buffer, "(f20.2)") value
       else
-         write (buffer, '(es10.2)') value
+         write (buffer, "(es10.2)") value
       end if
       text = trim(adjustl(buffer))
    end function decimal
