@@ -32,6 +32,7 @@ module gyroakf
    use gyroakf_ar_autocovariance, only : compute_autocovariance, residual_autocovariance
    use gyroakf_ar_levinson, only : solve_levinson
    use gyroakf_filter_series, only : filter_result_type, filter_series
+   use gyroakf_filter_identification, only : drift_model_type, identify_drift
    implicit none (type, external)
    public
 end module gyroakf

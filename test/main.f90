@@ -14,6 +14,7 @@ program test_main
    use test_fft, only : collect_fft
    use test_json, only : collect_json
    use test_filter_series, only : collect_filter_series
+   use test_identification, only : collect_identification
    use test_kalman, only : collect_kalman
    use test_levinson, only : collect_levinson
    use test_moments, only : collect_moments
@@ -42,6 +43,7 @@ program test_main
    call add("fft", collect_fft)
    call add("json", collect_json)
    call add("filter_series", collect_filter_series)
+   call add("identification", collect_identification)
    call add("kalman", collect_kalman)
    call add("levinson", collect_levinson)
    call add("moments", collect_moments)

@@ -63,8 +63,6 @@ contains
       !> Correlation time in samples from which a component counts as drift, > 0; 5 if absent
       real(dp), intent(in), optional :: minimum_samples
       type(drift_model_type) :: candidate
-      real(dp), allocatable :: means(:), r(:)
-      integer(int8), allocatable :: present_means(:)
       real(dp) :: r0, limit
       integer(int64) :: first, m, n
       logical :: enough
@@ -77,34 +75,59 @@ contains
          call fatal_error(error, status%too_few_samples, "the identification of a drift needs at least 50 samples")
          return
       end if
-      model%samples = n
+      r0 = 0.0_dp
       m = 1
       do
          if (present(valid)) then
-            call block_means(x(first + 1:first + n), m, means, present_means, error, valid(first + 1:first + n))
+            call identify_at_width(x(first + 1:first + n), m, r0, candidate, enough, error, valid(first + 1:first + n))
          else
-            call block_means(x(first + 1:first + n), m, means, present_means, error)
+            call identify_at_width(x(first + 1:first + n), m, r0, candidate, enough, error)
          end if
          if (allocated(error)) return
-         call autocovariances(means, present_means, r, error)
-         if (allocated(error)) return
-         if (m == 1) then
-            r0 = r(0)
-            if (.not. r0 > 0.0_dp) then
-               call fatal_error(error, status%constant_input, "a series without variance has no drift")
-               return
-            end if
-            model%measurement_variance = r0
-         end if
-         call fit_blocks(r, n/m, m, r0, candidate, enough)
-         candidate%samples = n
-         if (enough .and. (m == 1 .or. candidate%correlation_samples >= limit)) model = candidate
-         model%found = enough .and. candidate%correlation_samples >= limit
-         if (model%found .and. candidate%correlation_samples <= 0.5_dp*real(most_lags*m, dp)) return
+         candidate%found = enough .and. candidate%correlation_samples >= limit
+         if (m == 1 .or. candidate%found) model = candidate
+         if (model%found .and. model%correlation_samples <= 0.5_dp*real(most_lags*m, dp)) return
          if (n/(widening*m) < fewest_blocks) return
          m = widening*m
       end do
    end subroutine identify_drift
+
+   !> The model that the means of m samples show.
+   subroutine identify_at_width(x, m, r0, model, enough, error, valid)
+      !> Series, [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> Samples a mean
+      integer(int64), intent(in) :: m
+      !> Variance of the series, set where m is 1
+      real(dp), intent(inout) :: r0
+      !> The model
+      type(drift_model_type), intent(out) :: model
+      !> Whether there is evidence for a drift at this width
+      logical, intent(out) :: enough
+      !> constant_input, no_memory; those of compute_autocovariance
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing, [n]
+      integer(int8), intent(in), contiguous, optional :: valid(:)
+      real(dp), allocatable :: means(:), r(:)
+      integer(int8), allocatable :: present_means(:)
+
+      enough = .false.
+      if (present(valid)) then
+         call block_means(x, m, means, present_means, error, valid)
+      else
+         call block_means(x, m, means, present_means, error)
+      end if
+      if (allocated(error)) return
+      call autocovariances(means, present_means, r, error)
+      if (allocated(error)) return
+      if (m == 1) r0 = r(0)
+      if (r0 > 0.0_dp) then
+         call fit_blocks(r, size(means, kind=int64), m, r0, model, enough)
+         model%samples = size(x, kind=int64)
+      else
+         call fatal_error(error, status%constant_input, "a series without variance has no drift")
+      end if
+   end subroutine identify_at_width
 
    !> Means of m successive samples; missing where more than half of them are.
    subroutine block_means(x, m, means, present_means, error, valid)
