@@ -31,6 +31,7 @@ module gyroakf_app_argument
       !> How many words the source has
       integer function count_words(self)
          import :: argument_source
+         implicit none (type, external)
          !> The source
          class(argument_source), intent(in) :: self
       end function count_words
@@ -38,6 +39,7 @@ module gyroakf_app_argument
       !> The i-th word, 1 <= i <= count
       subroutine get_word(self, i, word)
          import :: argument_source
+         implicit none (type, external)
          !> The source
          class(argument_source), intent(in) :: self
          !> Its number

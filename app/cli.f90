@@ -1,38 +1,23 @@
 ! SPDX-License-Identifier: MIT
 !> From the words of the command line to a configuration.
 !>
-!> First the words are sorted into options and positional words by the table in [[gyroakf_app_option]]; the first
-!> positional word may be a command. Then the options are checked against the command and applied.
+!> First the words are sorted ([[gyroakf_app_words]]); the first one that is no option may be a command. Then the options
+!> are checked against the command and applied: --preset first, the others in order on top of it.
 module gyroakf_app_cli
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_kinds, only : int64
+   use gyroakf_error, only : error_type
    use gyroakf_app_argument, only : argument_list
-   use gyroakf_app_config, only : cli_config, text_config
+   use gyroakf_simulate_record, only : paper_preset
+   use gyroakf_app_config, only : cli_config, text_config, reading_config, simulate_config, new_config
    use gyroakf_app_help, only : program_help, command_help, version_text, citation_text
-   use gyroakf_app_option, only : option_type, options, command_names, find_option, takes_value, belongs_to, &
-      suggest_option, suggest_word
+   use gyroakf_app_option, only : option_type, options, command_names, find_option, belongs_to, suggest_word
+   use gyroakf_app_setting_input, only : set_input, check_input, set_common
+   use gyroakf_app_setting_record, only : set_record, check_record
+   use gyroakf_app_value, only : value_type, convert_value
+   use gyroakf_app_words, only : given_type, words_type, sort_words, is_given, usage_error
    implicit none (type, external)
    private
    public :: get_config
-
-   !> An option as it was given
-   type :: given_type
-      !> Row of the table
-      integer :: row = 0
-      !> Its value, "" of a flag
-      character(:), allocatable :: value
-   end type given_type
-
-   !> The sorted command line
-   type :: words_type
-      !> [used] options in order
-      type(given_type), allocatable :: given(:)
-      integer :: used = 0
-      !> The first two words that are no options, and how many there are
-      character(:), allocatable :: first, second
-      integer :: positional = 0
-      !> The first one stood behind "--": it is no command
-      logical :: behind_dashes = .false.
-   end type words_type
 
 contains
 
@@ -51,163 +36,56 @@ contains
       if (allocated(error)) return
       call find_command(words, command, path, error)
       if (allocated(error)) return
-      call make_text(words, command, config)
-      if (.not. allocated(config)) call usage_error(error, "'"//command//"' "//path//": not available in this version")
+      call make_text(words, config)
+      if (allocated(config)) return
+      call make_job(words, command, path, config, error)
    end subroutine get_config
 
-   !> Options with their values, and the other words.
-   subroutine sort_words(arguments, words, error)
-      type(argument_list), intent(in) :: arguments
-      type(words_type), intent(out) :: words
-      type(error_type), allocatable, intent(out) :: error
-      integer :: i
-      logical :: only_words
-
-      allocate (words%given(size(arguments%item)))
-      only_words = .false.
-      i = 1
-      do while (i <= size(arguments%item))
-         associate (word => arguments%item(i)%text)
-            if (only_words .or. word == "-" .or. len(word) == 0 .or. index(word, "-") /= 1) then
-               call add_word(words, word, only_words)
-            else if (word == "--") then
-               only_words = .true.
-            else
-               call add_option(arguments, i, words, error)
-               if (allocated(error)) return
-            end if
-         end associate
-         i = i + 1
-      end do
-   end subroutine sort_words
-
-   !> Remembers a word that is no option.
-   subroutine add_word(words, word, behind_dashes)
-      type(words_type), intent(inout) :: words
-      character(*), intent(in) :: word
-      logical, intent(in) :: behind_dashes
-
-      words%positional = words%positional + 1
-      if (words%positional == 1) then
-         words%first = word
-         words%behind_dashes = behind_dashes
-      else if (words%positional == 2) then
-         words%second = word
-      end if
-   end subroutine add_word
-
-   !> The option at word i, with its value, which may be the next word: then i is moved on.
-   subroutine add_option(arguments, i, words, error)
-      type(argument_list), intent(in) :: arguments
-      integer, intent(inout) :: i
-      type(words_type), intent(inout) :: words
-      type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: name
-      integer :: equals, row
-
-      name = arguments%item(i)%text
-      equals = index(name, "=")
-      if (equals > 0) name = name(:equals - 1)
-      if (name == "-h") name = "--help"
-      row = find_option(name, "")
-      if (row == 0) then
-         call unknown_option(name, error)
-         return
-      end if
-      words%used = words%used + 1
-      words%given(words%used)%row = row
-      if (equals > 0) then
-         if (.not. takes_value(options(row))) then
-            call usage_error(error, "option '"//name//"' takes no value")
-            return
-         end if
-         words%given(words%used)%value = arguments%item(i)%text(equals + 1:)
-      else if (takes_value(options(row))) then
-         call take_next(arguments, i, options(row), words%given(words%used)%value, error)
-      else
-         words%given(words%used)%value = ""
-      end if
-   end subroutine add_option
-
-   !> The next word as the value of an option; a number may be negative, "-" is standard input or output.
-   subroutine take_next(arguments, i, option, value, error)
-      type(argument_list), intent(in) :: arguments
-      integer, intent(inout) :: i
-      type(option_type), intent(in) :: option
-      character(:), allocatable, intent(out) :: value
-      type(error_type), allocatable, intent(out) :: error
-
-      if (i < size(arguments%item)) then
-         if (index(arguments%item(i + 1)%text, "--") /= 1) then
-            i = i + 1
-            value = arguments%item(i)%text
-            return
-         end if
-      end if
-      call usage_error(error, "option '"//trim(option%name)//"' needs a value: "//trim(option%name)//" "//trim(option%value))
-   end subroutine take_next
-
-   !> An option that is in no row, with the nearest one that is.
-   subroutine unknown_option(name, error)
-      character(*), intent(in) :: name
-      type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: known
-
-      known = suggest_option(name)
-      if (known == "") then
-         call usage_error(error, "unknown option '"//name//"'; gyroakf --help lists the options")
-      else
-         call usage_error(error, "unknown option '"//name//"'; the nearest is '"//known//"'")
-      end if
-   end subroutine unknown_option
-
-   !> The command and the file among the positional words.
+   !> The command and the file among the words that are no options.
    subroutine find_command(words, command, path, error)
       type(words_type), intent(in) :: words
       character(:), allocatable, intent(out) :: command, path
       type(error_type), allocatable, intent(out) :: error
-      integer :: files
+      integer :: file
 
-      command = ""
+      command = "run"
       path = ""
-      files = words%positional
-      if (files == 0) return
-      if (any(command_names == words%first) .and. .not. words%behind_dashes) then
-         command = words%first
-         files = files - 1
-         if (files > 0) path = words%second
+      if (words%positional == 0) return
+      file = 1
+      if (any(command_names == words%word(1)%text) .and. .not. words%behind_dashes) then
+         command = words%word(1)%text
+         file = 2
       else
-         path = words%first
          call check_command(words, error)
          if (allocated(error)) return
       end if
-      if (files > 1) call usage_error(error, "more than one file: '"//words%first//"' and '"//words%second// &
-                                      "'; one recording at a time")
+      if (words%positional >= file) path = words%word(file)%text
+      if (words%positional > file) call usage_error(error, "more than one file: '"//path//"' and '"// &
+                                                   words%word(file + 1)%text//"'; one recording at a time")
    end subroutine find_command
 
    !> The first word is no command: is it meant as one? Yes where another word follows or no such file is there.
    subroutine check_command(words, error)
       type(words_type), intent(in) :: words
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: known
+      character(:), allocatable :: word, known
       logical :: there
 
-      if (words%behind_dashes .or. words%first == "-" .or. scan(words%first, "./\") > 0) return
-      inquire (file=words%first, exist=there)
+      word = words%word(1)%text
+      if (words%behind_dashes .or. word == "-" .or. scan(word, "./\") > 0) return
+      inquire (file=word, exist=there)
       if (there) return
-      known = suggest_word(words%first, command_names)
+      known = suggest_word(word, command_names)
       if (known /= "") then
-         call usage_error(error, "unknown command '"//words%first//"', and no file of that name; the nearest command is '"// &
-                          known//"'")
+         call usage_error(error, "unknown command '"//word//"', and no file of that name; the nearest command is '"//known//"'")
       else if (words%positional > 1) then
-         call usage_error(error, "unknown command '"//words%first//"'; the commands are "//list_of(command_names))
+         call usage_error(error, "unknown command '"//word//"'; the commands are "//list_of(command_names))
       end if
    end subroutine check_command
 
    !> --help, --version and --citation go before everything else.
-   subroutine make_text(words, command, config)
+   subroutine make_text(words, config)
       type(words_type), intent(in) :: words
-      character(*), intent(in) :: command
       class(cli_config), allocatable, intent(inout) :: config
       character(:), allocatable :: text
       integer :: i
@@ -216,15 +94,145 @@ contains
          select case (options(words%given(i)%row)%name)
          case ("--help")
             text = program_help()
-            if (command /= "") text = command_help(command)
+            if (words%positional > 0) then
+               if (any(command_names == words%word(1)%text)) text = command_help(words%word(1)%text)
+            end if
          case ("--version"); text = version_text()
          case ("--citation"); text = citation_text()
+         case default; cycle
          end select
-         if (.not. allocated(text)) cycle
-         allocate (config, source=text_config(command=command, text=text))
+         allocate (config, source=text_config(command="help", text=text))
          return
       end do
    end subroutine make_text
+
+   !> A command that works on data: its defaults, then --preset, then the other options in order.
+   subroutine make_job(words, command, path, config, error)
+      type(words_type), intent(in) :: words
+      character(*), intent(in) :: command, path
+      class(cli_config), allocatable, intent(inout) :: config
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i
+
+      if (command /= "inspect" .and. command /= "simulate") then
+         call usage_error(error, "'"//command//"' is not available yet; inspect and simulate are")
+         return
+      end if
+      call new_config(command, path, config)
+      do i = 1, words%used
+         call apply_option(words%given(i), config, .true., error)
+         if (allocated(error)) return
+      end do
+      do i = 1, words%used
+         call apply_option(words%given(i), config, .false., error)
+         if (allocated(error)) return
+      end do
+      call check_job(words, config, error)
+      if (allocated(error)) return
+      select type (config)
+      type is (simulate_config)
+         config%origin = origin_of(words, config%record%seed)
+      end select
+   end subroutine make_job
+
+   !> The command line that makes a simulated record again: what was given but for the file, and the seed.
+   function origin_of(words, seed) result(origin)
+      type(words_type), intent(in) :: words
+      integer(int64), intent(in) :: seed
+      character(:), allocatable :: origin
+      character(20) :: digits
+      integer :: i
+
+      origin = "gyroakf simulate"
+      do i = 1, words%used
+         associate (option => options(find_option(options(words%given(i)%row)%name, "simulate")))
+            if (option%group /= "record" .or. option%name == "--output" .or. option%name == "--seed") cycle
+            origin = origin//" "//trim(option%name)//" "//shell_word(words%given(i)%value)
+         end associate
+      end do
+      write (digits, "(i0)") seed
+      origin = origin//" --seed "//trim(digits)
+   end function origin_of
+
+   !> A word as it is typed, in quotes where it needs them; no control characters.
+   function shell_word(text) result(word)
+      character(*), intent(in) :: text
+      character(:), allocatable :: word
+      character(*), parameter :: plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.,:;/=+-_^%"
+      integer :: i
+
+      word = text
+      do i = 1, len(word)
+         if (iachar(word(i:i)) < 32) word(i:i) = "?"
+      end do
+      if (verify(text, plain) > 0) word = "'"//word//"'"
+   end function shell_word
+
+   !> Applies --preset, or any other option.
+   subroutine apply_option(given, config, preset, error)
+      type(given_type), intent(in) :: given
+      class(cli_config), intent(inout) :: config
+      logical, intent(in) :: preset
+      type(error_type), allocatable, intent(out) :: error
+      type(option_type) :: option
+      type(value_type) :: value
+
+      option = options(find_option(options(given%row)%name, config%command))
+      call convert_value(option, given%value, value, error)
+      if (allocated(error)) return
+      if (.not. belongs_to(option, config%command)) then
+         call usage_error(error, "option '"//trim(option%name)//"' is not one of '"//config%command// &
+                          "'; it belongs to: "//trim(option%commands))
+         return
+      end if
+      if (preset .neqv. option%name == "--preset") return
+      if (option%group == "common") then
+         call set_common(config, option, value, error)
+         return
+      end if
+      select type (config)
+      class is (reading_config)
+         if (option%group == "input") call set_input(config%reader, option, value, error)
+      type is (simulate_config)
+         if (preset) then
+            config%record = paper_preset(config%record%seed)
+            config%digits = 9
+         end if
+         if (.not. preset) call set_record(config, option, value, error)
+      end select
+   end subroutine apply_option
+
+   !> What no single option can tell.
+   subroutine check_job(words, config, error)
+      type(words_type), intent(in) :: words
+      class(cli_config), intent(in) :: config
+      type(error_type), allocatable, intent(out) :: error
+
+      if (is_given(words, "--rate") .and. is_given(words, "--dt")) then
+         call usage_error(error, "--rate and --dt say the same thing: give one of them")
+         return
+      end if
+      select type (config)
+      class is (reading_config)
+         if (config%path == "") then
+            call usage_error(error, "no file; '-' reads standard input, gyroakf --help tells more")
+            return
+         end if
+         if (allocated(config%json)) then
+            if (config%json == config%path .and. config%path /= "-") then
+               call usage_error(error, "--json would overwrite the recording '"//config%path//"'")
+               return
+            end if
+         end if
+         call check_input(config%reader, error)
+      type is (simulate_config)
+         if (words%positional > 1) then
+            call usage_error(error, "simulate reads no file: '"//words%word(2)%text//"'; --output FILE writes one")
+            return
+         end if
+         call check_record(config%record, error)
+      end select
+   end subroutine check_job
 
    !> Words separated by commas.
    function list_of(words) result(list)
@@ -237,13 +245,5 @@ contains
          list = list//", "//trim(words(i))
       end do
    end function list_of
-
-   !> An error of the command line.
-   subroutine usage_error(error, message)
-      type(error_type), allocatable, intent(out) :: error
-      character(*), intent(in) :: message
-
-      call fatal_error(error, status%usage, message)
-   end subroutine usage_error
 
 end module gyroakf_app_cli

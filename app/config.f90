@@ -1,9 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> What a command line asks for: one type for every kind of command, filled by [[gyroakf_app_cli]].
 module gyroakf_app_config
+   use gyroakf_io_reader, only : reader_options
+   use gyroakf_simulate_record, only : simulate_options
    implicit none (type, external)
    private
-   public :: cli_config, text_config
+   public :: cli_config, text_config, reading_config, inspect_config, simulate_config
+   public :: new_config
 
    !> Common to all commands
    type, abstract :: cli_config
@@ -20,5 +23,55 @@ module gyroakf_app_config
       !> What is printed
       character(:), allocatable :: text
    end type text_config
+
+   !> Every command that reads a recording
+   type, extends(cli_config) :: reading_config
+      !> The recording, "-" is standard input
+      character(:), allocatable :: path
+      !> How it is read
+      type(reader_options) :: reader
+      !> File of the JSON document, "-" is standard output; unallocated: none
+      character(:), allocatable :: json
+   end type reading_config
+
+   !> inspect
+   type, extends(reading_config) :: inspect_config
+   end type inspect_config
+
+   !> simulate
+   type, extends(cli_config) :: simulate_config
+      !> The record
+      type(simulate_options) :: record
+      !> Its file, "-" is standard output
+      character(:), allocatable :: output
+      !> Significant digits; 0: as few as read back to the same numbers
+      integer :: digits = 0
+      !> The command line that makes the same record again, the seed included
+      character(:), allocatable :: origin
+   end type simulate_config
+
+contains
+
+   !> The defaults of a command: run cleans the record, the others take it as it is.
+   subroutine new_config(command, path, config)
+      !> A known command
+      character(*), intent(in) :: command
+      !> The recording; of no meaning to simulate
+      character(*), intent(in) :: path
+      !> Filled with the defaults
+      class(cli_config), allocatable, intent(out) :: config
+
+      select case (command)
+      case ("simulate"); allocate (simulate_config :: config)
+      case default; allocate (inspect_config :: config)
+      end select
+      config%command = command
+      select type (config)
+      class is (reading_config)
+         config%path = path
+      type is (simulate_config)
+         config%output = "-"
+      end select
+   end subroutine new_config
 
 end module gyroakf_app_config

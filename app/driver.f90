@@ -1,11 +1,20 @@
 ! SPDX-License-Identifier: MIT
 !> Does what the command line asks for: reads, computes, reports.
+!>
+!> Nothing is written before everything is computed, and standard output comes last: where something fails it stays empty.
 module gyroakf_app_driver
-   use, intrinsic :: iso_fortran_env, only : error_unit, output_unit
-   use gyroakf_error, only : error_type, exit_code
+   use, intrinsic :: iso_fortran_env, only : error_unit
+   use omp_lib, only : omp_set_num_threads
+   use gyroakf_error, only : error_type, exit_code, status
+   use gyroakf_io_record_writer, only : write_record
+   use gyroakf_io_reader, only : read_record
+   use gyroakf_io_writer, only : writer_type, open_writer, put, commit_writer
+   use gyroakf_record, only : record_type, text_type
+   use gyroakf_report_input, only : report_inspect
+   use gyroakf_simulate_record, only : simulate_record
    use gyroakf_app_argument, only : argument_list, process_source, read_arguments
    use gyroakf_app_cli, only : get_config
-   use gyroakf_app_config, only : cli_config, text_config
+   use gyroakf_app_config, only : cli_config, text_config, inspect_config, simulate_config
    implicit none (type, external)
    private
    public :: run_program
@@ -34,10 +43,56 @@ contains
       class(cli_config), intent(in) :: config
       type(error_type), allocatable, intent(out) :: error
 
+      if (config%threads > 0) call omp_set_num_threads(config%threads)
       select type (config)
-      type is (text_config)
-         write (output_unit, "(a)", advance="no") config%text
+      type is (text_config); call print_text(config%text, error)
+      type is (inspect_config); call inspect(config, error)
+      type is (simulate_config); call simulate(config, error)
       end select
    end subroutine execute
+
+   !> A text on standard output.
+   subroutine print_text(text, error)
+      character(*), intent(in) :: text
+      type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: writer
+
+      call open_writer(writer, "-", error)
+      if (allocated(error)) return
+      call put(writer, text)
+      call commit_writer(writer, error)
+   end subroutine print_text
+
+   !> inspect: what was read.
+   subroutine inspect(config, error)
+      type(inspect_config), intent(in) :: config
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(writer_type) :: writer
+
+      call read_record(config%path, config%reader, record, error)
+      if (allocated(error)) return
+      if (config%quiet) return
+      call open_writer(writer, "-", error)
+      if (allocated(error)) return
+      call report_inspect(writer, record)
+      call commit_writer(writer, error)
+   end subroutine inspect
+
+   !> simulate: a record as a text file.
+   subroutine simulate(config, error)
+      type(simulate_config), intent(in) :: config
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(text_type) :: header(1)
+
+      call simulate_record(config%record, record, error)
+      if (allocated(error)) then
+         if (error%code /= status%no_memory) error%code = status%usage
+         return
+      end if
+      header(1)%text = "made by: "//config%origin
+      call write_record(config%output, record, header, config%digits, error)
+   end subroutine simulate
 
 end module gyroakf_app_driver

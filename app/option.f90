@@ -13,10 +13,10 @@ module gyroakf_app_option
    type :: option_type
       !> With its dashes
       character(20) :: name = ""
-      !> What stands for its value in the help; the words themselves, separated by |, where kind is "choice"
+      !> What stands for its value in the help; the words themselves, separated by |, where kind is "choice" or "choices"
       character(28) :: value = ""
-      !> flag: no value; text; choice; real; positive; share: 0 < x <= 1; natural: 0, 1, ...; count: 1, 2, ...;
-      !> later: known, but not in this version
+      !> flag: no value; text; choice: one of the words; choices: some of them, separated by commas; real; positive;
+      !> share: 0 < x <= 1; natural: 0, 1, ...; count: 1, 2, ...; later: known, but not in this version
       character(8) :: kind = "flag"
       !> The commands that know it
       character(42) :: commands = ""
@@ -73,7 +73,7 @@ module gyroakf_app_option
                   "column of the time stamps (default: found by its name)"), &
       option_type("--format", "auto|text|csv", "choice", reading, "input", "how the file is written", &
                   "npy|f32|f64|i16|i32"), &
-      option_type("--skip", "N", "natural", reading, "input", "leave out the first N samples"), &
+      option_type("--skip", "N", "natural", reading, "input", "leave out the first N lines of the file"), &
       option_type("--from", "S", "real", reading, "input", "begin S seconds after the first sample"), &
       option_type("--to", "S", "positive", reading, "input", "end S seconds after the first sample"), &
       option_type("--bad-lines", "error|missing", "choice", reading, "input", &
@@ -104,7 +104,7 @@ module gyroakf_app_option
                   "what adapts: means q and r, variances Q and R (default Q,R)"), &
       option_type("--r-factor", "F", "positive", "run filter", "filter", &
                   "R of the Kalman filter is F times the variance of the series (default 1)"), &
-      option_type("--kinds", "oadev", "choice", "run allan", "allan", "kinds of deviation: overlapping Allan", &
+      option_type("--kinds", "oadev", "choices", "run allan", "allan", "kinds of deviation: overlapping Allan", &
                   "adev|mdev|hdev|ohdev|tdev|totdev"), &
       option_type("--taus", "octave|decade|log:N|all|LIST", "text", "run allan", "allan", &
                   "averaging times; log:N has N a decade, LIST is seconds separated by commas"), &

@@ -1,4 +1,5 @@
 # shellcheck shell=bash
+# SPDX-License-Identifier: MIT
 # Help, version, and what is wrong with a command line.
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' "$root/fpm.toml")
 good "version" --version
@@ -24,3 +25,5 @@ bad "unknown command with a file" 1 "unknown command 'selftest'; the commands ar
 bad "flag with a value" 1 "option '--quiet' takes no value" x.txt --quiet=yes
 bad "no value at the end" 1 "option '--json' needs a value: --json FILE" x.txt --json
 bad "no value before an option" 1 "option '--json' needs a value" x.txt --json --quiet
+good "simulate the paper's record" simulate --preset paper
+if cmp -s out "$root/example/data/mems_gyro_x.txt"; then pass; else fail "simulate --preset paper is not the example's record"; fi

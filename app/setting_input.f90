@@ -1,0 +1,118 @@
+! SPDX-License-Identifier: MIT
+!> Options that say how the recording is read, and those common to all commands.
+module gyroakf_app_setting_input
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_reader, only : reader_options
+   use gyroakf_units, only : unit_type, parse_unit, quantity
+   use gyroakf_app_config, only : cli_config, reading_config
+   use gyroakf_app_option, only : option_type
+   use gyroakf_app_value, only : value_type, value_error, not_wired
+   implicit none (type, external)
+   private
+   public :: set_input, check_input, set_common, check_unit
+
+   !> More threads than this are a slip of the finger
+   integer(int64), parameter :: most_threads = 4096
+
+contains
+
+   !> Applies an option of the group "input".
+   subroutine set_input(reader, option, value, error)
+      !> What is changed
+      type(reader_options), intent(inout) :: reader
+      !> Row of the table
+      type(option_type), intent(in) :: option
+      !> Its value
+      type(value_type), intent(in) :: value
+      !> usage
+      type(error_type), allocatable, intent(out) :: error
+
+      select case (option%name)
+      case ("--rate"); reader%rate_hz = value%number
+      case ("--dt"); reader%rate_hz = 1/value%number
+      case ("--unit"); call check_unit(option, value%text, error)
+         reader%unit = value%text
+      case ("--input"); reader%input = value%text
+      case ("--scale"); reader%scale = value%number
+         if (.not. abs(value%number) > 0) call value_error(option, "0 leaves nothing", error)
+      case ("--column"); reader%columns = value%text
+      case ("--time-column"); reader%time_column = value%text
+      case ("--format"); reader%format = value%text
+      case ("--skip"); reader%skip = value%count
+      case ("--from"); reader%from = value%number
+         if (value%number < 0) call value_error(option, "'"//value%text//"' is before the first sample", error)
+      case ("--to"); reader%to = value%number
+      case ("--bad-lines"); reader%bad_lines_missing = value%text == "missing"
+      case default; call not_wired(option, error)
+      end select
+   end subroutine set_input
+
+   !> What is wrong with the options of a group as a whole.
+   subroutine check_input(reader, error)
+      !> All options of the group
+      type(reader_options), intent(in) :: reader
+      !> usage
+      type(error_type), allocatable, intent(out) :: error
+      type(unit_type) :: unit
+      logical :: angles
+
+      if (reader%from >= reader%to) then
+         call fatal_error(error, status%usage, "--from is not before --to: nothing would be left")
+         return
+      end if
+      if (.not. allocated(reader%unit)) return
+      call parse_unit(reader%unit, unit, error)
+      if (allocated(error)) return
+      angles = .false.
+      if (allocated(reader%input)) angles = reader%input /= "rate"
+      if (angles .and. unit%quantity /= quantity%angle) then
+         call fatal_error(error, status%usage, "with --input "//reader%input//" the unit is that of the angle: rad, deg, "// &
+                          "arcsec, not '"//reader%unit//"'")
+      else if (unit%quantity == quantity%angle .and. .not. angles) then
+         call fatal_error(error, status%usage, "'"//reader%unit//"' is the unit of an angle: say --input increment or "// &
+                          "--input angle, or name the unit of a rate")
+      end if
+   end subroutine check_input
+
+   !> A unit that nobody knows is a wrong command line.
+   subroutine check_unit(option, text, error)
+      !> Row of the table
+      type(option_type), intent(in) :: option
+      !> The unit as it was given
+      character(*), intent(in) :: text
+      !> usage
+      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable :: unknown
+      type(unit_type) :: unit
+
+      call parse_unit(text, unit, unknown)
+      if (allocated(unknown)) call value_error(option, unknown%message, error)
+   end subroutine check_unit
+
+   !> Applies an option of the group "common".
+   subroutine set_common(config, option, value, error)
+      !> What is changed
+      class(cli_config), intent(inout) :: config
+      !> Row of the table
+      type(option_type), intent(in) :: option
+      !> Its value
+      type(value_type), intent(in) :: value
+      !> usage
+      type(error_type), allocatable, intent(out) :: error
+
+      select case (option%name)
+      case ("--quiet"); config%quiet = .true.
+      case ("--threads")
+         config%threads = int(min(value%count, most_threads))
+         if (value%count > most_threads) call value_error(option, "'"//value%text//"' is more than 4096", error)
+      case ("--json")
+         select type (config)
+         class is (reading_config)
+            config%json = value%text
+         end select
+      case default; call not_wired(option, error)
+      end select
+   end subroutine set_common
+
+end module gyroakf_app_setting_input

@@ -1,0 +1,163 @@
+! SPDX-License-Identifier: MIT
+!> The words of a command line sorted into options with their values and other words, by the table of options.
+module gyroakf_app_words
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_record, only : text_type
+   use gyroakf_app_argument, only : argument_list
+   use gyroakf_app_option, only : option_type, options, find_option, takes_value, suggest_option
+   implicit none (type, external)
+   private
+   public :: given_type, words_type, sort_words, is_given, usage_error
+
+   !> An option as it was given
+   type :: given_type
+      !> Row of the table
+      integer :: row = 0
+      !> Its value, "" of a flag
+      character(:), allocatable :: value
+   end type given_type
+
+   !> The sorted command line
+   type :: words_type
+      !> [used] options in order
+      type(given_type), allocatable :: given(:)
+      integer :: used = 0
+      !> [positional] the words that are no options, in order
+      type(text_type), allocatable :: word(:)
+      integer :: positional = 0
+      !> The first one stood behind "--": it is no command
+      logical :: behind_dashes = .false.
+   end type words_type
+
+contains
+
+   !> Options with their values, and the other words.
+   subroutine sort_words(arguments, words, error)
+      !> The command line
+      type(argument_list), intent(in) :: arguments
+      !> The same, sorted
+      type(words_type), intent(out) :: words
+      !> usage: an unknown option, a value that is missing or too much
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i
+      logical :: only_words
+
+      allocate (words%given(size(arguments%item)), words%word(size(arguments%item)))
+      only_words = .false.
+      i = 1
+      do while (i <= size(arguments%item))
+         associate (word => arguments%item(i)%text)
+            if (only_words .or. word == "-" .or. len(word) == 0 .or. index(word, "-") /= 1) then
+               call add_word(words, word, only_words)
+            else if (word == "--") then
+               only_words = .true.
+            else
+               call add_option(arguments, i, words, error)
+               if (allocated(error)) return
+            end if
+         end associate
+         i = i + 1
+      end do
+   end subroutine sort_words
+
+   !> Remembers a word that is no option.
+   subroutine add_word(words, word, behind_dashes)
+      type(words_type), intent(inout) :: words
+      character(*), intent(in) :: word
+      logical, intent(in) :: behind_dashes
+
+      words%positional = words%positional + 1
+      words%word(words%positional)%text = word
+      if (words%positional == 1) words%behind_dashes = behind_dashes
+   end subroutine add_word
+
+   !> The option at word i, with its value, which may be the next word: then i is moved on.
+   subroutine add_option(arguments, i, words, error)
+      type(argument_list), intent(in) :: arguments
+      integer, intent(inout) :: i
+      type(words_type), intent(inout) :: words
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: name
+      integer :: equals, row
+
+      name = arguments%item(i)%text
+      equals = index(name, "=")
+      if (equals > 0) name = name(:equals - 1)
+      if (name == "-h") name = "--help"
+      row = find_option(name, "")
+      if (row == 0) then
+         call unknown_option(name, error)
+         return
+      end if
+      words%used = words%used + 1
+      words%given(words%used)%row = row
+      if (equals > 0) then
+         if (.not. takes_value(options(row))) then
+            call usage_error(error, "option '"//name//"' takes no value")
+            return
+         end if
+         words%given(words%used)%value = arguments%item(i)%text(equals + 1:)
+      else if (takes_value(options(row))) then
+         call take_next(arguments, i, options(row), words%given(words%used)%value, error)
+      else
+         words%given(words%used)%value = ""
+      end if
+   end subroutine add_option
+
+   !> The next word as the value of an option; a number may be negative, "-" is standard input or output.
+   subroutine take_next(arguments, i, option, value, error)
+      type(argument_list), intent(in) :: arguments
+      integer, intent(inout) :: i
+      type(option_type), intent(in) :: option
+      character(:), allocatable, intent(out) :: value
+      type(error_type), allocatable, intent(out) :: error
+
+      if (i < size(arguments%item)) then
+         if (index(arguments%item(i + 1)%text, "--") /= 1) then
+            i = i + 1
+            value = arguments%item(i)%text
+            return
+         end if
+      end if
+      call usage_error(error, "option '"//trim(option%name)//"' needs a value: "//trim(option%name)//" "//trim(option%value))
+   end subroutine take_next
+
+   !> An option that is in no row, with the nearest one that is.
+   subroutine unknown_option(name, error)
+      character(*), intent(in) :: name
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: known
+
+      known = suggest_option(name)
+      if (known == "") then
+         call usage_error(error, "unknown option '"//name//"'; gyroakf --help lists the options")
+      else
+         call usage_error(error, "unknown option '"//name//"'; the nearest is '"//known//"'")
+      end if
+   end subroutine unknown_option
+
+   !> Whether an option was given.
+   pure logical function is_given(words, name)
+      !> The sorted command line
+      type(words_type), intent(in) :: words
+      !> With its dashes
+      character(*), intent(in) :: name
+      integer :: i
+
+      is_given = .false.
+      do i = 1, words%used
+         if (options(words%given(i)%row)%name == name) is_given = .true.
+      end do
+   end function is_given
+
+   !> An error of the command line.
+   subroutine usage_error(error, message)
+      !> usage
+      type(error_type), allocatable, intent(out) :: error
+      !> What is wrong and what to do
+      character(*), intent(in) :: message
+
+      call fatal_error(error, status%usage, message)
+   end subroutine usage_error
+
+end module gyroakf_app_words
