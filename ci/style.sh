@@ -48,6 +48,11 @@ files 'src/*.f90' | while read -r f; do
   [ "$got" = "$want" ] || echo "$f: $got instead of $want"
 done | rule "a module is named after its path"
 
+# to the compiler a module and a C function are of one name space: gfortran calls the wrong one
+comm -12 <(files 'src/*.f90' | sed 's/^src\///; s/\.f90$//; s/\//_/g' | sort -u) \
+  <(files 'src/*.f90' | while read -r f; do sed -nE 's/.*bind *\(C, *name *= *"([^"]*)".*/\1/p' "$f"; done | sort -u) |
+  rule "no C function has the name of a module"
+
 files 'src/*.f90' 'app/*.f90' 'test/*.f90' 'example/*.f90' | while read -r f; do
   head -n 1 "$f" | grep -q '^! SPDX-License-Identifier: MIT$' || echo "$f"
   grep -q 'implicit none (type, external)' "$f" || echo "$f: no implicit none (type, external)"

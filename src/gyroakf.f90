@@ -2,7 +2,7 @@
 !> gyroakf: random errors of gyroscopes, characterised and compensated.
 !>
 !> The whole public interface under one name; this module holds no code. Where it comes from is
-!> told by the names: `gyroakf_allan_deviation` is in `src/gyroakf/allan/deviation.f90`.
+!> told by the names: `gyroakf_allan_deviations` is in `src/gyroakf/allan/deviations.f90`.
 module gyroakf
    use gyroakf_kinds, only : dp, int8, int16, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status, status_text, exit_code
@@ -20,7 +20,7 @@ module gyroakf
    use gyroakf_filter_state_space, only : stationary_covariance, steady_state, dc_gain, output_variance_ratio
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
    use gyroakf_allan_grid, only : averaging_factors
-   use gyroakf_allan_deviation, only : allan_options, allan_curve_type, compute_allan
+   use gyroakf_allan_deviations, only : allan_options, allan_curve_type, compute_allan
    use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, chi_square_limits
    use gyroakf_io_number, only : parse_number
    use gyroakf_io_reader, only : reader_options, read_record

@@ -8,7 +8,7 @@ module test_allan_deviation
    use omp_lib, only : omp_get_max_threads, omp_set_num_threads
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_allan_deviation, only : allan_curve_type, allan_options, compute_allan
+   use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
    use allan_series, only : nbs14_long, nbs14_short, normal_series, walk_of
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)

@@ -20,7 +20,7 @@
 !>
 !> so that white noise stays unbiased; drift hardly varies within a window and is not touched. S_m^2 follows from the
 !> variances of the octaves below m: for m = 2^J it is the sum over j < J of sigma^2(2^j) times m/(2(m - 1)).
-module gyroakf_allan_deviation
+module gyroakf_allan_deviations
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -313,4 +313,4 @@ contains
       call chi_square_limits(curve%deviation, curve%edf, curve%confidence, curve%lower, curve%upper)
    end subroutine fill_limits
 
-end module gyroakf_allan_deviation
+end module gyroakf_allan_deviations
