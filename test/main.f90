@@ -10,6 +10,7 @@ program test_main
    use test_allan_freedom, only : collect_allan_freedom
    use test_allan_grid, only : collect_allan_grid
    use test_autocovariance, only : collect_autocovariance
+   use test_decimal, only : collect_decimal
    use test_error, only : collect_error
    use test_fft, only : collect_fft
    use test_json, only : collect_json
@@ -28,6 +29,7 @@ program test_main
    use test_simulate, only : collect_simulate
    use test_special, only : collect_special
    use test_state_space, only : collect_state_space
+   use test_text, only : collect_text
    use test_units, only : collect_units
    use test_whiteness, only : collect_whiteness
    use test_writer, only : collect_writer
@@ -39,6 +41,7 @@ program test_main
    call add("allan_freedom", collect_allan_freedom)
    call add("allan_grid", collect_allan_grid)
    call add("autocovariance", collect_autocovariance)
+   call add("decimal", collect_decimal)
    call add("error", collect_error)
    call add("fft", collect_fft)
    call add("json", collect_json)
@@ -57,6 +60,7 @@ program test_main
    call add("simulate", collect_simulate)
    call add("special", collect_special)
    call add("state_space", collect_state_space)
+   call add("text", collect_text)
    call add("units", collect_units)
    call add("whiteness", collect_whiteness)
    call add("writer", collect_writer)

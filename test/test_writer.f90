@@ -1,18 +1,30 @@
 ! SPDX-License-Identifier: MIT
 !> Files that appear whole or not at all.
 module test_writer
+   use, intrinsic :: iso_c_binding, only : c_char, c_int, c_null_char
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_io_source, only : is_directory
    use gyroakf_io_writer, only : writer_type, open_writer, put, put_line, put_real, complete_writer, commit_writer, &
       discard_writer, make_directory
    use json_reader, only : file_text
+   use scratch_file, only : scratch_path
    implicit none (type, external)
    private
    public :: collect_writer
 
    character(*), parameter :: path = "test_writer_scratch.tmp"
    character(1), parameter :: lf = new_line("a")
+
+   interface
+      function c_rmdir(path) result(failed) bind(C, name="rmdir")
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int) :: failed
+      end function c_rmdir
+   end interface
 
 contains
 
@@ -27,7 +39,9 @@ contains
          new_unittest("long", test_long), &
          new_unittest("numbers", test_numbers), &
          new_unittest("full-device", test_full_device), &
-         new_unittest("nowhere", test_nowhere)]
+         new_unittest("nowhere", test_nowhere), &
+         new_unittest("device", test_device), &
+         new_unittest("make-directory", test_make_directory)]
    end subroutine collect_writer
 
    !> Writes a line into the scratch file.
@@ -178,5 +192,39 @@ contains
       call make_directory("/dev/null/x", failed)
       call check(error, allocated(failed))
    end subroutine test_nowhere
+
+   !> A device is written to, not replaced.
+   subroutine test_device(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: writer
+      type(gyro_error), allocatable :: failed
+
+      call open_writer(writer, "/dev/null", failed)
+      call check(error, writer%aside, "/dev/null")
+      if (allocated(error)) return
+      call put(writer, "x")
+      call commit_writer(writer, failed)
+      call check(error, .not. allocated(failed), "refused")
+   end subroutine test_device
+
+   subroutine test_make_directory(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failed
+      character(:), allocatable :: place
+      integer(c_int) :: ignored
+
+      place = scratch_path("directory")
+      call make_directory(place//"/a/b/", failed)
+      call check(error, is_directory(place//"/a/b") .and. .not. allocated(failed), "not made")
+      if (allocated(error)) return
+      call make_directory(place//"/a", failed)
+      call check(error, .not. allocated(failed), "there already")
+      if (allocated(error)) return
+      ignored = c_rmdir(place//"/a/b"//c_null_char)
+      ignored = c_rmdir(place//"/a"//c_null_char)
+      ignored = c_rmdir(place//c_null_char)
+      call make_directory("/dev/null/a", failed)
+      call check(error, allocated(failed), "accepted")
+   end subroutine test_make_directory
 
 end module test_writer

@@ -47,7 +47,7 @@ contains
          if (bytes(p) == comma) exit
       end do
       if (others) at = p
-      if (others .or. p + 2 > to) return
+      if (others) return
       if (bytes(p + 1) == 48 .and. is_digit(bytes, p + 2, from, to)) at = p
       if (p == from + 2 .and. bytes(from) == 45 .and. bytes(from + 1) == 48) at = p
    end function decimal_comma

@@ -41,50 +41,57 @@ contains
       integer(int8), intent(in), contiguous :: bytes(:)
       character(:), allocatable :: message
       character(1), parameter :: nl = new_line("a")
-      character(:), allocatable :: head, tail
-      integer(int64) :: from, to, column
+      character(:), allocatable :: shown, head, tail
+      integer :: place, from, to
 
-      column = characters(bytes, first, at - 1) + 1
-      from = first
-      to = last
+      shown = shown_bytes(bytes, first, last)
+      place = int(at - first) + 1
+      from = 1
+      to = len(shown)
       head = ""
       tail = ""
-      if (characters(bytes, first, last) > width) then
-         from = step(bytes, first, last, at, -int(width, int64)/2)
-         to = step(bytes, first, last, from, int(width, int64))
-         if (from > first) head = "..."
-         if (to < last) tail = "..."
+      if (characters(shown) > width) then
+         from = step(shown, min(place, len(shown)), -width/2)
+         to = step(shown, from, width) - 1
+         if (from > 1) head = "..."
+         if (to < len(shown)) tail = "..."
       end if
-      message = name//":"//integer_text(line)//":"//integer_text(column)//": "//what//nl// &
-                head//shown_bytes(bytes, from, to)//tail//nl// &
-                repeat(" ", len(head) + int(characters(bytes, from, at - 1)))//"^"//nl//advice
+      message = name//":"//integer_text(line)//":"//integer_text(int(characters(shown(:place - 1)) + 1, int64))//": "//what//nl// &
+                head//shown(from:to)//tail//nl//repeat(" ", len(head) + characters(shown(from:place - 1)))//"^"//nl//advice
    end function place_message
 
-   !> Characters in first:last; the continuation bytes 10xxxxxx of UTF-8 do not count.
-   pure integer(int64) function characters(bytes, first, last)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      integer(int64) :: i
+   !> Characters of a text; the continuation bytes 10xxxxxx of UTF-8 do not count.
+   pure integer function characters(text)
+      character(*), intent(in) :: text
+      integer :: i
 
       characters = 0
-      do i = first, min(last, size(bytes, kind=int64))
-         if (bytes(i) >= -64) characters = characters + 1
+      do i = 1, len(text)
+         if (.not. continues(text(i:i))) characters = characters + 1
       end do
    end function characters
 
-   !> The first byte of the character that is so many characters away, within the line.
-   pure integer(int64) function step(bytes, first, last, at, count)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last, at, count
-      integer(int64) :: passed
+   !> True for a byte that goes on with a character.
+   pure logical function continues(byte)
+      character(1), intent(in) :: byte
 
-      step = min(at, last)
+      continues = iand(iachar(byte), 192) == 128
+   end function continues
+
+   !> The first byte of the character so many characters away; 1 or len + 1 where the text is too short.
+   pure integer function step(text, at, count)
+      character(*), intent(in) :: text
+      integer, intent(in) :: at, count
+      integer :: passed
+
+      step = at
       passed = 0
-      do while (passed < abs(count) .and. step + sign(1_int64, count) >= first .and. step + sign(1_int64, count) <= last)
-         step = step + sign(1_int64, count)
-         if (bytes(step) >= -64) passed = passed + 1
+      do while (passed < abs(count))
+         step = step + sign(1, count)
+         if (step <= 1 .or. step > len(text)) exit
+         if (.not. continues(text(step:step))) passed = passed + 1
       end do
-      if (count > 0 .and. passed == count) step = step - 1
+      step = max(step, 1)
    end function step
 
    !> Bytes as a text for a terminal: tabs become blanks, control characters and broken UTF-8 question marks.

@@ -1,0 +1,128 @@
+! SPDX-License-Identifier: MIT
+!> Numbers as text: the layout, and the digits against the Fortran library's.
+module test_decimal
+   use, intrinsic :: ieee_arithmetic, only : ieee_negative_inf, ieee_quiet_nan, ieee_value
+   use testdrive, only : new_unittest, unittest_type, error_type, check, test_failed
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_io_number, only : number, parse_number
+   use gyroakf_io_decimal, only : format_real
+   implicit none (type, external)
+   private
+   public :: collect_decimal
+
+contains
+
+   !> Names the tests.
+   subroutine collect_decimal(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         new_unittest("written-numbers", test_numbers), &
+         new_unittest("not-finite", test_not_finite), &
+         new_unittest("random-against-library", test_library), &
+         new_unittest("shortest-reads-back", test_shortest)]
+   end subroutine collect_decimal
+
+   subroutine test_numbers(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: value(13) = [0.0_dp, -0.0_dp, 1.0_dp, -0.25_dp, 0.1_dp, 0.1_dp, 12000.0_dp, 123456.0_dp, 1.0e-5_dp, &
+         0.00012345_dp, 9.9996_dp, 1.0e100_dp, -2.5e-308_dp]
+      integer, parameter :: digits(13) = [5, 5, 17, 9, 17, 9, 6, 3, 9, 9, 4, 3, 9]
+      character(24), parameter :: expected(13) = [character(24) :: "0", "-0", "1", "-0.25", "0.10000000000000001", "0.1", "12000", &
+         "1.23e+05", "1e-05", "0.00012345", "10", "1e+100", "-2.5e-308"]
+      integer :: i
+
+      do i = 1, size(value)
+         call check(error, format_real(value(i), digits(i)), trim(expected(i)))
+         if (allocated(error)) return
+      end do
+   end subroutine test_numbers
+
+   subroutine test_not_finite(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      call check(error, format_real(ieee_value(1.0_dp, ieee_quiet_nan), 17), "nan")
+      if (allocated(error)) return
+      call check(error, format_real(ieee_value(1.0_dp, ieee_negative_inf), 0), "-inf")
+   end subroutine test_not_finite
+
+   !> A random number: any bits, or a short decimal, whose neighbours are ties.
+   real(dp) function draw(state, i)
+      integer(int64), intent(inout) :: state
+      integer, intent(in) :: i
+      integer(int64) :: bits
+      integer :: k
+
+      bits = 0
+      do k = 1, 3
+         state = mod(state*48271_int64, 2147483647_int64)
+         bits = ior(shiftl(iand(bits, shiftl(1_int64, 32) - 1), 31), state)
+      end do
+      bits = ior(iand(bits, shiftl(1_int64, 52) - 1), shiftl(mod(state, 2047_int64), 52))
+      draw = transfer(bits, draw)
+      if (mod(i, 3) == 0) draw = real(state, dp)/2.0_dp**mod(i, 40)
+      if (mod(i, 3) == 1) draw = real(mod(state, 100000_int64), dp)*1.0e-4_dp
+   end function draw
+
+   !> The Fortran library rounds correctly, too.
+   subroutine test_library(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(40) :: text
+      character(12) :: form
+      integer(int64) :: state
+      integer :: i
+      real(dp) :: x
+
+      state = 11
+      do i = 1, 60000
+         x = draw(state, i)
+         write (form, "(a, i0, a)") "(es32.", mod(i, 17), "e4)"
+         write (text, form) x
+         if (normal_form(format_real(x, 1 + mod(i, 17))) == normal_form(trim(adjustl(text)))) cycle
+         call test_failed(error, format_real(x, 1 + mod(i, 17))//" should be "//text)
+         return
+      end do
+   end subroutine test_library
+
+   !> "-0.0123", "-1.2300E-002" as "-123 -2": the digits without zeros around them and the exponent of the first.
+   function normal_form(text) result(form)
+      character(*), intent(in) :: text
+      character(:), allocatable :: form
+      character(20) :: exponent
+      integer :: i, e, mark, point
+
+      mark = scan(text//"e", "eE")
+      e = 0
+      if (mark < len(text)) read (text(mark + 1:), *) e
+      point = scan(text(:mark - 1)//".", ".")
+      form = ""
+      do i = 1, mark - 1
+         if (index("0123456789", text(i:i)) == 0 .or. (len(form) == 0 .and. text(i:i) == "0")) cycle
+         if (len(form) == 0) e = e + point - i - merge(1, 0, i < point)
+         form = form//text(i:i)
+      end do
+      form = form(:verify(form, "0", back=.true.))
+      write (exponent, "(i0)") merge(e, 0, len(form) > 0)
+      form = form//" "//trim(exponent)
+      if (text(1:1) == "-") form = "-"//form
+   end function normal_form
+
+   subroutine test_shortest(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: state
+      integer :: i, found
+      real(dp) :: x, back
+
+      call check(error, format_real(0.1_dp, 0)//" "//format_real(-2.5e-7_dp, 0), "0.1 -2.5e-07")
+      if (allocated(error)) return
+      state = 7
+      do i = 1, 20000
+         x = draw(state, i)
+         call parse_number(format_real(x, 0), back, found)
+         if (found == number%ok .and. transfer(x, state) == transfer(back, state)) cycle
+         call test_failed(error, format_real(x, 17)//" becomes "//format_real(x, 0))
+         return
+      end do
+   end subroutine test_shortest
+
+end module test_decimal

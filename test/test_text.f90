@@ -1,0 +1,231 @@
+! SPDX-License-Identifier: MIT
+!> Lines taken apart, decimal commas, foreign content, messages with a caret.
+module test_text
+   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use gyroakf_kinds, only : int8, int64
+   use gyroakf_io_format, only : decimal_comma, foreign_content
+   use gyroakf_io_place, only : place_message
+   use gyroakf_io_stamps, only : inferred_scale, is_time_name, named_scale
+   use gyroakf_io_text, only : bytes_text, fields_type, is_comment, split, split_line
+   use gyroakf_kinds, only : dp
+   implicit none (type, external)
+   private
+   public :: collect_text
+
+   character(1), parameter :: tab = achar(9), nl = new_line("a")
+
+contains
+
+   !> Names the tests.
+   subroutine collect_text(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         new_unittest("split-mixed", test_split_mixed), &
+         new_unittest("split-tabs-names", test_split_tabs), &
+         new_unittest("comments", test_comments), &
+         new_unittest("decimal-comma", test_decimal_comma), &
+         new_unittest("foreign-content", test_foreign), &
+         new_unittest("caret", test_caret), &
+         new_unittest("caret-utf8", test_caret_utf8), &
+         new_unittest("caret-long-line", test_caret_long), &
+         new_unittest("time-names", test_time_names), &
+         new_unittest("time-units", test_time_units), &
+         new_unittest("time-units-inferred", test_inferred)]
+   end subroutine collect_text
+
+   !> A text as bytes with a line feed and room behind it.
+   function bytes_of(text) result(bytes)
+      character(*), intent(in) :: text
+      integer(int8) :: bytes(len(text) + 16)
+      integer :: i
+
+      bytes = 10_int8
+      do i = 1, len(text)
+         bytes(i) = int(iachar(text(i:i)) - merge(256, 0, iachar(text(i:i)) > 127), int8)
+      end do
+   end function bytes_of
+
+   !> The fields between bars, "<" behind them where the line ends with a separator.
+   function parts(text, way) result(joined)
+      character(*), intent(in) :: text
+      integer, intent(in) :: way
+      character(:), allocatable :: joined
+      type(fields_type) :: fields
+      integer :: i
+
+      call split_line(bytes_of(text), 1_int64, len(text, int64), way, fields)
+      joined = "|"
+      do i = 1, fields%count
+         joined = joined//bytes_text(bytes_of(text), fields%first(i), fields%last(i))//"|"
+      end do
+      if (fields%trailing) joined = joined//"<"
+      if (fields%open_quote > 0) joined = joined//"?"
+   end function parts
+
+   subroutine test_split_mixed(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(24), parameter :: line(14) = [character(24) :: "1 2", "  1   2  ", "1,2", "1 , 2", "1;2", "1,,2", ",1", "1,2,", &
+         "1, ,2,", '"a b",2', "'x',""y""", "1 2 # note", "1 2 // note", """open"]
+      character(24), parameter :: expected(14) = [character(24) :: "|1|2|", "|1|2|", "|1|2|", "|1|2|", "|1|2|", "|1||2|", "||1|", &
+         "|1|2||<", "|1||2||<", "|a b|2|", "|x|y|", "|1|2|", "|1|2|", "|open|?"]
+      integer :: i
+
+      do i = 1, size(line)
+         call check(error, parts(trim(line(i)), split%mixed), trim(expected(i)), more=line(i))
+         if (allocated(error)) return
+      end do
+      call check(error, parts("1"//tab//tab//"2"//achar(13), split%mixed), "|1|2|")
+   end subroutine test_split_mixed
+
+   subroutine test_split_tabs(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      call check(error, parts("1"//tab//tab//"2"//tab, split%tabs), "|1||2||<")
+      if (allocated(error)) return
+      call check(error, parts("1 2"//tab//"3", split%tabs), "|1|2|3|")
+      if (allocated(error)) return
+      call check(error, parts(" gyro x , ""gyro y"";z ", split%names), "|gyro x|gyro y|z|")
+   end subroutine test_split_tabs
+
+   subroutine test_comments(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(8), parameter :: yes(5) = [character(8) :: "# a", "  % a", "; a", "// a", ";1;2"]
+      character(8), parameter :: no(5) = [character(8) :: "", "1 # a", "/ a", "-1", "a"]
+      integer :: i
+
+      do i = 1, 5
+         call check(error, is_comment(bytes_of(yes(i)), 1_int64, 8_int64), yes(i))
+         if (allocated(error)) return
+         call check(error,.not. is_comment(bytes_of(no(i)), 1_int64, 8_int64), "taken: "//no(i))
+         if (allocated(error)) return
+      end do
+   end subroutine test_comments
+
+   subroutine test_decimal_comma(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(16), parameter :: line(16) = [character(16) :: "1,5;2,3", "1,5 2,3", "0;0,5", "-1,5e-3; 2,0e1", "1,05", "-0,5", &
+         "1,2", "1,2,3", "1.5,2.5", "1.5;2,5", "1, 2; 3, 4", "1,2,3;4", "1;2;3", """1,5"";2", "10,20", ""]
+      integer, parameter :: expected(16) = [2, 2, 4, 3, 2, 3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]
+      integer :: i
+
+      do i = 1, size(line)
+         call check(error, int(decimal_comma(bytes_of(line(i)), 1_int64, len_trim(line(i), int64))), expected(i), more=line(i))
+         if (allocated(error)) return
+      end do
+   end subroutine test_decimal_comma
+
+   subroutine test_foreign(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: what
+      integer(int64) :: at
+
+      call foreign_content(bytes_of("1 2"//achar(0)//"3"), 5_int64, what, at)
+      call check(error, what == "binary" .and. at == 4, "NUL: "//what)
+      if (allocated(error)) return
+      call foreign_content(bytes_of(char(31)//char(139)//"xyz"), 5_int64, what, at)
+      call check(error, what, "compressed by gzip")
+      if (allocated(error)) return
+      call foreign_content(bytes_of(char(255)//char(254)//"1"//achar(0)), 4_int64, what, at)
+      call check(error, what, "text in UTF-16")
+      if (allocated(error)) return
+      call foreign_content(bytes_of(repeat("1.5 2"//nl, 30)//achar(27)), 181_int64, what, at)
+      call check(error, what, "")
+      if (allocated(error)) return
+      call foreign_content(bytes_of("1.5 "//achar(1)//achar(2)//" 3"), 8_int64, what, at)
+      call check(error, what, "binary")
+   end subroutine test_foreign
+
+   subroutine test_caret(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      call check(error, place_message("a.txt", 7_int64, bytes_of("1"//tab//"x2 3"), 1_int64, 6_int64, 3_int64, "bad", "mend it"), &
+                 "a.txt:7:3: bad"//nl//"1 x2 3"//nl//"  ^"//nl//"mend it")
+      if (allocated(error)) return
+      call check(error, place_message("a", 1_int64, bytes_of("1 2"), 1_int64, 3_int64, 4_int64, "short", "do"), &
+                 "a:1:4: short"//nl//"1 2"//nl//"   ^"//nl//"do")
+   end subroutine test_caret
+
+   subroutine test_caret_utf8(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: degree = char(194)//char(176)
+
+      call check(error, place_message("a", 1_int64, bytes_of("5"//degree//" x"), 1_int64, 5_int64, 5_int64, "bad", "do"), &
+                 "a:1:4: bad"//nl//"5"//degree//" x"//nl//"   ^"//nl//"do")
+      if (allocated(error)) return
+      call check(error, place_message("a", 1_int64, bytes_of(char(176)//" x"//achar(7)), 1_int64, 4_int64, 3_int64, "bad", "do"), &
+                 "a:1:3: bad"//nl//"? x?"//nl//"  ^"//nl//"do")
+   end subroutine test_caret_utf8
+
+   subroutine test_caret_long(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: line, message, shown, caret
+      integer :: first, second, third
+
+      line = repeat("0123456789", 50)
+      line(251:251) = "x"
+      message = place_message("a", 1_int64, bytes_of(line), 1_int64, 500_int64, 251_int64, "bad", "do")
+      first = index(message, nl)
+      second = first + index(message(first + 1:), nl)
+      third = second + index(message(second + 1:), nl)
+      shown = message(first + 1:second - 1)
+      caret = message(second + 1:third - 1)
+      call check(error, message(:first - 1), "a:1:251: bad")
+      if (allocated(error)) return
+      call check(error, len(shown) <= 102 .and. shown(:3) == "..." .and. shown(len(shown) - 2:) == "...", shown)
+      if (allocated(error)) return
+      call check(error, shown(len(caret):len(caret)), "x")
+   end subroutine test_caret_long
+
+   subroutine test_time_names(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(16), parameter :: yes(12) = [character(16) :: "t", "T", "time", "Timestamp", "time_s", "time_ms", "t_us", &
+         "sensor_timestamp", "gps_time", "header.stamp", "seconds", "Time ns"]
+      character(16), parameter :: no(7) = [character(16) :: "gx", "temp", "tx", "ts1", "rate_s", "", "temperature"]
+      integer :: i
+
+      do i = 1, size(yes)
+         call check(error, is_time_name(trim(yes(i))), yes(i))
+         if (allocated(error)) return
+      end do
+      do i = 1, size(no)
+         call check(error,.not. is_time_name(trim(no(i))), "taken: "//no(i))
+         if (allocated(error)) return
+      end do
+   end subroutine test_time_names
+
+   subroutine test_time_units(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      call check(error, named_scale("time_ms", ""), 1.0e-3_dp)
+      if (allocated(error)) return
+      call check(error, named_scale("Time", "us"), 1.0e-6_dp)
+      if (allocated(error)) return
+      call check(error, named_scale("t_ns", ""), 1.0e-9_dp)
+      if (allocated(error)) return
+      call check(error, named_scale("seconds", ""), 1.0_dp)
+      if (allocated(error)) return
+      call check(error, named_scale("time", "deg"), 0.0_dp)
+   end subroutine test_time_units
+
+   subroutine test_inferred(error)
+      type(error_type), allocatable, intent(out) :: error
+      !> First stamp, step, rate that was given, unit expected
+      real(dp), parameter :: table(4, 9) = reshape([ &
+         0.0_dp, 0.01_dp, 0.0_dp, 1.0_dp, 0.0_dp, 10.0_dp, 0.0_dp, 1.0e-3_dp, 0.0_dp, 5000.0_dp, 0.0_dp, 1.0e-6_dp, &
+         0.0_dp, 1.0e7_dp, 0.0_dp, 1.0e-9_dp, 1.7e9_dp, 1.0_dp, 0.0_dp, 1.0_dp, 1.7e12_dp, 1.0_dp, 0.0_dp, 1.0e-3_dp, &
+         1.7e18_dp, 1.0e7_dp, 0.0_dp, 1.0e-9_dp, 0.0_dp, 1000.0_dp, 1.0_dp, 1.0e-3_dp, 0.0_dp, 125.0_dp, 8000.0_dp, 1.0e-6_dp], &
+         [4, 9])
+      integer :: i, k
+      real(dp) :: t(5)
+
+      do i = 1, size(table, 2)
+         do k = 1, 5
+            t(k) = table(1, i) + table(2, i)*(k - 1)
+         end do
+         call check(error, inferred_scale(t, table(3, i)), table(4, i), more=achar(48 + i))
+         if (allocated(error)) return
+      end do
+   end subroutine test_inferred
+
+end module test_text
