@@ -165,7 +165,7 @@ contains
       !> Subtracted from every sample
       real(dp), intent(in) :: shift
       !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), contiguous :: valid(:)
+      integer(int8), intent(in) :: valid(:)
       real(dp) :: packed(size(x))
       integer :: i, n
 
