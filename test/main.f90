@@ -21,6 +21,7 @@ program test_main
    use test_moments, only : collect_moments
    use test_normality, only : collect_normality
    use test_number, only : collect_number
+   use test_outliers, only : collect_outliers
    use test_random, only : collect_random
    use test_reader, only : collect_reader
    use test_record_writer, only : collect_record_writer
@@ -53,6 +54,7 @@ program test_main
    call add("moments", collect_moments)
    call add("normality", collect_normality)
    call add("number", collect_number)
+   call add("outliers", collect_outliers)
    call add("random", collect_random)
    call add("reader", collect_reader)
    call add("record_writer", collect_record_writer)

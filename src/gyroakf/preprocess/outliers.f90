@@ -1,0 +1,172 @@
+! SPDX-License-Identifier: MIT
+!> Rules that tell an outlier: |residual - centre| > threshold x scale.
+!>
+!> | method | centre and scale | threshold |
+!> |---|---|---|
+!> | `pauta` | mean and standard deviation (divisor n - 1) of the inliers | 3 |
+!> | `auto`  | first median and 1.4826 MAD, then as `pauta` | for the record's length: $$\sqrt2\,\mathrm{erfc}^{-1}(1/(2n))$$ |
+!> | `mad`   | median and 1.4826 MAD | 4.5 |
+!>
+!> Sources: Pauta's rule as in the paper; Chauvenet's criterion for the threshold of `auto`, by which
+!> a clean normal record of any length loses half a sample on average (3 sigma takes 0.27 % of it);
+!> Hampel, J. Amer. Stat. Assoc. 69 (1974) 383-393 for the MAD.
+module gyroakf_preprocess_outliers
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_preprocess_select, only : find_median, find_deviation
+   use gyroakf_special, only : normal_quantile
+   implicit none (type, external)
+   private
+   public :: check_method, default_threshold, length_threshold, robust_centre, quantisation_step, mark_outliers
+
+   !> MAD of a normal distribution times this is its standard deviation: 1/Phi^-1(3/4)
+   real(dp), parameter :: mad_to_sigma = 1.4826022185056018_dp
+
+contains
+
+   !> Refuses a method that is not known or not built.
+   subroutine check_method(method, error)
+      !> none, auto, pauta, mad
+      character(*), intent(in) :: method
+      !> invalid_argument, not_supported
+      type(error_type), allocatable, intent(out) :: error
+
+      select case (method)
+      case ("none", "auto", "pauta", "mad")
+      case ("hampel")
+         call fatal_error(error, status%not_supported, &
+            & "the moving-window outlier method 'hampel' is not part of this version; there are none, auto, pauta, mad")
+      case default
+         call fatal_error(error, status%invalid_argument, &
+            & "unknown outlier method '"//trim(method)//"'; there are none, auto, pauta, mad")
+      end select
+   end subroutine check_method
+
+   !> The method's own threshold in standard deviations, 0 for `none`.
+   pure real(dp) function default_threshold(method, n)
+      !> One of the methods
+      character(*), intent(in) :: method
+      !> Present samples
+      integer(int64), intent(in) :: n
+
+      select case (method)
+      case ("auto"); default_threshold = length_threshold(n)
+      case ("pauta"); default_threshold = 3.0_dp
+      case ("mad"); default_threshold = 4.5_dp
+      case default; default_threshold = 0.0_dp
+      end select
+   end function default_threshold
+
+   !> The threshold that n normal samples exceed half a time on average.
+   pure real(dp) function length_threshold(n)
+      !> Number of samples, 1 or more
+      integer(int64), intent(in) :: n
+
+      length_threshold = -normal_quantile(0.25_dp/real(max(n, 1_int64), dp))
+   end function length_threshold
+
+   !> Median, and 1.4826 times the median distance from it.
+   subroutine robust_centre(x, floor, centre, scale, error, valid)
+      !> Residuals: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> Least scale: half a quantisation step, so that a record of which more than half sits on one
+      !> level does not lose the rest
+      real(dp), intent(in) :: floor
+      !> The two
+      real(dp), intent(out) :: centre, scale
+      !> too_few_samples, no_memory
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+
+      scale = floor
+      call find_median(x, centre, error, valid)
+      if (allocated(error)) return
+      call find_deviation(x, centre, scale, error, valid)
+      scale = max(mad_to_sigma*scale, floor)
+   end subroutine robust_centre
+
+   !> Smallest non-zero difference of present neighbours, 0 where there is none, and the largest
+   !> absolute value.
+   subroutine quantisation_step(x, step, largest, valid)
+      !> Series: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> The step
+      real(dp), intent(out) :: step
+      !> The largest |x|
+      real(dp), intent(out) :: largest
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp) :: difference
+      integer(int64) :: i, n
+
+      n = size(x, kind=int64)
+      step = huge(step)
+      call first_value(x, largest, valid)
+      !$omp parallel do if (n >= threads_from) default(shared) private(difference) reduction(min:step) &
+      !$omp& reduction(max:largest) schedule(static)
+      do i = 2, n
+         if (present(valid)) then
+            if (valid(i) == 0_int8) cycle
+         end if
+         largest = max(largest, abs(x(i)))
+         if (present(valid)) then
+            if (valid(i - 1) == 0_int8) cycle
+         end if
+         difference = abs(x(i) - x(i - 1))
+         if (difference > 0.0_dp) step = min(step, difference)
+      end do
+      !$omp end parallel do
+      if (step >= huge(step)) step = 0.0_dp
+   end subroutine quantisation_step
+
+   !> Absolute value of the first sample, 0 where it is missing.
+   pure subroutine first_value(x, first, valid)
+      !> Series: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> Its value
+      real(dp), intent(out) :: first
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+
+      first = 0.0_dp
+      if (size(x, kind=int64) < 1) return
+      if (present(valid)) then
+         if (valid(1) == 0_int8) return
+      end if
+      first = abs(x(1))
+   end subroutine first_value
+
+   !> Marks the samples beyond the limit and unmarks those within.
+   subroutine mark_outliers(x, centre, limit, inlier, changed, removed, valid)
+      !> Residuals: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> Marked is |x - centre| > limit
+      real(dp), intent(in) :: centre, limit
+      !> 1 inlier, 0 outlier or missing: [n]
+      integer(int8), intent(inout), contiguous :: inlier(:)
+      !> Samples whose mark changed, and outliers now
+      integer(int64), intent(out) :: changed, removed
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      integer(int64) :: i, n
+      integer(int8) :: mark
+
+      n = size(x, kind=int64)
+      changed = 0
+      removed = 0
+      !$omp parallel do if (n >= threads_from) default(shared) private(mark) reduction(+:changed, removed) schedule(static)
+      do i = 1, n
+         if (present(valid)) then
+            if (valid(i) == 0_int8) cycle
+         end if
+         mark = merge(0_int8, 1_int8, abs(x(i) - centre) > limit)
+         if (mark == 0_int8) removed = removed + 1
+         if (mark /= inlier(i)) changed = changed + 1
+         inlier(i) = mark
+      end do
+      !$omp end parallel do
+   end subroutine mark_outliers
+
+end module gyroakf_preprocess_outliers

@@ -1,0 +1,243 @@
+! SPDX-License-Identifier: MIT
+!> Tests of the outlier rules and of the order statistics beneath them.
+module test_outliers
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_preprocess_outliers, only : check_method, default_threshold, length_threshold, mark_outliers, &
+      & quantisation_step, robust_centre
+   use gyroakf_preprocess_select, only : find_deviation, find_median
+   use series_library, only : reference_series
+   use testdrive, only : check, error_type, new_unittest, unittest_type
+   implicit none (type, external)
+   private
+   public :: collect_outliers
+
+   real(dp), parameter :: tolerance = 1.0e-14_dp
+
+contains
+
+   !> The tests of this suite.
+   subroutine collect_outliers(testsuite)
+      !> The tests
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         & new_unittest("median_by_hand", test_median_by_hand), &
+         & new_unittest("median_sorted", test_median_sorted), &
+         & new_unittest("median_missing", test_median_missing), &
+         & new_unittest("deviation", test_deviation), &
+         & new_unittest("thresholds", test_thresholds), &
+         & new_unittest("robust", test_robust), &
+         & new_unittest("step", test_step), &
+         & new_unittest("marks", test_marks), &
+         & new_unittest("failures", test_failures)]
+   end subroutine collect_outliers
+
+   !> Odd, even, ties, both zeros, all negative, one, huge and tiny.
+   subroutine test_median_by_hand(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+
+      call middle_is(error, [3.0_dp, -1.0_dp, 2.0_dp], 2.0_dp)
+      if (allocated(error)) return
+      call middle_is(error, [3.0_dp, -1.0_dp, 2.0_dp, -0.0_dp], 1.0_dp)
+      if (allocated(error)) return
+      call middle_is(error, [5.0_dp, 2.0_dp, 2.0_dp, 2.0_dp, 9.0_dp, 1.0_dp], 2.0_dp)
+      if (allocated(error)) return
+      call middle_is(error, [-0.0_dp, 0.0_dp], 0.0_dp)
+      if (allocated(error)) return
+      call middle_is(error, [-3.0_dp, -1.0_dp, -2.0_dp, -9.0_dp], -2.5_dp)
+      if (allocated(error)) return
+      call middle_is(error, [7.0_dp], 7.0_dp)
+      if (allocated(error)) return
+      call middle_is(error, [huge(1.0_dp), -huge(1.0_dp), tiny(1.0_dp)], tiny(1.0_dp))
+      if (allocated(error)) return
+      call middle_is(error, [huge(1.0_dp), huge(1.0_dp)], huge(1.0_dp))
+   end subroutine test_median_by_hand
+
+   !> Checks one median.
+   subroutine middle_is(error, x, expected)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      !> Series
+      real(dp), intent(in), contiguous :: x(:)
+      !> Its median
+      real(dp), intent(in) :: expected
+      real(dp) :: median
+      type(gyro_error), allocatable :: problem
+
+      call find_median(x, median, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, median, expected, thr=tiny(median))
+   end subroutine middle_is
+
+   !> Rank by counting, for every length to 60 and one that is threaded.
+   subroutine test_median_sorted(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: x(:)
+      real(dp) :: median
+      integer :: n, i
+      type(gyro_error), allocatable :: problem
+
+      do i = 1, 61
+         n = merge(70001, i, i == 61)
+         x = reference_series("wn", n)
+         if (mod(i, 3) == 0) x = anint(x)
+         call find_median(x, median, problem)
+         call check(error, .not. allocated(problem), "it failed")
+         if (allocated(error)) return
+         call check(error, 2*count(x < median) <= n .and. 2*count(x > median) <= n, "not in the middle")
+         if (allocated(error)) return
+         if (mod(n, 2) == 1) then
+            call check(error, any(abs(x - median) <= 0.0_dp), "not one of the numbers")
+         else
+            call check(error, abs(0.5_dp*(minval(x, mask=x >= median) + maxval(x, mask=x <= median)) - median) &
+               & <= epsilon(median), "not halfway")
+         end if
+         if (allocated(error)) return
+      end do
+   end subroutine test_median_sorted
+
+   !> Missing samples do not count.
+   subroutine test_median_missing(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: x(:)
+      integer(int8), allocatable :: valid(:)
+      real(dp) :: a, b
+      type(gyro_error), allocatable :: problem
+
+      x = reference_series("ar1", 5001)
+      allocate (valid(size(x)), source=1_int8)
+      valid(1::3) = 0_int8
+      call find_median(pack(x, valid == 1_int8), a, problem)
+      where (valid == 0_int8) x = -1.0e10_dp
+      call find_median(x, b, problem, valid)
+      call check(error, a, b, thr=tiny(a))
+      if (allocated(error)) return
+      valid = 0_int8
+      call find_median(x, b, problem, valid)
+      call check(error, allocated(problem), "nothing is present")
+      if (allocated(error)) return
+      call check(error, problem%code, status%too_few_samples)
+   end subroutine test_median_missing
+
+   !> 1 2 4 7 11 about 4: distances 3 2 0 3 7.
+   subroutine test_deviation(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: deviation
+      type(gyro_error), allocatable :: problem
+
+      call find_deviation([1.0_dp, 2.0_dp, 4.0_dp, 7.0_dp, 11.0_dp], 4.0_dp, deviation, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, deviation, 3.0_dp, thr=tolerance)
+   end subroutine test_deviation
+
+   !> sqrt(2) erfc^-1(1/(2n)) at 40 digits; the others are constants.
+   subroutine test_thresholds(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+
+      call check(error, length_threshold(1_int64), 0.67448975019608174_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, length_threshold(12000_int64), 4.0980381236465825_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, default_threshold("auto", 100000000_int64), 5.8471721450998009_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, default_threshold("pauta", 5_int64), 3.0_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, default_threshold("mad", 5_int64), 4.5_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, default_threshold("none", 5_int64), 0.0_dp, thr=tolerance)
+   end subroutine test_thresholds
+
+   !> Of normal noise the scale is the standard deviation, to 3 of its errors 1.17/sqrt(n); 20 % of gross
+   !> errors move it by a third, not by 1e6.
+   subroutine test_robust(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: x(:)
+      real(dp) :: centre, scale
+      type(gyro_error), allocatable :: problem
+
+      x = reference_series("wn_bm", 20000)
+      call robust_centre(x, 0.0_dp, centre, scale, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, scale, 1.0_dp, thr=0.025_dp)
+      if (allocated(error)) return
+      call check(error, centre, 0.0_dp, thr=0.027_dp)
+      if (allocated(error)) return
+      x(1::5) = 1.0e6_dp
+      call robust_centre(x, 0.0_dp, centre, scale, problem)
+      call check(error, scale, 1.3_dp, thr=0.1_dp)
+      if (allocated(error)) return
+      x = 5.0_dp
+      call robust_centre(x, 0.25_dp, centre, scale, problem)
+      call check(error, scale, 0.25_dp, thr=tolerance)
+   end subroutine test_robust
+
+   !> Smallest step between neighbours, not over a gap; 0 for a constant.
+   subroutine test_step(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8) :: valid(5)
+      real(dp) :: x(5), step, largest
+
+      x = [1.0_dp, 1.0_dp, -8.0_dp, -7.75_dp, -5.0_dp]
+      call quantisation_step(x, step, largest)
+      call check(error, step, 0.25_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, largest, 8.0_dp, thr=tolerance)
+      if (allocated(error)) return
+      valid = [1_int8, 1_int8, 0_int8, 1_int8, 1_int8]
+      call quantisation_step(x, step, largest, valid)
+      call check(error, step, 2.75_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, largest, 7.75_dp, thr=tolerance)
+      if (allocated(error)) return
+      x = 3.0_dp
+      call quantisation_step(x, step, largest)
+      call check(error, step, 0.0_dp, thr=tiny(step))
+   end subroutine test_step
+
+   !> Strictly beyond the limit is marked, within is unmarked, missing stays.
+   subroutine test_marks(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8) :: valid(5), inlier(5)
+      integer(int64) :: changed, removed
+
+      valid = [1_int8, 1_int8, 1_int8, 0_int8, 1_int8]
+      inlier = [1_int8, 0_int8, 0_int8, 0_int8, 1_int8]
+      call mark_outliers([5.0_dp, 4.0_dp, -3.0_dp, 9.0_dp, 1.0_dp], 1.0_dp, 3.0_dp, inlier, changed, removed, valid)
+      call check(error, all(inlier == [0_int8, 1_int8, 0_int8, 0_int8, 1_int8]), "marks")
+      if (allocated(error)) return
+      call check(error, changed == 2 .and. removed == 2, "counts")
+   end subroutine test_marks
+
+   !> Unknown method; one that is not built names the others.
+   subroutine test_failures(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: problem
+
+      call check_method("auto", problem)
+      call check(error, .not. allocated(problem), "auto was refused")
+      if (allocated(error)) return
+      call check_method("sigma", problem)
+      call check(error, allocated(problem), "an unknown method was accepted")
+      if (allocated(error)) return
+      call check(error, problem%code, status%invalid_argument)
+      if (allocated(error)) return
+      call check_method("hampel", problem)
+      call check(error, allocated(problem), "hampel was accepted")
+      if (allocated(error)) return
+      call check(error, problem%code == status%not_supported .and. index(problem%message, "pauta") > 0, problem%message)
+   end subroutine test_failures
+
+end module test_outliers
