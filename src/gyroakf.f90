@@ -34,6 +34,7 @@ module gyroakf
    use gyroakf_filter_series, only : filter_result_type, filter_series
    use gyroakf_filter_identification, only : drift_model_type, identify_drift
    use gyroakf_preprocess_trend, only : trend_type, fit_trend, remove_trend, evaluate_trend
+   use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
    implicit none (type, external)
    public
 end module gyroakf

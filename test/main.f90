@@ -10,6 +10,7 @@ program test_main
    use test_allan_freedom, only : collect_allan_freedom
    use test_allan_grid, only : collect_allan_grid
    use test_autocovariance, only : collect_autocovariance
+   use test_clean, only : collect_clean
    use test_decimal, only : collect_decimal
    use test_error, only : collect_error
    use test_fft, only : collect_fft
@@ -43,6 +44,7 @@ program test_main
    call add("allan_freedom", collect_allan_freedom)
    call add("allan_grid", collect_allan_grid)
    call add("autocovariance", collect_autocovariance)
+   call add("clean", collect_clean)
    call add("decimal", collect_decimal)
    call add("error", collect_error)
    call add("fft", collect_fft)

@@ -1,0 +1,360 @@
+! SPDX-License-Identifier: MIT
+!> Tests of the cleaning: outliers and trend jointly.
+module test_clean
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
+   use gyroakf_preprocess_trend, only : evaluate_trend
+   use series_library, only : reference_series
+   use testdrive, only : check, error_type, new_unittest, unittest_type
+   implicit none (type, external)
+   private
+   public :: collect_clean
+
+   !> Where the drifting record has its outliers, and their size in standard deviations
+   integer, parameter :: place(12) = [1, 77, 1500, 1501, 1502, 3333, 5000, 6001, 7777, 9000, 11998, 12000]
+   real(dp), parameter :: size_of(12) = [15.0_dp, -8.0_dp, 9.0_dp, 9.0_dp, 8.0_dp, -30.0_dp, 7.0_dp, -7.0_dp, 1.0e4_dp, &
+      & 12.0_dp, -9.0_dp, 20.0_dp]
+
+contains
+
+   !> The tests of this suite.
+   subroutine collect_clean(testsuite)
+      !> The tests
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         & new_unittest("pauta_reference", test_pauta_reference), &
+         & new_unittest("drifting_record", test_drifting_record), &
+         & new_unittest("masking", test_masking), &
+         & new_unittest("false_alarms", test_false_alarms), &
+         & new_unittest("mark_comes_back", test_mark_comes_back), &
+         & new_unittest("offset_scale", test_offset_scale), &
+         & new_unittest("quantised", test_quantised), &
+         & new_unittest("constant", test_constant), &
+         & new_unittest("missing", test_missing), &
+         & new_unittest("nothing_removed", test_nothing_removed), &
+         & new_unittest("short", test_short), &
+         & new_unittest("failures", test_failures)]
+   end subroutine collect_clean
+
+   !> Fails where the cleaning did, or where it marked other samples than these.
+   subroutine marks_are(error, result, problem, expected)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      !> The result
+      type(clean_type), intent(in) :: result
+      !> What the library said
+      type(gyro_error), allocatable, intent(in) :: problem
+      !> 1-based indices
+      integer, intent(in) :: expected(:)
+
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, int(result%removed), size(expected), "number of outliers")
+      if (allocated(error)) return
+      call check(error, all(result%outlier == int(expected, int64)), "other samples")
+      if (allocated(error)) return
+      call check(error, result%converged, "not converged")
+   end subroutine marks_are
+
+   !> White noise with four outliers, 3 sigma, degree 0. In exact arithmetic the first round removes
+   !> 101 102 501 778, the second 156 462 621 756, the third none; standard deviation then 0.9553685748064595.
+   subroutine test_pauta_reference(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: x(:), cleaned(:)
+      integer(int8), allocatable :: mask(:)
+      type(clean_type) :: result
+      type(gyro_error), allocatable :: problem
+
+      x = reference_series("wn", 1000)
+      x([101, 102, 501, 778]) = x([101, 102, 501, 778]) + [8.0_dp, -7.5_dp, 25.0_dp, 5.0_dp]
+      call clean_series(x, clean_options(degree=0, method="pauta"), cleaned, mask, result, problem)
+      call marks_are(error, result, problem, [101, 102, 156, 462, 501, 621, 756, 778])
+      if (allocated(error)) return
+      call check(error, result%passes, 3)
+      if (allocated(error)) return
+      call check(error, result%trend%power(0), -0.03429698277755966_dp, thr=1.0e-14_dp)
+      if (allocated(error)) return
+      call check(error, sqrt(result%variance), 0.9553685748064595_dp, thr=1.0e-14_dp)
+      if (allocated(error)) return
+      call check(error, result%fraction, 0.008_dp, thr=1.0e-15_dp)
+      if (allocated(error)) return
+      call check(error, count(mask == 0_int8), 8)
+   end subroutine test_pauta_reference
+
+   !> Normal noise, within 4.0 of 4.1 standard deviations, on a cubic drift of 200, twelve outliers.
+   function drifting_record() result(x)
+      real(dp), allocatable :: x(:)
+      real(dp) :: t
+      integer :: i
+
+      x = reference_series("wn_bm", 12000)
+      do i = 1, size(x)
+         t = real(i, dp)/6000.0_dp - 1.0_dp
+         x(i) = x(i) + 50.0_dp*t - 30.0_dp*t*t + 80.0_dp*t**3
+      end do
+      x(place) = x(place) + size_of
+   end function drifting_record
+
+   !> 12 of 12 and nothing else, by both robust methods.
+   subroutine test_drifting_record(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: x(:), cleaned(:)
+      integer(int8), allocatable :: mask(:)
+      type(clean_type) :: result
+      type(gyro_error), allocatable :: problem
+
+      x = drifting_record()
+      call clean_series(x, clean_options(), cleaned, mask, result, problem)
+      call marks_are(error, result, problem, place)
+      if (allocated(error)) return
+      call check(error, result%variance, 1.0_dp, thr=0.1_dp)
+      if (allocated(error)) return
+      call check(error, maxval(abs(cleaned(place))), 0.0_dp, thr=tiny(x))
+      if (allocated(error)) return
+      call check(error, cleaned(100), x(100) - evaluate_trend(result%trend, 99_int64), thr=1.0e-12_dp)
+      if (allocated(error)) return
+      call clean_series(x, clean_options(method="mad"), cleaned, mask, result, problem)
+      call marks_are(error, result, problem, place)
+   end subroutine test_drifting_record
+
+   !> A spike of 1e9 hides others from a standard deviation; it does not from a median.
+   subroutine test_masking(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: x(:), cleaned(:)
+      integer(int8), allocatable :: mask(:)
+      type(clean_type) :: result
+      type(gyro_error), allocatable :: problem
+
+      x = reference_series("wn", 3000)
+      x(2990) = 1.0e9_dp
+      x(50) = x(50) + 9.0_dp
+      x(51) = x(51) - 9.0_dp
+      call clean_series(x, clean_options(), cleaned, mask, result, problem)
+      call marks_are(error, result, problem, [50, 51, 2990])
+      if (allocated(error)) return
+      call clean_series(x, clean_options(degree=-1, method="mad"), cleaned, mask, result, problem)
+      call marks_are(error, result, problem, [50, 51, 2990])
+   end subroutine test_masking
+
+   !> Of 1e5 clean normal samples `auto` marks about half a one, 3 sigma about 300.
+   subroutine test_false_alarms(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: x(:), cleaned(:)
+      integer(int8), allocatable :: mask(:)
+      type(clean_type) :: result
+      type(gyro_error), allocatable :: problem
+
+      x = reference_series("wn_bm", 100000)
+      call clean_series(x, clean_options(), cleaned, mask, result, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, result%removed <= 3 .and. result%converged, "auto marks clean samples")
+      if (allocated(error)) return
+      call clean_series(x, clean_options(method="pauta"), cleaned, mask, result, problem)
+      call check(error, abs(result%fraction - 0.0031_dp) < 0.0008_dp, "share that 3 sigma takes")
+   end subroutine test_false_alarms
+
+   !> The spike tilts the first trend, and good samples at the ends are marked; they come back.
+   subroutine test_mark_comes_back(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: x(:), cleaned(:)
+      integer(int8), allocatable :: mask(:)
+      type(clean_type) :: result
+      type(gyro_error), allocatable :: problem
+
+      x = reference_series("unif", 400)
+      x(400) = 1.0e6_dp
+      call clean_series(x, clean_options(degree=9, method="mad", max_passes=1), cleaned, mask, result, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, result%removed > 1 .and. .not. result%converged, "the first round was right already")
+      if (allocated(error)) return
+      call clean_series(x, clean_options(degree=9, method="mad"), cleaned, mask, result, problem)
+      call marks_are(error, result, problem, [400])
+   end subroutine test_mark_comes_back
+
+   !> Offset 2^30 and scale 2^-40, exact for multiples of 1/4096, change no mark.
+   subroutine test_offset_scale(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: x(:), a(:), b(:)
+      integer(int8), allocatable :: mask(:)
+      type(clean_type) :: result
+      type(gyro_error), allocatable :: problem
+
+      x = anint(4096.0_dp*drifting_record())/4096.0_dp
+      call clean_series(x, clean_options(), a, mask, result, problem)
+      call clean_series((x + 2.0_dp**30)*2.0_dp**(-40), clean_options(), b, mask, result, problem)
+      call marks_are(error, result, problem, place)
+      if (allocated(error)) return
+      call check(error, maxval(abs(b*2.0_dp**40 - a)), 0.0_dp, thr=1.0e-10_dp)
+   end subroutine test_offset_scale
+
+   !> Nine of ten samples on one level: MAD 0. The neighbouring levels stay, the spike goes.
+   subroutine test_quantised(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: x(:), cleaned(:)
+      integer(int8), allocatable :: mask(:)
+      type(clean_type) :: result
+      type(gyro_error), allocatable :: problem
+      integer :: i
+
+      do i = 1, 2
+         x = 0.01_dp*anint(0.304_dp*reference_series("wn_bm", 2000))
+         x(1000) = 0.5_dp
+         call clean_series(x, clean_options(degree=0, method=merge("mad ", "auto", i == 1)), cleaned, mask, result, problem)
+         call marks_are(error, result, problem, [1000])
+         if (allocated(error)) return
+      end do
+   end subroutine test_quantised
+
+   !> A constant series, at any offset and degree, has no outlier; nor has a straight line.
+   subroutine test_constant(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      character(8), parameter :: method(3) = [character(8) :: "auto", "pauta", "mad"]
+      real(dp) :: x(500)
+      real(dp), allocatable :: cleaned(:)
+      integer(int8), allocatable :: mask(:)
+      type(clean_type) :: result
+      type(gyro_error), allocatable :: problem
+      integer :: i, j
+
+      do i = 1, 3
+         do j = 1, 2
+            x = 123456.1_dp
+            if (j == 2) x = [(1234.1_dp + 0.1_dp*real(j, dp), j = 1, 500)]
+            call clean_series(x, clean_options(method=method(i)), cleaned, mask, result, problem)
+            call check(error, .not. allocated(problem), "it failed")
+            if (allocated(error)) return
+            call check(error, result%removed == 0 .and. .not. allocated(mask), trim(method(i))//" marks rounding errors")
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_constant
+
+   !> Samples that were missing before stay missing and are no outliers; what they hold does not matter.
+   subroutine test_missing(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: x(:), cleaned(:)
+      integer(int8), allocatable :: valid(:), mask(:)
+      type(clean_type) :: result
+      type(gyro_error), allocatable :: problem
+
+      x = drifting_record()
+      valid = merge(0_int8, 1_int8, cshift(reference_series("unif", 12000), 5000) < 0.05_dp)
+      valid(place) = 1_int8
+      where (valid == 0_int8) x = 1.0e5_dp
+      call clean_series(x, clean_options(), cleaned, mask, result, problem, valid)
+      call marks_are(error, result, problem, place)
+      if (allocated(error)) return
+      call check(error, all(mask == 0_int8 .eqv. (valid == 0_int8 .or. mask /= valid)), "the mask")
+      if (allocated(error)) return
+      call check(error, count(mask == 0_int8), count(valid == 0_int8) + 12)
+      if (allocated(error)) return
+      call check(error, maxval(abs(cleaned), mask=mask == 0_int8), 0.0_dp, thr=tiny(x))
+      if (allocated(error)) return
+      call check(error, abs(result%mean) < 0.01_dp .and. abs(result%variance - 1.0_dp) < 0.1_dp, "mean or variance")
+      if (allocated(error)) return
+      call clean_series(x, clean_options(method="none"), cleaned, mask, result, problem, valid)
+      call check(error, count(mask /= valid), 0)
+   end subroutine test_missing
+
+   !> Method none and degree -1: the series itself, no mask.
+   subroutine test_nothing_removed(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: x(:), cleaned(:)
+      integer(int8), allocatable :: mask(:)
+      type(clean_type) :: result
+      type(gyro_error), allocatable :: problem
+
+      x = reference_series("offset", 1000)
+      call clean_series(x, clean_options(degree=-1, method="none"), cleaned, mask, result, problem)
+      call check(error, .not. (allocated(problem) .or. allocated(mask)), "it failed")
+      if (allocated(error)) return
+      call check(error, maxval(abs(cleaned - x)), 0.0_dp, thr=tiny(x))
+      if (allocated(error)) return
+      call check(error, result%passes == 0 .and. size(result%outlier) == 0 .and. result%removed == 0, "something was removed")
+      if (allocated(error)) return
+      call check(error, result%mean, 9999.999911678937_dp, thr=1.0e-15_dp, rel=.true.)
+   end subroutine test_nothing_removed
+
+   !> Ten samples: 3 standard deviations are out of reach ((n-1)/sqrt(n) = 2.85), eleven suffice.
+   subroutine test_short(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: x(11)
+      real(dp), allocatable :: cleaned(:)
+      integer(int8), allocatable :: mask(:)
+      type(clean_type) :: result
+      type(gyro_error), allocatable :: problem
+
+      x = 0.0_dp
+      x(5) = 1.0_dp
+      call clean_series(x(:10), clean_options(degree=0, method="pauta"), cleaned, mask, result, problem)
+      call check(error, .not. allocated(problem) .and. result%removed == 0, "10 samples")
+      if (allocated(error)) return
+      call clean_series(x, clean_options(degree=0, method="pauta"), cleaned, mask, result, problem)
+      call marks_are(error, result, problem, [5])
+   end subroutine test_short
+
+   !> Each error.
+   subroutine test_failures(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: x(4)
+      integer(int8) :: valid(4)
+
+      x = [1.0_dp, 2.0_dp, 1.0_dp, 3.0_dp]
+      valid = 0_int8
+      call refused(error, x, clean_options(method="hampel"), status%not_supported)
+      if (allocated(error)) return
+      call refused(error, x, clean_options(method="best"), status%invalid_argument)
+      if (allocated(error)) return
+      call refused(error, x, clean_options(threshold=-1.0_dp), status%invalid_argument)
+      if (allocated(error)) return
+      call refused(error, x, clean_options(max_passes=0), status%invalid_argument)
+      if (allocated(error)) return
+      call refused(error, x, clean_options(degree=10), status%invalid_argument)
+      if (allocated(error)) return
+      call refused(error, x, clean_options(degree=4), status%too_few_samples)
+      if (allocated(error)) return
+      call refused(error, x, clean_options(), status%too_few_samples, valid)
+      if (allocated(error)) return
+      call refused(error, x, clean_options(), status%invalid_argument, valid(:2))
+   end subroutine test_failures
+
+   !> Fails unless the cleaning is refused with the code.
+   subroutine refused(error, x, options, code, valid)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      !> Series
+      real(dp), intent(in), contiguous :: x(:)
+      !> Options
+      type(clean_options), intent(in) :: options
+      !> Expected
+      integer, intent(in) :: code
+      !> 1 present, 0 missing
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp), allocatable :: cleaned(:)
+      integer(int8), allocatable :: mask(:)
+      type(clean_type) :: result
+      type(gyro_error), allocatable :: problem
+
+      call clean_series(x, options, cleaned, mask, result, problem, valid)
+      call check(error, allocated(problem), "bad input was accepted")
+      if (allocated(error)) return
+      call check(error, problem%code, code, problem%message)
+   end subroutine refused
+
+end module test_clean
