@@ -125,7 +125,7 @@ contains
       type(lane_type), intent(inout) :: lane
       real(dp) :: inverse
 
-      lane%s = lane%prior + lane%r
+      lane%s = (lane%phi2*lane%p + lane%r) + lane%q               ! Q is known last: one addition after it
       inverse = 1.0_dp/lane%s
       lane%gain = lane%prior*inverse
       lane%share = lane%r*inverse
@@ -187,10 +187,10 @@ contains
       excess = lane%square*lane%inverse_consistency - lane%s
       held = .false.
       if (lane%adapt_r) then
-         step = excess
-         if (lane%by_residual) step = lane%share*lane%share*excess
-         if (lane%by_posterior) step = step + lane%gain*lane%prior
-         lane%r = lane%r + lane%weight*step
+         step = lane%weight*excess
+         if (lane%by_residual) step = (lane%share*lane%share)*step
+         lane%r = lane%r + step
+         if (lane%by_posterior) lane%r = lane%r + (lane%weight*lane%prior)*lane%gain
          if (lane%r <= lane%r_low) then
             lane%r = lane%r_low
             lane%r_floor = lane%r_floor + 1
