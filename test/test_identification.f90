@@ -23,6 +23,7 @@ contains
          & new_unittest("drift_and_white_noise", test_truth), &
          & new_unittest("missing_samples", test_missing), &
          & new_unittest("slow_drift_in_block_means", test_slow), &
+         & new_unittest("random_walk_with_steps", test_random_walk), &
          & new_unittest("pure_ar_has_no_white_noise", test_pure_ar), &
          & new_unittest("white_noise_has_no_drift", test_white), &
          & new_unittest("limit_of_the_drift", test_limit), &
@@ -113,6 +114,34 @@ contains
       if (allocated(error)) return
       call check(error, model%measurement_variance, 1.0_dp, thr=0.01_dp)
    end subroutine test_slow
+
+   !> A random walk with steps: records at which a weighted fit alone goes astray and finds nothing
+   subroutine test_random_walk(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(drift_model_type) :: model
+      real(dp) :: z(12000), w(12000), level
+      integer, parameter :: seed(5) = [7, 82, 112, 160, 183]
+      integer :: i, k
+
+      do i = 1, size(seed)
+         call fill_noise(4000 + seed(i), w)
+         call fill_noise(4500 + seed(i), z)
+         level = 0
+         do k = 1, size(z)
+            level = level + 3.0e-4_dp*w(k)
+            if (mod(k, 1714) == 0) level = level + merge(0.03_dp, -0.03_dp, mod(k/1714, 2) == 0)
+            z(k) = level + sqrt(4.2e-4_dp)*z(k)
+         end do
+         call identify_drift(z, model, failure)
+         call check(error, model%found, "the walk is not found")
+         if (allocated(error)) return
+         call check(error, model%measurement_variance, 4.2e-4_dp, thr=0.06_dp, rel=.true.)
+         if (allocated(error)) return
+         call check(error, model%correlation_samples > 300, "the walk is taken for something fast")
+         if (allocated(error)) return
+      end do
+   end subroutine test_random_walk
 
    !> The paper's record: AR(1) alone, R about zero, correlation time 1.12 samples (0.22 s): no drift
    subroutine test_pure_ar(error)

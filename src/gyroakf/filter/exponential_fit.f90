@@ -21,6 +21,9 @@ module gyroakf_filter_exponential_fit
    !> Correlation times tried: from this many lags up to a share of the samples, in a geometric grid, then refined
    real(dp), parameter :: shortest = 0.2_dp, largest_share = 0.3_dp
    integer, parameter :: grid_points = 60, refinements = 40
+   !> Share of the unweighted fit's evidence that a weighted one keeps: else, as near a random walk, where the weights
+   !> are all but singular, it has gone astray and the round before holds
+   real(dp), parameter :: least_agreement = 0.5_dp
    !> White noise that the weights assume at least, relative to r_0: keeps their matrix well conditioned
    real(dp), parameter :: least_white = 1.0e-3_dp
 
@@ -45,7 +48,7 @@ contains
       !> D, psi and what speaks for them
       type(exponential_type), intent(out) :: fit
       real(dp), allocatable :: factor(:, :), white(:)
-      integer :: k, lags, round, info
+      integer :: lags, round, info
       type(exponential_type) :: next
 
       lags = ubound(r, 1)
@@ -57,15 +60,25 @@ contains
          white = r(1:)
          call whiten(factor, white)
          call search(factor, white, r(0), samples, next)
+         next%evidence = evidence_of(next, r, samples)
+         if (round > 1 .and. .not. next%evidence > least_agreement*fit%evidence) exit
          fit = next
          if (.not. fit%amplitude > 0.0_dp) exit
       end do
-      fit%evidence = 0
-      do k = 1, lags
-         fit%evidence = fit%evidence + r(k)**2 - (r(k) - fit%amplitude*regressor(fit%ratio, k, samples))**2
-      end do
-      fit%evidence = samples*fit%evidence/r(0)**2
    end subroutine fit_exponential
+
+   !> Decrease of chi-square from no correlation to a fit, had the series been white.
+   pure real(dp) function evidence_of(fit, r, samples)
+      type(exponential_type), intent(in) :: fit
+      real(dp), intent(in) :: r(0:), samples
+      integer :: k
+
+      evidence_of = 0.0_dp
+      do k = 1, ubound(r, 1)
+         evidence_of = evidence_of + r(k)**2 - (r(k) - fit%amplitude*regressor(fit%ratio, k, samples))**2
+      end do
+      evidence_of = samples*evidence_of/r(0)**2
+   end function evidence_of
 
    !> Covariance matrix of r(1:L) for a model, lower triangle; the unit matrix in the first round.
    pure subroutine weights(r0, samples, fit, first, v)
