@@ -382,6 +382,7 @@ contains
       type(filter_type) :: filter
       type(filter_options) :: options
       real(dp) :: z(400), x(400)
+      integer :: k
 
       call fill_noise(19, z)
       options = adapting("QR", "exact", 0.98_dp)
@@ -399,6 +400,12 @@ contains
       if (allocated(error)) return
       call new_filter(filter, [0.1_dp], 1.0_dp, 1.0_dp, options, failure)
       call check(error, filter%wait, 20)
+      if (allocated(error)) return
+      options%r_scale = 1.0_dp
+      call new_filter(filter, [0.9_dp], 0.1_dp, 1.0_dp, options, failure)
+      k = filter%wait
+      call new_filter(filter, [0.9_dp], 0.1_dp, 50.0_dp, options, failure)
+      call check(error, filter%wait, k, "a wrong R prolongs the burn-in")
    end subroutine test_burn_in
 
    !> A missing sample moves the state, not the noise

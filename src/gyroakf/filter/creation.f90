@@ -74,7 +74,7 @@ contains
       end if
       call steady_state(filter%phi, filter%q, filter%r, filter%steady_gain, prior, error)
       if (allocated(error)) return
-      if (options%burn_in < 0) call find_burn_in(filter, prior)
+      if (options%burn_in < 0) call find_burn_in(filter, prior, error)
    end subroutine new_filter
 
    !> The arguments of new_filter, tested.
@@ -151,22 +151,29 @@ contains
       end associate
    end subroutine set_adaptation
 
-   !> Measurements until the gain of the filter with its first Q and R is the steady one.
-   pure subroutine find_burn_in(filter, work)
+   !> Measurements until the gain is the steady one, with the R that the scale of its bounds suggests: a wrong R at the
+   !> start must not prolong the time that it is kept.
+   subroutine find_burn_in(filter, p, error)
       !> Its `wait` is set
       type(filter_type), intent(inout) :: filter
       !> Work space, [order, order]
-      real(dp), intent(inout), contiguous :: work(:, :)
-      real(dp) :: s
+      real(dp), intent(inout), contiguous :: p(:, :)
+      !> As steady_state
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: gain(filter%order), r, s, steady
       integer :: k
 
-      work = filter%p
+      r = filter%r
+      if (filter%options%r_scale > 0.0_dp) r = filter%options%r_scale
+      call steady_state(filter%phi, filter%q, r, gain, p, error)
+      if (allocated(error)) return
+      steady = gain(1)
+      p = filter%p
       do k = 1, longest_burn_in
-         call predict_covariance(filter%phi, filter%q, work, filter%work)
-         call correct_covariance(filter%r, work, filter%gain, s)
-         if (abs(filter%gain(1) - filter%steady_gain(1)) <= burn_in_tolerance*filter%steady_gain(1)) exit
+         call predict_covariance(filter%phi, filter%q, p, filter%work)
+         call correct_covariance(r, p, gain, s)
+         if (abs(gain(1) - steady) <= burn_in_tolerance*steady) exit
       end do
-      filter%gain = 0.0_dp
       filter%wait = max(shortest_burn_in, min(k, longest_burn_in))
    end subroutine find_burn_in
 end module gyroakf_filter_creation
