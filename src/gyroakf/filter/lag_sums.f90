@@ -50,28 +50,30 @@ contains
       real(dp), intent(in), contiguous :: x(:)
       !> 1 where a sample is present, [n]
       integer(int8), intent(in), contiguous, optional :: valid(:)
-      real(dp) :: block_total, count
+      real(dp) :: block_total, count, edge
       integer :: k, n
 
       n = size(x)
       sums%here(1:n) = 1.0_dp
       if (present(valid)) sums%here(1:n) = merge(1.0_dp, 0.0_dp, valid /= 0_int8)
-      count = sum(sums%here(1:n))
-      if (sums%present == 0 .and. count > 0.0_dp) sums%shift = sum(x*sums%here(1:n))/count
+      count = total(sums%here(1:n))
+      if (sums%present == 0 .and. count > 0.0_dp) sums%shift = dot(x, sums%here(1:n))/count
+      sums%squares = sums%squares + sum_of_squares(x, sums%here(1:n))
       sums%value(1:n) = (x - sums%shift)*sums%here(1:n)
       sums%samples = sums%samples + n
       sums%present = sums%present + nint(count, int64)
-      block_total = sum(sums%value(1:n))
+      block_total = total(sums%value(1:n))
       sums%total = sums%total + block_total
-      sums%squares = sums%squares + sum((x*sums%here(1:n))**2)
       do k = 0, longest_lag
          sums%products(k) = sums%products(k) + dot(sums%value(1:n), sums%value(1 - k:n - k))
       end do
-      if (all(sums%here(:n) > 0.5_dp)) then
+      if (total(sums%here(:n)) > real(n + longest_lag, dp) - 0.5_dp) then
+         edge = 0.0_dp                              ! nothing is missing here nor in the last samples before
          do k = 0, longest_lag
+            if (k > 0) edge = edge + sums%value(1 - k) - sums%value(n - k + 1)
             sums%pairs(k) = sums%pairs(k) + count
             sums%later(k) = sums%later(k) + block_total
-            sums%earlier(k) = sums%earlier(k) + sum(sums%value(1 - k:n - k))
+            sums%earlier(k) = sums%earlier(k) + (block_total + edge)
          end do
       else
          do k = 0, longest_lag
@@ -85,6 +87,32 @@ contains
          sums%here(k) = sums%here(n + k)
       end do
    end subroutine add_block
+
+   !> Sum of a vector.
+   pure real(dp) function total(a)
+      !> The vector, [n]
+      real(dp), intent(in), contiguous :: a(:)
+      integer :: i
+
+      total = 0.0_dp
+      !$omp simd reduction(+:total)
+      do i = 1, size(a)
+         total = total + a(i)
+      end do
+   end function total
+
+   !> Sum of the squares of the present values.
+   pure real(dp) function sum_of_squares(a, here)
+      !> The vector and its presence (1 or 0), [n]
+      real(dp), intent(in), contiguous :: a(:), here(:)
+      integer :: i
+
+      sum_of_squares = 0.0_dp
+      !$omp simd reduction(+:sum_of_squares)
+      do i = 1, size(a)
+         sum_of_squares = sum_of_squares + here(i)*a(i)**2
+      end do
+   end function sum_of_squares
 
    !> Scalar product of two vectors of one length.
    pure real(dp) function dot(a, b)

@@ -163,11 +163,22 @@ contains
       integer(int8), intent(in), contiguous :: here(:)
       real(dp) :: mean, squares, difference
       integer(int64) :: count, together
+      integer :: k
 
-      count = sum(int(here, int64))
+      count = 0
+      mean = 0.0_dp
+      !$omp simd reduction(+:count, mean)
+      do k = 1, size(x)
+         count = count + here(k)
+         mean = mean + here(k)*x(k)
+      end do
       if (count == 0) return
-      mean = sum(x*here)/real(count, dp)
-      squares = sum(here*(x - mean)**2)
+      mean = mean/real(count, dp)
+      squares = 0.0_dp
+      !$omp simd reduction(+:squares)
+      do k = 1, size(x)
+         squares = squares + here(k)*(x(k) - mean)**2
+      end do
       together = sums%count + count
       difference = mean - sums%mean
       sums%squares = sums%squares + squares + difference**2*(real(sums%count, dp)*(real(count, dp)/real(together, dp)))
