@@ -10,7 +10,7 @@
 module gyroakf_error
    implicit none (type, external)
    private
-   public :: error_type, fatal_error, status, status_text, exit_code
+   public :: error_type, fatal_error, status, status_texts, status_text, exit_code
 
    !> What went wrong
    type :: error_type
@@ -57,6 +57,24 @@ module gyroakf_error
    !> All codes
    type(status_enum), parameter :: status = status_enum()
 
+   !> Their texts, in the order of the numbers
+   character(38), parameter :: status_texts(0:14) = [character(38) :: &
+      & "ok", &
+      & "invalid argument", &
+      & "too few samples", &
+      & "file cannot be opened, read or written", &
+      & "file content not understood", &
+      & "series has no variance", &
+      & "singular problem", &
+      & "iteration did not converge", &
+      & "model not stationary", &
+      & "value not finite", &
+      & "out of memory", &
+      & "not supported by this build", &
+      & "cancelled by the caller", &
+      & "internal error", &
+      & "wrong usage"]
+
 contains
 
    !> Fills the error.
@@ -79,24 +97,8 @@ contains
       integer, intent(in) :: code
       character(:), allocatable :: text
 
-      select case (code)
-      case (status%ok); text = "ok"
-      case (status%invalid_argument); text = "invalid argument"
-      case (status%too_few_samples); text = "too few samples"
-      case (status%io); text = "file cannot be opened, read or written"
-      case (status%parse); text = "file content not understood"
-      case (status%constant_input); text = "series has no variance"
-      case (status%singular); text = "singular problem"
-      case (status%not_converged); text = "iteration did not converge"
-      case (status%unstable); text = "model not stationary"
-      case (status%non_finite); text = "value not finite"
-      case (status%no_memory); text = "out of memory"
-      case (status%not_supported); text = "not supported by this build"
-      case (status%cancelled); text = "cancelled by the caller"
-      case (status%internal); text = "internal error"
-      case (status%usage); text = "wrong usage"
-      case default; text = "unknown status"
-      end select
+      text = "unknown status"
+      if (code >= lbound(status_texts, 1) .and. code <= ubound(status_texts, 1)) text = trim(status_texts(code))
    end function status_text
 
    !> The exit code of a program that stops with this error: 1 usage, 2 data or file, 3 numerical.
