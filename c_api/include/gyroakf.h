@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * gyroakf: random errors of gyroscopes, characterised and compensated. The C interface.
+ *
+ * Rules that hold for every function
+ *
+ * - A function that can fail returns GYROAKF_OK (0) or another value of enum gyroakf_status. Its last argument may be
+ *   NULL; otherwise it is filled in either case: code, and a message in UTF-8 that says what is wrong (empty if nothing).
+ * - Nothing prints, stops the program, throws, locks, or keeps state of its own. Different handles may be used by
+ *   different threads at the same time; one handle by one thread at a time.
+ * - const double * arrays hold evenly spaced samples; NaN marks a missing sample, an infinite value is an error unless
+ *   its function says otherwise. No pointer of the caller is kept after the return, and nothing is changed behind a const.
+ * - NULL for options means their defaults. Otherwise call the _init function of the struct first: it also writes
+ *   struct_size, which tells the library the version of the struct that the program was compiled with.
+ *   Strings may be NULL: the default.
+ * - A NULL where an array, a handle or a result is needed, a count <= 0 and a number out of its range give
+ *   GYROAKF_INVALID_ARGUMENT.
+ * - Handles come from _new and go to _free, which accepts NULL. *out is NULL where _new fails.
+ * - Floating-point traps that the program has switched on are off inside the library and on again after it, except
+ *   in gyroakf_filter_step, which causes none. Exception flags of the program are left as they were.
+ * - The library works in the unit u of its input; times are in seconds.
+ */
+#ifndef GYROAKF_H
+#define GYROAKF_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define GYROAKF_VERSION_MAJOR 0
+#define GYROAKF_VERSION_MINOR 1
+#define GYROAKF_VERSION_PATCH 0
+#define GYROAKF_VERSION_STRING "0.1.0"
+#define GYROAKF_VERSION (10000 * GYROAKF_VERSION_MAJOR + 100 * GYROAKF_VERSION_MINOR + GYROAKF_VERSION_PATCH)
+
+#ifndef GYROAKF_API
+#define GYROAKF_API extern
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ------------------------------------------------------------------------------------------------ status and release */
+
+/* What a function returns. The numbers never change; new ones come at the end. */
+enum gyroakf_status {
+  GYROAKF_OK = 0,
+  GYROAKF_INVALID_ARGUMENT = 1, /* an argument is out of its documented range */
+  GYROAKF_TOO_FEW_SAMPLES = 2,  /* the series is too short for what was asked */
+  GYROAKF_IO = 3,               /* a file cannot be opened, read or written */
+  GYROAKF_PARSE = 4,            /* a file's content cannot be understood */
+  GYROAKF_CONSTANT_INPUT = 5,   /* the series has no variance */
+  GYROAKF_SINGULAR = 6,         /* a matrix is singular or a fit is perfect */
+  GYROAKF_NOT_CONVERGED = 7,    /* an iteration did not converge */
+  GYROAKF_UNSTABLE = 8,         /* a model is not stationary */
+  GYROAKF_NON_FINITE = 9,       /* a value is infinite (or NaN where that is not allowed) */
+  GYROAKF_NO_MEMORY = 10,       /* memory could not be allocated, or a size overflows */
+  GYROAKF_NOT_SUPPORTED = 11,   /* a feature that this build does not have */
+  GYROAKF_CANCELLED = 12,       /* the caller's callback asked to stop */
+  GYROAKF_INTERNAL = 13,        /* a defect of the library */
+  GYROAKF_USAGE = 14            /* (of the command line only) */
+};
+
+/* What went wrong. The caller owns it; there is nothing to free. */
+typedef struct gyroakf_error {
+  int32_t code;      /* enum gyroakf_status */
+  char message[256]; /* always terminated; cut at a whole character where it would be longer */
+} gyroakf_error;
+
+/* 10000*major + 100*minor + patch of the library that is linked; compare with GYROAKF_VERSION. */
+GYROAKF_API int gyroakf_version(void);
+
+/* "major.minor.patch"; static storage. */
+GYROAKF_API const char *gyroakf_version_string(void);
+
+/* A short text for a status, "unknown status" for a number that is none; static storage. */
+GYROAKF_API const char *gyroakf_status_string(int status);
+
+/* --------------------------------------------------------------------------------------------------- Allan deviation */
+
+/* A deviation curve: deviation, confidence limits and degrees of freedom over the averaging time. */
+typedef struct gyroakf_allan gyroakf_allan;
+
+typedef struct gyroakf_allan_options {
+  size_t struct_size;
+  const char *kind;    /* "oadev", the overlapping Allan deviation */
+  const char *taus;    /* "octave" (default), "decade", "log:N" (N per decade), "all", or "0.5,1,2" in s */
+  double confidence;   /* probability between the limits, 0 < c < 1; 0.683 */
+  double min_coverage; /* share of a window that must be present, 0 < s <= 1; 0.9 */
+} gyroakf_allan_options;
+
+GYROAKF_API void gyroakf_allan_options_init(gyroakf_allan_options *opt);
+
+/*
+ * Deviation curve of a rate record.
+ *   rate  [n] rates (means over their intervals), unit u
+ *   n     samples, >= 2
+ *   dt    sample interval, s, > 0
+ *   out   the curve; free it with gyroakf_allan_free
+ * Cost O(n) for each averaging time; memory 8 bytes a sample.
+ */
+GYROAKF_API int gyroakf_allan_new(const double *rate, int64_t n, double dt, const gyroakf_allan_options *opt,
+                                  gyroakf_allan **out, gyroakf_error *err);
+
+/* Points of the curve; 0 for NULL. */
+GYROAKF_API int64_t gyroakf_allan_size(const gyroakf_allan *a);
+
+/* Arrays of gyroakf_allan_size values, ascending in tau; they live as long as the curve. NULL for NULL. */
+GYROAKF_API const double *gyroakf_allan_tau(const gyroakf_allan *a);       /* averaging time, s */
+GYROAKF_API const double *gyroakf_allan_deviation(const gyroakf_allan *a); /* unit u */
+GYROAKF_API const double *gyroakf_allan_lower(const gyroakf_allan *a);     /* lower confidence limit, u */
+GYROAKF_API const double *gyroakf_allan_upper(const gyroakf_allan *a);     /* upper confidence limit, u */
+GYROAKF_API const double *gyroakf_allan_edf(const gyroakf_allan *a);       /* equivalent degrees of freedom */
+
+GYROAKF_API void gyroakf_allan_free(gyroakf_allan *a);
+
+/* ------------------------------------------------------------------------------------------------------------ filter */
+
+/* A Kalman filter of an AR(p) state in white noise, fixed or adaptive (Sage-Husa). */
+typedef struct gyroakf_filter gyroakf_filter;
+
+typedef struct gyroakf_filter_options {
+  size_t struct_size;
+  int32_t estimate_process_mean;         /* 1: adapt the mean q of the process noise; 0 */
+  int32_t estimate_measurement_mean;     /* 1: adapt the mean r of the measurement noise; 0 */
+  int32_t estimate_process_variance;     /* 1: adapt its variance Q; 0 */
+  int32_t estimate_measurement_variance; /* 1: adapt its variance R; 0 */
+  double forgetting;                     /* factor b of the adaptation, 0 < b <= 1; 0.98 */
+  const char *measurement_form;          /* how R follows: "residual" (default), "exact", "biased", "paper" */
+  int32_t burn_in;                       /* measurements without adaptation; -1: until the gain has settled; 0 */
+  double huber;                          /* innovations beyond so many deviations count less; 0 (default): no gate */
+  double r_scale;                        /* what the bounds of R are multiples of (half the variance of the
+                                            differences of z is good); 0 (default): r */
+  double initial_variance;               /* variance of the state at the start; 0 (default): the stationary one */
+  double q_lower, q_upper;               /* bounds of Q, multiples of q; 1e-3, 1e3 */
+  double r_lower, r_upper;               /* bounds of R, multiples of r_scale; 1e-2, 1e2 */
+} gyroakf_filter_options;
+
+GYROAKF_API void gyroakf_filter_options_init(gyroakf_filter_options *opt);
+
+/*
+ * A filter for z_k = x_k + v_k, x_k = sum phi_i x_{k-i} + w_k.
+ *   p     order, 0 .. 1000
+ *   phi   [p] coefficients of a stationary model (NULL if p is 0)
+ *   q, r  variances of w and v, u^2, >= 0, not both 0
+ * The state starts at zero. GYROAKF_UNSTABLE: the model is not stationary.
+ */
+GYROAKF_API int gyroakf_filter_new(int32_t p, const double *phi, double q, double r, const gyroakf_filter_options *opt,
+                                   gyroakf_filter **out, gyroakf_error *err);
+
+/*
+ * One step in real time: takes the measurement z, writes the estimate to *x. No allocation, no lock, a bounded time.
+ * A z that is NaN or infinite is no measurement: the estimate is the prediction, and the status is GYROAKF_OK.
+ */
+GYROAKF_API int gyroakf_filter_step(gyroakf_filter *f, double z, double *x);
+
+/* frozen != 0: no adaptation from here on (while the sensor rotates); 0: again. The state goes on either way. */
+GYROAKF_API int gyroakf_filter_freeze(gyroakf_filter *f, int32_t frozen);
+
+/* n steps: z [n] to x [n], the same numbers as step by step. x may be z itself; otherwise they do not overlap. */
+GYROAKF_API int gyroakf_filter_run(gyroakf_filter *f, const double *z, int64_t n, double *x, gyroakf_error *err);
+
+typedef struct gyroakf_filter_state {
+  double x;                   /* estimate */
+  double p;                   /* its variance */
+  double gain;                /* of the last measurement */
+  double innovation;          /* of the last measurement */
+  double innovation_variance; /* as the filter expected it */
+  double q_mean, r_mean;      /* means q and r that the next step uses */
+  double q, r;                /* variances Q and R that the next step uses */
+  int64_t steps;              /* made so far, missing measurements included */
+} gyroakf_filter_state;
+
+/* What the filter holds after its last step. */
+GYROAKF_API int gyroakf_filter_get(const gyroakf_filter *f, gyroakf_filter_state *out);
+
+GYROAKF_API void gyroakf_filter_free(gyroakf_filter *f);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* GYROAKF_H */

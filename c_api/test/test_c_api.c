@@ -1,0 +1,430 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Tests of the C interface: every function, reference numbers, every failure, floating-point traps of the program.
+ * The last line is "N passed, N failed"; the exit code is not 0 if a test failed.
+ */
+#if defined(__linux__) && !defined(_GNU_SOURCE)
+#define _GNU_SOURCE /* feenableexcept */
+#endif
+#include "gyroakf.h"
+
+#include <fenv.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int passed, failed;
+
+/* One test: prints only what fails. */
+static void check(int good, const char *what) {
+  if (good) {
+    passed++;
+  } else {
+    failed++;
+    printf("FAILED: %s\n", what);
+  }
+}
+
+/* |a - b| <= tolerance |b|; false for NaN */
+static int close_to(double a, double b, double tolerance) { return fabs(a - b) <= tolerance * fabs(b); }
+
+static gyroakf_error err;
+
+/* The call failed with this status, err agrees, and the message says something. */
+static void check_failure(int status, int expected, const char *what) {
+  check(status == expected, what);
+  check(err.code == status && strlen(err.message) > 5, what);
+  if (status != expected) printf("  status %d: %s\n", status, err.message);
+  memset(&err, 0x55, sizeof err);
+}
+
+/* The call failed in one of several sensible ways. */
+static void check_any_failure(int status, const char *what) {
+  check(status != GYROAKF_OK && err.code == status && strlen(err.message) > 5, what);
+  memset(&err, 0x55, sizeof err);
+}
+
+/* The call succeeded and cleared err. */
+static void check_success(int status, const char *what) {
+  check(status == GYROAKF_OK && err.code == GYROAKF_OK && err.message[0] == '\0', what);
+  if (status != GYROAKF_OK) printf("  status %d: %s\n", status, err.message);
+  memset(&err, 0x55, sizeof err);
+}
+
+/* The values of the NBS test set (W. Riley, NIST SP 1065): n_1 = 1234567890, n = 16807 n mod 2147483647. */
+static void nbs(double *x, int n) {
+  int64_t s = 1234567890;
+  int i;
+  for (i = 0; i < n; i++) {
+    x[i] = (double)s / 2147483647.0;
+    s = 16807 * s % 2147483647;
+  }
+}
+
+/* AR(1) of unit innovations, made from sums of twelve of those values; deterministic. */
+static void autoregressive(double *x, int n, double phi) {
+  int64_t s = 1234567890;
+  double before = 0.0;
+  int i, k;
+  for (i = -100; i < n; i++) {
+    double g = -6.0;
+    for (k = 0; k < 12; k++) {
+      g += (double)s / 2147483647.0;
+      s = 16807 * s % 2147483647;
+    }
+    before = phi * before + g;
+    if (i >= 0) x[i] = before;
+  }
+}
+
+static void test_release(void) {
+  char text[64];
+  int i, j;
+  snprintf(text, sizeof text, "%d.%d.%d", GYROAKF_VERSION_MAJOR, GYROAKF_VERSION_MINOR, GYROAKF_VERSION_PATCH);
+  check(gyroakf_version() == GYROAKF_VERSION, "the library has the version of the header");
+  check(strcmp(gyroakf_version_string(), text) == 0, "version string");
+  check(strcmp(GYROAKF_VERSION_STRING, text) == 0, "version string of the header");
+  check(strcmp(gyroakf_status_string(GYROAKF_OK), "ok") == 0, "text of GYROAKF_OK");
+  check(strcmp(gyroakf_status_string(GYROAKF_UNSTABLE), "model not stationary") == 0, "text of GYROAKF_UNSTABLE");
+  check(strcmp(gyroakf_status_string(GYROAKF_USAGE), "wrong usage") == 0, "text of GYROAKF_USAGE");
+  check(strcmp(gyroakf_status_string(-1), "unknown status") == 0, "text of -1");
+  check(strcmp(gyroakf_status_string(GYROAKF_USAGE + 1), "unknown status") == 0, "text of a status too large");
+  for (i = GYROAKF_OK; i <= GYROAKF_USAGE; i++) {
+    for (j = GYROAKF_OK; j < i; j++) {
+      if (strcmp(gyroakf_status_string(i), gyroakf_status_string(j)) == 0) check(0, "two statuses have one text");
+    }
+  }
+}
+
+/* NIST SP 1065: 9 rates, and 1000 rates at m = 1, 10, 100; exact values computed with rational numbers. */
+static void test_allan_values(void) {
+  static const double nine[9] = {892, 809, 823, 798, 671, 644, 883, 903, 677};
+  double x[1000];
+  gyroakf_allan_options opt;
+  gyroakf_allan *a = NULL;
+  gyroakf_allan_options_init(&opt);
+  opt.kind = "oadev";
+  opt.taus = "1,2";
+  check_success(gyroakf_allan_new(nine, 9, 1.0, &opt, &a, &err), "deviation of 9 rates");
+  check(gyroakf_allan_size(a) == 2, "two averaging times");
+  if (gyroakf_allan_size(a) == 2) {
+    check(gyroakf_allan_tau(a)[0] == 1.0 && gyroakf_allan_tau(a)[1] == 2.0, "averaging times");
+    check(close_to(gyroakf_allan_deviation(a)[0], 91.22944974074983, 1e-12), "9 rates, m = 1");
+    check(close_to(gyroakf_allan_deviation(a)[1], 85.95286983768101, 1e-12), "9 rates, m = 2");
+  }
+  gyroakf_allan_free(a);
+  nbs(x, 1000);
+  opt.taus = "1,10,100";
+  check_success(gyroakf_allan_new(x, 1000, 1.0, &opt, &a, &err), "deviation of 1000 rates");
+  check(gyroakf_allan_size(a) == 3, "three averaging times");
+  if (gyroakf_allan_size(a) == 3) {
+    check(close_to(gyroakf_allan_deviation(a)[0], .2922318781067592, 1e-12), "1000 rates, m = 1");
+    check(close_to(gyroakf_allan_deviation(a)[1], .09159953420118654, 1e-12), "1000 rates, m = 10");
+    check(close_to(gyroakf_allan_deviation(a)[2], .03241343026056984, 1e-12), "1000 rates, m = 100");
+  }
+  gyroakf_allan_free(a);
+}
+
+/* Stable32 1.60 for the same 1000 rates at m = 1, white noise, 68.3 %: limits 0.28515 and 0.29987 (five digits printed);
+   the degrees of freedom by Greenhall and Riley (2003). */
+static void test_allan_limits(void) {
+  double x[1000];
+  gyroakf_allan *a = NULL;
+  int64_t i;
+  nbs(x, 1000);
+  check_success(gyroakf_allan_new(x, 1000, 0.5, NULL, &a, &err), "default options");
+  check(gyroakf_allan_size(a) >= 8, "octaves of 1000 samples");
+  if (gyroakf_allan_size(a) > 0) {
+    check(close_to(gyroakf_allan_tau(a)[0], 0.5, 1e-15), "the first averaging time is the sample interval");
+    check(close_to(gyroakf_allan_lower(a)[0], .28515, 1e-3), "lower limit");
+    check(close_to(gyroakf_allan_upper(a)[0], .29987, 1e-3), "upper limit");
+    check(close_to(gyroakf_allan_edf(a)[0], 782.0303, 1e-3), "degrees of freedom");
+  }
+  for (i = 0; i < gyroakf_allan_size(a); i++) {
+    check(gyroakf_allan_lower(a)[i] < gyroakf_allan_deviation(a)[i], "the lower limit is below the deviation");
+    check(gyroakf_allan_upper(a)[i] > gyroakf_allan_deviation(a)[i], "the upper limit is above the deviation");
+  }
+  gyroakf_allan_free(a);
+}
+
+/* NaN is a missing sample: 5 % lost change the deviation by little, and the array is as it was. */
+static void test_allan_missing(void) {
+  double x[1000], lost[1000];
+  gyroakf_allan *a = NULL, *b = NULL;
+  int i;
+  nbs(x, 1000);
+  memcpy(lost, x, sizeof x);
+  for (i = 0; i < 50; i++) lost[(i * 379) % 1000] = NAN;
+  check_success(gyroakf_allan_new(x, 1000, 1.0, NULL, &a, &err), "whole series");
+  check_success(gyroakf_allan_new(lost, 1000, 1.0, NULL, &b, &err), "series with missing samples");
+  check(gyroakf_allan_size(a) > 0 && gyroakf_allan_size(b) > 0, "both have a curve");
+  if (gyroakf_allan_size(a) > 0 && gyroakf_allan_size(b) > 0) {
+    check(close_to(gyroakf_allan_deviation(b)[0], gyroakf_allan_deviation(a)[0], 0.03), "deviation with missing samples");
+  }
+  check(isnan(lost[0]) && lost[1] == x[1], "the caller's array is not changed");
+  gyroakf_allan_free(a);
+  gyroakf_allan_free(b);
+}
+
+static void test_allan_failures(void) {
+  double x[4] = {1, 2, 4, 3}, bad[4] = {1, INFINITY, 2, 3}, nothing[4] = {NAN, NAN, NAN, NAN};
+  gyroakf_allan *a = (gyroakf_allan *)x;
+  check_failure(gyroakf_allan_new(NULL, 4, 1.0, NULL, &a, &err), GYROAKF_INVALID_ARGUMENT, "rates NULL");
+  check(a == NULL, "*out is NULL after a failure");
+  check_failure(gyroakf_allan_new(x, 4, 1.0, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "out NULL");
+  check_failure(gyroakf_allan_new(x, 0, 1.0, NULL, &a, &err), GYROAKF_INVALID_ARGUMENT, "n = 0");
+  check_failure(gyroakf_allan_new(x, -5, 1.0, NULL, &a, &err), GYROAKF_INVALID_ARGUMENT, "n < 0");
+  check_failure(gyroakf_allan_new(x, INT64_MAX, 1.0, NULL, &a, &err), GYROAKF_INVALID_ARGUMENT, "n huge");
+  check_failure(gyroakf_allan_new(x, 1, 1.0, NULL, &a, &err), GYROAKF_TOO_FEW_SAMPLES, "one sample");
+  check_failure(gyroakf_allan_new(nothing, 4, 1.0, NULL, &a, &err), GYROAKF_TOO_FEW_SAMPLES, "all missing");
+  check_failure(gyroakf_allan_new(x, 4, 0.0, NULL, &a, &err), GYROAKF_INVALID_ARGUMENT, "dt = 0");
+  check_any_failure(gyroakf_allan_new(x, 4, NAN, NULL, &a, &err), "dt NaN");
+  check_failure(gyroakf_allan_new(bad, 4, 1.0, NULL, &a, &err), GYROAKF_NON_FINITE, "an infinite rate");
+  check(gyroakf_allan_new(x, 0, 1.0, NULL, &a, NULL) == GYROAKF_INVALID_ARGUMENT, "err NULL");
+  check(gyroakf_allan_size(NULL) == 0, "size of NULL");
+  check(gyroakf_allan_tau(NULL) == NULL && gyroakf_allan_deviation(NULL) == NULL, "tau and deviation of NULL");
+  check(gyroakf_allan_lower(NULL) == NULL && gyroakf_allan_upper(NULL) == NULL, "limits of NULL");
+  check(gyroakf_allan_edf(NULL) == NULL, "degrees of freedom of NULL");
+  gyroakf_allan_free(NULL);
+}
+
+static void test_allan_options(void) {
+  double x[4] = {1, 2, 4, 3};
+  gyroakf_allan_options opt;
+  gyroakf_allan *a = NULL;
+  gyroakf_allan_options_init(&opt);
+  opt.kind = "sdev";
+  check_any_failure(gyroakf_allan_new(x, 4, 1.0, &opt, &a, &err), "unknown kind");
+  opt.kind = "a kind with a very long name";
+  check_failure(gyroakf_allan_new(x, 4, 1.0, &opt, &a, &err), GYROAKF_INVALID_ARGUMENT, "unknown long kind");
+  gyroakf_allan_options_init(&opt);
+  opt.taus = "1,x";
+  check_failure(gyroakf_allan_new(x, 4, 1.0, &opt, &a, &err), GYROAKF_INVALID_ARGUMENT, "taus that are no numbers");
+  gyroakf_allan_options_init(&opt);
+  opt.confidence = 1.5;
+  check_failure(gyroakf_allan_new(x, 4, 1.0, &opt, &a, &err), GYROAKF_INVALID_ARGUMENT, "confidence > 1");
+  opt.confidence = NAN;
+  check_any_failure(gyroakf_allan_new(x, 4, 1.0, &opt, &a, &err), "confidence NaN");
+  gyroakf_allan_options_init(&opt);
+  opt.min_coverage = -1.0;
+  check_failure(gyroakf_allan_new(x, 4, 1.0, &opt, &a, &err), GYROAKF_INVALID_ARGUMENT, "coverage < 0");
+  memset(&opt, 0, sizeof opt);
+  check_failure(gyroakf_allan_new(x, 4, 1.0, &opt, &a, &err), GYROAKF_INVALID_ARGUMENT, "options not initialised");
+  gyroakf_allan_options_init(&opt);
+  opt.struct_size += 8;
+  check_failure(gyroakf_allan_new(x, 4, 1.0, &opt, &a, &err), GYROAKF_NOT_SUPPORTED, "options of a later version");
+  check(a == NULL, "no curve after any of these");
+  gyroakf_allan_options_init(NULL);
+}
+
+/* The paper's filter: phi = 0.409975, Q = 1 - phi^2, R = 1. Closed forms of the steady state: K = 0.4770139142617331,
+   share of a constant K/(1 - phi (1 - K)) = 0.607205610250273. */
+static void test_filter_values(void) {
+  const double phi = 0.409975;
+  gyroakf_filter *f = NULL;
+  gyroakf_filter_state state;
+  double x = 0.0;
+  int i;
+  check_success(gyroakf_filter_new(1, &phi, 1 - phi * phi, 1.0, NULL, &f, &err), "the paper's filter");
+  if (f == NULL) return;
+  check(gyroakf_filter_get(f, &state) == GYROAKF_OK && state.steps == 0, "no step yet");
+  check(close_to(state.p, 1.0, 1e-14), "it starts from the stationary variance");
+  for (i = 0; i < 200; i++) check(gyroakf_filter_step(f, 1.0, &x) == GYROAKF_OK, "step");
+  check(gyroakf_filter_get(f, &state) == GYROAKF_OK, "state");
+  check(close_to(state.gain, 0.4770139142617331, 1e-12), "steady gain");
+  check(close_to(x, 0.607205610250273, 1e-12) && state.x == x, "share of a constant that passes");
+  check(close_to(state.p, state.gain, 1e-12), "P = K R");
+  check(close_to(state.innovation, 1.0 - phi * x, 1e-12), "innovation");
+  check(close_to(state.innovation_variance, 1.0 / (1.0 - state.gain), 1e-12), "innovation variance R/(1 - K)");
+  check(close_to(state.q, 1 - phi * phi, 1e-15) && state.r == 1.0, "Q and R");
+  check(state.q_mean == 0.0 && state.r_mean == 0.0, "q and r");
+  check(state.steps == 200, "steps");
+  check(gyroakf_filter_step(f, NAN, &x) == GYROAKF_OK && close_to(x, phi * state.x, 1e-14), "NaN: the prediction");
+  check(gyroakf_filter_step(f, INFINITY, &x) == GYROAKF_OK && close_to(x, phi * phi * state.x, 1e-14), "infinite: too");
+  check(gyroakf_filter_get(f, &state) == GYROAKF_OK && state.steps == 202, "these are steps");
+  gyroakf_filter_free(f);
+}
+
+/* A filter of one of three kinds: 0 fixed, 1 adaptive, 2 of order 3. */
+static gyroakf_filter *filter_of_kind(int kind) {
+  const double phi[3] = {0.5, -0.2, 0.1};
+  gyroakf_filter_options opt;
+  gyroakf_filter *f = NULL;
+  gyroakf_filter_options_init(&opt);
+  if (kind == 1) {
+    opt.estimate_process_mean = 1;
+    opt.estimate_measurement_mean = 1;
+    opt.estimate_process_variance = 1;
+    opt.estimate_measurement_variance = 1;
+    opt.measurement_form = "paper";
+  }
+  check_success(gyroakf_filter_new(kind == 2 ? 3 : 1, phi, 1.0, 1.0, &opt, &f, &err), "filter of a kind");
+  return f;
+}
+
+/* Run, run in place and step by step give the same numbers, to the last bit. */
+static void test_filter_run(void) {
+  static double z[5000], by_step[5000], by_run[5000], in_place[5000];
+  int kind, i;
+  autoregressive(z, 5000, 0.5);
+  z[100] = NAN;
+  for (kind = 0; kind < 3; kind++) {
+    gyroakf_filter *f = filter_of_kind(kind), *g = filter_of_kind(kind), *h = filter_of_kind(kind);
+    for (i = 0; i < 5000; i++) gyroakf_filter_step(f, z[i], &by_step[i]);
+    check_success(gyroakf_filter_run(g, z, 5000, by_run, &err), "run");
+    memcpy(in_place, z, sizeof z);
+    check_success(gyroakf_filter_run(h, in_place, 5000, in_place, &err), "run in place");
+    check(memcmp(by_step, by_run, sizeof z) == 0, "a run gives the same as steps");
+    check(memcmp(by_step, in_place, sizeof z) == 0, "a run in place gives the same");
+    check(isnan(z[100]) && !isnan(by_run[100]), "a missing measurement has an estimate");
+    gyroakf_filter_free(f);
+    gyroakf_filter_free(g);
+    gyroakf_filter_free(h);
+  }
+}
+
+/* While frozen R stays, afterwards it goes on. */
+static void test_filter_freeze(void) {
+  static double z[3000], x[3000];
+  const double phi = 0.5;
+  gyroakf_filter_options opt;
+  gyroakf_filter *f = NULL;
+  gyroakf_filter_state before, after;
+  int i;
+  autoregressive(z, 3000, 0.5);
+  for (i = 0; i < 3000; i++) z[i] *= 3.0;
+  gyroakf_filter_options_init(&opt);
+  opt.estimate_measurement_variance = 1;
+  check_success(gyroakf_filter_new(1, &phi, 1.0, 1.0, &opt, &f, &err), "adaptive filter");
+  if (f == NULL) return;
+  gyroakf_filter_run(f, z, 1000, x, NULL);
+  gyroakf_filter_get(f, &before);
+  check(before.r != 1.0 && before.r > 0.0, "R was adapted");
+  check(gyroakf_filter_freeze(f, 1) == GYROAKF_OK, "freeze");
+  gyroakf_filter_run(f, z + 1000, 1000, x, NULL);
+  gyroakf_filter_get(f, &after);
+  check(after.r == before.r && after.steps == 2000, "R stays while the state goes on");
+  check(gyroakf_filter_freeze(f, 0) == GYROAKF_OK, "go on adapting");
+  gyroakf_filter_run(f, z + 2000, 1000, x, NULL);
+  gyroakf_filter_get(f, &after);
+  check(after.r != before.r, "R is adapted again");
+  gyroakf_filter_free(f);
+}
+
+static void test_filter_failures(void) {
+  const double phi = 0.5, unstable = 1.5, nan_phi = NAN;
+  gyroakf_filter_options opt;
+  gyroakf_filter *f = (gyroakf_filter *)&opt;
+  check_failure(gyroakf_filter_new(1, NULL, 1, 1, NULL, &f, &err), GYROAKF_INVALID_ARGUMENT, "phi NULL");
+  check(f == NULL, "*out is NULL after a failure");
+  check_failure(gyroakf_filter_new(1, &phi, 1, 1, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "out NULL");
+  check_failure(gyroakf_filter_new(-1, &phi, 1, 1, NULL, &f, &err), GYROAKF_INVALID_ARGUMENT, "order < 0");
+  check_failure(gyroakf_filter_new(INT32_MAX, &phi, 1, 1, NULL, &f, &err), GYROAKF_INVALID_ARGUMENT, "order huge");
+  check_failure(gyroakf_filter_new(1, &unstable, 1, 1, NULL, &f, &err), GYROAKF_UNSTABLE, "not stationary");
+  check_failure(gyroakf_filter_new(1, &nan_phi, 1, 1, NULL, &f, &err), GYROAKF_NON_FINITE, "phi NaN");
+  check_failure(gyroakf_filter_new(1, &phi, NAN, 1, NULL, &f, &err), GYROAKF_NON_FINITE, "q NaN");
+  check_failure(gyroakf_filter_new(1, &phi, 1, INFINITY, NULL, &f, &err), GYROAKF_NON_FINITE, "r infinite");
+  check_failure(gyroakf_filter_new(1, &phi, -1, 1, NULL, &f, &err), GYROAKF_INVALID_ARGUMENT, "q < 0");
+  check_failure(gyroakf_filter_new(1, &phi, 0, 0, NULL, &f, &err), GYROAKF_INVALID_ARGUMENT, "q and r 0");
+  gyroakf_filter_options_init(&opt);
+  opt.forgetting = 0.0;
+  check_failure(gyroakf_filter_new(1, &phi, 1, 1, &opt, &f, &err), GYROAKF_INVALID_ARGUMENT, "forgetting 0");
+  gyroakf_filter_options_init(&opt);
+  opt.huber = NAN;
+  check_failure(gyroakf_filter_new(1, &phi, 1, 1, &opt, &f, &err), GYROAKF_NON_FINITE, "gate NaN");
+  gyroakf_filter_options_init(&opt);
+  opt.measurement_form = "nonsense";
+  check_failure(gyroakf_filter_new(1, &phi, 1, 1, &opt, &f, &err), GYROAKF_INVALID_ARGUMENT, "unknown form");
+  opt.struct_size--;
+  check_failure(gyroakf_filter_new(1, &phi, 1, 1, &opt, &f, &err), GYROAKF_INVALID_ARGUMENT, "options not initialised");
+  gyroakf_filter_free(NULL);
+  gyroakf_filter_options_init(NULL);
+}
+
+static void test_filter_null(void) {
+  double x[2] = {1, 2};
+  gyroakf_filter *g = filter_of_kind(0);
+  gyroakf_filter_state state;
+  check(gyroakf_filter_step(NULL, 1.0, x) == GYROAKF_INVALID_ARGUMENT, "step of NULL");
+  check(gyroakf_filter_step(g, 1.0, NULL) == GYROAKF_INVALID_ARGUMENT, "step into NULL");
+  check(gyroakf_filter_freeze(NULL, 1) == GYROAKF_INVALID_ARGUMENT, "freeze of NULL");
+  check(gyroakf_filter_get(NULL, &state) == GYROAKF_INVALID_ARGUMENT, "get of NULL");
+  check(gyroakf_filter_get(g, NULL) == GYROAKF_INVALID_ARGUMENT, "get into NULL");
+  check_failure(gyroakf_filter_run(NULL, x, 2, x, &err), GYROAKF_INVALID_ARGUMENT, "run of NULL");
+  check_failure(gyroakf_filter_run(g, NULL, 2, x, &err), GYROAKF_INVALID_ARGUMENT, "run from NULL");
+  check_failure(gyroakf_filter_run(g, x, 2, NULL, &err), GYROAKF_INVALID_ARGUMENT, "run into NULL");
+  check_failure(gyroakf_filter_run(g, x, 0, x, &err), GYROAKF_INVALID_ARGUMENT, "run of 0 samples");
+  check_failure(gyroakf_filter_run(g, x, INT64_MAX, x, &err), GYROAKF_INVALID_ARGUMENT, "run of too many samples");
+  check(gyroakf_filter_get(g, &state) == GYROAKF_OK && state.steps == 0, "none of that was a step");
+  gyroakf_filter_free(g);
+}
+
+/* A message longer than its place is cut at a whole character and ended. */
+static void test_long_message(void) {
+  char name[2000];
+  double x[4] = {1, 2, 4, 3};
+  gyroakf_allan_options opt;
+  gyroakf_allan *a = NULL;
+  int i;
+  size_t length;
+  for (i = 0; i < 1998; i += 2) memcpy(name + i, "\303\274", 2); /* u with two dots in UTF-8 */
+  name[1998] = '\0';
+  gyroakf_allan_options_init(&opt);
+  opt.kind = name;
+  check(gyroakf_allan_new(x, 4, 1.0, &opt, &a, &err) == GYROAKF_INVALID_ARGUMENT, "a very long kind");
+  length = strlen(err.message);
+  check(length >= 250 && length <= 255, "the message fills its place");
+  check(length > 2 && err.message[length - 1] == '\274' && err.message[length - 2] == '\303', "it ends with a whole character");
+}
+
+/* A program with floating-point traps on: the library does not die of them, and traps and flags are as they were. */
+static void test_environment(void) {
+#if defined(__GLIBC__) && defined(__x86_64__)
+  double x[64], bad[64], y;
+  gyroakf_allan *a = NULL;
+  gyroakf_filter *f = NULL;
+  double phi = 0.5;
+  int i, before;
+  nbs(x, 64);
+  for (i = 0; i < 64; i++) bad[i] = i % 2 ? NAN : x[i];
+  feclearexcept(FE_ALL_EXCEPT);
+  feraiseexcept(FE_INEXACT);
+  before = fegetexcept() | FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW;
+  feenableexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW);
+  gyroakf_allan_new(x, 64, 1.0, NULL, &a, &err);
+  gyroakf_allan_free(a);
+  gyroakf_allan_new(bad, 64, NAN, NULL, &a, &err);
+  gyroakf_filter_new(1, &phi, NAN, 1.0, NULL, &f, &err);
+  phi = 0.5;
+  gyroakf_filter_new(1, &phi, 1.0, 1.0, NULL, &f, &err);
+  check(fegetexcept() == before, "traps are on again");
+  check(fetestexcept(FE_ALL_EXCEPT) == FE_INEXACT, "flags are as they were");
+  gyroakf_filter_run(f, bad, 64, bad, &err);
+  gyroakf_filter_step(f, NAN, &y);
+  gyroakf_filter_step(f, INFINITY, &y);
+  gyroakf_filter_step(f, 1e200, &y);
+  check(fegetexcept() == before, "steps cause no trap");
+  gyroakf_filter_free(f);
+  fedisableexcept(FE_ALL_EXCEPT);
+#endif
+}
+
+int main(void) {
+  memset(&err, 0x55, sizeof err);
+  test_release();
+  test_allan_values();
+  test_allan_limits();
+  test_allan_missing();
+  test_allan_failures();
+  test_allan_options();
+  test_filter_values();
+  test_filter_run();
+  test_filter_freeze();
+  test_filter_failures();
+  test_filter_null();
+  test_long_message();
+  test_environment();
+  printf("%d passed, %d failed\n", passed, failed);
+  return failed > 0;
+}
