@@ -136,7 +136,7 @@ contains
          call identify_drift(z, model, failure)
          call check(error, model%found, "the walk is not found")
          if (allocated(error)) return
-         call check(error, model%measurement_variance, 4.2e-4_dp, thr=0.06_dp, rel=.true.)
+         call check(error, model%measurement_variance, 4.2e-4_dp, thr=0.1_dp, rel=.true.)
          if (allocated(error)) return
          call check(error, model%correlation_samples > 300, "the walk is taken for something fast")
          if (allocated(error)) return

@@ -17,7 +17,7 @@ module gyroakf_filter_kalman
    use gyroakf_filter_creation, only : new_filter
    use gyroakf_filter_state_space, only : predict_covariance, correct_covariance
    use gyroakf_filter_sage_husa, only : adapt_noise, gate_inflation, longest_run, shift_variance
-   use gyroakf_filter_scalar, only : run_scalar, is_sample, settle_tolerance
+   use gyroakf_filter_scalar, only : run_scalar, is_sample, settle_distance
    implicit none (type, external)
    private
    public :: filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
@@ -128,7 +128,7 @@ contains
             call adapt_noise(filter, filter%innovation, filter%innovation_variance, prior)
          end if
          if (.not. filter%varying) then
-            filter%settled = maxval(abs(filter%gain - filter%steady_gain)) <= settle_tolerance*maxval(abs(filter%steady_gain))
+            filter%settled = maxval(abs(filter%gain - filter%steady_gain)) <= settle_distance(maxval(abs(filter%steady_gain)))
          end if
       end if
       filter%x = filter%x + filter%gain*filter%innovation

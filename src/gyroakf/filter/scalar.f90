@@ -9,10 +9,12 @@ module gyroakf_filter_scalar
    use gyroakf_filter_sage_husa, only : longest_run, shift_variance
    implicit none (type, external)
    private
-   public :: run_scalar, is_sample, settle_tolerance
+   public :: run_scalar, is_sample, settle_distance
 
-   !> Relative distance from the steady gain at which the gain is taken as settled
+   !> Relative distance from the steady gain at which the gain is taken as settled ...
    real(dp), parameter :: settle_tolerance = 1.0e-13_dp
+   !> ... or, for slow filters, this over the gain: the recursion itself does not come nearer
+   real(dp), parameter :: settle_rounding = 4.0_dp*epsilon(1.0_dp)
    !> Below it a state without measurements is set to zero: no subnormal numbers in a long gap
    real(dp), parameter :: vanished = 1.0e-290_dp
 
@@ -39,6 +41,15 @@ contains
 
       is_sample = iand(shiftr(transfer(z, 0_int64), 52), exponent_mask) < exponent_limit
    end function is_sample
+
+   !> Distance from the steady gain K at which the gain has settled: at most 1e-12 of the innovations is then seen in the
+   !> output.
+   elemental real(dp) function settle_distance(steady_gain)
+      !> K, 0 ... 1
+      real(dp), intent(in) :: steady_gain
+
+      settle_distance = max(settle_tolerance*steady_gain, settle_rounding)
+   end function settle_distance
 
    !> The filter over a series, or the next part of one.
    pure subroutine run_scalar(filter, z, x, valid, normalised_innovation)
@@ -96,7 +107,7 @@ contains
          lane%innovation = z - lane%state
          lane%state = lane%state + lane%gain*lane%innovation
          lane%p = lane%gain*lane%r
-         lane%settled = abs(lane%gain - lane%steady_gain) <= settle_tolerance*lane%steady_gain
+         lane%settled = abs(lane%gain - lane%steady_gain) <= settle_distance(lane%steady_gain)
          if (lane%settled) lane%gain = lane%steady_gain
       end if
       lane%gain_sum = lane%gain_sum + lane%gain
