@@ -6,11 +6,10 @@ module test_record_writer
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_record, only : record_type, text_type, add_text
    use gyroakf_io_record_writer, only : write_record
+   use scratch_file, only : scratch_path, read_bytes, remove_file
    implicit none (type, external)
    private
    public :: collect_record_writer
-
-   character(*), parameter :: path = "test_record_writer.tmp"
 
 contains
 
@@ -43,7 +42,7 @@ contains
       record%value(:, 2) = [-2.0_dp, 1.0e-7_dp]
       record%present = 1
       record%present(2, 1) = 0
-      call write_record(path, record, header, 6, failure)
+      call write_record(path(), record, header, 6, failure)
       call check(error, .not. allocated(failure))
       if (allocated(error)) return
       call read_back(text)
@@ -61,7 +60,7 @@ contains
       allocate (header(0), record%value(12, 1))
       record%value(:, 1) = [0.0_dp, 1.0_dp, -1.0_dp, 0.1_dp, 123456789.4_dp, 1234567891.0_dp, 999999999.9_dp, 0.0001_dp, &
          & 0.00009999999999_dp, 1.0_dp/3, -huge(1.0_dp), tiny(1.0_dp)]
-      call write_record(path, record, header, 9, failure)
+      call write_record(path(), record, header, 9, failure)
       call check(error, .not. allocated(failure))
       if (allocated(error)) return
       call read_back(text)
@@ -80,10 +79,10 @@ contains
 
       allocate (header(0), record%value(20000, 1))
       record%value(:, 1) = [(sin(real(i, dp))*10.0_dp**mod(i, 30), i=1, 20000)]
-      call write_record(path, record, header, 17, failure)
+      call write_record(path(), record, header, 17, failure)
       call check(error, .not. allocated(failure))
       if (allocated(error)) return
-      open (newunit=unit, file=path, status="old")
+      open (newunit=unit, file=path(), status="old")
       read (unit, *) again
       close (unit, status="delete")
       call check(error, maxval(abs(again - record%value(:, 1))) <= 0)
@@ -100,7 +99,7 @@ contains
       allocate (header(0), record%value(1, 1))
       record%value(1, 1) = 0
       do i = 1, 2
-         call write_record(path, record, header, digits(i), failure)
+         call write_record(path(), record, header, digits(i), failure)
          call check(error, allocated(failure))
          if (allocated(error)) return
          call check(error, failure%code, status%invalid_argument)
@@ -114,21 +113,23 @@ contains
       call check(error, index(failure%message, "no/such/directory/x.txt") > 0)
    end subroutine test_failures
 
+   !> Where the tests write
+   function path()
+      character(:), allocatable :: path
+
+      path = scratch_path("record.txt")
+   end function path
+
    !> The file's text, a bar for every end of line; the file is deleted
    subroutine read_back(text)
       character(:), allocatable, intent(out) :: text
-      integer :: unit, stat
-      character(1) :: letter
+      integer :: i
 
-      text = ""
-      open (newunit=unit, file=path, access="stream", form="unformatted", status="old", action="read")
-      do
-         read (unit, iostat=stat) letter
-         if (stat /= 0) exit
-         if (letter == achar(10)) letter = "|"
-         text = text//letter
+      text = read_bytes(path())
+      call remove_file(path())
+      do i = 1, len(text)
+         if (text(i:i) == achar(10)) text(i:i) = "|"
       end do
-      close (unit, status="delete")
    end subroutine read_back
 
 end module test_record_writer

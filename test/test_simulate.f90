@@ -9,6 +9,7 @@ module test_simulate
    use gyroakf_simulate_random, only : random_type, seed_random
    use gyroakf_simulate_noise, only : add_autoregressive
    use gyroakf_simulate_record, only : simulate_options, simulate_record, paper_preset, paper_seed
+   use scratch_file, only : scratch_path, read_bytes, remove_file
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
    implicit none (type, external)
    private
@@ -327,20 +328,20 @@ contains
    !> The example record is the preset, byte for byte.
    subroutine test_example(error)
       type(error_type), allocatable, intent(out) :: error
-      character(*), parameter :: path = "test_simulate_example.tmp"
       type(record_type) :: record
       type(text_type), allocatable :: header(:)
       type(gyro_error), allocatable :: failure
-      character(:), allocatable :: made, kept
+      character(:), allocatable :: path, made
 
+      path = scratch_path("example.txt")
       call simulate_record(paper_preset(paper_seed), record, failure)
       call add_text(header, "made by: gyroakf simulate --preset paper --seed 1140")
       call write_record(path, record, header, 9, failure)
       call check(error, .not. allocated(failure))
       if (allocated(error)) return
-      call read_whole(path, made, remove=.true.)
-      call read_whole("example/data/mems_gyro_x.txt", kept, remove=.false.)
-      call check(error, len(made) > 100000 .and. made == kept)
+      made = read_bytes(path)
+      call remove_file(path)
+      call check(error, len(made) > 100000 .and. made == read_bytes("example/data/mems_gyro_x.txt"))
    end subroutine test_example
 
    !> Every scalar option out of its range, NaN included
@@ -533,28 +534,5 @@ contains
       end do
       flicker_variance = flicker_variance/(2*real(m, dp)**2*terms)
    end function flicker_variance
-
-   !> A file's bytes; empty where it cannot be read
-   subroutine read_whole(path, text, remove)
-      character(*), intent(in) :: path
-      character(:), allocatable, intent(out) :: text
-      logical, intent(in) :: remove
-      integer :: unit, stat
-      integer(int64) :: length_in_bytes
-
-      text = ""
-      open (newunit=unit, file=path, access="stream", form="unformatted", status="old", action="read", iostat=stat)
-      if (stat /= 0) return
-      inquire (unit, size=length_in_bytes)
-      deallocate (text)
-      allocate (character(length_in_bytes) :: text)
-      read (unit, iostat=stat) text
-      if (stat /= 0) text = ""
-      if (remove) then
-         close (unit, status="delete")
-      else
-         close (unit)
-      end if
-   end subroutine read_whole
 
 end module test_simulate
