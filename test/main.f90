@@ -9,14 +9,15 @@ program test_main
    use test_allan_deviation, only : collect_allan_deviation
    use test_allan_freedom, only : collect_allan_freedom
    use test_allan_grid, only : collect_allan_grid
+   use test_audit, only : collect_audit
    use test_autocovariance, only : collect_autocovariance
    use test_clean, only : collect_clean
    use test_decimal, only : collect_decimal
    use test_error, only : collect_error
    use test_fft, only : collect_fft
-   use test_json, only : collect_json
    use test_filter_series, only : collect_filter_series
    use test_identification, only : collect_identification
+   use test_json, only : collect_json
    use test_kalman, only : collect_kalman
    use test_levinson, only : collect_levinson
    use test_moments, only : collect_moments
@@ -25,6 +26,7 @@ program test_main
    use test_outliers, only : collect_outliers
    use test_random, only : collect_random
    use test_reader, only : collect_reader
+   use test_reader_errors, only : collect_reader_errors
    use test_record_writer, only : collect_record_writer
    use test_release, only : collect_release
    use test_sage_husa, only : collect_sage_husa
@@ -43,14 +45,15 @@ program test_main
    call add("allan_deviation", collect_allan_deviation)
    call add("allan_freedom", collect_allan_freedom)
    call add("allan_grid", collect_allan_grid)
+   call add("audit", collect_audit)
    call add("autocovariance", collect_autocovariance)
    call add("clean", collect_clean)
    call add("decimal", collect_decimal)
    call add("error", collect_error)
    call add("fft", collect_fft)
-   call add("json", collect_json)
    call add("filter_series", collect_filter_series)
    call add("identification", collect_identification)
+   call add("json", collect_json)
    call add("kalman", collect_kalman)
    call add("levinson", collect_levinson)
    call add("moments", collect_moments)
@@ -59,6 +62,7 @@ program test_main
    call add("outliers", collect_outliers)
    call add("random", collect_random)
    call add("reader", collect_reader)
+   call add("reader_errors", collect_reader_errors)
    call add("record_writer", collect_record_writer)
    call add("release", collect_release)
    call add("sage_husa", collect_sage_husa)

@@ -1,16 +1,18 @@
 ! SPDX-License-Identifier: MIT
-!> Reading recordings: every feature of the text format, and every message.
+!> Reading recordings: every feature of the text format.
 module test_reader
-   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use testdrive, only : new_unittest, unittest_type, error_type, check, test_failed
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : gyro_error => error_type
+   use gyroakf_io_decimal, only : format_real
    use gyroakf_io_reader, only : reader_options, read_record
    use gyroakf_record, only : record_type
+   use scratch_file, only : remove_file, scratch_path, write_bytes
    implicit none (type, external)
    private
    public :: collect_reader
 
-   character(1), parameter :: nl = new_line("a")
+   character(1), parameter :: nl = new_line("a"), tab = achar(9), cr = achar(13)
 
 contains
 
@@ -19,37 +21,413 @@ contains
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
-         new_unittest("separators", test_separators)]
+         new_unittest("separators", test_separators), &
+         new_unittest("line-ends", test_line_ends), &
+         new_unittest("comments", test_comments), &
+         new_unittest("missing", test_missing), &
+         new_unittest("quotes", test_quotes), &
+         new_unittest("blank-columns", test_blank_columns), &
+         new_unittest("names", test_names), &
+         new_unittest("units-of-names", test_units_of_names), &
+         new_unittest("header-rate", test_header_rate), &
+         new_unittest("header-unit", test_header_unit), &
+         new_unittest("header-columns", test_header_columns), &
+         new_unittest("choose-columns", test_choose_columns), &
+         new_unittest("time-column", test_time_column), &
+         new_unittest("looks-like-time", test_looks_like_time), &
+         new_unittest("rates-differ", test_rates_differ), &
+         new_unittest("increments", test_increments), &
+         new_unittest("angles", test_angles), &
+         new_unittest("part", test_part), &
+         new_unittest("skip-bad-lines", test_bad_lines), &
+         new_unittest("audit-of-values", test_audit_values), &
+         new_unittest("long-line", test_long_line), &
+         new_unittest("many-rows", test_many_rows)]
    end subroutine collect_reader
 
-   !> Writes the content to a scratch file and reads it.
-   subroutine read_text(content, options, record, failed)
+   !> Reads a content; "values: first row / second row ..." with nan for missing ones, or the message of the failure.
+   function shown(content, options, record) result(text)
       character(*), intent(in) :: content
       type(reader_options), intent(in) :: options
       type(record_type), intent(out) :: record
-      type(gyro_error), allocatable, intent(out) :: failed
-      character(*), parameter :: path = "test_reader.scratch"
-      integer :: unit
+      character(:), allocatable :: text
+      type(gyro_error), allocatable :: failed
+      integer :: i, j
 
-      open (newunit=unit, file=path, access="stream", form="unformatted", status="replace", action="write")
-      write (unit) content
-      close (unit)
-      call read_record(path, options, record, failed)
-      open (newunit=unit, file=path, status="old")
-      close (unit, status="delete")
-   end subroutine read_text
+      call write_bytes(scratch_path("reader.txt"), content)
+      call read_record(scratch_path("reader.txt"), options, record, failed)
+      call remove_file(scratch_path("reader.txt"))
+      text = ""
+      if (allocated(failed)) text = failed%message
+      if (allocated(failed)) return
+      do i = 1, min(size(record%value, 1), 20)
+         if (i > 1) text = text//"/ "
+         do j = 1, size(record%value, 2)
+            if (is_present(record, i, j)) text = text//format_real(record%value(i, j), 9)//" "
+            if (.not. is_present(record, i, j)) text = text//"nan "
+         end do
+      end do
+   end function shown
+
+   !> True for a sample that is present.
+   logical function is_present(record, i, j)
+      type(record_type), intent(in) :: record
+      integer, intent(in) :: i, j
+
+      is_present = .true.
+      if (allocated(record%present)) is_present = record%present(i, j) == 1
+   end function is_present
+
+   !> All warnings, with bars between.
+   function warned(record) result(text)
+      type(record_type), intent(in) :: record
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ""
+      if (.not. allocated(record%warnings)) return
+      do i = 1, size(record%warnings)
+         text = text//record%warnings(i)%text//"|"
+      end do
+   end function warned
+
+   !> Names of the channels, with blanks between.
+   function channels(record) result(text)
+      type(record_type), intent(in) :: record
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ""
+      do i = 1, size(record%channel)
+         text = text//record%channel(i)%text//" "
+      end do
+   end function channels
 
    subroutine test_separators(error)
       type(error_type), allocatable, intent(out) :: error
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
 
-      call read_text("1.0 2,3;4"//nl//" -1.5"//achar(9)//"2.5 , 3e0 ;4 "//achar(13)//nl, reader_options(), record, failed)
-      call check(error, .not. allocated(failed), "refused")
+      call check(error, shown("1.0 2,3;4"//nl//" -1.5"//tab//"2.5 , 3e0 ;4 "//nl, reader_options(), record), &
+                 "1 2 3 4 / -1.5 2.5 3 4 ")
       if (allocated(error)) return
-      call check(error, all(abs(record%value(1, :) - [1, 2, 3, 4]) <= 0.0_dp))
+      call check(error, shown("1"//tab//"2"//tab//"3"//nl//"4"//tab//tab//"6"//nl, reader_options(), record), "1 2 3 / 4 nan 6 ")
       if (allocated(error)) return
-      call check(error, all(abs(record%value(2, :) - [-1.5_dp, 2.5_dp, 3.0_dp, 4.0_dp]) <= 0.0_dp))
+      call check(error, shown("+1 .5 5. 1.5D-3 1d2", reader_options(), record), "1 0.5 5 0.0015 100 ")
    end subroutine test_separators
+
+   subroutine test_line_ends(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      character(3), parameter :: mark = char(239)//char(187)//char(191)
+
+      call check(error, shown("1"//cr//nl//"2"//cr//nl, reader_options(), record), "1 / 2 ")
+      if (allocated(error)) return
+      call check(error, shown("1"//cr//"2"//cr//"3", reader_options(), record), "1 / 2 / 3 ")
+      if (allocated(error)) return
+      call check(error, shown(mark//"1"//nl//"2", reader_options(), record), "1 / 2 ")
+      if (allocated(error)) return
+      call check(error, shown(mark//"gx"//nl//"2", reader_options(), record)//channels(record), "2 gx ")
+   end subroutine test_line_ends
+
+   subroutine test_comments(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+
+      call check(error, shown("# a"//nl//"% b"//nl//"; c"//nl//"// d"//nl//nl//"1 # e"//nl//"# f"//nl//" "//nl//"2 // g"//nl// &
+                              "3 % h"//nl, reader_options(), record), "1 / 2 / 3 ")
+   end subroutine test_comments
+
+   subroutine test_missing(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+
+      call check(error, shown("a,b"//nl//"1,nan"//nl//"NA,2"//nl//"inf,"//nl//",-Inf"//nl//"5,6"//nl, reader_options(), record), &
+                 "1 nan / nan 2 / nan nan / nan nan / 5 6 ")
+      if (allocated(error)) return
+      call check(error, record%audit%missing == 6 .and. record%audit%samples == 5, "counted")
+      if (allocated(error)) return
+      call check(error, abs(record%value(2, 1)) <= 0.0_dp, "0 where missing")
+      if (allocated(error)) return
+      call check(error, shown("1"//nl//"2", reader_options(), record), "1 / 2 ")
+      if (allocated(error)) return
+      call check(error, .not. allocated(record%present), "no mask without missing samples")
+   end subroutine test_missing
+
+   subroutine test_quotes(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+
+      call check(error, shown('"gx, left";"gy"'//nl//'"1.5";"-2"'//nl//'3;""'//nl, reader_options(), record), "1.5 -2 / 3 nan ")
+      if (allocated(error)) return
+      call check(error, channels(record), "gx, left gy ")
+   end subroutine test_quotes
+
+   subroutine test_blank_columns(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+
+      call check(error, shown("1,2,"//nl//"3,4,"//nl, reader_options(), record), "1 2 / 3 4 ")
+      if (allocated(error)) return
+      call check(error, warned(record), "column 3 holds no number and is left out|")
+      if (allocated(error)) return
+      call check(error, shown("gx,,gy"//nl//"1,,2"//nl//"3,,4,"//nl, reader_options(), record)//channels(record), &
+                 "1 2 / 3 4 gx gy ")
+      if (allocated(error)) return
+      call check(error, shown("1,2"//nl//"3,4,"//nl//"5,6"//nl, reader_options(), record), "1 2 / 3 4 / 5 6 ")
+   end subroutine test_blank_columns
+
+   subroutine test_names(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+
+      call check(error, shown("gx gy"//nl//"1 2"//nl, reader_options(), record)//channels(record), "1 2 gx gy ")
+      if (allocated(error)) return
+      call check(error, shown("sep=;"//nl//"gyro x;gyro y"//nl//"1;2"//nl, reader_options(), record)//channels(record), &
+                 "1 2 gyro x gyro y ")
+      if (allocated(error)) return
+      call check(error, shown("1 2"//nl, reader_options(), record)//channels(record), "1 2 column 1 column 2 ")
+      if (allocated(error)) return
+      call check(error, shown(",gx"//nl//"0,1.5"//nl, reader_options(), record)//channels(record), "0 1.5 column 1 gx ")
+   end subroutine test_names
+
+   subroutine test_units_of_names(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+
+      call check(error, shown("t [ms],gx [deg/s],gy (dps)"//nl//"0,1,2"//nl//"10,3,4"//nl, reader_options(), record), "1 2 / 3 4 ")
+      if (allocated(error)) return
+      call check(error, record%unit%name//" "//record%unit_source//" "//format_real(record%sample_interval, 9), "deg/s header 0.01")
+      if (allocated(error)) return
+      call check(error, shown("t,gx"//nl//"us,rad/s"//nl//"0,1"//nl//"500,3"//nl, reader_options(), record), "1 / 3 ")
+      if (allocated(error)) return
+      call check(error, record%unit%name//" "//format_real(record%sample_interval, 9), "rad/s 0.0005")
+   end subroutine test_units_of_names
+
+   subroutine test_header_rate(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      character(24), parameter :: line(7) = [character(24) :: "# rate_hz: 5", "% dt = 0.2 s", "//RATE_HZ: 5 mean (x)", &
+         "; dt: 200 ms", "# rate_hz: -5", "# rate_hz: abc", "# rate hz: 5"]
+      character(12), parameter :: expected(7) = [character(12) :: "0.2 header", "0.2 header", "0.2 header", "0.2 header", &
+         "1 none", "1 none", "1 none"]
+      character(:), allocatable :: values
+      integer :: i
+
+      do i = 1, size(line)
+         values = shown(trim(line(i))//nl//"1"//nl//"2"//nl, reader_options(), record)
+         call check(error, format_real(record%sample_interval, 9)//" "//record%rate_source, trim(expected(i)), more=line(i))
+         if (allocated(error)) return
+         call check(error, (len(warned(record)) > 0) .eqv. (i == 5 .or. i == 6), warned(record))
+         if (allocated(error)) return
+      end do
+      values = shown("# rate_hz: 5"//nl//"1", reader_options(rate_hz=100.0_dp), record)
+      call check(error, format_real(record%sample_interval, 9)//" "//record%rate_source, "0.01 option")
+   end subroutine test_header_rate
+
+   subroutine test_header_unit(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(reader_options) :: options
+      character(:), allocatable :: values
+
+      values = shown("# unit: deg/h, mean"//nl//"1", options, record)
+      call check(error, record%unit%name//" "//record%unit_source, "deg/h header")
+      if (allocated(error)) return
+      values = shown("# unit: dogs"//nl//"1", options, record)
+      call check(error, record%unit%name//record%unit_source//warned(record), &
+                 "noneline 1: the header's unit 'dogs' is not known and is ignored|")
+      if (allocated(error)) return
+      values = shown("# units: deg/h"//nl//"1", options, record)
+      call check(error, record%unit_source//warned(record), "none", more="units is not the key")
+      if (allocated(error)) return
+      options%unit = "rad/s"
+      values = shown("# unit: deg/h"//nl//"1", options, record)
+      call check(error, record%unit%name//" "//record%unit_source, "rad/s option")
+   end subroutine test_header_unit
+
+   subroutine test_header_columns(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+
+      call check(error, shown("# columns: t [s] gx gy"//nl//"0 1 2"//nl//"0.5 3 4", reader_options(), record)//channels(record), &
+                 "1 2 / 3 4 gx gy ")
+      if (allocated(error)) return
+      call check(error, record%rate_source//format_real(record%sample_interval, 9), "timestamps0.5")
+      if (allocated(error)) return
+      call check(error, shown("# columns: t gx"//nl//"0 1 2"//nl//"0 3 4", reader_options(), record), "0 1 2 / 0 3 4 ")
+      if (allocated(error)) return
+      call check(error, warned(record), "line 1: the header's columns are 2, the first row has 3; the names are ignored|")
+   end subroutine test_header_columns
+
+   subroutine test_choose_columns(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(reader_options) :: options
+      character(*), parameter :: content = "label t Gx gy"//nl//"A 0 1 2"//nl//"B 1 3 4"//nl
+
+      options%columns = "gy, gx"
+      call check(error, shown(content, options, record)//channels(record), "2 1 / 4 3 gy Gx ")
+      if (allocated(error)) return
+      options%columns = "3"
+      call check(error, shown(content, options, record)//channels(record), "1 / 3 Gx ")
+      if (allocated(error)) return
+      options%columns = "t"
+      call check(error, shown(content, options, record)//channels(record), "0 / 1 t ")
+   end subroutine test_choose_columns
+
+   subroutine test_time_column(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(reader_options) :: options
+
+      options%time_column = "1"
+      call check(error, shown("0 1"//nl//"0.25 2"//nl//"0.5 3", options, record), "1 / 2 / 3 ")
+      if (allocated(error)) return
+      call check(error, record%audit%has_stamps .and. record%rate_source == "timestamps" .and. len(warned(record)) == 0, &
+                 warned(record))
+      if (allocated(error)) return
+      call check(error, record%sample_interval, 0.25_dp)
+      if (allocated(error)) return
+      options%time_column = "none"
+      call check(error, shown("t gx"//nl//"0 1"//nl//"0.5 2", options, record), "0 1 / 0.5 2 ")
+      if (allocated(error)) return
+      call check(error, .not. record%rate_known, "rate from a column that is no time")
+   end subroutine test_time_column
+
+   subroutine test_looks_like_time(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      character(*), parameter :: rising = "0 1"//nl//"0.1 2"//nl//"0.2 1"//nl
+
+      call check(error, shown(rising, reader_options(), record), "0 1 / 0.1 2 / 0.2 1 ")
+      if (allocated(error)) return
+      call check(error, index(warned(record), "column 1 rises from row to row and looks like time") == 1, warned(record))
+      if (allocated(error)) return
+      call check(error, shown(rising//"0.2 5"//nl, reader_options(), record)//warned(record), "0 1 / 0.1 2 / 0.2 1 / 0.2 5 ")
+      if (allocated(error)) return
+      call check(error, shown("a b"//nl//rising, reader_options(), record)//warned(record), "0 1 / 0.1 2 / 0.2 1 ")
+   end subroutine test_looks_like_time
+
+   subroutine test_rates_differ(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      character(*), parameter :: rows = "t gx"//nl//"0 1"//nl//"0.01 2"//nl//"0.02 3"//nl
+      character(:), allocatable :: values
+
+      values = shown("# rate_hz: 90"//nl//rows, reader_options(), record)
+      call check(error, warned(record), "the rate 90 Hz of the header and the time stamps' 100 Hz differ; the header's is used|")
+      if (allocated(error)) return
+      call check(error, record%rate_source, "header")
+      if (allocated(error)) return
+      values = shown("# rate_hz: 99.5"//nl//rows, reader_options(), record)
+      call check(error, record%rate_source//warned(record), "timestamps")
+      if (allocated(error)) return
+      values = shown(rows, reader_options(rate_hz=200.0_dp), record)
+      call check(error, record%rate_source == "option" .and. index(warned(record), "the rate 200 Hz of the option") == 1, &
+                 warned(record))
+   end subroutine test_rates_differ
+
+   subroutine test_increments(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(reader_options) :: options
+
+      options = reader_options(rate_hz=100.0_dp, scale=0.1_dp)
+      options%input = "increment"
+      options%unit = "arcsec"
+      call check(error, shown("2"//nl//"nan"//nl//"-5", options, record), "20 / nan / -50 ")
+      if (allocated(error)) return
+      call check(error, record%unit%name, "arcsec/s")
+   end subroutine test_increments
+
+   subroutine test_angles(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(reader_options) :: options
+
+      options = reader_options(rate_hz=10.0_dp)
+      options%input = "angle"
+      call check(error, shown("1"//nl//"2"//nl//"nan"//nl//"4"//nl//"8"//nl//"7", options, record), "10 / nan / nan / 40 / -10 ")
+      if (allocated(error)) return
+      call check(error, record%audit%samples, 5_int64)
+   end subroutine test_angles
+
+   subroutine test_part(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(reader_options) :: options
+      character(*), parameter :: rows = "1"//nl//"2"//nl//"3"//nl//"nan"//nl//"5"//nl
+
+      options = reader_options(rate_hz=10.0_dp, from=0.1_dp, to=0.3_dp)
+      call check(error, shown(rows, options, record), "2 / 3 ")
+      if (allocated(error)) return
+      call check(error, .not. allocated(record%present) .and. record%audit%samples == 2, "nothing is missing in the part")
+      if (allocated(error)) return
+      options = reader_options(rate_hz=10.0_dp, from=0.25_dp)
+      call check(error, shown(rows, options, record), "nan / 5 ")
+      if (allocated(error)) return
+      options = reader_options(rate_hz=10.0_dp, to=99.0_dp)
+      call check(error, shown(rows, options, record), "1 / 2 / 3 / nan / 5 ")
+   end subroutine test_part
+
+   subroutine test_bad_lines(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(reader_options) :: options
+
+      options%bad_lines_missing = .true.
+      call check(error, shown("1 2"//nl//"x 3"//nl//"4 5 6"//nl//"7 8", options, record), "1 2 / nan nan / nan nan / 7 8 ")
+      if (allocated(error)) return
+      call check(error, record%audit%bad_lines, 2_int64)
+      if (allocated(error)) return
+      call check(error, warned(record), "2 lines could not be read and count as missing; the first is line 2|")
+      if (allocated(error)) return
+      options = reader_options(skip=2_int64)
+      call check(error, shown("device 17"//nl//"9 9 9"//nl//"1 2"//nl, options, record), "1 2 ")
+   end subroutine test_bad_lines
+
+   subroutine test_audit_values(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      character(:), allocatable :: values
+
+      values = shown("1.5 3"//nl//"1.5 3"//nl//"nan 3"//nl//"-2 3"//nl//"-1.75 3"//nl, reader_options(), record)
+      call check(error, all(abs(record%audit%minimum - [-2.0_dp, 3.0_dp]) <= 0.0_dp), "minimum")
+      if (allocated(error)) return
+      call check(error, all(abs(record%audit%maximum - [1.5_dp, 3.0_dp]) <= 0.0_dp), "maximum")
+      if (allocated(error)) return
+      call check(error, all(abs(record%audit%quantisation - [0.25_dp, 0.0_dp]) <= 0.0_dp), "quantisation")
+   end subroutine test_audit_values
+
+   !> A comment longer than a block, then a row that is.
+   subroutine test_long_line(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      character(*), parameter :: content = "# "//repeat("c", 1200000)//nl//"1.5 2"//nl//"3"//repeat(" ", 700000)//"4"//nl//"5 6"
+
+      call check(error, shown(content, reader_options(), record), "1.5 2 / 3 4 / 5 6 ")
+   end subroutine test_long_line
+
+   !> More rows than a chunk has, more bytes than a block has.
+   subroutine test_many_rows(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      integer, parameter :: n = 150000
+      character(7*n) :: content
+      character(:), allocatable :: values
+      integer :: i
+
+      do i = 1, n
+         write (content(7*i - 6:7*i), "(i6, a)") i, nl
+      end do
+      values = shown(content, reader_options(), record)
+      call check(error, record%audit%samples, int(n, int64))
+      if (allocated(error)) return
+      do i = 1, n
+         if (abs(record%value(i, 1) - i) <= 0.0_dp) cycle
+         call test_failed(error, "row "//format_real(real(i, dp), 9)//" is "//format_real(record%value(i, 1), 9))
+         return
+      end do
+   end subroutine test_many_rows
 
 end module test_reader

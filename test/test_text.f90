@@ -5,7 +5,7 @@ module test_text
    use gyroakf_kinds, only : int8, int64
    use gyroakf_io_format, only : decimal_comma, foreign_content
    use gyroakf_io_place, only : place_message
-   use gyroakf_io_stamps, only : inferred_scale, is_time_name, named_scale
+   use gyroakf_io_stamps, only : infer_scale, is_time_name, named_scale
    use gyroakf_io_text, only : bytes_text, fields_type, is_comment, split, split_line
    use gyroakf_kinds, only : dp
    implicit none (type, external)
@@ -217,13 +217,15 @@ contains
          1.7e18_dp, 1.0e7_dp, 0.0_dp, 1.0e-9_dp, 0.0_dp, 1000.0_dp, 1.0_dp, 1.0e-3_dp, 0.0_dp, 125.0_dp, 8000.0_dp, 1.0e-6_dp], &
          [4, 9])
       integer :: i, k
-      real(dp) :: t(5)
+      real(dp) :: t(5), scale
+      logical :: sure
 
       do i = 1, size(table, 2)
          do k = 1, 5
             t(k) = table(1, i) + table(2, i)*(k - 1)
          end do
-         call check(error, inferred_scale(t, table(3, i)), table(4, i), more=achar(48 + i))
+         call infer_scale(t, table(3, i), scale, sure)
+         call check(error, scale, table(4, i), more=achar(48 + i))
          if (allocated(error)) return
       end do
    end subroutine test_inferred

@@ -142,6 +142,7 @@ contains
       plain = replace_all(plain, char(194)//char(183), "")
       plain = replace_all(plain, char(226)//char(129)//char(187)//char(194)//char(185), "^-1")
       plain = replace_all(plain, char(226)//char(129)//char(187)//"^2", "^-2")
+      plain = replace_all(replace_all(replace_all(plain, char(176), "deg"), char(178), "^2"), char(181), "u")
       plain = replace_all(plain, "**", "^")
       plain = replace_all(plain, "*", "")
       do i = 1, size(dropped)

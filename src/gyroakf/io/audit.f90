@@ -2,8 +2,9 @@
 !> The audit of a record: what the time stamps show, and what the values show.
 !>
 !> Samples are taken as evenly spaced at the mean rate. Stamps that come in bursts (delivered late, several at once) are no
-!> gaps: samples were lost only where elapsed time * rate - count rises and does not fall back. That is told by the lower
-!> envelopes of this difference before and after a late stamp: a late delivery leaves them alone, a loss lifts them.
+!> gaps: samples were lost only where the lag, elapsed time * rate - count, rises and does not fall back. That is told by its
+!> median before and after a long step. Where almost all steps are near their median (regular stamps), one lost sample is
+!> seen; where they are not, a loss has to be larger than the bursts.
 module gyroakf_io_audit
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int8, int64
@@ -26,8 +27,8 @@ module gyroakf_io_audit
 
    !> Stamps looked at for a first idea of the step
    integer, parameter :: looked_at = 4001
-   !> Window of the lower envelopes, samples
-   integer(int64), parameter :: least_window = 64, most_window = 2000
+   !> Window of the lags, samples; after a long step it is longer, up to most_window
+   integer(int64), parameter :: window = 64, most_window = 20000
    !> So many samples may be filled in for one that was read
    integer(int64), parameter :: most_filled = 10
 
@@ -59,6 +60,7 @@ contains
       inserted = 0
       do round = 1, 4
          call find_gaps(t, rate, regular, gaps)
+         if (is_beat(gaps)) gaps%count = 0
          if (regular .or. sum(gaps%length(:gaps%count)) == inserted) exit
          inserted = sum(gaps%length(:gaps%count))
          rate = real(n - 1 + inserted, dp)/(t(n) - t(1))
@@ -118,7 +120,7 @@ contains
       call sort(step(:m))
       median = step((m + 1)/2)
       regular = median > 0.0_dp
-      if (regular) regular = 10*count(step(:m) > 0.5_dp*median .and. step(:m) < 1.5_dp*median) >= 8*m
+      if (regular) regular = 100*count(step(:m) > 0.5_dp*median .and. step(:m) < 1.5_dp*median) >= 97*m
       total = 0.0_dp
       near = 0
       do i = 2, n
@@ -180,30 +182,30 @@ contains
    end subroutine count_steps
 
    !> Finds where samples were lost; jumps that are too long to be filled are taken out of the stamps.
+   !>
+   !> A loss is no longer than the step of the stamps there, and than the rise of the lag.
    subroutine find_gaps(t, rate, regular, gaps)
       real(dp), intent(inout), contiguous :: t(:)
       real(dp), intent(in) :: rate
       logical, intent(in) :: regular
       type(gap_type), intent(inout) :: gaps
-      integer(int64) :: i, n, window, least_after, since, room
-      real(dp) :: rise, enough, shift, longest
+      integer(int64) :: i, n, since, room, after, length
+      real(dp) :: rise, enough, shift, step
 
       n = size(t, kind=int64)
       gaps%count = 0
-      longest = 0.0_dp
-      do i = 2, n
-         longest = max(longest, min((t(i) - t(i - 1))*rate, real(n, dp)))
-      end do
-      window = min(max(least_window, 4*int(longest, int64)), most_window)
-      least_after = merge(min(3_int64, n/8), window/2, regular)
-      enough = least_rise(t, rate, window, regular)
+      enough = 0.75_dp
+      if (.not. regular) enough = largest_burst(t, rate)
       since = 1
       room = most_filled*max(n, 10000_int64)
       shift = 0.0_dp
       do i = 2, n
          t(i) = t(i) - shift
-         if ((t(i) - t(i - 1))*rate < 1.5_dp .or. i + least_after > n + 1) cycle
-         rise = lowest(t, rate, i, min(i + window - 1, n), shift) - lowest(t, rate, max(i - window, since), i - 1, 0.0_dp)
+         step = (t(i) - t(i - 1))*rate
+         if (step < 2.0_dp*enough) cycle
+         after = i - 1 + max(window, int(min(4.0_dp*step, real(most_window, dp)), int64))
+         if (.not. regular .and. after > n) cycle
+         rise = middle_lag(t, rate, i, min(after, n), shift) - middle_lag(t, rate, max(i - window, since), i - 1, 0.0_dp)
          if (rise < enough) cycle
          since = i
          if (rise > real(room, dp)) then
@@ -211,56 +213,78 @@ contains
             shift = shift + (t(i) - t(i - 1)) - 1.0_dp/rate
             t(i) = t(i - 1) + 1.0_dp/rate
          else
-            call add_gap(gaps, i, nint(rise, int64))
-            room = room - nint(rise, int64)
+            length = max(1_int64, min(nint(rise, int64), nint(step, int64) - 1))
+            call add_gap(gaps, i, length)
+            room = room - length
          end if
       end do
    end subroutine find_gaps
 
-   !> Smallest t*rate - index over a range; all stamps but the first are still ahead by `shift`.
-   pure real(dp) function lowest(t, rate, from, to, shift)
+   !> True where single samples are lost at even distances: the beat of the samples with a clock that counts in nearly their
+   !> interval, or a loss that cannot be told from it.
+   pure logical function is_beat(gaps)
+      type(gap_type), intent(in) :: gaps
+      integer(int64) :: distance
+      integer :: k, alike
+
+      is_beat = .false.
+      if (gaps%count < 4) return
+      if (any(gaps%length(:gaps%count) > 1)) return
+      distance = (gaps%before(gaps%count) - gaps%before(1))/(gaps%count - 1)
+      alike = 0
+      do k = 2, gaps%count
+         if (abs(gaps%before(k) - gaps%before(k - 1) - distance) <= max(2_int64, distance/10)) alike = alike + 1
+      end do
+      is_beat = 10*alike >= 9*(gaps%count - 1)
+   end function is_beat
+
+   !> Median of the lag t*rate - index over a range (every k-th of a long one); all stamps but the first are still ahead by
+   !> `shift`.
+   real(dp) function middle_lag(t, rate, from, to, shift)
       real(dp), intent(in), contiguous :: t(:)
       real(dp), intent(in) :: rate, shift
       integer(int64), intent(in) :: from, to
-      integer(int64) :: i
+      real(dp) :: lag(2*window)
+      integer(int64) :: i, stride
+      integer :: k
 
-      lowest = (t(from) - t(1))*rate - real(from, dp)
-      do i = from + 1, to
-         lowest = min(lowest, (t(i) - shift - t(1))*rate - real(i, dp))
+      stride = 1 + (to - from)/size(lag)
+      k = 0
+      do i = from, to, stride
+         k = k + 1
+         lag(k) = (t(i) - merge(0.0_dp, shift, i == from) - t(1))*rate - real(i, dp)
       end do
-   end function lowest
+      call sort(lag(:k))
+      middle_lag = lag((k + 1)/2)
+   end function middle_lag
 
-   !> The rise that jitter alone does not make. Regular stamps: six times the median change of the lower envelope from window
-   !> to window. Bursts: three times the upper quartile of the lag within a window, as a shorter loss cannot be told from a burst.
-   real(dp) function least_rise(t, rate, window, regular)
+   !> Three times the usual difference between the largest and the smallest lag within a window (its upper quartile): a shorter
+   !> loss cannot be told from a burst.
+   real(dp) function largest_burst(t, rate)
       real(dp), intent(in), contiguous :: t(:)
       real(dp), intent(in) :: rate
-      integer(int64), intent(in) :: window
-      logical, intent(in) :: regular
-      real(dp) :: seen(looked_at), low, low_before, high
+      real(dp) :: seen(looked_at), low, high, lag
       integer(int64) :: n, at, i
       integer :: k
 
       n = size(t, kind=int64)
       k = 0
-      low_before = lowest(t, rate, 1_int64, min(window, n), 0.0_dp)
-      do at = window + 1, n - window + 1, max(window, n/looked_at)
-         if (k == looked_at) exit
+      do at = 1, n - window + 1, max(window, n/looked_at + 1)
          k = k + 1
-         if (regular) low_before = lowest(t, rate, at - window, at - 1, 0.0_dp)
-         low = lowest(t, rate, at, at + window - 1, 0.0_dp)
+         low = (t(at) - t(1))*rate - real(at, dp)
          high = low
-         do i = at, at + window - 1
-            high = max(high, (t(i) - t(1))*rate - real(i, dp))
+         do i = at + 1, at + window - 1
+            lag = (t(i) - t(1))*rate - real(i, dp)
+            low = min(low, lag)
+            high = max(high, lag)
          end do
-         seen(k) = merge(abs(low - low_before), high - low, regular)
+         seen(k) = high - low
       end do
+      largest_burst = huge(largest_burst)/4
+      if (k < 4) return
       call sort(seen(:k))
-      least_rise = 0.75_dp
-      if (k == 0) return
-      if (regular) least_rise = max(least_rise, 6.0_dp*seen((k + 1)/2))
-      if (.not. regular) least_rise = max(least_rise, 3.0_dp*seen((3*k + 3)/4))
-   end function least_rise
+      largest_burst = max(0.75_dp, 3.0_dp*seen((3*k + 3)/4))
+   end function largest_burst
 
    !> Appends a gap.
    subroutine add_gap(gaps, before, length)

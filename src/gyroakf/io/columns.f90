@@ -10,7 +10,7 @@ module gyroakf_io_columns
    use gyroakf_spelling, only : lower, nearest_word
    implicit none (type, external)
    private
-   public :: column_names_type, read_names, name_of, find_column, choose_columns
+   public :: column_names_type, read_names, name_of, label_of, find_column, choose_columns
 
    !> The names of a file's columns
    type :: column_names_type
@@ -97,6 +97,18 @@ contains
       if (names%known) name = names%name(column)%text
       if (len(name) == 0) name = "column "//integer_text(int(column, int64))
    end function name_of
+
+   !> The same for messages: "column 3" or "column 'gx'".
+   pure function label_of(names, column) result(label)
+      !> As those of [[name_of]]
+      type(column_names_type), intent(in) :: names
+      integer, intent(in) :: column
+      character(:), allocatable :: label
+
+      label = name_of(names, column)
+      if (.not. names%known) return
+      if (len(names%name(column)%text) > 0) label = "column '"//label//"'"
+   end function label_of
 
    !> The column that a number or a name means.
    subroutine find_column(word, names, columns, column, error)

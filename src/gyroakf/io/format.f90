@@ -5,7 +5,11 @@ module gyroakf_io_format
    use gyroakf_io_text, only : bytes_text, first_visible, last_visible
    implicit none (type, external)
    private
-   public :: decimal_comma, foreign_content
+   public :: decimal_comma, comma_found, comma_advice, foreign_content
+
+   !> The message for a decimal comma
+   character(*), parameter :: comma_found = "this looks like a decimal comma, and a comma separates columns"
+   character(*), parameter :: comma_advice = "write decimal points, as with tr , . < FILE"
 
    integer(int8), parameter :: tab = 9, blank = 32, quote = 34, apostrophe = 39, comma = 44, point = 46, semicolon = 59
 

@@ -8,10 +8,10 @@ module gyroakf_io_reader
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_audit, only : audit_stamps, audit_values, gap_type
-   use gyroakf_io_columns, only : name_of
+   use gyroakf_io_columns, only : label_of, name_of
    use gyroakf_io_lines, only : line_of
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_stamps, only : inferred_scale, named_scale
+   use gyroakf_io_stamps, only : infer_scale, named_scale
    use gyroakf_io_shape, only : cut, fill_gaps, make_rates, mark_missing
    use gyroakf_io_store, only : take_columns
    use gyroakf_io_table, only : read_table, table_options, table_type
@@ -170,11 +170,11 @@ contains
          end do
          if (holds(j)) cycle
          if (table%asked .or. size(holds) == 1) then
-            call fatal_error(error, status%parse, table%name//":"//integer_text(line_of(table%map, 1_int64))//":1: the column '"// &
-                             name_of(table%names, table%chosen(j))//"' holds no number"//new_line("a")//"choose another --column")
+            call fatal_error(error, status%parse, table%name//":"//integer_text(line_of(table%map, 1_int64))//":1: "// &
+                             label_of(table%names, table%chosen(j))//" holds no number"//new_line("a")//"choose another --column")
             return
          end if
-         call add_text(record%warnings, "the column '"//name_of(table%names, table%chosen(j))//"' holds no number and is left out")
+         call add_text(record%warnings, label_of(table%names, table%chosen(j))//" holds no number and is left out")
       end do
       slots = pack([(j, j=1, size(holds))], holds)
       if (size(slots) > 0) return
@@ -211,6 +211,7 @@ contains
       type(record_type), intent(inout) :: record
       type(gap_type), intent(out) :: gaps
       real(dp) :: scale, origin, given
+      logical :: sure
       integer(int64) :: i
 
       record%audit%bad_lines = table%bad_lines
@@ -222,10 +223,10 @@ contains
       if (table%names%known) scale = named_scale(table%names%name(table%time)%text, table%names%unit(table%time)%text)
       if (scale <= 0.0_dp) then
          given = merge(options%rate_hz, table%header%rate_hz, options%rate_hz > 0.0_dp)
-         scale = inferred_scale(stamps, given)
-         if (scale < 0.5_dp) call add_text(record%warnings, "the time column '"//name_of(table%names, table%time)// &
-            "' names no unit and is taken as "//unit_word(scale)//" by its step; a name such as time_"//unit_word(scale)// &
-            " or a --rate settles it")
+         call infer_scale(stamps, given, scale, sure)
+         if (.not. sure) call add_text(record%warnings, "the time in "//label_of(table%names, table%time)// &
+            " names no unit and is taken as "//unit_word(scale)//" by its step; a name such as time_"//unit_word(scale)// &
+            " or the option --rate settles it")
       end if
       do i = 1, size(stamps, kind=int64)
          if (.not. ieee_is_nan(stamps(i))) exit
@@ -243,7 +244,8 @@ contains
       real(dp), intent(in) :: scale
       character(:), allocatable :: word
 
-      word = "ms"
+      word = "s"
+      if (scale < 0.5_dp) word = "ms"
       if (scale < 0.5e-3_dp) word = "us"
       if (scale < 0.5e-6_dp) word = "ns"
    end function unit_word
@@ -303,10 +305,12 @@ contains
          call parse_unit(options%unit, unit, error)
          if (allocated(error)) return
          record%unit_source = "option"
-      else if (table%header%unit%quantity /= quantity%unknown) then
+      else
          unit = table%header%unit
+         if (unit%quantity == quantity%unknown) call unit_of_names(table, unit)
          record%unit_source = "header"
       end if
+      if (unit%quantity == quantity%unknown) record%unit_source = "none"
       if (unit%quantity == quantity%unknown) return
       if (angles .eqv. (unit%quantity == quantity%angle)) then
          record%unit = unit
@@ -322,6 +326,24 @@ contains
                           "--input increment or --input angle, or the unit of a rate")
       end if
    end subroutine set_unit
+
+   !> The unit that stands in brackets behind the names of the columns, where it is the same for all that were read.
+   subroutine unit_of_names(table, unit)
+      type(table_type), intent(in) :: table
+      type(unit_type), intent(inout) :: unit
+      type(unit_type) :: first, other
+      type(error_type), allocatable :: failed
+      integer :: j
+
+      if (.not. table%names%known) return
+      do j = 1, size(table%chosen)
+         call parse_unit(table%names%unit(table%chosen(j))%text, other, failed)
+         if (allocated(failed)) return
+         if (j == 1) first = other
+         if (other%name /= first%name) return
+      end do
+      unit = first
+   end subroutine unit_of_names
 
    !> Lines of what is odd, and the warnings about it.
    subroutine tell(table, record)

@@ -5,6 +5,7 @@
 module gyroakf_io_rows
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_io_format, only : comma_advice, comma_found, decimal_comma
    use gyroakf_io_number, only : is_missing_word, number, scan_number
    use gyroakf_io_place, only : integer_text, shown_bytes
    use gyroakf_io_text, only : bytes_text, fields_type, split, split_line
@@ -126,6 +127,7 @@ contains
       real(dp), intent(out) :: row(:)
       !> What is wrong
       type(problem_type), intent(out) :: problem
+      integer(int64) :: comma_at
       integer :: j, slot
 
       row = ieee_value(1.0_dp, ieee_quiet_nan)
@@ -139,7 +141,9 @@ contains
          return
       end if
       if (.not. fits(layout, fields)) then
-         call count_problem(layout, fields, last, problem)
+         comma_at = decimal_comma(bytes, first, last)
+         if (comma_at > 0) call set_problem(problem, comma_at, comma_found, comma_advice)
+         if (comma_at == 0) call count_problem(layout, fields, last, problem)
          return
       end if
       do j = 1, min(layout%columns, fields%count)
@@ -212,8 +216,8 @@ contains
 
       at = last + 1
       if (fields%count > layout%columns) at = fields%first(layout%columns + 1)
-      call set_problem(problem, at, integer_text(int(fields%count, int64))//" columns where the rows above have "// &
-                       integer_text(int(layout%columns, int64)), mend)
+      call set_problem(problem, at, integer_text(int(fields%count, int64))//trim(merge(" column ", " columns", fields%count == 1)) &
+                       //" where the rows above have "//integer_text(int(layout%columns, int64)), mend)
    end subroutine count_problem
 
    !> Fills the problem.

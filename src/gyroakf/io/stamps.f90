@@ -7,7 +7,7 @@ module gyroakf_io_stamps
    use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
-   public :: is_time_name, named_scale, inferred_scale
+   public :: is_time_name, named_scale, infer_scale
 
 contains
 
@@ -64,11 +64,15 @@ contains
    !> A rate that was given decides where it fits one unit within a factor of 3. Else: stamps with decimals are seconds; whole
    !> ones are told by their size where they count from 1970, else by their mean step: up to 1.5 seconds, below 1000
    !> milliseconds, below 10^6 microseconds, nanoseconds.
-   pure real(dp) function inferred_scale(stamps, rate_hz) result(scale)
+   pure subroutine infer_scale(stamps, rate_hz, scale, sure)
       !> As read, NaN where missing: [n]
       real(dp), intent(in), contiguous :: stamps(:)
       !> Hz, 0 where nobody gave one
       real(dp), intent(in) :: rate_hz
+      !> s
+      real(dp), intent(out) :: scale
+      !> True where decimals or the rate that was given settle it
+      logical, intent(out) :: sure
       real(dp), parameter :: units(4) = [1.0_dp, 1.0e-3_dp, 1.0e-6_dp, 1.0e-9_dp]
       real(dp) :: first, last, step
       integer(int64) :: i, count
@@ -87,12 +91,14 @@ contains
          count = count + 1
          if (whole) whole = abs(stamps(i) - anint(stamps(i))) <= 0.0_dp
       end do
+      sure = .not. whole
       if (count < 2) return
       step = abs(last - first)/real(count - 1, dp)
       if (rate_hz > 0.0_dp) then
          do k = 1, 4
             if (abs(log10(max(step*units(k)*rate_hz, tiny(step)))) > 0.48_dp) cycle
             scale = units(k)
+            sure = .true.
             return
          end do
       end if
@@ -110,6 +116,6 @@ contains
          if (step >= 1.0e3_dp) scale = units(3)
          if (step >= 1.0e6_dp) scale = units(4)
       end if
-   end function inferred_scale
+   end subroutine infer_scale
 
 end module gyroakf_io_stamps

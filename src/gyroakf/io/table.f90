@@ -4,8 +4,8 @@ module gyroakf_io_table
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_columns, only : choose_columns, column_names_type, find_column, name_of, read_names
-   use gyroakf_io_format, only : decimal_comma, foreign_content
+   use gyroakf_io_columns, only : choose_columns, column_names_type, find_column, label_of, read_names
+   use gyroakf_io_format, only : comma_advice, comma_found, decimal_comma, foreign_content
    use gyroakf_io_header, only : header_type, read_comment, time_scale
    use gyroakf_io_lines, only : close_lines, line_end, line_map_type, next_line, lines_type, map_row, more_lines, open_lines
    use gyroakf_io_number, only : is_missing_word, number, scan_number
@@ -15,6 +15,7 @@ module gyroakf_io_table
    use gyroakf_io_store, only : next_chunk, store_type
    use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, split, split_line
    use gyroakf_record, only : add_text, text_type
+   use gyroakf_spelling, only : lower
    use gyroakf_units, only : parse_unit, unit_type
    implicit none (type, external)
    private
@@ -114,6 +115,7 @@ contains
       type(table_type), intent(inout) :: table
       type(error_type), allocatable, intent(out) :: error
       integer(int64) :: last
+      logical :: taken
 
       do
          call more_lines(lines, error)
@@ -126,10 +128,13 @@ contains
             call read_comment(lines%bytes, lines%at, last, lines%number, table%header, table%warnings)
          else if (first_visible(lines%bytes, lines%at, last) <= last) then
             if (.not. only_words(lines, last)) return
-            if (.not. table%names%known) then
+            if (lower(bytes_text(lines%bytes, lines%at, min(last, lines%at + 3))) == "sep=") then
+               continue
+            else if (.not. table%names%known) then
                call read_names(lines%bytes, lines%at, last, lines%number, table%names)
-            else if (.not. is_units_line(lines, last)) then
-               return
+            else
+               call take_units(lines, last, table%names, taken)
+               if (.not. taken) return
             end if
          end if
          call next_line(lines)
@@ -161,24 +166,27 @@ contains
       only_words = words > 0
    end function only_words
 
-   !> True for a line of units below the names.
-   logical function is_units_line(lines, last)
+   !> Takes in a line of units below the names; not taken where a word of it is no unit.
+   subroutine take_units(lines, last, names, taken)
       type(lines_type), intent(in) :: lines
       integer(int64), intent(in) :: last
+      type(column_names_type), intent(inout) :: names
+      logical, intent(out) :: taken
       type(column_names_type) :: words
       type(unit_type) :: unit
       type(error_type), allocatable :: failed
       integer :: i
 
-      is_units_line = .false.
       call read_names(lines%bytes, lines%at, last, lines%number, words)
+      taken = size(words%name) == size(names%name)
       do i = 1, size(words%name)
+         if (.not. taken) return
          if (len(words%name(i)%text) == 0 .or. time_scale(words%name(i)%text) > 0.0_dp) cycle
          call parse_unit(words%name(i)%text, unit, failed)
-         if (allocated(failed)) return
+         taken = .not. allocated(failed)
       end do
-      is_units_line = .true.
-   end function is_units_line
+      names%unit = words%name
+   end subroutine take_units
 
    !> Decides on the columns from the first line of numbers.
    subroutine lay_out(lines, options, table, error)
@@ -253,9 +261,8 @@ contains
          comma = 0
          if (.not. is_comment(lines%bytes, at, last - 1)) comma = decimal_comma(lines%bytes, at, last - 1)
          if (comma > 0) then
-            call place_error(error, table%name, lines%number + i, lines%bytes, at, last - 1, comma, &
-               "this looks like a decimal comma, and a comma separates columns", &
-               "write decimal points, as with tr , . < FILE")
+            call place_error(error, table%name, lines%number + i, lines%bytes, at, last - 1, comma, comma_found, &
+                             comma_advice)
             return
          end if
          at = last + 1
@@ -288,7 +295,7 @@ contains
       if (allocated(error)) return
       if (size(table%chosen) == 0) then
          call fatal_error(error, status%parse, table%name//":"//integer_text(table%names%line)// &
-                          ":1: there is no column besides the time column '"//name_of(table%names, table%time)//"'"// &
+                          ":1: there is no column besides the time in "//label_of(table%names, table%time)// &
                           new_line("a")//"--time-column none takes it for the record")
          return
       end if

@@ -1,0 +1,308 @@
+! SPDX-License-Identifier: MIT
+!> The audit of time stamps: what is a gap and what is not.
+module test_audit
+   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : gyro_error => error_type
+   use gyroakf_io_audit, only : audit_stamps, gap_type
+   use gyroakf_io_decimal, only : format_real
+   use gyroakf_io_reader, only : reader_options, read_record
+   use gyroakf_record, only : audit_type, record_type
+   use scratch_file, only : remove_file, scratch_path, write_bytes
+   use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   implicit none (type, external)
+   private
+   public :: collect_audit
+
+   !> Samples of the series
+   integer, parameter :: n = 4000
+   !> Their interval, s
+   real(dp), parameter :: dt = 0.01_dp
+
+contains
+
+   !> Names the tests.
+   subroutine collect_audit(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         new_unittest("even", test_even), &
+         new_unittest("jitter", test_jitter), &
+         new_unittest("late-delivery", test_late), &
+         new_unittest("gap", test_gap), &
+         new_unittest("many-gaps", test_many_gaps), &
+         new_unittest("bursts", test_bursts), &
+         new_unittest("bursts-with-loss", test_burst_loss), &
+         new_unittest("coarse-clock", test_coarse), &
+         new_unittest("clock-beat", test_beat), &
+         new_unittest("duplicates", test_duplicates), &
+         new_unittest("clock-set-back", test_set_back), &
+         new_unittest("clock-set-forward", test_set_forward), &
+         new_unittest("missing-stamps", test_missing_stamps), &
+         new_unittest("gap-in-a-file", test_gap_in_file), &
+         new_unittest("lines", test_lines)]
+   end subroutine collect_audit
+
+   !> Even stamps.
+   function even() result(t)
+      real(dp) :: t(n)
+      integer :: i
+
+      t = [(dt*(i - 1), i=1, n)]
+   end function even
+
+   !> Noise in -1 to 1, the same in every run.
+   real(dp) function noise(i)
+      integer, intent(in) :: i
+
+      noise = 2.0_dp*modulo(real(i, dp)*0.6180339887498949_dp + real(i, dp)**2*0.3819660112501051_dp, 1.0_dp) - 1.0_dp
+   end function noise
+
+   !> Stamps of samples that are handed over ten at a time, up to 0.4 s late now and then.
+   function bursts() result(t)
+      real(dp) :: t(n)
+      integer :: i, group
+
+      do i = 1, n
+         group = (i + 9)/10
+         t(i) = 0.1_dp*group + 0.001_dp*mod(i - 1, 10) + 0.003_dp*noise(group)
+         if (mod(group, 37) < 4 .and. group > 37) t(i) = 0.1_dp*(37*(group/37) + 4) + 0.001_dp*mod(i - 1, 10) &
+                                                         + 0.012_dp*mod(group, 37)
+      end do
+   end function bursts
+
+   !> Audits; the rate has to be 100 Hz within a relative difference.
+   subroutine expect(error, t, gaps_expected, lost, tolerance, audit)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), intent(inout), contiguous :: t(:)
+      integer, intent(in) :: gaps_expected, lost
+      real(dp), intent(in) :: tolerance
+      type(audit_type), intent(out) :: audit
+      type(gap_type) :: gaps
+
+      call audit_stamps(t, audit, gaps)
+      call check(error, gaps%count, gaps_expected, more="gaps")
+      if (allocated(error)) return
+      call check(error, int(sum(gaps%length(:gaps%count))), lost, more="lost")
+      if (allocated(error)) return
+      call check(error, audit%stamp_rate, 1.0_dp/dt, thr=tolerance, rel=.true., more="rate")
+   end subroutine expect
+
+   subroutine test_even(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(audit_type) :: audit
+      real(dp) :: t(n)
+
+      t = even()
+      call expect(error, t, 0, 0, 1.0e-13_dp, audit)
+      if (allocated(error)) return
+      call check(error, audit%jitter_max < 1.0e-12_dp .and. audit%duplicates == 0 .and. audit%backward_steps == 0, "even")
+   end subroutine test_even
+
+   !> Up to 45 % of the interval; the ends of the record say the rate to 0.9/n.
+   subroutine test_jitter(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(audit_type) :: audit
+      real(dp) :: t(n)
+      integer :: i
+
+      t = even() + 0.45_dp*dt*[(noise(i), i=1, n)]
+      call expect(error, t, 0, 0, 1.0_dp/n, audit)
+      if (allocated(error)) return
+      call check(error, audit%jitter_max > 0.4_dp*dt .and. audit%jitter_max < 1.5_dp*dt, "jitter")
+   end subroutine test_jitter
+
+   !> Eight samples that arrive together, after the last of them was due.
+   subroutine test_late(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(audit_type) :: audit
+      real(dp) :: t(n)
+      integer :: k
+
+      t = even()
+      do k = 1, 5
+         t(700*k:700*k + 7) = t(700*k + 7) + 1.0e-4_dp*[0, 1, 2, 3, 4, 5, 6, 7]
+      end do
+      call expect(error, t, 0, 0, 1.0e-13_dp, audit)
+      if (allocated(error)) return
+      call check(error, audit%jitter_max, 7*dt, thr=1.0e-10_dp)
+   end subroutine test_late
+
+   subroutine test_gap(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(audit_type) :: audit
+      real(dp) :: t(n)
+      integer :: i
+
+      t = even() + 0.2_dp*dt*[(noise(i), i=1, n)]
+      t(1000:) = t(1000:) + 5*dt
+      call expect(error, t, 1, 5, 1.0_dp/n, audit)
+      if (allocated(error)) return
+      call check(error, audit%line_of_first(3), 1000_int64)
+   end subroutine test_gap
+
+   !> One sample lost in fifty, each at another place of the fifty.
+   subroutine test_many_gaps(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(audit_type) :: audit
+      real(dp) :: t(n)
+      integer :: k, i
+
+      t = even() + 0.05_dp*dt*[(noise(i), i=1, n)]
+      do k = 1, 79
+         t(50*k + mod(7*k, 40):) = t(50*k + mod(7*k, 40):) + dt
+      end do
+      call expect(error, t, 79, 79, 1.0_dp/n, audit)
+   end subroutine test_many_gaps
+
+   !> The record may end with a burst that is 0.4 s late.
+   subroutine test_bursts(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(audit_type) :: audit
+      real(dp) :: t(n)
+
+      t = bursts()
+      call expect(error, t, 0, 0, 0.4_dp/(n*dt), audit)
+      if (allocated(error)) return
+      call check(error, audit%jitter_max > 0.1_dp, "jitter")
+   end subroutine test_bursts
+
+   !> Three seconds lost between bursts: 300 samples, up to the ten of a burst.
+   subroutine test_burst_loss(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(audit_type) :: audit
+      type(gap_type) :: gaps
+      real(dp) :: t(n)
+
+      t = bursts()
+      t(2001:) = t(2001:) + 3.0_dp
+      call audit_stamps(t, audit, gaps)
+      call check(error, gaps%count, 1)
+      if (allocated(error)) return
+      call check(error, abs(gaps%length(1) - 300_int64) <= 10 .and. gaps%before(1) == 2001, &
+                 "lost "//format_real(real(gaps%length(1), dp), 9))
+      if (allocated(error)) return
+      call check(error, audit%stamp_rate, 100.0_dp, thr=0.01_dp, rel=.true.)
+   end subroutine test_burst_loss
+
+   !> A clock of 15.6 ms at 100 Hz: equal stamps, no gap.
+   subroutine test_coarse(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(audit_type) :: audit
+      real(dp) :: t(n)
+
+      t = aint(even()/0.0156_dp)*0.0156_dp
+      call expect(error, t, 0, 0, 2.0_dp/n, audit)
+      if (allocated(error)) return
+      call check(error, audit%duplicates > n/4, "duplicates")
+   end subroutine test_coarse
+
+   !> A clock that counts in nearly the sample interval: a step of two now and then is its beat with the samples, no loss.
+   subroutine test_beat(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(audit_type) :: audit
+      real(dp), parameter :: clock(3) = [0.0095_dp, 0.0099_dp, 0.00999_dp]
+      real(dp) :: t(n)
+      integer :: i
+
+      do i = 1, 3
+         t = anint(even()/clock(i))*clock(i)
+         call expect(error, t, 0, 0, 1.0_dp/n, audit)
+         if (allocated(error)) return
+         t = aint(even()/(2*dt - clock(i)))*(2*dt - clock(i))
+         call expect(error, t, 0, 0, 1.0_dp/n, audit)
+         if (allocated(error)) return
+      end do
+   end subroutine test_beat
+
+   subroutine test_duplicates(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(audit_type) :: audit
+      real(dp) :: t(n)
+
+      t = even()
+      t(500) = t(499)
+      t(900) = t(899) - 0.3_dp*dt
+      call expect(error, t, 0, 0, 1.0e-13_dp, audit)
+      if (allocated(error)) return
+      call check(error, audit%duplicates == 1 .and. audit%backward_steps == 1, "counts")
+      if (allocated(error)) return
+      call check(error, all(audit%line_of_first == [500_int64, 900_int64, 0_int64]), "places")
+   end subroutine test_duplicates
+
+   !> A counter that starts anew: the record goes on by one sample.
+   subroutine test_set_back(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(audit_type) :: audit
+      real(dp) :: t(n)
+
+      t = even()
+      t(2001:) = t(2001:) - t(2001)
+      call expect(error, t, 0, 0, 1.0e-12_dp, audit)
+      if (allocated(error)) return
+      call check(error, audit%backward_steps, 1_int64)
+   end subroutine test_set_back
+
+   !> Fifty years are not filled with samples.
+   subroutine test_set_forward(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(audit_type) :: audit
+      real(dp) :: t(n)
+
+      t = even()
+      t(2001:) = t(2001:) + 1.6e9_dp
+      call expect(error, t, 0, 0, 1.0e-6_dp, audit)
+      if (allocated(error)) return
+      call check(error, audit%gaps, 1_int64)
+   end subroutine test_set_forward
+
+   subroutine test_missing_stamps(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(audit_type) :: audit
+      real(dp) :: t(n)
+
+      t = even()
+      t([1, 2, 100, 101, 102, n]) = ieee_value(1.0_dp, ieee_quiet_nan)
+      call expect(error, t, 0, 0, 1.0e-12_dp, audit)
+      if (allocated(error)) return
+      call check(error, audit%duplicates + audit%backward_steps, 0_int64)
+   end subroutine test_missing_stamps
+
+   !> The samples that were lost get their place.
+   subroutine test_gap_in_file(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(gyro_error), allocatable :: failed
+      character(16*100) :: content
+      integer :: i
+
+      do i = 1, 100
+         write (content(16*i - 15:16*i), "(f8.2, i7, a)") 0.01_dp*merge(i, i + 3, i <= 60), i, new_line("a")
+      end do
+      call write_bytes(scratch_path("gap.txt"), "t gx"//new_line("a")//content)
+      call read_record(scratch_path("gap.txt"), reader_options(), record, failed)
+      call remove_file(scratch_path("gap.txt"))
+      call check(error, record%audit%samples == 103 .and. record%audit%missing == 3 .and. record%audit%gaps == 1, "counts")
+      if (allocated(error)) return
+      call check(error, all(record%present(61:63, 1) == 0) .and. sum(int(record%present)) == 100, "marks")
+      if (allocated(error)) return
+      call check(error, abs(record%value(60, 1) - 60) <= 0.0_dp .and. abs(record%value(64, 1) - 61) <= 0.0_dp, "values")
+      if (allocated(error)) return
+      call check(error, record%audit%line_of_first(3), 62_int64)
+   end subroutine test_gap_in_file
+
+   !> Lines are counted with header, comments and blank lines.
+   subroutine test_lines(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(gyro_error), allocatable :: failed
+      character(1), parameter :: nl = new_line("a")
+
+      call write_bytes(scratch_path("lines.txt"), "# c"//nl//"t_s gx"//nl//"0 1"//nl//nl//"1 1"//nl//"# d"//nl//"# e"//nl// &
+                       "1 2"//nl//"2 3"//nl//"1.5 4"//nl)
+      call read_record(scratch_path("lines.txt"), reader_options(), record, failed)
+      call remove_file(scratch_path("lines.txt"))
+      call check(error, all(record%audit%line_of_first == [8_int64, 10_int64, 0_int64]), "lines")
+   end subroutine test_lines
+
+end module test_audit

@@ -1,0 +1,270 @@
+! SPDX-License-Identifier: MIT
+!> What the reader refuses: code, place and words of every message.
+module test_reader_errors
+   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_io_reader, only : reader_options, read_record
+   use gyroakf_record, only : record_type
+   use scratch_file, only : remove_file, scratch_path, write_bytes
+   implicit none (type, external)
+   private
+   public :: collect_reader_errors
+
+   character(1), parameter :: nl = new_line("a")
+   character(*), parameter :: mend = "mend the line, or let such lines count as missing samples with --bad-lines missing"
+
+contains
+
+   !> Names the tests.
+   subroutine collect_reader_errors(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         new_unittest("whole-message", test_whole_message), &
+         new_unittest("bad-tokens", test_tokens), &
+         new_unittest("number-of-columns", test_columns), &
+         new_unittest("no-numbers", test_no_numbers), &
+         new_unittest("no-text", test_no_text), &
+         new_unittest("decimal-commas", test_commas), &
+         new_unittest("files", test_files), &
+         new_unittest("unknown-columns", test_unknown_columns), &
+         new_unittest("options", test_options), &
+         new_unittest("options-and-file", test_options_file), &
+         new_unittest("place-in-later-block", test_later_block)]
+   end subroutine collect_reader_errors
+
+   !> The message for a content, without the path; "accepted" where there is none.
+   function message(content, options, code) result(text)
+      character(*), intent(in) :: content
+      type(reader_options), intent(in) :: options
+      integer, intent(out) :: code
+      character(:), allocatable :: text
+      type(record_type) :: record
+      type(gyro_error), allocatable :: failed
+      character(:), allocatable :: path
+
+      path = scratch_path("errors.txt")
+      call write_bytes(path, content)
+      call read_record(path, options, record, failed)
+      call remove_file(path)
+      text = "accepted"
+      code = status%ok
+      if (.not. allocated(failed)) return
+      code = failed%code
+      text = failed%message
+      if (index(text, path) == 1) text = text(len(path) + 1:)
+   end function message
+
+   !> Checks that a content is refused with a message that begins so.
+   subroutine expect(error, content, code, start)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), intent(in) :: content, start
+      integer, intent(in) :: code
+      character(:), allocatable :: text
+      integer :: got
+
+      text = message(content, reader_options(), got)
+      call check(error, got, code, more=text)
+      if (allocated(error)) return
+      call check(error, text(:min(len(text), len(start))), start)
+   end subroutine expect
+
+   subroutine test_whole_message(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      call expect(error, "# c"//nl//"1.5 2"//nl//"-1 x7,"//nl, status%parse, ":3:4: 'x7' is not a number"//nl//"-1 x7,"//nl// &
+                  "   ^"//nl//mend//"; --column chooses columns")
+   end subroutine test_whole_message
+
+   subroutine test_tokens(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(12), parameter :: row(10) = [character(12) :: "1.5.2", "1e", "0x10", "--1", "1_000", "12:30:00", "1e999", &
+         "-1e400", '"3', "nano"]
+      character(40), parameter :: what(10) = [character(40) :: "'1.5.2' is not a number", "'1e' is not a number", &
+         "'0x10' is not a number", "'--1' is not a number", "'1_000' is not a number", "'12:30:00' is not a number", &
+         "the number '1e999' is too large", "the number '-1e400' is too large", "a quote that is not closed", &
+         "'nano' is not a number"]
+      integer :: i
+
+      do i = 1, size(row)
+         call expect(error, "1"//nl//" "//trim(row(i))//nl, status%parse, ":2:2: "//trim(what(i)))
+         if (allocated(error)) return
+      end do
+      call expect(error, "1"//nl//char(194)//char(176)//nl, status%parse, ":2:1: '"//char(194)//char(176)//"' is not a number")
+      if (allocated(error)) return
+      call expect(error, "1 2"//nl//char(195)//char(164)//" y"//nl, status%parse, ":2:1: ")
+      if (allocated(error)) return
+      call expect(error, "1"//nl//repeat("y", 3000)//nl, status%parse, ":2:1: '"//repeat("y", 37)//"...' is not a number"//nl// &
+                  repeat("y", 96)//"..."//nl//"^"//nl)
+   end subroutine test_tokens
+
+   subroutine test_columns(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      call expect(error, "1 2"//nl//"3 4 5"//nl, status%parse, &
+                  ":2:5: 3 columns where the rows above have 2"//nl//"3 4 5"//nl//"    ^")
+      if (allocated(error)) return
+      call expect(error, "1,2"//nl//"3"//nl, status%parse, ":2:2: 1 column where the rows above have 2")
+      if (allocated(error)) return
+      call expect(error, "1;2"//nl//"3;4;5;"//nl, status%parse, ":2:5: 4 columns where the rows above have 2")
+      if (allocated(error)) return
+      call expect(error, "gx gy"//nl//"1 2 3"//nl, status%parse, ":2:4: 3 columns where line 1 has 2 names")
+      if (allocated(error)) return
+      call expect(error, "1 2"//nl//"3 # 4"//nl, status%parse, ":2:6: 1 column")
+      if (allocated(error)) return
+      call expect(error, "1 2"//nl//nl//nl//"3"//nl, status%parse, ":4:2: 1 column")
+   end subroutine test_columns
+
+   subroutine test_no_numbers(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      call expect(error, "", status%parse, ":1:1: the file is empty")
+      if (allocated(error)) return
+      call expect(error, nl//nl, status%parse, ":2:1: the file holds no line of numbers")
+      if (allocated(error)) return
+      call expect(error, "# a"//nl//"# b"//nl//"gx"//nl, status%parse, ":3:1: the file holds no line of numbers")
+      if (allocated(error)) return
+      call expect(error, "# a"//nl//"nan"//nl//"NA"//nl, status%parse, ":2:1: column 1 holds no number")
+      if (allocated(error)) return
+      call expect(error, "nan,nan"//nl//",,"//nl, status%parse, ":1:1: no column holds a number")
+      if (allocated(error)) return
+      call expect(error, "t"//nl//"1"//nl//"2"//nl, status%parse, ":1:1: there is no column besides the time in column 't'")
+      if (allocated(error)) return
+      call expect(error, "gx"//nl//"gy"//nl//"2"//nl, status%parse, ":2:1: 'gy' is not a number")
+   end subroutine test_no_numbers
+
+   subroutine test_no_text(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      call expect(error, "1"//nl//"2"//achar(0)//nl, status%parse, ":2:1: the content is not text but binary")
+      if (allocated(error)) return
+      call expect(error, char(255)//char(254)//"1"//achar(0), status%parse, ":1:1: the content is not text but text in UTF-16")
+      if (allocated(error)) return
+      call expect(error, char(31)//char(139)//achar(8), status%parse, ":1:1: the content is not text but compressed by gzip")
+      if (allocated(error)) return
+      call expect(error, char(147)//"NUMPY"//achar(1), status%parse, ":1:1: the content is not text but a NumPy file")
+      if (allocated(error)) return
+      call expect(error, "PK"//achar(3)//achar(4), status%parse, ":1:1: the content is not text but a zip archive")
+   end subroutine test_no_text
+
+   subroutine test_commas(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      call expect(error, "1,5;2,3"//nl, status%parse, ":1:2: this looks like a decimal comma")
+      if (allocated(error)) return
+      call expect(error, "t;gx"//nl//"0;2"//nl//"1;2,5"//nl, status%parse, ":3:4: ")
+      if (allocated(error)) return
+      call expect(error, "1,5"//nl//"2,25"//nl//"0,05"//nl, status%parse, ":3:2: this looks like a decimal comma")
+      if (allocated(error)) return
+      call expect(error, "1,5"//nl//"2,25"//nl//"gx"//nl, status%parse, ":3:3: 1 column")
+   end subroutine test_commas
+
+   subroutine test_files(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failed
+      type(record_type) :: record
+
+      call read_record("/nonexistent/a.txt", reader_options(), record, failed)
+      call check(error, failed%code, status%io)
+      if (allocated(error)) return
+      call check(error, failed%message, "/nonexistent/a.txt: no such file"//nl//"check the path; - reads standard input")
+      if (allocated(error)) return
+      call read_record("/tmp", reader_options(), record, failed)
+      call check(error, failed%code, status%io)
+      if (allocated(error)) return
+      call check(error, failed%message, "/tmp: is a directory"//nl//"give the file in it that holds the record")
+   end subroutine test_files
+
+   subroutine test_unknown_columns(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(reader_options) :: options
+      character(*), parameter :: named = "t gx gy gz"//nl//"0 1 2 3"//nl//"1 2 3 4"//nl
+      character(8), parameter :: asked(5) = [character(8) :: "gxx", "foo", "5", "0", "gx,2"]
+      character(80), parameter :: expected(5) = [character(80) :: &
+         "there is no column 'gxx', perhaps 'gx'; the file has 't' 'gx' 'gy' 'gz'", &
+         "there is no column 'foo'; the file has 't' 'gx' 'gy' 'gz'", "there is no column 5: the file has columns 1 to 4", &
+         "there is no column 0: the file has columns 1 to 4", "the column '2' is chosen twice"]
+      integer :: i, code
+
+      do i = 1, size(asked)
+         options%columns = trim(asked(i))
+         call check(error, message(named, options, code), trim(expected(i)))
+         if (allocated(error)) return
+         call check(error, code, status%invalid_argument)
+         if (allocated(error)) return
+      end do
+      options%columns = "gx"
+      call check(error, message("1 2"//nl, options, code), &
+                 "there is no column 'gx': the file does not name its columns; give numbers, counted from 1")
+   end subroutine test_unknown_columns
+
+   !> Options that are wrong whatever the file holds.
+   subroutine test_options(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(reader_options) :: options
+      integer :: code
+
+      call check(error, message("1", reader_options(rate_hz=-5.0_dp), code), "the rate has to be positive, not -5 Hz")
+      if (allocated(error)) return
+      call check(error, message("1", reader_options(scale=0.0_dp), code), "the scale must not be 0")
+      if (allocated(error)) return
+      call check(error, message("1", reader_options(from=2.0_dp, to=1.0_dp), code), "the part from 2 s to 1 s is empty")
+      if (allocated(error)) return
+      options%format = "npy"
+      call check(error, message("1", options, code), "the format 'npy' is not supported; known are auto, text, csv")
+      if (allocated(error)) return
+      call check(error, code, status%not_supported)
+      if (allocated(error)) return
+      options = reader_options()
+      options%input = "delta"
+      call check(error, message("1", options, code), "the input 'delta' is not known; known are rate, increment, angle")
+      if (allocated(error)) return
+      options = reader_options()
+      options%unit = "deg/ss"
+      call check(error, index(message("1", options, code), "unknown unit 'deg/ss', perhaps deg/s;"), 1)
+   end subroutine test_options
+
+   !> Options that do not fit the file or each other.
+   subroutine test_options_file(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(reader_options) :: options
+      integer :: code
+      character(:), allocatable :: text
+
+      options%input = "increment"
+      text = message("1", options, code)
+      call check(error, text(:35), "--input increment needs the rate, a", more=text)
+      if (allocated(error)) return
+      options%rate_hz = 5.0_dp
+      options%unit = "deg/s"
+      call check(error, message("1", options, code), "--input increment needs the unit of an angle (deg, rad, arcsec), not deg/s")
+      if (allocated(error)) return
+      options%input = "rate"
+      options%unit = "deg"
+      text = message("1", options, code)
+      call check(error, text(:30), "the unit deg is that of an ang", more=text)
+      if (allocated(error)) return
+      text = message("1", reader_options(from=1.0_dp), code)
+      call check(error, text(:28), "--from and --to need the rat", more=text)
+      if (allocated(error)) return
+      call check(error, message("1", reader_options(from=1.0_dp, rate_hz=2.0_dp), code), &
+                 "the record ends at 0.5 s, before --from 1")
+      if (allocated(error)) return
+      call check(error, code, status%too_few_samples)
+   end subroutine test_options_file
+
+   !> The line's number is right after many blocks, comments and blank lines.
+   subroutine test_later_block(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: groups = 60000
+      character(20*groups) :: content
+      integer :: i
+
+      do i = 1, groups
+         content(20*i - 19:20*i) = "0.123456 1"//nl//"# c"//nl//nl//"1 2"//nl
+      end do
+      call expect(error, content//"1 2x"//nl, status%parse, ":240001:3: '2x' is not a number")
+   end subroutine test_later_block
+
+end module test_reader_errors
