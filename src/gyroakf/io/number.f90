@@ -11,6 +11,8 @@
 module gyroakf_io_number
    use, intrinsic :: iso_c_binding, only : c_char, c_double, c_int, c_null_char, c_null_ptr, c_ptr
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
+   use, intrinsic :: ieee_exceptions, only : ieee_flag_type, ieee_get_flag, ieee_get_halting_mode, ieee_overflow, ieee_set_flag, &
+      ieee_set_halting_mode, ieee_underflow
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_power, only : most_exponent, times_power
    implicit none (type, external)
@@ -112,7 +114,7 @@ contains
       else if (decimal%mantissa > 0) then
          call round_decimal(decimal, value, sure)
          if (.not. sure) then
-            value = library_value(bytes(at:next - 1))
+            call library_value(bytes(at:next - 1), value)
             if (decimal%negative) value = -value
             if (.not. ieee_is_finite(value)) then
                found = number%overflow
@@ -262,10 +264,25 @@ contains
       value = transfer(shiftl(biased - 1, 52) + lower, value)
    end subroutine round_decimal
 
-   !> Path 3, without the fear of a locale; infinite on overflow.
-   pure function library_value(bytes) result(value)
+   !> Path 3, infinite on overflow; a host that traps overflow or underflow is not disturbed.
+   pure subroutine library_value(bytes, value)
       integer(int8), intent(in) :: bytes(:)
-      real(dp) :: value
+      real(dp), intent(out) :: value
+      type(ieee_flag_type), parameter :: flags(2) = [ieee_overflow, ieee_underflow]
+      logical :: halting(2), raised(2)
+
+      call ieee_get_halting_mode(flags, halting)
+      call ieee_get_flag(flags, raised)
+      call ieee_set_halting_mode(flags, .false.)
+      call call_strtod(bytes, value)
+      call ieee_set_flag(flags, raised)
+      call ieee_set_halting_mode(flags, halting)
+   end subroutine library_value
+
+   !> The number by the C library, without the fear of a locale.
+   pure subroutine call_strtod(bytes, value)
+      integer(int8), intent(in) :: bytes(:)
+      real(dp), intent(out) :: value
       character(kind=c_char) :: short(128)
       character(kind=c_char), allocatable :: long(:)
       type(c_ptr) :: locale
@@ -280,7 +297,7 @@ contains
          value = c_strtod_l(long, c_null_ptr, locale)
       end if
       call c_freelocale(locale)
-   end function library_value
+   end subroutine call_strtod
 
    !> Copies a number into a C string, d and D becoming e.
    pure subroutine copy_number(bytes, text)
