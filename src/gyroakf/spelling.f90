@@ -84,8 +84,9 @@ contains
          do i = 1, len(a)
             cost = merge(0, 1, a(i:i) == b(j:j))
             d(i, j) = min(d(i - 1, j) + 1, d(i, j - 1) + 1, d(i - 1, j - 1) + cost)
-            if (a(i:i) == b(max(j - 1, 1):max(j - 1, 1)) .and. a(max(i - 1, 1):max(i - 1, 1)) == b(j:j)) &
+            if (a(i:i) == b(max(j - 1, 1):max(j - 1, 1)) .and. a(max(i - 1, 1):max(i - 1, 1)) == b(j:j)) then
                d(i, j) = min(d(i, j), d(i - 2, j - 2) + 1)
+            end if
          end do
       end do
       edit_distance = d(len(a), len(b))

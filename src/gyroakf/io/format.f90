@@ -44,6 +44,8 @@ contains
          case (blank, tab, semicolon)
             others = .true.
             in_field = 0
+         case default
+            continue
          end select
       end do
       if (commas == 0) return

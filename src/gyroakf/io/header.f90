@@ -59,6 +59,7 @@ contains
       case ("dt"); call read_interval(bytes, from, last, line, header, warnings)
       case ("unit"); call read_unit(bytes, from, last_visible(bytes, from, last), line, header, warnings)
       case ("columns"); if (from <= last) call read_names(bytes, from, last_visible(bytes, from, last), line, header%names)
+      case default; continue
       end select
    end subroutine read_comment
 

@@ -359,9 +359,10 @@ contains
          if (count(k) > 0) call add_text(record%warnings, "the time column shows "//integer_text(count(k))//" "//trim(what(k))// &
             "; the first is in line "//integer_text(record%audit%line_of_first(k)))
       end do
-      if (record%audit%jitter_max > 1.0_dp*record%sample_interval .and. record%rate_known) &
+      if (record%audit%jitter_max > 1.0_dp*record%sample_interval .and. record%rate_known) then
          call add_text(record%warnings, "the time stamps are up to "//format_real(record%audit%jitter_max, 3)// &
-         " s away from an even grid; the samples are taken as evenly spaced at the mean rate")
+                       " s away from an even grid; the samples are taken as evenly spaced at the mean rate")
+      end if
       if (table%bad_lines > 0) call add_text(record%warnings, integer_text(table%bad_lines)// &
          " lines could not be read and count as missing; the first is line "//integer_text(table%first_bad_line))
    end subroutine tell

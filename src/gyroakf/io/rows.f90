@@ -108,8 +108,9 @@ contains
          case (34, 35, 37, 39, 47)
             odd = .true.
             return
+         case default
+            p = p + 1
          end select
-         p = p + 1
       end do
       odd = p == first
    end subroutine skip_field

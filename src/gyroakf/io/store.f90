@@ -87,7 +87,9 @@ contains
       integer :: i, j
 
       n = count_rows(store)
-      allocate (value(n, size(columns)), stamps(merge(n, 0_int64, time_slot > 0)), stat=failed)
+      allocate (value(n, size(columns)), stat=failed)
+      if (failed /= 0) return
+      allocate (stamps(merge(n, 0_int64, time_slot > 0)), stat=failed)
       if (failed /= 0) return
       at = 0
       do i = 1, store%count

@@ -255,8 +255,9 @@ contains
       call complete_writer(writer, error)
       if (.not. writer%complete) return
       writer%complete = .false.
-      if (writer%aside /= writer%path) &
+      if (writer%aside /= writer%path) then
          writer%failed = c_rename(writer%aside//c_null_char, writer%path//c_null_char) /= 0
+      end if
       if (writer%failed) call give_up(writer, error)
    end subroutine commit_writer
 
