@@ -35,6 +35,7 @@ module gyroakf
    use gyroakf_filter_identification, only : drift_model_type, identify_drift
    use gyroakf_preprocess_trend, only : trend_type, fit_trend, remove_trend, evaluate_trend
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
+   use gyroakf_series_stationarity, only : adf_options, adf_type, test_adf
    implicit none (type, external)
    public
 end module gyroakf

@@ -6,6 +6,7 @@
 !>     fpm test -- error texts      one test
 program test_main
    ! One line for every suite here, in alphabetical order ...
+   use test_adf, only : collect_adf
    use test_allan_deviation, only : collect_allan_deviation
    use test_allan_freedom, only : collect_allan_freedom
    use test_allan_grid, only : collect_allan_grid
@@ -42,6 +43,7 @@ program test_main
    implicit none (type, external)
 
    ! ... and one line here, in the same order.
+   call add("adf", collect_adf)
    call add("allan_deviation", collect_allan_deviation)
    call add("allan_freedom", collect_allan_freedom)
    call add("allan_grid", collect_allan_grid)
