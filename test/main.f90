@@ -7,10 +7,12 @@
 program test_main
    ! One line for every suite here, in alphabetical order ...
    use test_adf, only : collect_adf
+   use test_allan_covariance, only : collect_allan_covariance
    use test_allan_deviation, only : collect_allan_deviation
    use test_allan_freedom, only : collect_allan_freedom
    use test_allan_grid, only : collect_allan_grid
    use test_audit, only : collect_audit
+   use test_allan_noise_fit, only : collect_allan_noise_fit
    use test_autocovariance, only : collect_autocovariance
    use test_clean, only : collect_clean
    use test_decimal, only : collect_decimal
@@ -44,10 +46,12 @@ program test_main
 
    ! ... and one line here, in the same order.
    call add("adf", collect_adf)
+   call add("allan_covariance", collect_allan_covariance)
    call add("allan_deviation", collect_allan_deviation)
    call add("allan_freedom", collect_allan_freedom)
    call add("allan_grid", collect_allan_grid)
    call add("audit", collect_audit)
+   call add("allan_noise_fit", collect_allan_noise_fit)
    call add("autocovariance", collect_autocovariance)
    call add("clean", collect_clean)
    call add("decimal", collect_decimal)

@@ -37,7 +37,8 @@ contains
       integer :: per_decade
 
       if (samples < 2) then
-         call fatal_error(error, status%too_few_samples, "an Allan deviation needs at least 2 samples, got "//text_int(samples))
+         call fatal_error(error, status%too_few_samples, "an Allan deviation needs at least 2 samples, got "// &
+            & trim(text_int(samples)))
          return
       end if
       select case (taus)
@@ -107,7 +108,7 @@ contains
 
       allocate (m(limit), stat=stat)
       if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for "//text_int(limit)//" averaging factors")
+         call fatal_error(error, status%no_memory, "no memory for "//trim(text_int(limit))//" averaging factors")
          return
       end if
       do i = 1, limit
@@ -158,7 +159,7 @@ contains
       if (len(text) > 0 .and. len(text) <= 4 .and. verify(text, "0123456789") == 0) read (text, "(i4)", iostat=stat) per_decade
       if (stat /= 0 .or. per_decade < 1 .or. per_decade > per_decade_max) then
          call fatal_error(error, status%invalid_argument, &
-            & "taus 'log:"//text//"': the points per decade are a whole number from 1 to "//text_int(int(per_decade_max, int64)))
+            & "taus 'log:"//text//"': the points per decade are a whole number from 1 to 1000")
       end if
    end subroutine read_per_decade
 
@@ -272,12 +273,9 @@ contains
    pure function text_int(value) result(text)
       !> The number
       integer(int64), intent(in) :: value
-      character(:), allocatable :: text
+      character(20) :: text
 
-      character(20) :: buffer
-
-      write (buffer, "(i0)") value
-      text = trim(buffer)
+      write (text, "(i0)") value
    end function text_int
 
 end module gyroakf_allan_grid
