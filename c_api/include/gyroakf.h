@@ -114,6 +114,30 @@ GYROAKF_API const double *gyroakf_allan_edf(const gyroakf_allan *a);       /* eq
 
 GYROAKF_API void gyroakf_allan_free(gyroakf_allan *a);
 
+/* ------------------------------------------------------------------------------------------------------ stationarity */
+
+typedef struct gyroakf_adf_options {
+  size_t struct_size;
+  const char *regression; /* "n", "c" (default), "ct", "ctt": nothing, constant, trend, quadratic trend */
+  int32_t lags;           /* -1 (default): chosen by the criterion */
+  int32_t max_lags;       /* -1 (default): ceil(12 (n/100)^(1/4)) */
+  const char *criterion;  /* "aic" (default), "bic", "t" */
+} gyroakf_adf_options;
+
+GYROAKF_API void gyroakf_adf_options_init(gyroakf_adf_options *opt);
+
+typedef struct gyroakf_adf {
+  double statistic;     /* the series is stationary at 5 % where it is below critical[1] */
+  double p_value;       /* of the unit root, MacKinnon */
+  double critical[3];   /* at 1 %, 5 %, 10 % */
+  int32_t lag;          /* lags in the regression */
+  int64_t observations; /* in the regression */
+} gyroakf_adf;
+
+/* Augmented Dickey-Fuller test of a series x [n]. Its null hypothesis is a unit root: the series is not stationary. */
+GYROAKF_API int gyroakf_adf_test(const double *x, int64_t n, const gyroakf_adf_options *opt, gyroakf_adf *out,
+                                 gyroakf_error *err);
+
 /* ------------------------------------------------------------------------------------------------------------ filter */
 
 /* A Kalman filter of an AR(p) state in white noise, fixed or adaptive (Sage-Husa). */

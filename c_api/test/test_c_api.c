@@ -218,6 +218,62 @@ static void test_allan_options(void) {
   gyroakf_allan_options_init(NULL);
 }
 
+/* A stationary series and its sums, which have a unit root. */
+static void test_adf(void) {
+  double x[2000], sum[2000];
+  gyroakf_adf_options opt;
+  gyroakf_adf adf;
+  int i;
+  autoregressive(x, 2000, 0.5);
+  for (i = 0, sum[0] = x[0]; i < 1999; i++) sum[i + 1] = sum[i] + x[i + 1];
+  check_success(gyroakf_adf_test(x, 2000, NULL, &adf, &err), "test of a stationary series");
+  check(adf.statistic < adf.critical[0] && adf.p_value < 0.01, "it is stationary");
+  check(adf.critical[0] < adf.critical[1] && adf.critical[1] < adf.critical[2], "critical values");
+  /* MacKinnon (2010), a constant, 5 %: -2.86154 - 2.8903/T - 4.234/T^2 */
+  check(fabs(adf.critical[1] + 2.86154 + 2.8903 / (double)adf.observations) < 1e-4, "critical value at 5 %");
+  check(adf.lag >= 0 && adf.observations > 1900 && adf.observations < 2000, "lag and observations");
+  check_success(gyroakf_adf_test(sum, 2000, NULL, &adf, &err), "test of a random walk");
+  check(adf.statistic > adf.critical[1] && adf.p_value > 0.05, "it is not stationary");
+  gyroakf_adf_options_init(&opt);
+  opt.regression = "ct";
+  opt.lags = 3;
+  check_success(gyroakf_adf_test(x, 2000, &opt, &adf, &err), "given lags");
+  check(adf.lag == 3 && adf.observations == 1996, "3 lags leave 1996 observations");
+  for (i = 0; i < 6; i++) x[300 * i] = NAN;
+  check_success(gyroakf_adf_test(x, 2000, NULL, &adf, &err), "missing samples");
+  check(adf.statistic < adf.critical[0], "still stationary");
+}
+
+static void test_adf_failures(void) {
+  double x[100], flat[100] = {0};
+  gyroakf_adf_options opt;
+  gyroakf_adf adf;
+  nbs(x, 100);
+  check_failure(gyroakf_adf_test(NULL, 100, NULL, &adf, &err), GYROAKF_INVALID_ARGUMENT, "series NULL");
+  check_failure(gyroakf_adf_test(x, 100, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "result NULL");
+  check_failure(gyroakf_adf_test(x, 0, NULL, &adf, &err), GYROAKF_INVALID_ARGUMENT, "n = 0");
+  check_failure(gyroakf_adf_test(x, INT64_MAX, NULL, &adf, &err), GYROAKF_INVALID_ARGUMENT, "n huge");
+  check_failure(gyroakf_adf_test(x, 3, NULL, &adf, &err), GYROAKF_TOO_FEW_SAMPLES, "three samples");
+  check_any_failure(gyroakf_adf_test(flat, 100, NULL, &adf, &err), "constant series");
+  gyroakf_adf_options_init(&opt);
+  opt.regression = "cttt";
+  check_failure(gyroakf_adf_test(x, 100, &opt, &adf, &err), GYROAKF_INVALID_ARGUMENT, "unknown regression");
+  gyroakf_adf_options_init(&opt);
+  opt.criterion = "abc";
+  check_failure(gyroakf_adf_test(x, 100, &opt, &adf, &err), GYROAKF_INVALID_ARGUMENT, "unknown criterion");
+  gyroakf_adf_options_init(&opt);
+  opt.lags = INT32_MAX;
+  check_any_failure(gyroakf_adf_test(x, 100, &opt, &adf, &err), "lags huge");
+  opt.lags = -2;
+  check_any_failure(gyroakf_adf_test(x, 100, &opt, &adf, &err), "lags < -1");
+  opt.lags = -1;
+  opt.max_lags = INT32_MAX;
+  gyroakf_adf_test(x, 100, &opt, &adf, &err); /* either way, but it returns */
+  opt.struct_size = 1000;
+  check_failure(gyroakf_adf_test(x, 100, &opt, &adf, &err), GYROAKF_NOT_SUPPORTED, "options of a later version");
+  gyroakf_adf_options_init(NULL);
+}
+
 /* The paper's filter: phi = 0.409975, Q = 1 - phi^2, R = 1. Closed forms of the steady state: K = 0.4770139142617331,
    share of a constant K/(1 - phi (1 - K)) = 0.607205610250273. */
 static void test_filter_values(void) {
@@ -384,6 +440,7 @@ static void test_environment(void) {
   double x[64], bad[64], y;
   gyroakf_allan *a = NULL;
   gyroakf_filter *f = NULL;
+  gyroakf_adf adf;
   double phi = 0.5;
   int i, before;
   nbs(x, 64);
@@ -395,6 +452,8 @@ static void test_environment(void) {
   gyroakf_allan_new(x, 64, 1.0, NULL, &a, &err);
   gyroakf_allan_free(a);
   gyroakf_allan_new(bad, 64, NAN, NULL, &a, &err);
+  gyroakf_adf_test(x, 64, NULL, &adf, &err);
+  gyroakf_adf_test(bad, 64, NULL, &adf, &err);
   gyroakf_filter_new(1, &phi, NAN, 1.0, NULL, &f, &err);
   phi = 0.5;
   gyroakf_filter_new(1, &phi, 1.0, 1.0, NULL, &f, &err);
@@ -418,6 +477,8 @@ int main(void) {
   test_allan_missing();
   test_allan_failures();
   test_allan_options();
+  test_adf();
+  test_adf_failures();
   test_filter_values();
   test_filter_run();
   test_filter_freeze();

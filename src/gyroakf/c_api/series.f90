@@ -1,0 +1,93 @@
+! SPDX-License-Identifier: MIT
+!> C: the test of stationarity. What the function promises is said in c_api/include/gyroakf.h.
+module gyroakf_c_api_series
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, c_size_t, c_null_ptr, c_sizeof
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_series_stationarity, only : adf_options, adf_type, test_adf
+   use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
+      & take_text, open_series, close_series
+   implicit none (type, external)
+   private
+   public :: gyroakf_adf_options_init, gyroakf_adf_test
+
+   !> `gyroakf_adf_options`
+   type, bind(C) :: adf_options_c
+      integer(c_size_t) :: struct_size
+      type(c_ptr) :: regression
+      integer(c_int32_t) :: lags, max_lags
+      type(c_ptr) :: criterion
+   end type adf_options_c
+
+   !> `gyroakf_adf`
+   type, bind(C) :: adf_c
+      real(c_double) :: statistic, p_value, critical(3)
+      integer(c_int32_t) :: lag
+      integer(c_int64_t) :: observations
+   end type adf_c
+
+contains
+
+   !> `gyroakf_adf_options_init`
+   subroutine gyroakf_adf_options_init(opt) bind(C, name="gyroakf_adf_options_init")
+      type(adf_options_c), intent(out), optional :: opt
+      type(adf_options) :: defaults
+
+      if (.not. present(opt)) return
+      opt%struct_size = c_sizeof(opt)
+      opt%regression = c_null_ptr
+      opt%lags = int(defaults%lags, c_int32_t)
+      opt%max_lags = int(defaults%max_lags, c_int32_t)
+      opt%criterion = c_null_ptr
+   end subroutine gyroakf_adf_options_init
+
+   !> `gyroakf_adf_test`
+   integer(c_int) function gyroakf_adf_test(x, n, opt, out, err) bind(C, name="gyroakf_adf_test")
+      type(c_ptr), intent(in), value :: x
+      integer(c_int64_t), intent(in), value :: n
+      type(adf_options_c), intent(in), optional :: opt
+      type(adf_c), intent(inout), optional :: out
+      type(error_c), intent(out), optional :: err
+      type(host_type) :: host
+      type(series_type) :: series
+      type(adf_options) :: options
+      type(adf_type) :: result
+      type(error_type), allocatable :: error
+
+      call enter_library(host)
+      if (.not. present(out)) call fatal_error(error, status%invalid_argument, "the place for the result must not be NULL")
+      if (.not. allocated(error)) call read_options(options, error, opt)
+      if (.not. allocated(error)) call open_series(x, n, series, error)
+      if (.not. allocated(error)) call test_adf(series%x, options, result, error, series%valid)
+      call close_series(series)
+      if (.not. allocated(error)) call write_adf(result, out)
+      gyroakf_adf_test = leave_library(host, error, err)
+   end function gyroakf_adf_test
+
+   !> Options of C into options of the library; the defaults where they are absent.
+   subroutine read_options(options, error, opt)
+      type(adf_options), intent(out) :: options
+      type(error_type), allocatable, intent(out) :: error
+      type(adf_options_c), intent(in), optional :: opt
+
+      if (.not. present(opt)) return
+      call check_struct_size(opt%struct_size, c_sizeof(opt), error)
+      if (allocated(error)) return
+      call take_text(opt%regression, options%regression, error)
+      options%lags = opt%lags
+      options%max_lags = opt%max_lags
+      call take_text(opt%criterion, options%criterion, error)
+   end subroutine read_options
+
+   !> The result in C's struct.
+   pure subroutine write_adf(result, out)
+      type(adf_type), intent(in) :: result
+      type(adf_c), intent(inout) :: out
+
+      out%statistic = result%statistic
+      out%p_value = result%p_value
+      out%critical(:) = result%critical
+      out%lag = int(result%lag, c_int32_t)
+      out%observations = result%observations
+   end subroutine write_adf
+
+end module gyroakf_c_api_series
