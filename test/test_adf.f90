@@ -453,6 +453,10 @@ contains
       if (allocated(error)) return
       call refused(error, x, adf_options(lags=29), status%too_few_samples)
       if (allocated(error)) return
+      call refused(error, x, adf_options(lags=huge(1)), status%too_few_samples)
+      if (allocated(error)) return
+      call refused(error, x, adf_options(max_lags=huge(1)), status%too_few_samples)
+      if (allocated(error)) return
       call refused(error, x(:4), adf_options(), status%too_few_samples)
       if (allocated(error)) return
       call refused(error, x, adf_options(lags=4), status%too_few_samples, valid)

@@ -126,6 +126,10 @@ contains
       else if (size(x, kind=int64) < terms + 4) then
          write (text, '("the ADF test needs at least ", i0, " samples, there are ", i0)') terms + 4, size(x, kind=int64)
          call fatal_error(error, status%too_few_samples, trim(text))
+      else if (max(options%lags, options%max_lags) >= size(x, kind=int64)) then
+         write (text, '("the ADF test with ", i0, " lags needs more than ", i0, " samples")') &
+            & max(options%lags, options%max_lags), size(x, kind=int64)
+         call fatal_error(error, status%too_few_samples, trim(text))
       else if (present(valid)) then
          if (size(valid, kind=int64) /= size(x, kind=int64)) &
             & call fatal_error(error, status%invalid_argument, "the mask and the series differ in length")
