@@ -114,6 +114,42 @@ GYROAKF_API const double *gyroakf_allan_edf(const gyroakf_allan *a);       /* eq
 
 GYROAKF_API void gyroakf_allan_free(gyroakf_allan *a);
 
+/* ------------------------------------------------------------------------------------------------ noise coefficients */
+
+typedef struct gyroakf_fit_options {
+  size_t struct_size;
+  const char *terms;  /* which of "QNBKR" (default) the model has */
+  double tau_min;     /* s, points below are left out; 0 */
+  double tau_max;     /* s, points above are left out; DBL_MAX */
+  const char *method; /* "log" (default): logarithms of the variances, bias removed; "linear": the variances */
+} gyroakf_fit_options;
+
+GYROAKF_API void gyroakf_fit_options_init(gyroakf_fit_options *opt);
+
+typedef struct gyroakf_coefficient {
+  double value;       /* never negative */
+  double std_error;   /* standard error */
+  double upper_limit; /* one-sided, 95 % */
+  int32_t detected;   /* 1: value > 2 std_error; otherwise state the upper limit */
+  int32_t fitted;     /* 1: the term was in the fit */
+} gyroakf_coefficient;
+
+/* Model: sigma^2 = 3 Q^2/tau^2 + N^2/tau + (2 ln 2/pi) B^2 + K^2 tau/3 + R^2 tau^2/2; two-sided PSDs.
+ * The units are those for a rate in rad/s. */
+typedef struct gyroakf_noise {
+  gyroakf_coefficient q; /* quantisation, rad */
+  gyroakf_coefficient n; /* angle random walk, rad/sqrt(s) */
+  gyroakf_coefficient b; /* bias instability, rad/s */
+  gyroakf_coefficient k; /* rate random walk, rad/s^1.5 */
+  gyroakf_coefficient r; /* ramp, rad/s^2 */
+  double chi2_reduced;   /* about 1 where the model describes the curve */
+  int32_t points;        /* of the curve that were used */
+} gyroakf_noise;
+
+/* Noise coefficients of a curve: weighted fit with non-negative terms. The curve is not changed. */
+GYROAKF_API int gyroakf_noise_fit(const gyroakf_allan *a, const gyroakf_fit_options *opt, gyroakf_noise *out,
+                                  gyroakf_error *err);
+
 /* ------------------------------------------------------------------------------------------------------ stationarity */
 
 typedef struct gyroakf_adf_options {

@@ -218,6 +218,62 @@ static void test_allan_options(void) {
   gyroakf_allan_options_init(NULL);
 }
 
+/* White noise of variance 1/12 at 1 Hz: N = sqrt(1/12), no random walk, no ramp. */
+static void test_noise(void) {
+  static double x[20000];
+  gyroakf_allan *a = NULL;
+  gyroakf_fit_options opt;
+  gyroakf_noise noise;
+  double before;
+  nbs(x, 20000);
+  check_success(gyroakf_allan_new(x, 20000, 1.0, NULL, &a, &err), "deviation of white noise");
+  if (a == NULL) return;
+  before = gyroakf_allan_upper(a)[3];
+  check_success(gyroakf_noise_fit(a, NULL, &noise, &err), "fit of white noise");
+  check(noise.n.detected == 1 && noise.n.fitted == 1, "N is detected");
+  check(fabs(noise.n.value - sqrt(1.0 / 12.0)) < 4 * noise.n.std_error, "N");
+  check(noise.n.std_error > 0.001 * noise.n.value && noise.n.std_error < 0.02 * noise.n.value, "standard error of N");
+  check(noise.n.upper_limit > noise.n.value, "upper limit of N");
+  check(noise.q.value >= 0 && noise.b.value >= 0 && noise.k.value >= 0 && noise.r.value >= 0, "nothing is negative");
+  check(!noise.k.detected && !noise.r.detected, "no random walk and no ramp");
+  check(noise.points > 5 && noise.chi2_reduced > 0 && noise.chi2_reduced < 5, "points and chi-square");
+  check(gyroakf_allan_upper(a)[3] == before, "the curve is not changed");
+  gyroakf_fit_options_init(&opt);
+  opt.terms = "N";
+  opt.tau_max = 100.0;
+  check_success(gyroakf_noise_fit(a, &opt, &noise, &err), "fit of one term");
+  check(noise.n.fitted == 1 && noise.q.fitted == 0 && noise.k.fitted == 0, "only N was fitted");
+  gyroakf_allan_free(a);
+}
+
+static void test_noise_failures(void) {
+  double x[1000];
+  gyroakf_allan *a = NULL;
+  gyroakf_fit_options opt;
+  gyroakf_noise noise;
+  nbs(x, 1000);
+  check_success(gyroakf_allan_new(x, 1000, 1.0, NULL, &a, &err), "a curve for the failures of its fit");
+  gyroakf_fit_options_init(&opt);
+  check_failure(gyroakf_noise_fit(NULL, NULL, &noise, &err), GYROAKF_INVALID_ARGUMENT, "fit of NULL");
+  check_failure(gyroakf_noise_fit(a, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "fit into NULL");
+  opt.terms = "NX";
+  check_failure(gyroakf_noise_fit(a, &opt, &noise, &err), GYROAKF_INVALID_ARGUMENT, "unknown term");
+  opt.terms = "QNBKRQNBKR";
+  check_failure(gyroakf_noise_fit(a, &opt, &noise, &err), GYROAKF_INVALID_ARGUMENT, "too many terms");
+  gyroakf_fit_options_init(&opt);
+  opt.tau_min = 1e9;
+  check_any_failure(gyroakf_noise_fit(a, &opt, &noise, &err), "no points left");
+  opt.tau_min = NAN;
+  check_any_failure(gyroakf_noise_fit(a, &opt, &noise, &err), "tau_min NaN");
+  gyroakf_fit_options_init(&opt);
+  opt.method = "guess";
+  check_failure(gyroakf_noise_fit(a, &opt, &noise, &err), GYROAKF_INVALID_ARGUMENT, "unknown method");
+  opt.struct_size = 0;
+  check_failure(gyroakf_noise_fit(a, &opt, &noise, &err), GYROAKF_INVALID_ARGUMENT, "fit options not initialised");
+  gyroakf_fit_options_init(NULL);
+  gyroakf_allan_free(a);
+}
+
 /* A stationary series and its sums, which have a unit root. */
 static void test_adf(void) {
   double x[2000], sum[2000];
@@ -440,6 +496,7 @@ static void test_environment(void) {
   double x[64], bad[64], y;
   gyroakf_allan *a = NULL;
   gyroakf_filter *f = NULL;
+  gyroakf_noise noise;
   gyroakf_adf adf;
   double phi = 0.5;
   int i, before;
@@ -450,6 +507,7 @@ static void test_environment(void) {
   before = fegetexcept() | FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW;
   feenableexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW);
   gyroakf_allan_new(x, 64, 1.0, NULL, &a, &err);
+  gyroakf_noise_fit(a, NULL, &noise, &err);
   gyroakf_allan_free(a);
   gyroakf_allan_new(bad, 64, NAN, NULL, &a, &err);
   gyroakf_adf_test(x, 64, NULL, &adf, &err);
@@ -477,6 +535,8 @@ int main(void) {
   test_allan_missing();
   test_allan_failures();
   test_allan_options();
+  test_noise();
+  test_noise_failures();
   test_adf();
   test_adf_failures();
   test_filter_values();
