@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Decimal numbers: bit for bit what the C library's strtod reads, whatever their length and exponent.
 module test_number
-   use, intrinsic :: iso_c_binding, only : c_char, c_double, c_null_char, c_null_ptr, c_ptr
+   use, intrinsic :: iso_c_binding, only : c_associated, c_char, c_double, c_int, c_null_char, c_null_ptr, c_ptr
    use testdrive, only : new_unittest, unittest_type, error_type, check, test_failed
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_number, only : scan_number, parse_number, is_missing_word, number, digits_ahead
@@ -28,6 +28,14 @@ module test_number
          type(c_ptr), intent(in), value :: end
          real(c_double) :: value
       end function c_strtod
+
+      function c_setlocale(category, name) result(set) bind(C, name="setlocale")
+         import :: c_char, c_int, c_ptr
+         implicit none (type, external)
+         integer(c_int), intent(in), value :: category
+         character(kind=c_char), intent(in) :: name(*)
+         type(c_ptr) :: set
+      end function c_setlocale
    end interface
 
 contains
@@ -42,6 +50,7 @@ contains
          new_unittest("place-after", test_place), &
          new_unittest("overflow-underflow", test_overflow), &
          new_unittest("missing-words", test_missing), &
+         new_unittest("locale", test_locale), &
          new_unittest("random-plain", test_random_plain), &
          new_unittest("random-exponent", test_random_exponent), &
          new_unittest("random-subnormal", test_random_subnormal), &
@@ -227,6 +236,24 @@ contains
          if (allocated(error)) return
       end do
    end subroutine test_missing
+
+   !> Where the German locale is installed strtod wants a comma; this reader does not care. (1 is LC_NUMERIC of Linux.)
+   subroutine test_locale(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: tie = "9007199254740993.0000000000000000000000"
+      logical :: german
+      real(dp) :: value, plain
+      integer :: found
+
+      german = c_associated(c_setlocale(1_c_int, "de_DE.UTF-8"//c_null_char))
+      plain = c_strtod("1.5"//c_null_char, c_null_ptr)
+      call parse_number(tie, value, found)
+      call check(error, c_associated(c_setlocale(1_c_int, "C"//c_null_char)), "locale C")
+      if (allocated(error)) return
+      call check(error, (plain < 1.25_dp) .eqv. german, "strtod does not heed the locale")
+      if (allocated(error)) return
+      call check(error, found == number%ok .and. transfer(value, 1_int64) == transfer(9007199254740992.0_dp, 1_int64), tie)
+   end subroutine test_locale
 
    !> As files have them: up to 20 digits before and 25 after the point.
    subroutine test_random_plain(error)

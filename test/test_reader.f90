@@ -185,9 +185,9 @@ contains
       call check(error, shown("sep=;"//nl//"gyro x;gyro y"//nl//"1;2"//nl, reader_options(), record)//channels(record), &
                  "1 2 gyro x gyro y ")
       if (allocated(error)) return
-      call check(error, shown("1 2"//nl, reader_options(), record)//channels(record), "1 2 column 1 column 2 ")
+      call check(error, shown("1 2"//nl, reader_options(), record)//channels(record), "1 2 column1 column2 ")
       if (allocated(error)) return
-      call check(error, shown(",gx"//nl//"0,1.5"//nl, reader_options(), record)//channels(record), "0 1.5 column 1 gx ")
+      call check(error, shown(",gx"//nl//"0,1.5"//nl, reader_options(), record)//channels(record), "0 1.5 column1 gx ")
    end subroutine test_names
 
    subroutine test_units_of_names(error)

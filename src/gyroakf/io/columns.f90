@@ -85,7 +85,7 @@ contains
       inner = trim(adjustl(word(2:last)))
    end function without_brackets
 
-   !> The name of a column, "column 3" where it has none.
+   !> The name of a column, "column3" where it has none.
    pure function name_of(names, column) result(name)
       !> Of the file
       type(column_names_type), intent(in) :: names
@@ -95,7 +95,7 @@ contains
 
       name = ""
       if (names%known) name = names%name(column)%text
-      if (len(name) == 0) name = "column "//integer_text(int(column, int64))
+      if (len(name) == 0) name = "column"//integer_text(int(column, int64))
    end function name_of
 
    !> The same for messages: "column 3" or "column 'gx'".
@@ -105,9 +105,9 @@ contains
       integer, intent(in) :: column
       character(:), allocatable :: label
 
-      label = name_of(names, column)
+      label = "column "//integer_text(int(column, int64))
       if (.not. names%known) return
-      if (len(names%name(column)%text) > 0) label = "column '"//label//"'"
+      if (len(names%name(column)%text) > 0) label = "column '"//names%name(column)%text//"'"
    end function label_of
 
    !> The column that a number or a name means.

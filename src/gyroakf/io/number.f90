@@ -38,7 +38,8 @@ module gyroakf_io_number
    !> A decimal number in parts: its value lies between mantissa and mantissa + excess, times 10^exponent
    type :: decimal_type
       integer(int64) :: mantissa, excess, exponent
-      logical :: negative
+      !> 1 for a minus sign, else 0
+      integer(int64) :: minus
    end type decimal_type
 
    real(dp), parameter :: exact_ten(0:22) = [ &
@@ -115,14 +116,14 @@ contains
          call round_decimal(decimal, value, sure)
          if (.not. sure) then
             call library_value(bytes(at:next - 1), value)
-            if (decimal%negative) value = -value
+            value = abs(value)
             if (.not. ieee_is_finite(value)) then
                found = number%overflow
                value = huge(1.0_dp)
             end if
          end if
       end if
-      if (decimal%negative) value = -value
+      value = transfer(ieor(transfer(value, next), shiftl(decimal%minus, 63)), value)
       at = next
    end subroutine scan_number
 
@@ -138,8 +139,7 @@ contains
 
       p = at
       next = at
-      decimal%negative = bytes(p) == 45
-      if (bytes(p) == 45 .or. bytes(p) == 43) p = p + 1
+      call skip_sign(bytes(p), p, decimal%minus)
       m = 0
       q = 0
       decimal%excess = 0
@@ -188,20 +188,31 @@ contains
       if (next < 0) next = at
    end subroutine scan_decimal
 
+   !> Moves on where the byte is + or -; without a branch, as signs of noise cannot be predicted.
+   pure subroutine skip_sign(byte, p, minus)
+      integer(int8), intent(in) :: byte
+      integer(int64), intent(inout) :: p
+      integer(int64), intent(out) :: minus
+      integer :: sign_bits, signed
+
+      sign_bits = byte - 43
+      signed = shiftr(iand(sign_bits, 253) - 1, 31)
+      minus = iand(shiftr(sign_bits, 1), signed)
+      p = p + signed
+   end subroutine skip_sign
+
    !> Adds the exponent that may begin at `next`; -1 where its digits are missing.
    pure subroutine scan_exponent(bytes, next, decimal)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: next
       type(decimal_type), intent(inout) :: decimal
-      integer(int64) :: p, first, exponent
+      integer(int64) :: p, first, exponent, minus
       integer :: digit, letter
-      logical :: negative
 
       letter = ior(int(bytes(next)), 32)
       if (letter /= 101 .and. letter /= 100) return
       p = next + 1
-      negative = bytes(p) == 45
-      if (bytes(p) == 45 .or. bytes(p) == 43) p = p + 1
+      call skip_sign(bytes(p), p, minus)
       first = p
       exponent = 0
       do
@@ -212,8 +223,7 @@ contains
       end do
       next = p
       if (p == first) next = -1
-      if (negative) exponent = -exponent
-      decimal%exponent = decimal%exponent + exponent
+      decimal%exponent = decimal%exponent + merge(-exponent, exponent, minus == 1)
    end subroutine scan_exponent
 
    !> Eight digits at once, in one 64-bit word (no lane overflows into the next).
