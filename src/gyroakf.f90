@@ -37,6 +37,7 @@ module gyroakf
    use gyroakf_preprocess_trend, only : trend_type, fit_trend, remove_trend, evaluate_trend
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
    use gyroakf_series_stationarity, only : adf_options, adf_type, test_adf
+   use gyroakf_ar_model, only : ar_options, ar_order_type, ar_model_type, fit_ar
    implicit none (type, external)
    public
 end module gyroakf
