@@ -26,10 +26,6 @@ contains
       real(dp) :: e(n)
       integer :: t
 
-      if (all(reference_names /= name)) then
-         allocate (x(0))
-         return
-      end if
       e = white(n)
       allocate (x(n))
       select case (name)
@@ -57,6 +53,8 @@ contains
       case ("sine")
          x = [(0.3_dp*sin(2.0_dp*acos(-1.0_dp)*real(mod(int(n/20, int64)*t, int(n, int64)), dp)/real(n, dp)) + e(t + 1), &
             & t = 0, n - 1)]
+      case default
+         x = e(:0)
       end select
    end function reference_series
 

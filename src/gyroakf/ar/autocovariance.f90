@@ -220,7 +220,9 @@ contains
       n = size(x, kind=int64)
       used = real(n - size(phi), dp)
       chunks = chunk_count(n)
-      allocate (r(0:max_lag), partial(0:max_lag, chunks), number(0:max_lag, merge(chunks, 0, present(valid))), stat=stat)
+      allocate (r(0:max_lag), stat=stat)
+      if (stat == 0) allocate (partial(0:max_lag, chunks), stat=stat)
+      if (stat == 0) allocate (number(0:max_lag, merge(chunks, 0, present(valid))), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the lagged sums")
          return
@@ -267,7 +269,8 @@ contains
       step = max(block_length, 2*int(max_lag, int64))
       stat = 0
       !$omp parallel if (n >= threads_from) default(shared) private(e, flag, first, last, length, bad)
-      allocate (e(1 - max_lag:step), flag(1 - max_lag:step), stat=bad)
+      allocate (e(1 - max_lag:step), stat=bad)
+      if (bad == 0) allocate (flag(1 - max_lag:step), stat=bad)
       !$omp atomic
       stat = stat + bad
       !$omp do schedule(dynamic)

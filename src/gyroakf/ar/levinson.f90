@@ -31,7 +31,8 @@ contains
       integer :: p, m, j, stat
 
       p = ubound(r, 1)
-      allocate (phi(p, p), variance(0:p), stat=stat)
+      allocate (variance(0:p), stat=stat)
+      if (stat == 0) allocate (phi(p, p), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the AR coefficients of every order")
          return

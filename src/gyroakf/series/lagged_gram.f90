@@ -33,7 +33,10 @@ module gyroakf_series_lagged_gram
 
    !> What a block holds: differences with their past, level before each row, weight 1 or 0
    type :: block_type
-      real(dp), allocatable :: y(:), d(:), a(:), level(:), weight(:)
+      !> Series less trend and its differences: [-lags:length], [1-lags:length]
+      real(dp), allocatable :: y(:), d(:)
+      !> Difference, level before it and weight of every row: [length]
+      real(dp), allocatable :: a(:), level(:), weight(:)
    end type block_type
 
 contains
@@ -62,7 +65,9 @@ contains
       chunks = chunk_count(size(x, kind=int64))
       gram%terms = terms
       gram%lags = lags
-      allocate (gram%matrix(k, k), c(0:lags, chunks), other(sums, chunks), stat=stat)
+      allocate (gram%matrix(k, k), stat=stat)
+      if (stat == 0) allocate (c(0:lags, chunks), stat=stat)
+      if (stat == 0) allocate (other(sums, chunks), stat=stat)
       if (stat == 0) call sum_rows(x, trend, terms, lags, c, other, stat, valid)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the sums of the unit-root regression")
@@ -111,7 +116,7 @@ contains
       step = max(block_length, 4*int(lags, int64))
       stat = 0
       !$omp parallel if (n >= threads_from) default(shared) private(b, first, last, bad)
-      allocate (b%y(-lags:step), b%d(1 - lags:step), b%a(step), b%level(step), b%weight(step), stat=bad)
+      call allocate_block(b, lags, step, bad)
       !$omp atomic
       stat = stat + bad
       !$omp do schedule(dynamic)
@@ -130,6 +135,24 @@ contains
       if (bad == 0) deallocate (b%y, b%d, b%a, b%level, b%weight)
       !$omp end parallel
    end subroutine sum_rows
+
+   !> Allocates a block.
+   subroutine allocate_block(b, lags, length, stat)
+      !> The block
+      type(block_type), intent(inout) :: b
+      !> Lags
+      integer, intent(in) :: lags
+      !> Most rows
+      integer(int64), intent(in) :: length
+      !> Not 0 where memory is short
+      integer, intent(out) :: stat
+
+      allocate (b%y(-lags:length), stat=stat)
+      if (stat == 0) allocate (b%d(1 - lags:length), stat=stat)
+      if (stat == 0) allocate (b%a(length), stat=stat)
+      if (stat == 0) allocate (b%level(length), stat=stat)
+      if (stat == 0) allocate (b%weight(length), stat=stat)
+   end subroutine allocate_block
 
    !> Fills a block with the rows first .. last and the past of their differences.
    pure subroutine load(x, trend, lags, first, last, b, valid)

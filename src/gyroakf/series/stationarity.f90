@@ -131,8 +131,9 @@ contains
             & max(options%lags, options%max_lags), size(x, kind=int64)
          call fatal_error(error, status%too_few_samples, trim(text))
       else if (present(valid)) then
-         if (size(valid, kind=int64) /= size(x, kind=int64)) &
-            & call fatal_error(error, status%invalid_argument, "the mask and the series differ in length")
+         if (size(valid, kind=int64) /= size(x, kind=int64)) then
+            call fatal_error(error, status%invalid_argument, "the mask and the series differ in length")
+         end if
       end if
    end subroutine check_options
 
