@@ -13,8 +13,9 @@ module gyroakf_filter_scalar
 
    !> Relative distance from the steady gain at which the gain is taken as settled ...
    real(dp), parameter :: settle_tolerance = 1.0e-13_dp
-   !> ... or, for slow filters, this over the gain: the recursion itself does not come nearer
-   real(dp), parameter :: settle_rounding = 4.0_dp*epsilon(1.0_dp)
+   !> ... or, for slow filters, this in absolute terms (the recursion itself does not come nearer), but never farther
+   !> than this in relative ones
+   real(dp), parameter :: settle_rounding = 4.0_dp*epsilon(1.0_dp), settle_limit = 1.0e-9_dp
    !> Below it a state without measurements is set to zero: no subnormal numbers in a long gap
    real(dp), parameter :: vanished = 1.0e-290_dp
 
@@ -48,7 +49,7 @@ contains
       !> K, 0 ... 1
       real(dp), intent(in) :: steady_gain
 
-      settle_distance = max(settle_tolerance*steady_gain, settle_rounding)
+      settle_distance = max(settle_tolerance*steady_gain, min(settle_rounding, settle_limit*steady_gain))
    end function settle_distance
 
    !> The filter over a series, or the next part of one.
