@@ -38,6 +38,7 @@ module gyroakf
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
    use gyroakf_series_stationarity, only : adf_options, adf_type, test_adf
    use gyroakf_ar_model, only : ar_options, ar_order_type, ar_model_type, fit_ar
+   use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, design_drift_kf, design_drift_akf
    implicit none (type, external)
    public
 end module gyroakf

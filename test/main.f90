@@ -11,12 +11,13 @@ program test_main
    use test_allan_deviation, only : collect_allan_deviation
    use test_allan_freedom, only : collect_allan_freedom
    use test_allan_grid, only : collect_allan_grid
+   use test_allan_noise_fit, only : collect_allan_noise_fit
    use test_ar, only : collect_ar
    use test_audit, only : collect_audit
-   use test_allan_noise_fit, only : collect_allan_noise_fit
    use test_autocovariance, only : collect_autocovariance
    use test_clean, only : collect_clean
    use test_decimal, only : collect_decimal
+   use test_design, only : collect_design
    use test_error, only : collect_error
    use test_fft, only : collect_fft
    use test_filter_series, only : collect_filter_series
@@ -51,12 +52,13 @@ program test_main
    call add("allan_deviation", collect_allan_deviation)
    call add("allan_freedom", collect_allan_freedom)
    call add("allan_grid", collect_allan_grid)
+   call add("allan_noise_fit", collect_allan_noise_fit)
    call add("ar", collect_ar)
    call add("audit", collect_audit)
-   call add("allan_noise_fit", collect_allan_noise_fit)
    call add("autocovariance", collect_autocovariance)
    call add("clean", collect_clean)
    call add("decimal", collect_decimal)
+   call add("design", collect_design)
    call add("error", collect_error)
    call add("fft", collect_fft)
    call add("filter_series", collect_filter_series)

@@ -1,0 +1,239 @@
+! SPDX-License-Identifier: MIT
+!> The filters of the two families, made from a model: starts, bounds and scales in one place.
+!>
+!> The paper's family takes the AR(p) model of the series itself as the state and adds measurement noise to
+!> it: `design_kf`, `design_akf`. The recommended family takes drift plus white noise as identified from the
+!> record: `design_drift_kf`, `design_drift_akf`.
+module gyroakf_filter_design
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_ar_model, only : ar_model_type
+   use gyroakf_filter_identification, only : drift_model_type
+   use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter
+   implicit none (type, external)
+   private
+   public :: design_options, design_kf, design_akf
+   public :: drift_options, design_drift_kf, design_drift_akf
+
+   !> Bounds of Q in the paper's form, multiples of sigma_a^2. The form rests near 0.16 sigma_a^2 on an AR(1)
+   !> series, so they act only on series of another kind.
+   real(dp), parameter :: paper_q_bounds(2) = [0.02_dp, 10.0_dp]
+   !> Its bounds of R: multiples of half the variance of the differences, and of the variance of the series
+   real(dp), parameter :: paper_r_lower = 0.05_dp, paper_r_upper = 10.0_dp
+   !> Bounds of R in the robust form, multiples of half the variance of the differences
+   real(dp), parameter :: robust_r_bounds(2) = [0.01_dp, 100.0_dp]
+   !> Gate of the robust form
+   real(dp), parameter :: robust_huber = 2.5_dp
+   !> The burn-in takes at most one in so many samples
+   integer, parameter :: burn_in_share = 10
+
+   !> The paper's family
+   type :: design_options
+      !> Form of the adaptive filter: "paper" or "robust"
+      character(8) :: akf = "paper"
+      !> R of the fixed filter over the variance of the series
+      real(dp) :: r_factor = 1.0_dp
+      !> Forgetting factor b of the adaptive filter
+      real(dp) :: forgetting = 0.98_dp
+      !> What it adapts: any subset of q, r, Q, R; "none"; blank: QR in the paper's form, R in the robust one
+      character(4) :: estimate = " "
+      !> Gate in standard deviations; 0: the form's own (paper: none, robust: 2.5)
+      real(dp) :: huber = 0.0_dp
+   end type design_options
+
+   !> The recommended family
+   type :: drift_options
+      !> Forgetting factor b
+      real(dp) :: forgetting = 0.995_dp
+      !> Gate in standard deviations, 0: none
+      real(dp) :: huber = 2.5_dp
+   end type drift_options
+
+contains
+
+   !> The paper's fixed filter: Q the noise variance of the model, R = r_factor Var(z), the state stationary.
+   !>
+   !> A model of order 0 (white series) gives the filter with one zero coefficient, the limit of a small
+   !> coefficient: x = K z, with K = 1/2 at r_factor 1.
+   subroutine design_kf(model, options, filter, error)
+      !> AR model of the series, as fit_ar makes it
+      type(ar_model_type), intent(in) :: model
+      !> r_factor > 0 is used
+      type(design_options), intent(in) :: options
+      !> The filter
+      type(filter_type), intent(out) :: filter
+      !> constant_input: the series has no variance; invalid_argument: r_factor; those of new_filter
+      type(error_type), allocatable, intent(out) :: error
+      type(filter_options) :: plain
+
+      call check_model(model, error)
+      if (allocated(error)) return
+      if (.not. options%r_factor > 0.0_dp) then
+         call fatal_error(error, status%invalid_argument, "the factor of R must be above zero")
+         return
+      end if
+      call new_filter(filter, model%coefficient, model%noise_variance, options%r_factor*model%variance, plain, error)
+   end subroutine design_kf
+
+   !> The paper's adaptive filter, or the robust form in its place.
+   !>
+   !> paper: Sage-Husa with the printed posterior in eq. (22), from Q = sigma_a^2, R = P = Var(z), x = 0.
+   !> robust: R only, by residuals, burn-in, Huber's gate, from the same start with the stationary covariance.
+   subroutine design_akf(model, difference_variance, options, filter, error)
+      !> AR model of the series, as fit_ar makes it
+      type(ar_model_type), intent(in) :: model
+      !> Variance of the series' differences: half of it is the scale of R's bounds; 0: the model's own
+      real(dp), intent(in) :: difference_variance
+      !> Form, forgetting factor, what is adapted, gate
+      type(design_options), intent(in) :: options
+      !> The filter
+      type(filter_type), intent(out) :: filter
+      !> constant_input; invalid_argument: form, a letter of `estimate`; those of new_filter
+      type(error_type), allocatable, intent(out) :: error
+      type(filter_options) :: adaptive
+
+      call check_model(model, error)
+      if (allocated(error)) return
+      adaptive%forgetting = options%forgetting
+      adaptive%huber = options%huber
+      adaptive%r_scale = 0.5_dp*difference_variance
+      if (.not. difference_variance > 0.0_dp) adaptive%r_scale = model%variance
+      select case (options%akf)
+      case ("paper")
+         adaptive%measurement_form = "paper"
+         adaptive%initial_variance = model%variance
+         adaptive%q_lower = paper_q_bounds(1)
+         adaptive%q_upper = paper_q_bounds(2)
+         adaptive%r_lower = paper_r_lower
+         adaptive%r_upper = max(paper_r_lower, paper_r_upper*model%variance/adaptive%r_scale)
+         call set_estimate(options%estimate, "QR", adaptive, error)
+      case ("robust")
+         adaptive%burn_in = -1
+         adaptive%r_lower = robust_r_bounds(1)
+         adaptive%r_upper = robust_r_bounds(2)
+         if (.not. options%huber > 0.0_dp) adaptive%huber = robust_huber
+         call set_estimate(options%estimate, "R", adaptive, error)
+      case default
+         call fatal_error(error, status%invalid_argument, &
+                          "unknown form of the adaptive filter: "//trim(options%akf)//" (paper, robust)")
+      end select
+      if (allocated(error)) return
+      call new_filter(filter, model%coefficient, model%noise_variance, model%variance, adaptive, error)
+      if (allocated(error)) return
+      call shorten_burn_in(filter, model%samples)
+   end subroutine design_akf
+
+   !> The fixed filter of drift plus white noise, with the identified values.
+   subroutine design_drift_kf(model, filter, error)
+      !> As identify_drift found it
+      type(drift_model_type), intent(in) :: model
+      !> The filter; its output is the drift
+      type(filter_type), intent(out) :: filter
+      !> invalid_argument: no drift was found; those of new_filter
+      type(error_type), allocatable, intent(out) :: error
+      type(filter_options) :: plain
+
+      call check_drift(model, error)
+      if (allocated(error)) return
+      call new_filter(filter, [model%phi], model%process_variance, model%measurement_variance, plain, error)
+   end subroutine design_drift_kf
+
+   !> The adaptive filter of drift plus white noise: R only, by residuals, burn-in, Huber's gate.
+   !>
+   !> The bounds of R hang on half the variance of the differences, never on the R it starts from: a wrong
+   !> start is forgotten.
+   subroutine design_drift_akf(model, difference_variance, options, filter, error)
+      !> As identify_drift found it
+      type(drift_model_type), intent(in) :: model
+      !> Variance of the series' differences; 0: that of the model
+      real(dp), intent(in) :: difference_variance
+      !> Forgetting factor and gate
+      type(drift_options), intent(in) :: options
+      !> The filter; its output is the drift
+      type(filter_type), intent(out) :: filter
+      !> invalid_argument: no drift was found; those of new_filter
+      type(error_type), allocatable, intent(out) :: error
+      type(filter_options) :: adaptive
+
+      call check_drift(model, error)
+      if (allocated(error)) return
+      adaptive%estimate_measurement_variance = .true.
+      adaptive%forgetting = options%forgetting
+      adaptive%huber = options%huber
+      adaptive%burn_in = -1
+      adaptive%r_scale = 0.5_dp*difference_variance
+      if (.not. difference_variance > 0.0_dp) adaptive%r_scale = model%measurement_variance &
+                                                                 + model%drift_variance*(1.0_dp - model%phi)
+      adaptive%r_lower = robust_r_bounds(1)
+      adaptive%r_upper = robust_r_bounds(2)
+      call new_filter(filter, [model%phi], model%process_variance, model%measurement_variance, adaptive, error)
+      if (allocated(error)) return
+      call shorten_burn_in(filter, model%samples)
+   end subroutine design_drift_akf
+
+   !> Whether a series stands behind the model.
+   subroutine check_model(model, error)
+      !> The model
+      type(ar_model_type), intent(in) :: model
+      !> invalid_argument, constant_input
+      type(error_type), allocatable, intent(out) :: error
+
+      if (.not. allocated(model%coefficient)) then
+         call fatal_error(error, status%invalid_argument, "a filter is designed from a fitted AR model; this one is empty")
+      else if (.not. model%variance > 0.0_dp) then
+         call fatal_error(error, status%constant_input, "a series without variance has no filter")
+      end if
+   end subroutine check_model
+
+   !> Whether a drift was identified.
+   subroutine check_drift(model, error)
+      !> The model
+      type(drift_model_type), intent(in) :: model
+      !> invalid_argument
+      type(error_type), allocatable, intent(out) :: error
+
+      if (.not. model%found) call fatal_error(error, status%invalid_argument, &
+                                              "no drift slower than the limit was identified: there is nothing to filter")
+   end subroutine check_drift
+
+   !> Flags from letters.
+   subroutine set_estimate(letters, usual, options, error)
+      !> Letters of q, r, Q, R, in any order; "none"; blank
+      character(*), intent(in) :: letters
+      !> What a blank stands for
+      character(*), intent(in) :: usual
+      !> Its flags are set
+      type(filter_options), intent(inout) :: options
+      !> invalid_argument: another letter
+      type(error_type), allocatable, intent(out) :: error
+      character(len(letters) + len(usual)) :: chosen
+      integer :: i
+
+      chosen = letters
+      if (letters == " ") chosen = usual
+      if (letters == "none") return
+      do i = 1, len_trim(chosen)
+         select case (chosen(i:i))
+         case ("q"); options%estimate_process_mean = .true.
+         case ("r"); options%estimate_measurement_mean = .true.
+         case ("Q"); options%estimate_process_variance = .true.
+         case ("R"); options%estimate_measurement_variance = .true.
+         case (" ")
+         case default
+            call fatal_error(error, status%invalid_argument, &
+                             "an adaptive filter estimates any of q, r, Q, R, not '"//chosen(i:i)//"'")
+            return
+         end select
+      end do
+   end subroutine set_estimate
+
+   !> Leaves most of a short record to the adaptation.
+   pure subroutine shorten_burn_in(filter, samples)
+      !> The filter
+      type(filter_type), intent(inout) :: filter
+      !> Samples of the record; 0: not known
+      integer(int64), intent(in) :: samples
+
+      if (samples > 0) filter%wait = int(min(int(filter%wait, int64), samples/burn_in_share))
+   end subroutine shorten_burn_in
+end module gyroakf_filter_design
