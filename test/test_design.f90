@@ -84,7 +84,8 @@ contains
       call design_akf(model, 1.0_dp, design_options(), filter, failure)
       call check(error,.not. allocated(failure), "the filter is not made")
       if (allocated(error)) return
-      call check(error, sum(abs([filter%q - 1.5_dp, filter%r - 2, filter%p(1, 1) - 2, filter%p(2, 2) - 2, filter%p(1, 2), &
+      call check(error, sum(abs([filter%q - 1.5_dp, filter%r - 2, filter%p(1, 1) - 2, filter%p(2, 2) - 2, &
+                                 filter%p(1, 2), &
                                  filter%x, filter%options%forgetting - 0.98_dp])), 0.0_dp)
       if (allocated(error)) return
       associate (options => filter%options)
@@ -120,7 +121,8 @@ contains
       end do
    end subroutine test_akf_variance
 
-   !> White noise, slow and alternating AR(1), a random walk; orders 1 and 3; three b; Q and R or all four: never diverging, never collapsed
+   !> White noise, slow and alternating AR(1), a random walk; orders 1 and 3; three b; Q and R or all four:
+   !> never diverging, never collapsed
    subroutine test_akf_bounded(error)
       type(error_type), allocatable, intent(out) :: error
       type(gyro_error), allocatable :: failure
@@ -187,7 +189,8 @@ contains
       call fit(z, 1, model, differences)
       call design_akf(model, differences, design_options(estimate="RqrQ"), filter, failure)
       call check(error, filter%options%estimate_process_mean .and. filter%options%estimate_measurement_mean &
-                 .and. filter%options%estimate_process_variance .and. filter%options%estimate_measurement_variance, "not all four")
+                 .and. filter%options%estimate_process_variance .and. filter%options%estimate_measurement_variance, &
+                 "not all four")
       if (allocated(error)) return
       call design_akf(model, differences, design_options(estimate="Q"), filter, failure)
       call check(error, filter%options%estimate_process_variance .and. .not. filter%options%estimate_measurement_variance, &
