@@ -185,6 +185,8 @@ contains
       call check(error, shown("sep=;"//nl//"gyro x;gyro y"//nl//"1;2"//nl, reader_options(), record)//channels(record), &
                  "1 2 gyro x gyro y ")
       if (allocated(error)) return
+      call check(error, shown("gyro 1, gyro 2"//nl//"1,2"//nl, reader_options(), record)//channels(record), "1 2 gyro 1 gyro 2 ")
+      if (allocated(error)) return
       call check(error, shown("1 2"//nl, reader_options(), record)//channels(record), "1 2 column1 column2 ")
       if (allocated(error)) return
       call check(error, shown(",gx"//nl//"0,1.5"//nl, reader_options(), record)//channels(record), "0 1.5 column1 gx ")

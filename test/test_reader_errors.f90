@@ -95,6 +95,8 @@ contains
       if (allocated(error)) return
       call expect(error, "1 2"//nl//char(195)//char(164)//" y"//nl, status%parse, ":2:1: ")
       if (allocated(error)) return
+      call expect(error, "1.O5"//nl//"2"//nl, status%parse, ":1:1: '1.O5' is not a number")
+      if (allocated(error)) return
       call expect(error, "1"//nl//repeat("y", 3000)//nl, status%parse, ":2:1: '"//repeat("y", 37)//"...' is not a number"//nl// &
                   repeat("y", 96)//"..."//nl//"^"//nl)
    end subroutine test_tokens
@@ -206,6 +208,9 @@ contains
       integer :: code
 
       call check(error, message("1", reader_options(rate_hz=-5.0_dp), code), "the rate has to be positive, not -5 Hz")
+      if (allocated(error)) return
+      call check(error, message("gx"//nl//"1"//nl//"-2e99", reader_options(), code), &
+                 "sample 2 of 'gx' is -2e+99; at most 1e+60 can be analysed")
       if (allocated(error)) return
       call check(error, message("1", reader_options(scale=0.0_dp), code), "the scale must not be 0")
       if (allocated(error)) return

@@ -10,7 +10,7 @@ module gyroakf_io_columns
    use gyroakf_spelling, only : lower, nearest_word
    implicit none (type, external)
    private
-   public :: column_names_type, read_names, name_of, label_of, find_column, choose_columns
+   public :: column_names_type, read_names, names_way, name_of, label_of, find_column, choose_columns
 
    !> The names of a file's columns
    type :: column_names_type
@@ -41,8 +41,7 @@ contains
       character(:), allocatable :: word
       integer :: i, way, count
 
-      way = split%mixed
-      if (any(bytes(first:last) == comma .or. bytes(first:last) == semicolon .or. bytes(first:last) == tab)) way = split%names
+      way = names_way(bytes, first, last)
       call split_line(bytes, first, last, way, fields)
       names%known = fields%count > 0
       names%line = line
@@ -57,6 +56,16 @@ contains
          end if
       end do
    end subroutine read_names
+
+   !> How a line of names is split: blanks belong to the names where there are other separators.
+   pure integer function names_way(bytes, first, last)
+      !> Holds the line at first:last
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+
+      names_way = split%mixed
+      if (any(bytes(first:last) == comma .or. bytes(first:last) == semicolon .or. bytes(first:last) == tab)) names_way = split%names
+   end function names_way
 
    !> Appends "gx [deg/s]" as name and unit.
    subroutine add_name(names, word)

@@ -4,7 +4,7 @@
 !> What the file says about rate, unit and columns is honoured, an option overrides it, and where nobody says anything
 !> nothing is assumed. Everything that was decided on the way is in the record: `rate_source`, `unit_source`, `warnings`.
 module gyroakf_io_reader
-   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_is_nan
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_is_nan, ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_audit, only : audit_stamps, audit_values, gap_type
@@ -46,6 +46,9 @@ module gyroakf_io_reader
       integer(int64) :: skip = 0
    end type reader_options
 
+   !> A rate beyond it is an error: the fourth powers of the statistics would overflow
+   real(dp), parameter :: largest_value = 1.0e60_dp
+
 contains
 
    !> Reads a recording.
@@ -56,7 +59,8 @@ contains
       type(reader_options), intent(in) :: options
       !> The recording
       type(record_type), intent(out) :: record
-      !> Allocated on failure: io, parse, invalid_argument, not_supported, too_few_samples, no_memory
+      !> Allocated on failure: io, parse, invalid_argument, not_supported, too_few_samples, non_finite,
+      !> no_memory
       type(error_type), allocatable, intent(out) :: error
       type(table_type) :: table
       type(table_options) :: wanted
@@ -82,7 +86,7 @@ contains
       if (.not. allocated(error)) call use_stamps(options, table, stamps, record, gaps)
       if (.not. allocated(error)) call set_rate(options, table, record, error)
       if (.not. allocated(error)) call fill_gaps(gaps, record, error)
-      if (.not. allocated(error)) call mark_missing(record, error)
+      if (.not. allocated(error)) call mark_missing(record, largest_value/max(1.0_dp, abs(options%scale)), error)
       if (.not. allocated(error)) call set_unit(options, table, record, error)
       if (.not. allocated(error)) call make_rates(record, input, options%scale, error)
       if (.not. allocated(error)) call cut(record, options%from, options%to, error)
@@ -210,7 +214,9 @@ contains
       real(dp), intent(inout), contiguous :: stamps(:)
       type(record_type), intent(inout) :: record
       type(gap_type), intent(out) :: gaps
-      real(dp) :: scale, origin, given
+      !> What is larger is no time, and its products would overflow
+      real(dp), parameter :: largest_stamp = 1.0e30_dp
+      real(dp) :: scale, origin, given, missing
       logical :: sure
       integer(int64) :: i
 
@@ -219,6 +225,11 @@ contains
          call audit_stamps(stamps, record%audit, gaps)
          return
       end if
+      missing = ieee_value(missing, ieee_quiet_nan)
+      do i = 1, size(stamps, kind=int64)
+         if (ieee_is_nan(stamps(i))) cycle
+         if (abs(stamps(i)) > largest_stamp) stamps(i) = missing
+      end do
       scale = 0.0_dp
       if (table%names%known) scale = named_scale(table%names%name(table%time)%text, table%names%unit(table%time)%text)
       if (scale <= 0.0_dp) then
@@ -233,9 +244,7 @@ contains
       end do
       origin = 0.0_dp
       if (i <= size(stamps, kind=int64)) origin = stamps(i)
-      do i = 1, size(stamps, kind=int64)
-         stamps(i) = (stamps(i) - origin)*scale
-      end do
+      stamps = (stamps - origin)*scale
       call audit_stamps(stamps, record%audit, gaps)
    end subroutine use_stamps
 

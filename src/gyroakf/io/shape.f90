@@ -51,17 +51,24 @@ contains
    end subroutine fill_gaps
 
    !> NaN becomes 0 and a mark in `present`, which exists only where something is missing.
-   subroutine mark_missing(record, error)
+   subroutine mark_missing(record, largest, error)
       !> NaN marks what is missing
       type(record_type), intent(inout) :: record
-      !> Allocated on failure: no_memory
+      !> Larger values are an error
+      real(dp), intent(in) :: largest
+      !> Allocated on failure: no_memory, non_finite
       type(error_type), allocatable, intent(out) :: error
       integer(int64) :: i
       integer :: j, failed
 
       do j = 1, size(record%value, 2)
          do i = 1, size(record%value, 1, kind=int64)
-            if (.not. ieee_is_nan(record%value(i, j))) cycle
+            if (.not. ieee_is_nan(record%value(i, j))) then
+               if (abs(record%value(i, j)) <= largest) cycle
+               call fatal_error(error, status%non_finite, "sample "//integer_text(i)//" of '"//record%channel(j)%text//"' is "// &
+                                format_real(record%value(i, j), 6)//"; at most "//format_real(largest, 3)//" can be analysed")
+               return
+            end if
             if (.not. allocated(record%present)) then
                allocate (record%present(size(record%value, 1, kind=int64), size(record%value, 2)), stat=failed)
                if (failed /= 0) then

@@ -2,13 +2,13 @@
 !> A table of numbers in text: header, names, rows. What the numbers mean is the reader's business.
 module gyroakf_io_table
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
-   use gyroakf_kinds, only : dp, int64
+   use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_columns, only : choose_columns, column_names_type, find_column, label_of, read_names
+   use gyroakf_io_columns, only : choose_columns, column_names_type, find_column, label_of, names_way, read_names
    use gyroakf_io_format, only : comma_advice, comma_found, decimal_comma, foreign_content
    use gyroakf_io_header, only : header_type, read_comment, time_scale
    use gyroakf_io_lines, only : close_lines, line_end, line_map_type, next_line, lines_type, map_row, more_lines, open_lines
-   use gyroakf_io_number, only : is_missing_word, number, scan_number
+   use gyroakf_io_number, only : is_missing_word
    use gyroakf_io_place, only : integer_text, place_error
    use gyroakf_io_rows, only : layout_type, parse_rows, problem_type, read_row
    use gyroakf_io_stamps, only : is_time_name
@@ -144,27 +144,30 @@ contains
                        "give one row of numbers per sample; lines that begin with # % ; // are comments")
    end subroutine read_preamble
 
-   !> True for a line that holds words and no number: names of columns.
+   !> True for a line that holds words and nothing like a number: names of columns.
    logical function only_words(lines, last)
       type(lines_type), intent(in) :: lines
       integer(int64), intent(in) :: last
       type(fields_type) :: fields
-      integer(int64) :: p
-      integer :: i, found, words
-      real(dp) :: x
+      integer :: i, words
 
       only_words = .false.
       words = 0
-      call split_line(lines%bytes, lines%at, last, split%mixed, fields)
+      call split_line(lines%bytes, lines%at, last, names_way(lines%bytes, lines%at, last), fields)
       do i = 1, fields%count
-         p = fields%first(i)
-         if (fields%last(i) < p) cycle
-         call scan_number(lines%bytes, p, x, found)
-         if (found /= number%none .and. p == fields%last(i) + 1) return
+         if (fields%last(i) < fields%first(i)) cycle
+         if (begins_like_number(lines%bytes(fields%first(i)))) return
          if (.not. is_missing_word(bytes_text(lines%bytes, fields%first(i), fields%last(i)))) words = words + 1
       end do
       only_words = words > 0
    end function only_words
+
+   !> True for a byte that a name does not begin with: what begins so is a number, right or wrong.
+   pure logical function begins_like_number(byte)
+      integer(int8), intent(in) :: byte
+
+      begins_like_number = (byte >= 48 .and. byte <= 57) .or. byte == 43 .or. byte == 45 .or. byte == 46
+   end function begins_like_number
 
    !> Takes in a line of units below the names; not taken where a word of it is no unit.
    subroutine take_units(lines, last, names, taken)
