@@ -105,7 +105,7 @@ contains
       character(*), intent(in) :: path
       !> Allocated where it cannot be opened: io
       type(error_type), allocatable, intent(out) :: error
-      character(256) :: reason
+      character(len(path) + 256) :: reason
       integer :: failed
       logical :: exists
 
@@ -126,11 +126,13 @@ contains
          return
       end if
       if (source%length > 0) then
+         reason = "unknown reason"
          open (newunit=source%unit, file=path, access="stream", form="unformatted", action="read", status="old", &
                iostat=failed, iomsg=reason)
          if (failed == 0) return
          source%unit = -1
-         call fatal_error(error, status%io, path//": cannot be opened: "//trim(reason)//new_line("a")// &
+         call fatal_error(error, status%io, path//": cannot be opened: "// &
+                          trim(reason(index(reason, ": ", back=.true.) + 2:))//new_line("a")// &
                           "check the file's permissions")
          return
       end if
