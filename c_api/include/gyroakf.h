@@ -174,6 +174,30 @@ typedef struct gyroakf_adf {
 GYROAKF_API int gyroakf_adf_test(const double *x, int64_t n, const gyroakf_adf_options *opt, gyroakf_adf *out,
                                  gyroakf_error *err);
 
+/* ---------------------------------------------------------------------------------------------------------- AR model */
+
+typedef struct gyroakf_ar_options {
+  size_t struct_size;
+  const char *method;    /* "yw" (default): Yule-Walker */
+  const char *criterion; /* "aic" (default), "aicc", "bic", "hqic", "fpe" */
+  int32_t order;         /* -1 (default): chosen by the criterion; otherwise 0 .. max_order */
+} gyroakf_ar_options;
+
+GYROAKF_API void gyroakf_ar_options_init(gyroakf_ar_options *opt);
+
+/*
+ * Autoregressive model x_k - mean = sum phi_i (x_{k-i} - mean) + a_k.
+ *   x               [n] series, unit u
+ *   max_order       largest order that is compared, 0 .. 1000
+ *   order           the order chosen, 0 .. max_order
+ *   phi             [max_order] coefficients, the first *order of them; the rest are 0. NULL only if max_order is 0
+ *   noise_variance  of a, u^2; may be NULL
+ *   mean            of the series, u; may be NULL
+ * On failure nothing but err is written.
+ */
+GYROAKF_API int gyroakf_ar_fit(const double *x, int64_t n, const gyroakf_ar_options *opt, int32_t max_order,
+                               int32_t *order, double *phi, double *noise_variance, double *mean, gyroakf_error *err);
+
 /* ------------------------------------------------------------------------------------------------------------ filter */
 
 /* A Kalman filter of an AR(p) state in white noise, fixed or adaptive (Sage-Husa). */

@@ -330,6 +330,63 @@ static void test_adf_failures(void) {
   gyroakf_adf_options_init(NULL);
 }
 
+/* A small case by hand, and AR(1) with phi = 0.5 about 10. */
+static void test_ar(void) {
+  static double x[20000];
+  const double five[5] = {1, 3, -1, 5, 2}; /* about the mean 2: -1 1 -3 3 0; r0 = 20/5, r1 = (-1 - 3 - 9)/5 */
+  double phi[12], variance = -1, mean = -1;
+  int32_t order = -1, i;
+  gyroakf_ar_options opt;
+  gyroakf_ar_options_init(&opt);
+  opt.order = 1;
+  check_success(gyroakf_ar_fit(five, 5, &opt, 1, &order, phi, &variance, &mean, &err), "five samples");
+  check(order == 1 && close_to(phi[0], -0.65, 1e-14) && close_to(mean, 2.0, 1e-15), "coefficient and mean by hand");
+  check(close_to(variance, 4.0 * (1 - 0.65 * 0.65), 1e-14), "noise variance by hand");
+  autoregressive(x, 20000, 0.5);
+  for (i = 0; i < 20000; i++) x[i] += 10.0;
+  opt.order = -1;
+  opt.criterion = "bic";
+  phi[11] = 7.0;
+  check_success(gyroakf_ar_fit(x, 20000, &opt, 12, &order, phi, &variance, &mean, &err), "20000 samples");
+  check(order == 1, "order by BIC");
+  check(fabs(phi[0] - 0.5) < 4 * sqrt(0.75 / 20000) && phi[1] == 0.0 && phi[11] == 0.0, "coefficients");
+  check(fabs(variance - 1.0) < 0.05 && fabs(mean - 10.0) < 0.06, "noise variance and mean");
+  check_success(gyroakf_ar_fit(x, 20000, NULL, 3, &order, phi, NULL, NULL, &err), "results that are not wanted");
+  check_success(gyroakf_ar_fit(x, 20000, NULL, 0, &order, NULL, &variance, NULL, &err), "order 0 needs no coefficients");
+  check(order == 0 && fabs(variance - 4.0 / 3.0) < 0.08, "order 0");
+  for (i = 0; i < 60; i++) x[331 * i] = NAN;
+  check_success(gyroakf_ar_fit(x, 20000, &opt, 3, &order, phi, &variance, &mean, &err), "missing samples");
+  check(order == 1 && fabs(phi[0] - 0.5) < 0.03, "coefficient with missing samples");
+}
+
+static void test_ar_failures(void) {
+  double x[100], phi[12];
+  int32_t order = 77;
+  gyroakf_ar_options opt;
+  nbs(x, 100);
+  check_failure(gyroakf_ar_fit(NULL, 4, NULL, 1, &order, phi, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "series NULL");
+  check_failure(gyroakf_ar_fit(x, 100, NULL, 1, NULL, phi, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "order NULL");
+  check_failure(gyroakf_ar_fit(x, 100, NULL, 1, &order, NULL, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "phi NULL");
+  check_failure(gyroakf_ar_fit(x, 100, NULL, -1, &order, phi, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "max_order < 0");
+  check_failure(gyroakf_ar_fit(x, 100, NULL, INT32_MAX, &order, phi, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT,
+                "max_order huge");
+  check_failure(gyroakf_ar_fit(x, 0, NULL, 1, &order, phi, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "n = 0");
+  check_failure(gyroakf_ar_fit(x, 1, NULL, 1, &order, phi, NULL, NULL, &err), GYROAKF_TOO_FEW_SAMPLES, "one sample");
+  gyroakf_ar_options_init(&opt);
+  opt.order = 5;
+  check_failure(gyroakf_ar_fit(x, 100, &opt, 3, &order, phi, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "order > max_order");
+  gyroakf_ar_options_init(&opt);
+  opt.criterion = "zzz";
+  check_failure(gyroakf_ar_fit(x, 100, &opt, 3, &order, phi, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "unknown criterion");
+  gyroakf_ar_options_init(&opt);
+  opt.method = "guess";
+  check_failure(gyroakf_ar_fit(x, 100, &opt, 3, &order, phi, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "unknown method");
+  opt.struct_size = 3;
+  check_failure(gyroakf_ar_fit(x, 100, &opt, 3, &order, phi, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "struct_size 3");
+  check(order == 77, "a failure leaves the results alone");
+  gyroakf_ar_options_init(NULL);
+}
+
 /* The paper's filter: phi = 0.409975, Q = 1 - phi^2, R = 1. Closed forms of the steady state: K = 0.4770139142617331,
    share of a constant K/(1 - phi (1 - K)) = 0.607205610250273. */
 static void test_filter_values(void) {
@@ -499,6 +556,7 @@ static void test_environment(void) {
   gyroakf_noise noise;
   gyroakf_adf adf;
   double phi = 0.5;
+  int32_t order;
   int i, before;
   nbs(x, 64);
   for (i = 0; i < 64; i++) bad[i] = i % 2 ? NAN : x[i];
@@ -512,6 +570,8 @@ static void test_environment(void) {
   gyroakf_allan_new(bad, 64, NAN, NULL, &a, &err);
   gyroakf_adf_test(x, 64, NULL, &adf, &err);
   gyroakf_adf_test(bad, 64, NULL, &adf, &err);
+  gyroakf_ar_fit(bad, 64, NULL, 1, &order, &phi, NULL, NULL, &err);
+  phi = 0.5;
   gyroakf_filter_new(1, &phi, NAN, 1.0, NULL, &f, &err);
   phi = 0.5;
   gyroakf_filter_new(1, &phi, 1.0, 1.0, NULL, &f, &err);
@@ -539,6 +599,8 @@ int main(void) {
   test_noise_failures();
   test_adf();
   test_adf_failures();
+  test_ar();
+  test_ar_failures();
   test_filter_values();
   test_filter_run();
   test_filter_freeze();
