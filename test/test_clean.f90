@@ -29,6 +29,8 @@ contains
          & new_unittest("masking", test_masking), &
          & new_unittest("false_alarms", test_false_alarms), &
          & new_unittest("mark_comes_back", test_mark_comes_back), &
+         & new_unittest("disturbed_stretch", test_disturbed_stretch), &
+         & new_unittest("to_and_fro", test_to_and_fro), &
          & new_unittest("offset_scale", test_offset_scale), &
          & new_unittest("quantised", test_quantised), &
          & new_unittest("constant", test_constant), &
@@ -179,6 +181,51 @@ contains
       call clean_series(x, clean_options(degree=9, method="mad"), cleaned, mask, result, problem)
       call marks_are(error, result, problem, [400])
    end subroutine test_mark_comes_back
+
+   !> A third of the record is ten times as noisy: that is no outlier. A tenth replaced by zeros is.
+   subroutine test_disturbed_stretch(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: x(:), cleaned(:)
+      integer(int8), allocatable :: mask(:)
+      type(clean_type) :: result
+      type(gyro_error), allocatable :: problem
+
+      x = reference_series("wn_bm", 9000)
+      x(:3600) = 50.0_dp*x(:3600)
+      call clean_series(x, clean_options(), cleaned, mask, result, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, result%fraction < 0.01_dp .and. result%converged, "the disturbed stretch was removed")
+      if (allocated(error)) return
+      x = 50.0_dp + reference_series("wn_bm", 9000)
+      x(7::10) = 0.0_dp
+      call clean_series(x, clean_options(), cleaned, mask, result, problem)
+      call check(error, int(result%removed), count(abs(x) < 1.0_dp))
+   end subroutine test_disturbed_stretch
+
+   !> Integers with a heavy tail, on which the marks by median and MAD go to and fro: the rounds end.
+   subroutine test_to_and_fro(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      character(8), parameter :: method(3) = [character(8) :: "auto", "pauta", "mad"]
+      real(dp), allocatable :: x(:), cleaned(:)
+      integer(int8), allocatable :: mask(:)
+      type(clean_type) :: result
+      type(gyro_error), allocatable :: problem
+      integer :: i, j
+
+      x = reference_series("wn_bm", 20000)
+      do j = 1, 4
+         do i = 1, 3
+            call clean_series(anint(x**3*real(j, dp)), clean_options(method=method(i)), cleaned, mask, result, problem)
+            call check(error, .not. allocated(problem), "it failed")
+            if (allocated(error)) return
+            call check(error, result%converged, "not converged: "//method(i))
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_to_and_fro
 
    !> Offset 2^30 and scale 2^-40, exact for multiples of 1/4096, change no mark.
    subroutine test_offset_scale(error)

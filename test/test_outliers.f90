@@ -214,10 +214,16 @@ contains
 
       valid = [1_int8, 1_int8, 1_int8, 0_int8, 1_int8]
       inlier = [1_int8, 0_int8, 0_int8, 0_int8, 1_int8]
-      call mark_outliers([5.0_dp, 4.0_dp, -3.0_dp, 9.0_dp, 1.0_dp], 1.0_dp, 3.0_dp, inlier, changed, removed, valid)
+      call mark_outliers([5.0_dp, 4.0_dp, -3.0_dp, 9.0_dp, 1.0_dp], 1.0_dp, 3.0_dp, .false., inlier, changed, &
+         & removed, valid)
       call check(error, all(inlier == [0_int8, 1_int8, 0_int8, 0_int8, 1_int8]), "marks")
       if (allocated(error)) return
       call check(error, changed == 2 .and. removed == 2, "counts")
+      if (allocated(error)) return
+      call mark_outliers([1.0_dp, 4.1_dp, 1.0_dp, 9.0_dp, 1.0_dp], 1.0_dp, 3.0_dp, .true., inlier, changed, removed, valid)
+      call check(error, all(inlier == [0_int8, 0_int8, 0_int8, 0_int8, 1_int8]), "marks that stay")
+      if (allocated(error)) return
+      call check(error, changed == 1 .and. removed == 3, "counts of marks that stay")
    end subroutine test_marks
 
    !> Unknown method; one that is not built names the others.

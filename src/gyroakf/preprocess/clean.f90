@@ -12,6 +12,11 @@ module gyroakf_preprocess_clean
    private
    public :: clean_options, clean_type, clean_series
 
+   !> Rounds of `auto` with median and MAD, rounds in which a mark may come back
+   integer, parameter :: robust_rounds = 6, free_rounds = 12
+   !> One sample of so many may be an outlier by median and MAD
+   integer(int64), parameter :: outlier_share = 4
+
    !> What is removed
    type :: clean_options
       !> Degree of the trend, -1 .. 9; -1 keeps it, outliers are then those about the mean or median
@@ -55,7 +60,11 @@ contains
    !> Each round fits the trend to the inliers and judges every present sample by its distance from
    !> that trend, so that a sample marked by mistake comes back; the rounds end when the marks stay.
    !> `auto` begins with median and MAD, which a gross outlier cannot inflate, and when these marks
-   !> stay goes on with mean and standard deviation. Memory: the results, 9 bytes a sample.
+   !> stay (after six rounds at most) goes on with mean and standard deviation. Where median and MAD
+   !> call more than a quarter of the record outliers, it is no record with outliers but one with quiet
+   !> and disturbed stretches, and `auto` begins again with mean and standard deviation of all. After
+   !> twelve rounds no mark comes back, which ends the rounds where samples at the very limit would go to and fro.
+   !> Memory: the results, 9 bytes a sample.
    subroutine clean_series(x, options, cleaned, present_out, result, error, valid)
       !> Series: [n], n >= 1, finite; not modified
       real(dp), intent(in), contiguous :: x(:)
@@ -149,12 +158,22 @@ contains
       if (stat == 0 .and. (present(valid) .or. options%method /= "none")) then
          allocate (mask(size(x, kind=int64)), stat=stat)
          if (stat == 0) then
-            mask = 1_int8
-            if (present(valid)) mask = merge(1_int8, 0_int8, valid /= 0_int8)
+            call set_mask(mask, valid)
          end if
       end if
       if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the cleaned series")
    end subroutine make_room
+
+   !> Every present sample is an inlier.
+   pure subroutine set_mask(mask, valid)
+      !> 1 inlier: [n]
+      integer(int8), intent(out) :: mask(:)
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+
+      mask = 1_int8
+      if (present(valid)) mask = merge(1_int8, 0_int8, valid /= 0_int8)
+   end subroutine set_mask
 
    !> Fits the trend to the samples of the mask and subtracts it from all.
    subroutine detrend(x, degree, cleaned, trend, error, mask)
@@ -201,9 +220,10 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       type(moments_type) :: moments
       real(dp) :: step, largest, rounding, centre, scale
-      integer(int64) :: changed
+      integer(int64) :: changed, found
       logical :: robust
 
+      found = count(mask /= 0_int8, kind=int64)
       call quantisation_step(x, step, largest, valid)
       rounding = 16.0_dp*epsilon(x)*largest
       robust = options%method /= "pauta"
@@ -219,10 +239,15 @@ contains
             centre = moments%mean
             scale = moments%std
          end if
-         call mark_outliers(cleaned, centre, max(result%threshold*scale, rounding), mask, changed, result%removed, valid)
+         call mark_outliers(cleaned, centre, max(result%threshold*scale, rounding), result%passes > free_rounds, &
+            & mask, changed, result%removed, valid)
          result%converged = changed == 0 .and. .not. (robust .and. options%method == "auto")
          if (result%converged) return
-         if (changed == 0) robust = .false.
+         if (.not. robust .or. options%method /= "auto") cycle
+         if (changed == 0 .or. result%passes >= robust_rounds) then
+            robust = .false.
+            if (outlier_share*result%removed > found) call set_mask(mask, valid)
+         end if
       end do
    end subroutine run_rounds
 

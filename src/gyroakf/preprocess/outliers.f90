@@ -139,11 +139,13 @@ contains
    end subroutine first_value
 
    !> Marks the samples beyond the limit and unmarks those within.
-   subroutine mark_outliers(x, centre, limit, inlier, changed, removed, valid)
+   subroutine mark_outliers(x, centre, limit, keep, inlier, changed, removed, valid)
       !> Residuals: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> Marked is |x - centre| > limit
       real(dp), intent(in) :: centre, limit
+      !> .true.: a mark stays, whatever the limit
+      logical, intent(in) :: keep
       !> 1 inlier, 0 outlier or missing: [n]
       integer(int8), intent(inout), contiguous :: inlier(:)
       !> Samples whose mark changed, and outliers now
@@ -162,6 +164,7 @@ contains
             if (valid(i) == 0_int8) cycle
          end if
          mark = merge(0_int8, 1_int8, abs(x(i) - centre) > limit)
+         if (keep) mark = min(mark, inlier(i))
          if (mark == 0_int8) removed = removed + 1
          if (mark /= inlier(i)) changed = changed + 1
          inlier(i) = mark

@@ -2,7 +2,7 @@
 !> Order statistics in linear time without a copy of the series.
 !>
 !> The bits of a double, read as an integer with the sign folded in, are ordered like the numbers.
-!> Four passes count the 16-bit digits of these keys, from the highest down, each among the samples
+!> Six passes count the 11-bit digits of these keys, from the highest down, each among the samples
 !> that share the digits found before. Ties and outliers cost nothing; counts are integers, so the
 !> result does not depend on the threads.
 module gyroakf_preprocess_select
@@ -13,7 +13,7 @@ module gyroakf_preprocess_select
    private
    public :: find_median, find_deviation
 
-   integer, parameter :: digit_bits = 16, digits = 4
+   integer, parameter :: digit_bits = 11, digits = 6
    !> Bit of the sign alone
    integer(int64), parameter :: sign_bit = ishft(1_int64, 63)
 
@@ -119,7 +119,7 @@ contains
       integer, intent(in) :: digit
       !> The higher digits
       integer(int64), intent(in) :: prefix
-      !> Counts: [0:65535]
+      !> Counts: [0:2047]
       integer(int64), allocatable, intent(out) :: histogram(:)
       !> no_memory
       type(error_type), allocatable, intent(out) :: error
@@ -163,7 +163,7 @@ contains
       !> Which digit, the higher ones, which chunk
       integer, intent(in) :: digit, chunk
       integer(int64), intent(in) :: prefix
-      !> Counts, added to: [0:65535]
+      !> Counts, added to: [0:2047]
       integer(int64), intent(inout) :: histogram(0:)
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
@@ -182,7 +182,7 @@ contains
          if (digit > 1) then
             if (ishft(key, -digit_bits) /= prefix) cycle
          end if
-         key = iand(key, 65535_int64)
+         key = iand(key, ishft(1_int64, digit_bits) - 1)
          histogram(key) = histogram(key) + 1
       end do
    end subroutine count_chunk
