@@ -111,12 +111,14 @@ contains
       type(block_type) :: b
       integer(int64) :: n, first, last, step
       integer :: chunk, bad
+      logical :: ready
 
       n = size(x, kind=int64)
       step = max(block_length, 4*int(lags, int64))
       stat = 0
-      !$omp parallel if (n >= threads_from) default(shared) private(b, first, last, bad)
-      call allocate_block(b, lags, step, bad)
+      !$omp parallel if (n >= threads_from) default(shared) private(b, first, last, bad, ready)
+      call allocate_block(b, lags, step, ready)
+      bad = merge(0, 1, ready)
       !$omp atomic
       stat = stat + bad
       !$omp do schedule(dynamic)
@@ -137,21 +139,23 @@ contains
    end subroutine sum_rows
 
    !> Allocates a block.
-   subroutine allocate_block(b, lags, length, stat)
+   subroutine allocate_block(b, lags, length, ready)
       !> The block
       type(block_type), intent(inout) :: b
       !> Lags
       integer, intent(in) :: lags
       !> Most rows
       integer(int64), intent(in) :: length
-      !> Not 0 where memory is short
-      integer, intent(out) :: stat
+      !> .false. where memory is short
+      logical, intent(out) :: ready
+      integer :: stat
 
       allocate (b%y(-lags:length), stat=stat)
       if (stat == 0) allocate (b%d(1 - lags:length), stat=stat)
       if (stat == 0) allocate (b%a(length), stat=stat)
       if (stat == 0) allocate (b%level(length), stat=stat)
       if (stat == 0) allocate (b%weight(length), stat=stat)
+      ready = stat == 0
    end subroutine allocate_block
 
    !> Fills a block with the rows first .. last and the past of their differences.
