@@ -38,6 +38,7 @@ contains
          & new_unittest("scale", test_scale), &
          & new_unittest("threads", test_threads), &
          & new_unittest("direct_sum", test_direct_sum), &
+         & new_unittest("octave_pairs", test_octave_pairs), &
          & new_unittest("gaps_direct_sum", test_gaps_direct_sum), &
          & new_unittest("gaps_white", test_gaps_white), &
          & new_unittest("gaps_quantised", test_gaps_quantised), &
@@ -339,6 +340,25 @@ contains
          if (allocated(error)) return
       end do
    end subroutine test_direct_sum
+
+   subroutine test_octave_pairs(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! octaves are summed two at a time, other factors one at a time
+      type(allan_curve_type) :: octaves, odd, even
+      real(dp) :: rate(9999)
+
+      rate = normal_series(9999_int64, 404_int64)
+      call curve_of(error, rate, 1.0_dp, "1,2,4,8,16,2048,4096", octaves)
+      if (allocated(error)) return
+      call curve_of(error, rate, 1.0_dp, "1,4,16,4096", odd)
+      if (allocated(error)) return
+      call curve_of(error, rate, 1.0_dp, "2,8,2048", even)
+      if (allocated(error)) return
+      call agree(error, octaves%deviation([1, 3, 5, 7]), odd%deviation, 1.0e-14_dp, "deviation")
+      if (allocated(error)) return
+      call agree(error, octaves%deviation([2, 4, 6]), even%deviation, 1.0e-14_dp, "deviation")
+   end subroutine test_octave_pairs
 
    subroutine test_gaps_direct_sum(error)
       type(error_type), allocatable, intent(out) :: error

@@ -3,7 +3,8 @@
 !>
 !> Reads raw doubles from a file, so that others can be given the same numbers:
 !>
-!>     allan_speed FILE            prints: threads, seconds, seconds of one read pass, deviations at 1, 2, 4 samples
+!>     allan_speed FILE            prints: threads, seconds, seconds of one read pass, deviations at 1, 2, 4 samples;
+!>                                 then the peak memory in bytes (Linux, else 0)
 program allan_speed
    use, intrinsic :: iso_fortran_env, only : error_unit, output_unit
    use omp_lib, only : omp_get_wtime, omp_set_num_threads
@@ -43,6 +44,8 @@ program allan_speed
       end do
       write (output_unit, "(i0, 2f10.5, 3es24.16)") threads, median(seconds), median(pass), curve%deviation(:3)
    end do
+   call peak_memory(bytes)
+   write (output_unit, "(i0)") bytes
    if (total < -huge(total)) write (output_unit, "(a)") "the sum is needed"
 
 contains
@@ -65,6 +68,26 @@ contains
       end do
       read_pass = sum(s)
    end function read_pass
+
+   !> Largest resident memory of this process so far.
+   subroutine peak_memory(peak)
+      !> Bytes, 0 where it is not told
+      integer(int64), intent(out) :: peak
+
+      character(200) :: line
+      integer :: status_unit, stat
+
+      peak = 0
+      open (newunit=status_unit, file="/proc/self/status", action="read", status="old", iostat=stat)
+      if (stat /= 0) return
+      do
+         read (status_unit, "(a)", iostat=stat) line
+         if (stat /= 0) exit
+         if (line(:6) == "VmHWM:") read (line(7:index(line, "kB") - 1), *) peak
+      end do
+      close (status_unit)
+      peak = 1024*peak
+   end subroutine peak_memory
 
    !> The middle one of five.
    pure real(dp) function median(x)

@@ -70,20 +70,66 @@ contains
       !> Sums: [>= size(m)]
       real(dp), intent(inout) :: part(:)
 
-      integer(int64) :: n, k, terms
-      integer :: i
+      integer(int64) :: n, k, terms, done
+      integer :: i, step
 
       n = ubound(phase, 1, kind=int64)
       part = 0
       do k = begin, end_before - 1, block_length
-         do i = 1, size(m)
+         i = 1
+         do while (i <= size(m))
             terms = min(end_before, k + block_length, n - 2*m(i) + 1) - k
-            if (terms <= 0) cycle
-            part(i) = part(i) + squares(phase(k:k + terms - 1), phase(k + m(i):k + m(i) + terms - 1), &
-               & phase(k + 2*m(i):k + 2*m(i) + terms - 1))
+            done = 0
+            step = 1
+            if (i < size(m)) then
+               if (m(i + 1) == 2*m(i)) then                  ! an octave shares three of its four streams
+                  done = max(0_int64, min(end_before, k + block_length, n - 4*m(i) + 1) - k)
+                  call add_octave(phase(k:k + done - 1), phase(k + m(i):k + m(i) + done - 1), &
+                     & phase(k + 2*m(i):k + 2*m(i) + done - 1), phase(k + 4*m(i):k + 4*m(i) + done - 1), part(i), part(i + 1))
+                  step = 2
+               end if
+            end if
+            if (terms > done) part(i) = part(i) + squares(phase(k + done:k + terms - 1), &
+               & phase(k + m(i) + done:k + m(i) + terms - 1), phase(k + 2*m(i) + done:k + 2*m(i) + terms - 1))
+            i = i + step
          end do
       end do
    end subroutine one_stretch
+
+   !> Adds the sums of (c - 2 b + a)**2 and (d - 2 c + a)**2, two chains each.
+   pure subroutine add_octave(a, b, c, d, sum1, sum2)
+      !> Phase at k, k + m, k + 2m, k + 4m: [terms]
+      real(dp), intent(in), contiguous :: a(:), b(:), c(:), d(:)
+      !> Sums of the factors m and 2m, to add to
+      real(dp), intent(inout) :: sum1, sum2
+
+      integer(int64) :: i, n, q
+      real(dp) :: s1, s2, t1, t2, p, r, u, v
+
+      n = size(a, kind=int64)
+      q = n/2
+      s1 = 0
+      s2 = 0
+      t1 = 0
+      t2 = 0
+      !$omp simd reduction(+:s1, s2, t1, t2) private(p, r, u, v)
+      do i = 1, q
+         p = b(i) - a(i)
+         r = c(i) - b(i)
+         s1 = s1 + (r - p)**2
+         t1 = t1 + ((d(i) - c(i)) - (r + p))**2
+         u = b(i + q) - a(i + q)
+         v = c(i + q) - b(i + q)
+         s2 = s2 + (v - u)**2
+         t2 = t2 + ((d(i + q) - c(i + q)) - (v + u))**2
+      end do
+      do i = 2*q + 1, n
+         s1 = s1 + ((c(i) - b(i)) - (b(i) - a(i)))**2
+         t1 = t1 + ((d(i) - c(i)) - (c(i) - a(i)))**2
+      end do
+      sum1 = sum1 + (s1 + s2)
+      sum2 = sum2 + (t1 + t2)
+   end subroutine add_octave
 
    !> Sum of (c - 2 b + a)**2 in four chains.
    pure real(dp) function squares(a, b, c)
