@@ -18,17 +18,21 @@
 !> Standard errors: the covariance of theta is the sandwich G C G' with the full covariance C of the variances,
 !> because estimates at neighbouring averaging times are nearly the same; G belongs to the terms that came out positive
 !> (and, for the error of one that came out as zero, that one). They pass to the coefficients by the derivative of the square root.
+!>
+!> Where chi-square says that the terms cannot make the curve (a resonance, a first-order Markov process), the many degrees of
+!> freedom of the short times would fix the fit to a shape that is wrong anyhow. The points are then granted a relative
+!> variance s^2 of their own, the same for all and as large as they ask for: w_i = 1/(2/nu_i + s^2), C_ij +
+!> s^2 exp(-|ln tau_i/tau_j|). The standard errors grow with it.
 module gyroakf_allan_noise_fit
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_special, only : digamma
-   use gyroakf_allan_covariance, only : allan_covariance, allan_variance_covariances
+   use gyroakf_allan_covariance, only : allan_variance_covariances
    use gyroakf_allan_degrees_of_freedom, only : chi_square_limits
    use gyroakf_allan_deviations, only : allan_curve_type
+   use gyroakf_allan_fit_problem, only : minimise, mixture_edf, model_at, problem_type, relative_design, scatter_of_model, trigamma
    use gyroakf_allan_fit_uncertainty, only : generalised_chi_square, sandwich_covariance
-   use gyroakf_allan_noise_model, only : model_variance, term_count, term_letters, term_shape
-   use gyroakf_allan_nonnegative, only : solve_nonnegative
+   use gyroakf_allan_noise_model, only : model_variance, term_count, term_letters
    implicit none (type, external)
    private
    public :: noise_options, coefficient_type, noise_type, fit_noise
@@ -70,38 +74,23 @@ module gyroakf_allan_noise_fit
       real(dp), allocatable :: model(:)
       !> Degrees of freedom of chi2_reduced
       integer :: chi2_freedom = 0
+      !> Relative standard deviation of the variances from the model beyond their own scatter, 0 where the model fits
+      real(dp) :: misfit = 0.0_dp
    end type noise_type
-
-   !> Everything the fit works on; times in samples, squares for a sample interval of 1
-   type :: problem_type
-      !> Samples of the record
-      integer(int64) :: samples = 0
-      !> Averaging factors of the points
-      integer(int64), allocatable :: m(:)
-      !> Variances in units of `scale`, their degrees of freedom as known before, the share of their terms that gaps left
-      real(dp), allocatable :: variance(:), edf(:), complete(:)
-      !> Unit of the variances
-      real(dp) :: scale = 1.0_dp
-      !> Which terms are offered: their numbers
-      integer, allocatable :: term(:)
-   end type problem_type
 
    !> Points of a fit at most; a denser curve is thinned evenly in the logarithm
    integer, parameter :: points_max = 80
-   !> Steps of the fit at most, and how many of them renew the weights
-   integer, parameter :: steps_max = 200, steps_renewing = 20
-   !> Relative change at which the fit has converged
-   real(dp), parameter :: precision_goal = 1e-11_dp
+   !> Chi-square per degree of freedom above which a model is taken as wrong, and rounds that adapt the weights then
+   real(dp), parameter :: chi2_wrong = 5.0_dp
+   integer, parameter :: misfit_rounds = 30
    !> Standard normal quantile of 95 %
    real(dp), parameter :: normal_95 = 1.6448536269514722_dp
-   !> Least degrees of freedom of a weight
-   real(dp), parameter :: edf_least = 0.5_dp
 
 contains
 
    !> Fits the terms, and gives the curve the degrees of freedom and limits of the fitted mixture.
    subroutine fit_noise(curve, options, noise, error)
-      !> From [[compute_allan]]; edf, lower and upper are replaced
+      !> From [[compute_allan]]; edf, lower and upper are replaced (by larger limits only, where the model does not fit)
       type(allan_curve_type), intent(inout) :: curve
       !> Terms, range of averaging times, method
       type(noise_options), intent(in) :: options
@@ -112,14 +101,18 @@ contains
 
       type(problem_type) :: problem
       real(dp) :: squares(term_count), errors(term_count)
+      logical :: linear
 
       call choose_terms(options, problem, error)
       if (.not. allocated(error)) call choose_points(curve, options, problem, error)
       if (allocated(error)) return
-      call minimise(problem, options%method == "linear", squares, error)
+      linear = options%method == "linear"
+      call minimise(problem, linear, squares, error)
       if (allocated(error)) return
       noise%points = size(problem%m)
-      call assess(problem, options%method == "linear", squares, errors, noise, error)
+      call assess(problem, linear, squares, errors, noise, error)
+      if (allocated(error)) return
+      if (noise%chi2_reduced > chi2_wrong) call admit_misfit(problem, linear, squares, errors, noise, error)
       if (allocated(error)) return
       call state_coefficients(problem, squares, errors, curve%sample_interval, noise)
       call renew_limits(problem, squares, curve, noise)
@@ -218,175 +211,6 @@ contains
       place = kept(:count)
    end subroutine thin
 
-   !> Finds the squares that fit best.
-   subroutine minimise(problem, linear, squares, error)
-      !> Points and terms
-      type(problem_type), intent(in) :: problem
-      !> Fit the variances instead of their logarithms
-      logical, intent(in) :: linear
-      !> Squared coefficients, 0 for terms that are not offered
-      real(dp), intent(out) :: squares(term_count)
-      !> not_converged
-      type(error_type), allocatable, intent(out) :: error
-
-      real(dp), dimension(size(problem%m)) :: weight, bias, target, model
-      real(dp) :: change
-      logical :: converged
-      integer :: step
-
-      squares = 0
-      weight = max(problem%edf, edf_least)/2
-      target = 1
-      call weighted_step(problem, problem%variance, weight, target, squares, change, converged)
-      do step = 1, steps_max
-         if (.not. converged) exit
-         model = model_at(problem, squares)
-         if (step <= steps_renewing) call weights_of_model(problem, squares, model, weight, bias)
-         target = problem%variance/model
-         if (linear) then
-            call weighted_step(problem, model, weight, target, squares, change, converged)
-         else
-            target = 1 + log(target) - bias
-            call weighted_step(problem, model, weight, target, squares, change, converged, bias)
-         end if
-         if (change < precision_goal .and. step > steps_renewing) return
-      end do
-      call fatal_error(error, status%not_converged, "the fit of the noise coefficients did not converge")
-   end subroutine minimise
-
-   !> Fitted variances at the points.
-   pure function model_at(problem, squares) result(model)
-      !> Points
-      type(problem_type), intent(in) :: problem
-      !> Squared coefficients
-      real(dp), intent(in) :: squares(term_count)
-      real(dp) :: model(size(problem%m))
-
-      integer :: i
-
-      do i = 1, size(model)
-         model(i) = max(model_variance(squares, real(problem%m(i), dp)), tiny(1.0_dp))
-      end do
-   end function model_at
-
-   !> Weights nu/2 and biases of the logarithms from the model.
-   pure subroutine weights_of_model(problem, squares, model, weight, bias)
-      !> Points
-      type(problem_type), intent(in) :: problem
-      !> Squared coefficients
-      real(dp), intent(in) :: squares(term_count)
-      !> Fitted variances
-      real(dp), intent(in) :: model(:)
-      !> Weights
-      real(dp), intent(out) :: weight(:)
-      !> Biases
-      real(dp), intent(out) :: bias(:)
-
-      integer :: i
-
-      do i = 1, size(model)
-         weight(i) = max(mixture_edf(problem%samples, problem%m(i), squares, problem%complete(i)), edf_least)/2
-         bias(i) = digamma(weight(i)) - log(weight(i))
-      end do
-   end subroutine weights_of_model
-
-   !> Derivative of digamma (Abramowitz & Stegun 6.4.6 and 6.4.12, to 1e-8).
-   elemental real(dp) function trigamma(x)
-      !> Argument, > 0
-      real(dp), intent(in) :: x
-
-      real(dp) :: y, q
-
-      trigamma = 0
-      y = x
-      do while (y < 8)
-         trigamma = trigamma + 1/y**2
-         y = y + 1
-      end do
-      q = 1/y**2
-      trigamma = trigamma + 1/y + q/2 + q/y*(1/6.0_dp - q*(1/30.0_dp - q*(1/42.0_dp - q/30)))
-   end function trigamma
-
-   !> Degrees of freedom of a variance of the mixture.
-   pure real(dp) function mixture_edf(samples, m, squares, complete) result(edf)
-      !> Samples of the record
-      integer(int64), intent(in) :: samples
-      !> Averaging factor
-      integer(int64), intent(in) :: m
-      !> Squared coefficients
-      real(dp), intent(in) :: squares(term_count)
-      !> Share of the terms that gaps left
-      real(dp), intent(in) :: complete
-
-      real(dp) :: variance
-
-      variance = allan_covariance(samples, m, m, squares)
-      edf = huge(1.0_dp)
-      if (variance > 0) edf = complete*2*model_variance(squares, real(m, dp))**2/variance
-      edf = min(edf, 1e15_dp)
-   end function mixture_edf
-
-   !> One non-negative step; with biases (logarithms) it is shortened until the sum of squares falls.
-   subroutine weighted_step(problem, model, weight, target, squares, change, converged, bias)
-      !> Points and terms
-      type(problem_type), intent(in) :: problem
-      !> Variances to which everything is relative
-      real(dp), intent(in) :: model(:)
-      !> Weights
-      real(dp), intent(in) :: weight(:)
-      !> What the relative model should be
-      real(dp), intent(in) :: target(:)
-      !> Squared coefficients, renewed
-      real(dp), intent(inout) :: squares(term_count)
-      !> Largest relative change of the model
-      real(dp), intent(out) :: change
-      !> False if a matrix was singular
-      logical, intent(out) :: converged
-      !> Biases of the logarithms
-      real(dp), intent(in), optional :: bias(:)
-
-      real(dp) :: design(size(model), size(problem%term)), length(size(problem%term)), x(size(problem%term))
-      real(dp) :: before(term_count), full(term_count), merit
-      integer :: halving
-
-      call relative_design(problem, model, sqrt(weight), design, length)
-      call solve_nonnegative(design, sqrt(weight)*target, x, converged)
-      before = squares
-      full = 0
-      full(problem%term) = x/length
-      squares = full
-      if (present(bias)) then
-         merit = sum(weight*(log(problem%variance/model) - bias)**2)
-         do halving = 1, 30
-            if (sum(weight*(log(problem%variance/model_at(problem, squares)) - bias)**2) <= merit*(1 + 1e-12_dp)) exit
-            squares = before + (full - before)*0.5_dp**halving
-         end do
-      end if
-      change = maxval(abs(squares(problem%term) - before(problem%term))*length)/norm2(sqrt(weight))
-   end subroutine weighted_step
-
-   !> Shapes of the terms relative to the model, columns of length 1.
-   pure subroutine relative_design(problem, model, factor, design, length)
-      !> Points and terms
-      type(problem_type), intent(in) :: problem
-      !> Variances to which everything is relative
-      real(dp), intent(in) :: model(:)
-      !> Multiplies each row
-      real(dp), intent(in) :: factor(:)
-      !> The matrix: [points, terms]
-      real(dp), intent(out) :: design(:, :)
-      !> By what each column was divided
-      real(dp), intent(out) :: length(:)
-
-      integer :: j
-
-      do j = 1, size(problem%term)
-         design(:, j) = factor*term_shape(problem%term(j), real(problem%m, dp))/model
-         length(j) = norm2(design(:, j))
-         design(:, j) = design(:, j)/length(j)
-      end do
-   end subroutine relative_design
-
    !> Standard errors of the squares, and chi-square of the fit.
    subroutine assess(problem, linear, squares, errors, noise, error)
       !> Points and terms
@@ -404,22 +228,23 @@ contains
 
       real(dp) :: covariance(size(problem%m), size(problem%m)), design(size(problem%m), size(problem%term))
       real(dp) :: length(size(problem%term)), chi_square
-      real(dp), dimension(size(problem%m)) :: model, weight, bias, factor
+      real(dp), dimension(size(problem%m)) :: model, half, bias, factor
       integer, allocatable :: active(:)
       integer :: j
       logical :: converged
 
       model = model_at(problem, squares)
-      call weights_of_model(problem, squares, model, weight, bias)
+      call scatter_of_model(problem, squares, half, bias)
       call allan_variance_covariances(problem%samples, problem%m, squares, covariance)
       factor = 1/(model*sqrt(problem%complete))
-      if (.not. linear) factor = factor*sqrt(weight*trigamma(weight))     ! the logarithm spreads more where nu is small
+      if (.not. linear) factor = factor*sqrt(half*trigamma(half))     ! the logarithm spreads more where nu is small
       do j = 1, size(model)
-         covariance(:, j) = covariance(:, j)*factor*factor(j)
+         covariance(:, j) = covariance(:, j)*factor*factor(j) &
+            & + problem%misfit*exp(-abs(log(real(problem%m, dp)/real(problem%m(j), dp))))
       end do
       call relative_design(problem, model, [(1.0_dp, j=1, size(model))], design, length)
       active = pack([(j, j=1, size(problem%term))], squares(problem%term) > 0)
-      call errors_of_squares(problem, active, design, weight, covariance, length, errors, converged)
+      call errors_of_squares(problem, active, design, 1/(1/half + problem%misfit), covariance, length, errors, converged)
       if (.not. converged) then
          call fatal_error(error, status%singular, "the noise terms cannot be told apart at these averaging times")
          return
@@ -427,6 +252,68 @@ contains
       call generalised_chi_square(log(problem%variance/model) - bias, design(:, active), covariance, chi_square, noise%chi2_freedom)
       if (noise%chi2_freedom > 0) noise%chi2_reduced = chi_square/noise%chi2_freedom
    end subroutine assess
+
+   !> Grants the points a variance of their own until they scatter as they should, and fits again.
+   subroutine admit_misfit(problem, linear, squares, errors, noise, error)
+      !> Points and terms; its misfit is set
+      type(problem_type), intent(inout) :: problem
+      !> The variances are fitted, not their logarithms
+      logical, intent(in) :: linear
+      !> Squared coefficients and their standard errors
+      real(dp), intent(inout) :: squares(term_count), errors(term_count)
+      !> Its misfit is set; its chi-square stays that without misfit
+      type(noise_type), intent(inout) :: noise
+      !> not_converged, singular
+      type(error_type), allocatable, intent(out) :: error
+
+      type(noise_type) :: ignored
+      real(dp), dimension(size(problem%m)) :: half, bias, model
+      real(dp) :: before
+      integer :: round
+
+      do round = 1, misfit_rounds
+         model = model_at(problem, squares)
+         call scatter_of_model(problem, squares, half, bias)
+         before = problem%misfit
+         if (linear) then
+            problem%misfit = extra_variance(problem%variance/model - 1, 1/half, count(squares > 0))
+         else
+            problem%misfit = extra_variance(log(problem%variance/model) - bias, 1/half, count(squares > 0))
+         end if
+         call minimise(problem, linear, squares, error)
+         if (allocated(error)) return
+         if (abs(problem%misfit - before) <= 1e-3_dp*problem%misfit) exit
+      end do
+      noise%misfit = sqrt(problem%misfit)
+      if (problem%misfit > 0) call assess(problem, linear, squares, errors, ignored, error)
+   end subroutine admit_misfit
+
+   !> The variance s^2 with which the sum of e^2/(v + s^2) is the number of points less that of the unknowns.
+   pure real(dp) function extra_variance(residual, variance, unknowns) result(extra)
+      !> e: [points]
+      real(dp), intent(in) :: residual(:)
+      !> v: [points]
+      real(dp), intent(in) :: variance(:)
+      !> How many were fitted
+      integer, intent(in) :: unknowns
+
+      real(dp) :: low, high, freedom
+      integer :: round
+
+      extra = 0
+      freedom = real(max(1, size(residual) - unknowns), dp)
+      if (sum(residual**2/variance) <= freedom) return
+      low = 0
+      high = sum(residual**2)/freedom
+      do round = 1, 60
+         extra = (low + high)/2
+         if (sum(residual**2/(variance + extra)) > freedom) then
+            low = extra
+         else
+            high = extra
+         end if
+      end do
+   end function extra_variance
 
    !> Standard errors of the squares: of a positive one among the positive ones, of a zero one as if it joined them.
    subroutine errors_of_squares(problem, active, design, weight, covariance, length, errors, converged)
@@ -503,7 +390,7 @@ contains
       type(noise_type), intent(inout) :: noise
 
       real(dp), allocatable :: known(:), lag(:)
-      real(dp) :: complete
+      real(dp) :: complete, edf
       integer, allocatable :: place(:)
       integer :: i, points
 
@@ -519,7 +406,9 @@ contains
       do i = 1, points
          complete = real(curve%terms(i), dp)/real(curve%samples - 2*curve%m(i) + 1, dp)
          noise%model(i) = sqrt(problem%scale*model_variance(squares, real(curve%m(i), dp)))
-         curve%edf(i) = complete*exp(between(lag, known, log(real(curve%m(i), dp))))
+         edf = complete*exp(between(lag, known, log(real(curve%m(i), dp))))
+         if (problem%misfit > 0) edf = min(edf, curve%edf(i))
+         curve%edf(i) = edf
       end do
       call chi_square_limits(curve%deviation, curve%edf, curve%confidence, curve%lower, curve%upper)
    end subroutine renew_limits
