@@ -280,6 +280,9 @@ contains
          if (allocated(error)) return
          call check(error, all(abs(model%coefficient - whole%coefficient) < 3.0_dp*model%std_error), "coefficients")
          if (allocated(error)) return
+         call check(error, model%std_error(1)/whole%std_error(1), merge(1.0_dp/0.95_dp, 1.0_dp/0.6_dp, i == 1), &
+            & "standard errors grow with the pairs that are lost", thr=0.02_dp, rel=.true.)
+         if (allocated(error)) return
          call check(error, model%samples == count(valid == 1_int8, kind=int64), "samples")
          if (allocated(error)) return
          call check(error, model%residual_ljung_box%p_value > 0.001_dp, "residuals")

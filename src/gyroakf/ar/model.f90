@@ -51,7 +51,8 @@ contains
    !>
    !> All orders come from one set of biased autocovariances (one pass) by the Levinson recursion and
    !> are compared with one n, the present samples. Standard errors are the square roots of the diagonal
-   !> of $$\frac{s_p^2}{n} R_p^{-1},$$ R_p the Toeplitz matrix of r_0 .. r_(p-1). The residuals are tested in a second
+   !> of $$\frac{s_p^2}{n} R_p^{-1},$$ R_p the Toeplitz matrix of r_0 .. r_(p-1); with gaps n is the length times
+   !> the smallest share of pairs that is present at the lags 0 .. p. The residuals are tested in a second
    !> pass, without being stored. Without gaps the model is always stationary. Source: Brockwell & Davis,
    !> Time Series: Theory and Methods (1991), 8.1, 8.2.
    subroutine fit_ar(x, options, model, error, valid)
@@ -95,7 +96,8 @@ contains
       if (model%order > 0) model%coefficient(:) = phi(:model%order, model%order)
       model%noise_variance = variance(model%order)
       model%variance = r(0)
-      call standard_errors(r, model%noise_variance/real(model%samples, dp), model%std_error, error)
+      call standard_errors(r, model%noise_variance/effective_length(size(x, kind=int64), pairs(:model%order)), &
+         & model%std_error, error)
       if (allocated(error)) return
       call test_residuals(x, model, valid)
    end subroutine fit_ar
@@ -138,6 +140,20 @@ contains
       write (text, '("AR order ", i0, " needs at least ", i0, " samples, there are ", i0)') most, int(most, int64) + 4, n
       call fatal_error(error, status%too_few_samples, trim(text))
    end subroutine check_length
+
+   !> Length of a series without gaps that would determine the autocovariances as well.
+   pure real(dp) function effective_length(n, pairs) result(length)
+      !> Length of the series
+      integer(int64), intent(in) :: n
+      !> Present pairs at the lags 0 .. p, of n - k: [0:p]
+      integer(int64), intent(in) :: pairs(0:)
+      integer :: k
+
+      length = real(n, dp)
+      do k = 0, ubound(pairs, 1)
+         length = min(length, real(n, dp)*real(pairs(k), dp)/real(n - k, dp))
+      end do
+   end function effective_length
 
    !> Square roots of the diagonal of factor R^-1.
    subroutine standard_errors(r, factor, std_error, error)
