@@ -2,6 +2,8 @@
 !> Decimal numbers: bit for bit what the C library's strtod reads, whatever their length and exponent.
 module test_number
    use, intrinsic :: iso_c_binding, only : c_associated, c_char, c_double, c_int, c_null_char, c_null_ptr, c_ptr
+   use, intrinsic :: ieee_exceptions, only : ieee_flag_type, ieee_get_halting_mode, ieee_overflow, ieee_set_flag, &
+      ieee_set_halting_mode, ieee_underflow
    use testdrive, only : new_unittest, unittest_type, error_type, check, test_failed
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_number, only : scan_number, parse_number, is_missing_word, number, digits_ahead
@@ -21,7 +23,7 @@ module test_number
    end type builder_type
 
    interface
-      pure function c_strtod(text, end) result(value) bind(C, name="strtod")
+      function c_strtod(text, end) result(value) bind(C, name="strtod")
          import :: c_char, c_double, c_ptr
          implicit none (type, external)
          character(kind=c_char), intent(in) :: text(*)
@@ -131,7 +133,7 @@ contains
          text(i) = b%text(i:i)
       end do
       text(b%length + 1) = c_null_char
-      expected = c_strtod(text, c_null_ptr)
+      expected = reference(text)
       at = 1
       call scan_number(bytes, at, value, found)
       same = at == b%length + 1
@@ -141,6 +143,19 @@ contains
          same = same .and. found == number%ok .and. transfer(value, at) == transfer(expected, at)
       end if
    end function same
+
+   !> What the C library reads, also where overflow and underflow trap.
+   real(dp) function reference(text)
+      character(kind=c_char), intent(in) :: text(*)
+      type(ieee_flag_type), parameter :: flags(2) = [ieee_overflow, ieee_underflow]
+      logical :: halting(2)
+
+      call ieee_get_halting_mode(flags, halting)
+      call ieee_set_halting_mode(flags, .false.)
+      reference = c_strtod(text, c_null_ptr)
+      call ieee_set_flag(flags, .false.)
+      call ieee_set_halting_mode(flags, halting)
+   end function reference
 
    subroutine test_written(error)
       type(error_type), allocatable, intent(out) :: error
