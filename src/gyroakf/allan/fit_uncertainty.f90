@@ -17,7 +17,7 @@ contains
    !> $$ G C G', \quad G = (X' W X)^{-1} X' W $$
    subroutine sandwich_covariance(design, weight, covariance, result, converged)
       !> X: [points, unknowns], columns of length about 1
-      real(dp), intent(in), contiguous :: design(:, :)
+      real(dp), intent(in) :: design(:, :)
       !> Diagonal of W, > 0: [points]
       real(dp), intent(in) :: weight(:)
       !> C: [points, points]

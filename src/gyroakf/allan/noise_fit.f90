@@ -333,6 +333,7 @@ contains
       logical, intent(out) :: converged
 
       real(dp) :: uncertainty(size(length), size(length))
+      real(dp), allocatable :: columns(:, :)
       integer, allocatable :: set(:)
       integer :: j, k, n
 
@@ -342,7 +343,8 @@ contains
          set = active
          if (.not. any(active == j)) set = [active, j]
          n = size(set)
-         call sandwich_covariance(design(:, set), weight, covariance, uncertainty(:n, :n), converged)
+         columns = design(:, set)
+         call sandwich_covariance(columns, weight, covariance, uncertainty(:n, :n), converged)
          if (.not. converged) return
          k = findloc(set, j, dim=1)
          errors(problem%term(j)) = sqrt(max(uncertainty(k, k), 0.0_dp))/length(j)

@@ -116,7 +116,7 @@ contains
          first = (b - 1)*block_length + 1
          last = min(n, b*block_length)
          if (present(valid)) then
-            absent(b) = zeros(valid(first:last))
+            absent(b) = zeros(valid, first, last)
          else
             absent(b) = 0
          end if
@@ -131,11 +131,13 @@ contains
    end subroutine sum_blocks
 
    !> Number of zeros.
-   pure integer(int64) function zeros(valid)
+   pure integer(int64) function zeros(valid, first, last)
       !> Flags
-      integer(int8), intent(in), contiguous :: valid(:)
+      integer(int8), intent(in) :: valid(:)
+      !> Range looked at
+      integer(int64), intent(in) :: first, last
 
-      zeros = count(valid == 0, kind=int64)
+      zeros = count(valid(first:last) == 0, kind=int64)
    end function zeros
 
    !> The mean of some samples spread over the record.

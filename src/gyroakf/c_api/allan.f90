@@ -6,7 +6,7 @@ module gyroakf_c_api_allan
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type, compute_allan
    use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
-      & c_text, take_text, open_series, close_series
+      & copy_c_text, take_text, open_series, close_series
    implicit none (type, external)
    private
    public :: allan_handle, gyroakf_allan_options_init, gyroakf_allan_new, gyroakf_allan_size, gyroakf_allan_tau, &
@@ -177,7 +177,7 @@ contains
       call check_struct_size(opt%struct_size, c_sizeof(opt), error)
       if (allocated(error)) return
       call take_text(opt%kind, options%kind, error)
-      options%taus = c_text(opt%taus, "octave")
+      call copy_c_text(opt%taus, "octave", options%taus)
       options%confidence = opt%confidence
       options%min_coverage = opt%min_coverage
    end subroutine read_options

@@ -16,8 +16,8 @@ module gyroakf_c_api_support
    use gyroakf_error, only : error_type, fatal_error, status
    implicit none (type, external)
    private
-   public :: error_c, host_type, series_type, enter_library, leave_library, check_struct_size, c_text, take_text, open_series, &
-      & close_series, max_samples
+   public :: error_c, host_type, series_type, enter_library, leave_library, check_struct_size, copy_c_text, take_text, &
+      & open_series, close_series, max_samples
 
    !> More samples than any machine can hold: counts beyond it are mistakes
    integer(int64), parameter :: max_samples = 2_int64**44
@@ -135,12 +135,16 @@ contains
    end subroutine check_struct_size
 
    !> A C string; the default where it is NULL.
-   function c_text(string, default) result(text)
+   !>
+   !> (A subroutine: gfortran 12 keeps the length of a function's deferred-length text in static memory,
+   !> which two threads would share.)
+   subroutine copy_c_text(string, default, text)
       !> NUL-terminated, or NULL
       type(c_ptr), intent(in) :: string
       !> What NULL means
       character(*), intent(in) :: default
-      character(:), allocatable :: text
+      !> The text
+      character(:), allocatable, intent(out) :: text
       character(kind=c_char), pointer :: letters(:)
       integer(c_size_t) :: i, n
 
@@ -153,7 +157,7 @@ contains
       do i = 1, n
          text(i:i) = letters(i)
       end do
-   end function c_text
+   end subroutine copy_c_text
 
    !> A C string into a variable of fixed length, which keeps its default where the string is NULL.
    subroutine take_text(string, value, error)
@@ -166,7 +170,7 @@ contains
       character(:), allocatable :: text
 
       if (allocated(error)) return
-      text = c_text(string, value)
+      call copy_c_text(string, value, text)
       if (len(text) > len(value)) then
          call fatal_error(error, status%invalid_argument, "unknown option '"//text//"'")
       else
