@@ -47,15 +47,15 @@ contains
       allocate (warnings(0))
       call judge_adaptation(filter, facts, warnings)
       if (facts%dc_gain < attenuated) then
-         call add_text(warnings, "of a constant true rotation the output keeps "//percent(facts%dc_gain) &
+         call add_text(warnings, "of a constant true rotation the output keeps "//trim(percent(facts%dc_gain)) &
                        //": do not navigate with it")
       end if
       if (facts%largest_rho > coloured .and. facts%p_value < significant) then
-         call add_text(warnings, "the innovations are not white: an autocorrelation of "//decimal(facts%largest_rho) &
+         call add_text(warnings, "the innovations are not white: an autocorrelation of "//trim(decimal(facts%largest_rho)) &
                        //" within 20 lags (a good model leaves less than 0.10); the model does not describe the series")
       end if
       if (facts%nis_mean < lowest_nis .or. facts%nis_mean > highest_nis) then
-         call add_text(warnings, "the mean normalised innovation squared is "//decimal(facts%nis_mean) &
+         call add_text(warnings, "the mean normalised innovation squared is "//trim(decimal(facts%nis_mean)) &
                        //" (1 is consistent): the variances that the filter states are not those of the series")
       end if
       if (.not. any(abs(filter%phi) > 0.0_dp)) then
@@ -84,46 +84,45 @@ contains
                           //"a constant offset may be in either")
          end if
          if (filter%adaptive .and. facts%gain < min(collapsed, 0.01_dp*filter%steady_gain(1))) then
-            call add_text(warnings, "the gain has collapsed to "//decimal(facts%gain) &
+            call add_text(warnings, "the gain has collapsed to "//trim(decimal(facts%gain)) &
                           //": the output no longer follows the measurements")
          end if
          if (options%estimate_measurement_variance .and. facts%gain > passing) then
             call add_text(warnings, "R has fallen towards zero: the series holds hardly any white measurement noise beside " &
-                          //"the model, and the filter passes it through (gain "//decimal(facts%gain)//")")
+                          //"the model, and the filter passes it through (gain "//trim(decimal(facts%gain))//")")
          else if (real(facts%clamped, dp) > often*all_of_them) then
-            call add_text(warnings, "Q or R was held at a bound at "//percent(real(facts%clamped, dp)/all_of_them) &
+            call add_text(warnings, "Q or R was held at a bound at "//trim(percent(real(facts%clamped, dp)/all_of_them)) &
                           //" of the measurements")
          end if
          if (real(facts%gated, dp) > often*all_of_them) then
-            call add_text(warnings, "the gate acted at "//percent(real(facts%gated, dp)/all_of_them) &
+            call add_text(warnings, "the gate acted at "//trim(percent(real(facts%gated, dp)/all_of_them)) &
                           //" of the measurements: outliers, or variances that are too small")
          end if
       end associate
    end subroutine judge_adaptation
 
-   !> A share as percent, "60.7 %".
+   !> A share as percent, "60.7 %". (Of fixed length, as below: gfortran 12 keeps the length of a deferred-length
+   !> result in static memory, which two threads would share.)
    pure function percent(share) result(text)
       !> 1 is everything
       real(dp), intent(in) :: share
-      character(:), allocatable :: text
-      character(24) :: buffer
+      character(24) :: text
 
-      write (buffer, "(f20.1)") 100.0_dp*share
-      text = trim(adjustl(buffer))//" %"
+      write (text, "(f20.1)") 100.0_dp*share
+      text = trim(adjustl(text))//" %"
    end function percent
 
    !> Two decimals, or three significant digits where the number is small.
    pure function decimal(value) result(text)
       !> The number
       real(dp), intent(in) :: value
-      character(:), allocatable :: text
-      character(24) :: buffer
+      character(24) :: text
 
       if (abs(value) >= 0.01_dp .and. abs(value) < 1.0e6_dp) then
-         write (buffer, "(f20.2)") value
+         write (text, "(f20.2)") value
       else
-         write (buffer, "(es10.2)") value
+         write (text, "(es10.2)") value
       end if
-      text = trim(adjustl(buffer))
+      text = adjustl(text)
    end function decimal
 end module gyroakf_filter_warnings
