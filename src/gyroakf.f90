@@ -39,6 +39,9 @@ module gyroakf
    use gyroakf_series_stationarity, only : adf_options, adf_type, test_adf
    use gyroakf_ar_model, only : ar_options, ar_order_type, ar_model_type, fit_ar
    use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, design_drift_kf, design_drift_akf
+   use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, channel_result_type, available_type, allan_result_type, &
+      stated_noise_type, stated_coefficient_type, filter_figures_type, stage, stage_names, apply_preset, run_pipeline, &
+      minimum_samples
    implicit none (type, external)
    public
 end module gyroakf

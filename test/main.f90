@@ -29,6 +29,7 @@ program test_main
    use test_normality, only : collect_normality
    use test_number, only : collect_number
    use test_outliers, only : collect_outliers
+   use test_pipeline, only : collect_pipeline
    use test_random, only : collect_random
    use test_reader, only : collect_reader
    use test_reader_errors, only : collect_reader_errors
@@ -70,6 +71,7 @@ program test_main
    call add("normality", collect_normality)
    call add("number", collect_number)
    call add("outliers", collect_outliers)
+   call add("pipeline", collect_pipeline)
    call add("random", collect_random)
    call add("reader", collect_reader)
    call add("reader_errors", collect_reader_errors)

@@ -1,0 +1,100 @@
+! SPDX-License-Identifier: MIT
+!> The main job as a library call: a record in, results out; prints nothing.
+!>
+!>     type(pipeline_options) :: options
+!>     call read_record("gyro.txt", reader_options(), record, error)
+!>     call run_pipeline(record, options, result, error)
+!>
+!> For each channel: moments as read; outliers and trend removed; stationarity, normality and whiteness of what is left;
+!> the AR model; Allan curves and coefficients as read and cleaned; the paper's Kalman and adaptive Kalman filters and the
+!> curves of their outputs; the drift identified from the record itself. Results do not depend on the number of threads.
+module gyroakf_pipeline
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_record, only : record_type
+   use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, available_type, &
+      allan_result_type, stated_noise_type, stated_coefficient_type, filter_figures_type, stage, stage_names
+   use gyroakf_pipeline_channel, only : run_channel
+   implicit none (type, external)
+   private
+   public :: pipeline_options, pipeline_result_type, channel_result_type, available_type, allan_result_type
+   public :: stated_noise_type, stated_coefficient_type, filter_figures_type, stage, stage_names
+   public :: apply_preset, run_pipeline, minimum_samples
+
+   !> A shorter record is an error
+   integer(int64), parameter :: minimum_samples = 10_int64
+
+contains
+
+   !> Sets the chain of a preset; the user's own options are put in after it.
+   !>
+   !> "default" leaves the options as they are; "paper" is Yi et al.: Pauta's 3 sigma, a cubic trend, AIC over AR(1..3),
+   !> Sage-Husa on Q and R with b = 0.98.
+   subroutine apply_preset(name, options, error)
+      !> "default" or "paper"
+      character(*), intent(in) :: name
+      !> Changed
+      type(pipeline_options), intent(inout) :: options
+      !> invalid_argument: no such preset
+      type(error_type), allocatable, intent(out) :: error
+
+      select case (name)
+      case ("default")
+      case ("paper")
+         options%clean%method = "pauta"
+         options%clean%threshold = 3.0_dp
+         options%clean%degree = 3
+         options%ar%method = "yw"
+         options%ar%criterion = "aic"
+         options%ar%max_order = 3
+         options%ar%order = -1
+         options%design%akf = "paper"
+         options%design%r_factor = 1.0_dp
+         options%design%forgetting = 0.98_dp
+         options%design%estimate = "QR"
+      case default
+         call fatal_error(error, status%invalid_argument, 'there is no preset "'//name//'"; there are default and paper')
+         return
+      end select
+      options%preset = name
+   end subroutine apply_preset
+
+   !> Does the whole job for every channel of a record.
+   subroutine run_pipeline(record, options, result, error)
+      !> As `read_record` or `simulate_record` made it; not modified
+      type(record_type), intent(in) :: record
+      !> What to do; the defaults are those of the program
+      type(pipeline_options), intent(in) :: options
+      !> One entry per channel
+      type(pipeline_result_type), intent(out) :: result
+      !> too_few_samples: fewer than [[minimum_samples]]; no_memory; invalid_argument, not_supported from an option.
+      !> A room that fails for one channel is no error: see `channel%unavailable`
+      type(error_type), allocatable, intent(out) :: error
+      character(24) :: digits
+      integer :: channel, channels
+
+      if (.not. allocated(record%value)) then
+         call fatal_error(error, status%too_few_samples, "the record is empty")
+         return
+      end if
+      if (size(record%value, 1, kind=int64) < minimum_samples) then
+         write (digits, "(i0)") size(record%value, 1, kind=int64)
+         call fatal_error(error, status%too_few_samples, "the record has "//trim(digits)//" samples; at least 10 are needed")
+         return
+      end if
+      result%duration = real(size(record%value, 1, kind=int64), dp)*record%sample_interval
+      channels = size(record%value, 2)
+      allocate (result%channel(channels))
+      do channel = 1, channels
+         result%channel(channel)%name = "channel"
+         if (allocated(record%channel)) result%channel(channel)%name = record%channel(channel)%text
+         if (allocated(record%present)) then
+            call run_channel(record, record%value(:, channel), options, result%channel(channel), error, record%present(:, channel))
+         else
+            call run_channel(record, record%value(:, channel), options, result%channel(channel), error)
+         end if
+         if (allocated(error)) return
+      end do
+   end subroutine run_pipeline
+
+end module gyroakf_pipeline

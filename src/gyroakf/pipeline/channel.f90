@@ -1,0 +1,199 @@
+! SPDX-License-Identifier: MIT
+!> The main job for one channel: the rooms in their order, each failure noted, the others go on.
+!>
+!> Passes over the record and what is alive meanwhile are told in CONTRIBUTING.md, "Passes over the record".
+module gyroakf_pipeline_channel
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_record, only : record_type, add_text
+   use gyroakf_preprocess_clean, only : clean_series
+   use gyroakf_series_moments, only : compute_moments
+   use gyroakf_series_stationarity, only : test_adf
+   use gyroakf_series_normality, only : test_jarque_bera
+   use gyroakf_series_whiteness, only : test_ljung_box
+   use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
+   use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stage
+   use gyroakf_pipeline_coefficients, only : run_allan, compare_coefficients
+   use gyroakf_pipeline_filters, only : run_filters
+   use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_outliers, warn_model
+   implicit none (type, external)
+   private
+   public :: run_channel
+
+   !> A mean below this share of the standard deviation is left in the series that is filtered
+   real(dp), parameter :: negligible_mean = 1.0e-6_dp
+
+contains
+
+   !> Characterises and filters one channel.
+   subroutine run_channel(record, x, options, channel, error, valid)
+      !> Sample interval and unit are taken from it
+      type(record_type), intent(in) :: record
+      !> The channel's samples, in the unit of the record: [n], finite
+      real(dp), intent(in), contiguous :: x(:)
+      !> Options of the main job
+      type(pipeline_options), intent(in) :: options
+      !> `name` is set before; all else is filled
+      type(channel_result_type), intent(inout) :: channel
+      !> no_memory and the like; all else is noted in the channel
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), contiguous, optional :: valid(:)
+      real(dp), allocatable :: cleaned(:)
+      integer(int8), allocatable :: present_samples(:)
+
+      call compute_moments(x, channel%raw, valid)
+      channel%cleaned = channel%raw
+      channel%clean%mean = channel%raw%mean
+      channel%clean%variance = channel%raw%variance
+      if (options%clean%degree >= 0 .or. options%clean%method /= "none") then
+         call clean_series(x, options%clean, cleaned, present_samples, channel%clean, error, valid)
+         if (is_fatal(error)) return
+         channel%available%preprocess = .not. allocated(error)
+         call note_failure(channel, "outliers and trend", error)
+      end if
+      if (channel%available%preprocess) then
+         call compute_moments(cleaned, channel%cleaned, present_samples)
+         call warn_outliers(channel, record%sample_interval, record%rate_known)
+         call analyse(record, x, cleaned, options, channel, error, present_samples)
+      else
+         call analyse(record, x, x, options, channel, error, valid)
+      end if
+      if (allocated(error) .or. .not. options%keep_series) return
+      if (allocated(cleaned)) call move_alloc(cleaned, channel%series_cleaned)
+      if (.not. allocated(channel%series_cleaned)) channel%series_cleaned = x
+      if (allocated(present_samples)) then
+         call move_alloc(present_samples, channel%series_present)
+      else if (present(valid) .and. .not. channel%available%preprocess) then
+         channel%series_present = valid
+      end if
+   end subroutine run_channel
+
+   !> Everything after cleaning.
+   subroutine analyse(record, x, z, options, channel, error, valid)
+      !> Sample interval and unit
+      type(record_type), intent(in) :: record
+      !> As read, and cleaned: [n]
+      real(dp), intent(in), contiguous :: x(:), z(:)
+      type(pipeline_options), intent(in) :: options
+      type(channel_result_type), intent(inout) :: channel
+      type(error_type), allocatable, intent(out) :: error
+      !> Outliers are marked missing too
+      integer(int8), intent(in), contiguous, optional :: valid(:)
+
+      if (options%do_tests) call run_tests(z, options, channel, error, valid)
+      if (allocated(error)) return
+      if (options%do_ar .or. options%do_filter) then
+         call run_ar(z, options, channel, error, valid)
+         if (allocated(error)) return
+         call warn_model(channel)
+      end if
+      if (options%do_allan) then
+         call run_allan(x, record%sample_interval, record%rate_known, record%unit, options, stage%input, channel, error, valid)
+         if (allocated(error)) return
+         if (options%clean%degree >= 0 .and. channel%available%preprocess) then
+            call run_allan(z, record%sample_interval, record%rate_known, record%unit, options, stage%cleaned, channel, error, valid)
+         else
+            channel%allan(stage%cleaned) = channel%allan(stage%input)
+         end if
+         if (allocated(error)) return
+      end if
+      if (options%do_filter .and. channel%available%ar) then
+         call filter_centred(record, z, options, channel, error, valid)
+         if (allocated(error)) return
+         call compare_coefficients(channel)
+      end if
+   end subroutine analyse
+
+   !> Stationarity, normality, whiteness.
+   subroutine run_tests(z, options, channel, error, valid)
+      real(dp), intent(in), contiguous :: z(:)
+      type(pipeline_options), intent(in) :: options
+      type(channel_result_type), intent(inout) :: channel
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer :: lags
+
+      call test_adf(z, options%adf, channel%adf, error, valid)
+      if (is_fatal(error)) return
+      channel%available%adf = .not. allocated(error)
+      call note_failure(channel, "ADF test", error)
+      call test_jarque_bera(channel%cleaned, channel%jarque_bera, error)
+      if (is_fatal(error)) return
+      channel%available%jarque_bera = .not. allocated(error)
+      call note_failure(channel, "Jarque-Bera test", error)
+      lags = int(min(int(options%ljung_box_lags, int64), max(1_int64, size(z, kind=int64)/5)))
+      call test_ljung_box(z, lags, 0, channel%ljung_box, error, valid)
+      if (is_fatal(error)) return
+      channel%available%ljung_box = .not. allocated(error)
+      call note_failure(channel, "Ljung-Box test", error)
+   end subroutine run_tests
+
+   !> The AR model, of the whole series or of the paper's orders.
+   subroutine run_ar(z, options, channel, error, valid)
+      real(dp), intent(in), contiguous :: z(:)
+      type(pipeline_options), intent(in) :: options
+      type(channel_result_type), intent(inout) :: channel
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8), intent(in), contiguous, optional :: valid(:)
+
+      call fit_ar(z, options%ar, channel%ar, error, valid)
+      if (.not. allocated(error) .and. options%preset == "paper" .and. channel%ar%order == 0) then
+         call fit_positive_order(z, options%ar, channel%ar, error, valid)
+      end if
+      if (is_fatal(error)) return
+      channel%available%ar = .not. allocated(error)
+      call note_failure(channel, "AR model", error)
+      if (.not. channel%available%ar) return
+      if (channel%ar%variance > 0.0_dp) then
+         channel%predictable_percent = 100.0_dp*(1.0_dp - channel%ar%noise_variance/channel%ar%variance)
+      end if
+      if (channel%ar%order == 0) call add_text(channel%warnings, "no autocorrelation is found (order 0): the paper's "// &
+         "filters have nothing to separate, and halve whatever passes")
+   end subroutine run_ar
+
+   !> The paper compares the orders from 1 on: the best of them, where order 0 would win.
+   subroutine fit_positive_order(z, options, model, error, valid)
+      real(dp), intent(in), contiguous :: z(:)
+      type(ar_options), intent(in) :: options
+      type(ar_model_type), intent(inout) :: model
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8), intent(in), contiguous, optional :: valid(:)
+      type(ar_options) :: fixed
+      integer :: i, best
+
+      best = lbound(model%table, 1) + 1
+      do i = best + 1, ubound(model%table, 1)
+         if (model%table(i)%aic < model%table(best)%aic) best = i
+      end do
+      fixed = options
+      fixed%order = 1
+      if (best <= ubound(model%table, 1)) fixed%order = model%table(best)%order
+      call fit_ar(z, fixed, model, error, valid)
+   end subroutine fit_positive_order
+
+   !> Filters the series without its mean; a copy is made only where the mean counts.
+   subroutine filter_centred(record, z, options, channel, error, valid)
+      type(record_type), intent(in) :: record
+      real(dp), intent(in), contiguous :: z(:)
+      type(pipeline_options), intent(in) :: options
+      type(channel_result_type), intent(inout) :: channel
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8), intent(in), contiguous, optional :: valid(:)
+      real(dp), allocatable :: centred(:)
+      integer :: failed
+
+      if (abs(channel%cleaned%mean) <= negligible_mean*channel%cleaned%std) then
+         call run_filters(record, z, options, channel, error, valid)
+         return
+      end if
+      allocate (centred(size(z, kind=int64)), stat=failed)
+      if (failed /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the series without its mean")
+         return
+      end if
+      centred(:) = z - channel%cleaned%mean
+      call run_filters(record, centred, options, channel, error, valid)
+   end subroutine filter_centred
+
+end module gyroakf_pipeline_channel

@@ -1,0 +1,111 @@
+! SPDX-License-Identifier: MIT
+!> Allan curve and noise coefficients of one series of a channel, stated in the units of the report, and compared.
+module gyroakf_pipeline_coefficients
+   use gyroakf_kinds, only : dp, int8
+   use gyroakf_error, only : error_type
+   use gyroakf_units, only : unit_type, coefficient_unit_type, coefficient_unit, density_unit, quantity
+   use gyroakf_allan_deviations, only : compute_allan
+   use gyroakf_allan_noise_fit, only : noise_type, fit_noise
+   use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stated_noise_type, stage, stage_names
+   use gyroakf_pipeline_warnings, only : note_failure, is_fatal
+   implicit none (type, external)
+   private
+   public :: run_allan, state_noise, compare_coefficients
+
+contains
+
+   !> Computes the curve of one series, fits the coefficients and states them. A failure is noted in the channel.
+   subroutine run_allan(x, step, rate_known, unit, options, which, channel, error, valid)
+      !> The series, in the unit of the record: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> Sample interval in s, 1 where no rate is known
+      real(dp), intent(in) :: step
+      !> The interval is in seconds
+      logical, intent(in) :: rate_known
+      !> Unit of the series
+      type(unit_type), intent(in) :: unit
+      !> Options of the main job
+      type(pipeline_options), intent(in) :: options
+      !> Component of [[stage]]
+      integer, intent(in) :: which
+      !> `allan(which)` is filled
+      type(channel_result_type), intent(inout) :: channel
+      !> no_memory, cancelled, internal; everything else is noted in the channel
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), contiguous, optional :: valid(:)
+
+      call compute_allan(x, step, options%allan, channel%allan(which)%curve, error, valid)
+      if (is_fatal(error)) return
+      channel%allan(which)%available = .not. allocated(error)
+      call note_failure(channel, "Allan deviation ("//trim(stage_names(which))//")", error)
+      if (.not. channel%allan(which)%available) return
+      call fit_noise(channel%allan(which)%curve, options%noise, channel%allan(which)%noise, error)
+      if (is_fatal(error)) return
+      channel%allan(which)%fitted = .not. allocated(error)
+      call note_failure(channel, "noise coefficients ("//trim(stage_names(which))//")", error)
+      if (.not. channel%allan(which)%fitted) return
+      call state_noise(channel%allan(which)%noise, rate_known, unit, channel%allan(which)%stated)
+   end subroutine run_allan
+
+   !> States coefficients in the units of DESIGN: Q arcsec, N deg/sqrt(h), B deg/h, K deg/h^1.5, R deg/h^2 for a rate.
+   !>
+   !> Without a rate they stay per sample, without a unit in input units, and the unit's name says so.
+   subroutine state_noise(noise, rate_known, unit, stated)
+      !> In units of the series and s (samples)
+      type(noise_type), intent(in) :: noise
+      !> The time unit is the second
+      logical, intent(in) :: rate_known
+      !> Unit of the series
+      type(unit_type), intent(in) :: unit
+      !> Value, error and limit of each term
+      type(stated_noise_type), intent(out) :: stated
+      type(coefficient_unit_type) :: target_unit
+      real(dp) :: factor
+      integer :: term
+
+      stated%in_units = rate_known .and. unit%quantity /= quantity%unknown
+      do term = 1, 5
+         target_unit = coefficient_unit(unit, term, per_sample=.not. rate_known)
+         factor = unit%to_si*target_unit%from_si
+         stated%term(term)%unit = target_unit%name
+         associate (from => noise%coefficient(term), to => stated%term(term))
+            to%value = factor*from%value
+            to%std_error = factor*from%std_error
+            to%upper_limit = factor*from%upper_limit
+            to%detected = from%detected
+            to%fitted = from%fitted
+         end associate
+      end do
+      if (.not. stated%in_units) return
+      target_unit = density_unit(unit)
+      stated%density_unit = target_unit%name
+      stated%density_two_sided = noise%coefficient(2)%value*unit%to_si*target_unit%from_si
+      stated%density_one_sided = sqrt(2.0_dp)*stated%density_two_sided
+   end subroutine state_noise
+
+   !> Reduction of each coefficient from the cleaned series to the adaptive filter's output (Table III of the paper).
+   !>
+   !> A percentage only where the coefficient is detected in both; where it is detected before and not after, the upper
+   !> limit gives the least reduction that the record proves.
+   pure subroutine compare_coefficients(channel)
+      !> `reduction_percent`, `reduction_known`, `reduction_at_least` are filled
+      type(channel_result_type), intent(inout) :: channel
+      integer :: term
+
+      if (.not. (channel%allan(stage%cleaned)%fitted .and. channel%allan(stage%akf)%fitted)) return
+      do term = 1, 5
+         associate (before => channel%allan(stage%cleaned)%stated%term(term), &
+                    after => channel%allan(stage%akf)%stated%term(term))
+            if (.not. before%detected .or. before%value <= 0.0_dp) cycle
+            if (after%detected) then
+               channel%reduction_percent(term) = 100.0_dp*(1.0_dp - after%value/before%value)
+               channel%reduction_known(term) = .true.
+            else if (after%fitted .and. after%upper_limit < before%value) then
+               channel%reduction_at_least(term) = 100.0_dp*(1.0_dp - after%upper_limit/before%value)
+            end if
+         end associate
+      end do
+   end subroutine compare_coefficients
+
+end module gyroakf_pipeline_coefficients

@@ -1,0 +1,171 @@
+! SPDX-License-Identifier: MIT
+!> What the main job is asked for and what it returns.
+!>
+!> Every number that a report prints is in these types: reports compute nothing. A room that could not do its work for a
+!> channel (constant series, too few samples) has its flag in `available` false and a line in `unavailable`.
+module gyroakf_pipeline_result
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_record, only : text_type
+   use gyroakf_preprocess_clean, only : clean_options, clean_type
+   use gyroakf_series_moments, only : moments_type
+   use gyroakf_series_stationarity, only : adf_options, adf_type
+   use gyroakf_series_normality, only : jarque_bera_type
+   use gyroakf_series_whiteness, only : ljung_box_type
+   use gyroakf_ar_model, only : ar_options, ar_model_type
+   use gyroakf_filter_design, only : design_options, drift_options
+   use gyroakf_filter_series, only : filter_result_type
+   use gyroakf_filter_identification, only : drift_model_type
+   use gyroakf_allan_deviations, only : allan_options, allan_curve_type
+   use gyroakf_allan_noise_fit, only : noise_options, noise_type
+   implicit none (type, external)
+   private
+   public :: pipeline_options, pipeline_result_type, channel_result_type, available_type
+   public :: allan_result_type, stated_noise_type, stated_coefficient_type, filter_figures_type
+   public :: stage, stage_names
+
+   !> The series that an Allan curve is computed of, in the order of `channel%allan`
+   type :: stage_enum
+      !> The record as read, not detrended, outliers marked missing
+      integer :: input = 1
+      !> Without outliers and trend
+      integer :: cleaned = 2
+      !> Output of the Kalman filter of the paper
+      integer :: kf = 3
+      !> Output of the adaptive filter of the paper
+      integer :: akf = 4
+   end type stage_enum
+
+   !> Reached as `stage%cleaned`
+   type(stage_enum), parameter :: stage = stage_enum()
+
+   !> Names of the stages, as in the JSON document
+   character(7), parameter :: stage_names(4) = [character(7) :: "input", "cleaned", "kf", "akf"]
+
+   !> What the main job does and how
+   type :: pipeline_options
+      !> "default", or "paper" once [[gyroakf_pipeline:apply_preset]] has set the paper's chain
+      character(8) :: preset = "default"
+      !> Rooms that a single command switches off
+      logical :: do_tests = .true., do_ar = .true., do_filter = .true., do_allan = .true.
+      !> Trend and outliers; degree -1 and method "none" take the record as it is, without a copy
+      type(clean_options) :: clean
+      !> Augmented Dickey-Fuller test
+      type(adf_options) :: adf
+      !> Order and coefficients of the AR model
+      type(ar_options) :: ar
+      !> The paper's filters
+      type(design_options) :: design
+      !> The adaptive filter of the identified drift
+      type(drift_options) :: drift
+      !> Allan curves
+      type(allan_options) :: allan
+      !> Coefficients from the curves
+      type(noise_options) :: noise
+      !> Lags of the Ljung-Box test of the cleaned series
+      integer :: ljung_box_lags = 20
+      !> What counts as drift, in s: slower than this; 0 is the larger of 5 samples and 1 s
+      real(dp) :: drift_tau = 0.0_dp
+      !> The cleaned and filtered series stay in the result (8 bytes a sample and series)
+      logical :: keep_series = .false.
+   end type pipeline_options
+
+   !> Which parts of a channel's result are there
+   type :: available_type
+      logical :: preprocess = .false., adf = .false., jarque_bera = .false., ljung_box = .false., ar = .false.
+      logical :: kf = .false., akf = .false., drift = .false., drift_kf = .false., drift_akf = .false.
+   end type available_type
+
+   !> One noise coefficient in the unit it is stated in
+   type :: stated_coefficient_type
+      !> Value, its standard error and the one-sided 95 % limit; NaN-free, 0 where the term was not fitted
+      real(dp) :: value = 0.0_dp, std_error = 0.0_dp, upper_limit = 0.0_dp
+      !> Larger than two standard errors
+      logical :: detected = .false.
+      !> The term was part of the fit
+      logical :: fitted = .false.
+      !> "deg/sqrt(h)"; "deg/s*sqrt(sample)" without a rate, "input*sqrt(s)" without a unit
+      character(:), allocatable :: unit
+   end type stated_coefficient_type
+
+   !> The five coefficients as they are stated
+   type :: stated_noise_type
+      !> Q N B K R
+      type(stated_coefficient_type) :: term(5)
+      !> The unit and the rate are known: `density` and the angle units mean something
+      logical :: in_units = .false.
+      !> N as a density: two-sided, as N is defined, and one-sided, sqrt(2) N
+      real(dp) :: density_two_sided = 0.0_dp, density_one_sided = 0.0_dp
+      !> "deg/s/sqrt(Hz)"
+      character(:), allocatable :: density_unit
+   end type stated_noise_type
+
+   !> Curve and coefficients of one series
+   type :: allan_result_type
+      !> The curve is there
+      logical :: available = .false.
+      !> The coefficients are there
+      logical :: fitted = .false.
+      type(allan_curve_type) :: curve
+      type(noise_type) :: noise
+      type(stated_noise_type) :: stated
+   end type allan_result_type
+
+   !> What a filter did to the variance
+   type :: filter_figures_type
+      !> Variance of the output over that of the cleaned series
+      real(dp) :: variance_ratio = 0.0_dp
+      !> Variance of the output over that of the record as read
+      real(dp) :: raw_variance_ratio = 0.0_dp
+      !> Share of a constant rotation, in percent, that passes, and that is lost
+      real(dp) :: passed_percent = 0.0_dp, lost_percent = 0.0_dp
+   end type filter_figures_type
+
+   !> One channel
+   type :: channel_result_type
+      character(:), allocatable :: name
+      !> Which parts below are filled
+      type(available_type) :: available
+      !> Of the record as read, and of the cleaned series
+      type(moments_type) :: raw, cleaned
+      type(clean_type) :: clean
+      type(adf_type) :: adf
+      type(jarque_bera_type) :: jarque_bera
+      type(ljung_box_type) :: ljung_box
+      !> The model that was chosen
+      type(ar_model_type) :: ar
+      !> Largest share of the variance, in percent, that one-step prediction by the AR model removes: 100 (1 - sigma_a^2/var)
+      real(dp) :: predictable_percent = 0.0_dp
+      !> The paper's filters
+      type(filter_result_type) :: kf, akf
+      type(filter_figures_type) :: kf_figures, akf_figures
+      !> Drift identified from the record itself, and its filters
+      type(drift_model_type) :: drift
+      !> Correlation time of the drift, and the shortest that counts as drift, both in s (samples without a rate)
+      real(dp) :: drift_time = 0.0_dp, drift_tau = 0.0_dp
+      !> Standard deviations of the drift and of the white noise over it, in the unit of the record
+      real(dp) :: drift_std = 0.0_dp, white_std = 0.0_dp
+      type(filter_result_type) :: drift_kf, drift_akf
+      type(filter_figures_type) :: drift_kf_figures, drift_akf_figures
+      !> By [[stage]]
+      type(allan_result_type) :: allan(4)
+      !> From cleaned to akf, Q N B K R, in percent; only where `reduction_known` (detected in both)
+      real(dp) :: reduction_percent(5) = 0.0_dp
+      logical :: reduction_known(5) = .false.
+      !> Detected before, not after: at least this reduction, in percent (from the upper limit); 0 elsewhere
+      real(dp) :: reduction_at_least(5) = 0.0_dp
+      !> With keep_series: [n]; 0 where missing
+      real(dp), allocatable :: series_cleaned(:), series_kf(:), series_akf(:)
+      !> Allocated with keep_series where something is missing (in the file, or an outlier): [n] 1 present 0 missing
+      integer(int8), allocatable :: series_present(:)
+      !> What a reader has to know, and which rooms failed and why
+      type(text_type), allocatable :: warnings(:), unavailable(:)
+   end type channel_result_type
+
+   !> The whole record
+   type :: pipeline_result_type
+      !> s; samples where no rate is known
+      real(dp) :: duration = 0.0_dp
+      type(channel_result_type), allocatable :: channel(:)
+   end type pipeline_result_type
+
+end module gyroakf_pipeline_result

@@ -1,0 +1,120 @@
+! SPDX-License-Identifier: MIT
+!> What a reader of a channel's result has to know: which rooms failed, and what is odd.
+module gyroakf_pipeline_warnings
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : error_type, status
+   use gyroakf_record, only : add_text
+   use gyroakf_io_writer, only : format_real
+   use gyroakf_pipeline_result, only : channel_result_type
+   implicit none (type, external)
+   private
+   public :: is_fatal, note_failure, warn_outliers, warn_model
+
+   !> So many times of outliers are named
+   integer, parameter :: named_outliers = 8
+   !> More than this share removed is a warning
+   real(dp), parameter :: outlier_share = 0.01_dp
+
+contains
+
+   !> The error ends the whole job, not only a room of one channel.
+   pure logical function is_fatal(error)
+      !> An error or none
+      type(error_type), allocatable, intent(in) :: error
+
+      is_fatal = .false.
+      if (.not. allocated(error)) return
+      is_fatal = any(error%code == [status%no_memory, status%cancelled, status%internal, status%not_supported, &
+                                    status%invalid_argument])
+   end function is_fatal
+
+   !> Notes why a room has no result and clears the error.
+   pure subroutine note_failure(channel, room, error)
+      !> Gets a line in `unavailable`
+      type(channel_result_type), intent(inout) :: channel
+      !> What is missing, as a reader knows it: "ADF test"
+      character(*), intent(in) :: room
+      !> Deallocated
+      type(error_type), allocatable, intent(inout) :: error
+
+      if (.not. allocated(error)) return
+      call add_text(channel%unavailable, room//": "//error%message)
+      deallocate (error)
+   end subroutine note_failure
+
+   !> More than 1 % of the samples removed: says when.
+   pure subroutine warn_outliers(channel, step, rate_known)
+      !> `clean` is filled; gets a warning
+      type(channel_result_type), intent(inout) :: channel
+      !> Sample interval
+      real(dp), intent(in) :: step
+      !> It is in seconds
+      logical, intent(in) :: rate_known
+      character(:), allocatable :: times
+      integer(int64) :: i, last
+
+      if (.not. channel%clean%converged) call add_text(channel%warnings, &
+         "the search for outliers did not settle within "//decimal(int(channel%clean%passes, int64))//" rounds")
+      if (channel%clean%fraction <= outlier_share) return
+      times = ""
+      if (allocated(channel%clean%outlier)) then
+         last = size(channel%clean%outlier, kind=int64)
+         do i = 1, min(last, int(named_outliers, int64))
+            times = times//moment(channel%clean%outlier(i), step, rate_known)//", "
+         end do
+         if (last > named_outliers) times = times//"..., "//moment(channel%clean%outlier(last), step, rate_known)//", "
+      end if
+      if (rate_known) then
+         times = "at "//times(:max(len(times) - 2, 0))//" s"
+      else
+         times = "samples "//times(:max(len(times) - 2, 0))
+      end if
+      call add_text(channel%warnings, format_real(100*channel%clean%fraction, 3)//" % of the samples ("// &
+                       decimal(channel%clean%removed)//") were removed as outliers, "//times// &
+                       ": look at the recording there")
+   end subroutine warn_outliers
+
+   !> What the tests and the model say against the use of their results.
+   pure subroutine warn_model(channel)
+      !> Tests and AR model are filled as far as they are available; gets warnings
+      type(channel_result_type), intent(inout) :: channel
+
+      if (channel%available%adf .and. .not. channel%adf%stationary) call add_text(channel%warnings, &
+         "the unit root is not rejected: an AR model of this series is not justified; remove a trend, or look for drift")
+      if (.not. channel%available%ar) return
+      if (channel%ar%largest_order_chosen) call add_text(channel%warnings, "the largest order compared, "// &
+         decimal(int(channel%ar%order, int64))//", was chosen: the series is not a short AR process; "// &
+         "compare BIC, raise --max-order, or expect a drift under white noise")
+      if (channel%ar%residual_ljung_box%lags > 0 .and. channel%ar%residual_ljung_box%p_value < 0.01_dp) then
+         call add_text(channel%warnings, "the residuals of AR("//decimal(int(channel%ar%order, int64))// &
+                       ") are not white (Ljung-Box p = "//format_real(channel%ar%residual_ljung_box%p_value, 2)// &
+                       ", largest |rho| "//format_real(channel%ar%residual_ljung_box%largest_rho, 2)// &
+                       "): the model is incomplete")
+      end if
+   end subroutine warn_model
+
+   !> Time of a sample in s, or its number.
+   pure function moment(index, step, rate_known) result(text)
+      integer(int64), intent(in) :: index
+      real(dp), intent(in) :: step
+      logical, intent(in) :: rate_known
+      character(:), allocatable :: text
+
+      if (rate_known) then
+         text = format_real(real(index - 1, dp)*step, 7)
+      else
+         text = decimal(index)
+      end if
+   end function moment
+
+   !> An integer without blanks.
+   pure function decimal(value) result(text)
+      integer(int64), intent(in) :: value
+      character(:), allocatable :: text
+      character(24) :: digits
+
+      write (digits, "(i0)") value
+      text = trim(digits)
+   end function decimal
+
+end module gyroakf_pipeline_warnings

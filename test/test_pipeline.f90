@@ -1,0 +1,539 @@
+! SPDX-License-Identifier: MIT
+!> The main job from a record to results: the example of the paper, gaps, what cannot be done, presets.
+module test_pipeline
+   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
+   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_record, only : record_type
+   use gyroakf_units, only : parse_unit
+   use gyroakf_simulate_record, only : simulate_options, simulate_record, paper_preset, paper_seed
+   use gyroakf_series_differences, only : difference_variance
+   use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, channel_result_type, stage, apply_preset, run_pipeline
+   implicit none (type, external)
+   private
+   public :: collect_pipeline
+
+contains
+
+   !> Names the tests.
+   subroutine collect_pipeline(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         new_unittest("example", test_example), &
+         new_unittest("example-coefficients", test_example_coefficients), &
+         new_unittest("paper-preset", test_paper_preset), &
+         new_unittest("threads", test_threads), &
+         new_unittest("missing-few", test_missing_few), &
+         new_unittest("missing-many", test_missing_many), &
+         new_unittest("drift", test_drift), &
+         new_unittest("channels", test_channels), &
+         new_unittest("nothing-known", test_nothing_known), &
+         new_unittest("units", test_units), &
+         new_unittest("offset", test_offset), &
+         new_unittest("constant", test_constant), &
+         new_unittest("white", test_white), &
+         new_unittest("too-short", test_too_short), &
+         new_unittest("short", test_short), &
+         new_unittest("outlier-times", test_outlier_times), &
+         new_unittest("single-rooms", test_single_rooms), &
+         new_unittest("series", test_series), &
+         new_unittest("differences", test_differences)]
+   end subroutine collect_pipeline
+
+   !> The record of the paper.
+   subroutine paper_record(record)
+      type(record_type), intent(out) :: record
+      type(gyro_error), allocatable :: failed
+
+      call simulate_record(paper_preset(paper_seed), record, failed)
+   end subroutine paper_record
+
+   !> Runs with the defaults of the program; false where that failed.
+   logical function run(record, result, options)
+      type(record_type), intent(in) :: record
+      type(pipeline_result_type), intent(out) :: result
+      type(pipeline_options), intent(in), optional :: options
+      type(gyro_error), allocatable :: failed
+      type(pipeline_options) :: defaults
+
+      if (present(options)) defaults = options
+      call run_pipeline(record, defaults, result, failed)
+      run = .not. allocated(failed)
+   end function run
+
+   !> What the issue of the example promises: Table I and II of the paper.
+   subroutine test_example(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+
+      call paper_record(record)
+      call check(error, run(record, result))
+      if (allocated(error)) return
+      associate (c => result%channel(1))
+         call check(error, c%clean%removed == 12 .and. c%ar%order == 1 .and. c%adf%stationary)
+         if (allocated(error)) return
+         call check(error, minloc(c%ar%table%bic, 1) == 2, "order by BIC")
+         if (allocated(error)) return
+         call check(error, abs(c%ar%coefficient(1) - 0.41_dp) < 3*c%ar%std_error(1))
+         if (allocated(error)) return
+         call check(error, c%kf_figures%variance_ratio, 0.28447912860740027_dp, thr=0.06_dp, rel=.true.)
+         if (allocated(error)) return
+         call check(error, c%kf%dc_gain, 0.6072_dp, thr=0.01_dp)
+         if (allocated(error)) return
+         call check(error, c%akf%variance < c%kf%variance .and. c%akf%variance > 0)
+         if (allocated(error)) return
+         call check(error, c%predictable_percent, 100*c%ar%coefficient(1)**2, thr=1.0e-9_dp)
+         if (allocated(error)) return
+         call check(error, c%available%drift .and. .not. c%drift%found .and. .not. allocated(c%unavailable))
+      end associate
+   end subroutine test_example
+
+   !> No coefficient is negative or NaN; N is that of the AR(1), sqrt(var t0 (1 + phi)/(1 - phi)) = 0.95 deg/sqrt(h).
+   subroutine test_example_coefficients(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      integer :: which, term
+
+      call paper_record(record)
+      call check(error, run(record, result))
+      if (allocated(error)) return
+      do which = stage%input, stage%akf
+         associate (allan => result%channel(1)%allan(which))
+            call check(error, allan%available .and. allan%fitted)
+            if (allocated(error)) return
+            do term = 1, 5
+               call check(error, ieee_is_finite(allan%stated%term(term)%value))
+               if (allocated(error)) return
+               call check(error, allan%stated%term(term)%value >= 0 .and. allan%stated%term(term)%std_error >= 0)
+               if (allocated(error)) return
+            end do
+         end associate
+      end do
+      associate (n => result%channel(1)%allan(stage%input)%stated%term(2))
+         call check(error, n%unit, "deg/sqrt(h)")
+         if (allocated(error)) return
+         call check(error, n%detected .and. abs(n%value - 0.951_dp) < 0.4_dp)
+         if (allocated(error)) return
+      end associate
+      call check(error, result%channel(1)%allan(stage%input)%stated%density_two_sided, &
+                 result%channel(1)%allan(stage%input)%stated%term(2)%value/60, thr=1.0e-12_dp, rel=.true.)
+   end subroutine test_example_coefficients
+
+   !> Pauta's 3 sigma removes good samples too: 39 of 12000 in the mean, and the order is never 0.
+   subroutine test_paper_preset(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(pipeline_options) :: options
+      type(pipeline_result_type) :: result
+      type(gyro_error), allocatable :: failed
+
+      call apply_preset("paper", options, failed)
+      call check(error, .not. allocated(failed) .and. options%design%forgetting == 0.98_dp)
+      if (allocated(error)) return
+      call paper_record(record)
+      call check(error, run(record, result, options))
+      if (allocated(error)) return
+      associate (c => result%channel(1))
+         call check(error, c%clean%removed > 20 .and. c%clean%removed < 90 .and. c%clean%threshold == 3.0_dp)
+         if (allocated(error)) return
+         call check(error, c%ar%order >= 1 .and. size(c%ar%table) == 4)
+         if (allocated(error)) return
+      end associate
+      call apply_preset("papier", options, failed)
+      call check(error, allocated(failed))
+   end subroutine test_paper_preset
+
+   !> Two threads give the same numbers as one.
+   subroutine test_threads(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(pipeline_result_type) :: result(2)
+      logical :: done(2)
+      integer :: threads, before, which
+
+      before = omp_get_max_threads()
+      call paper_record(record)
+      do threads = 1, 2
+         call omp_set_num_threads(threads)
+         done(threads) = run(record, result(threads))
+      end do
+      call omp_set_num_threads(before)
+      call check(error, all(done))
+      if (allocated(error)) return
+      associate (a => result(1)%channel(1), b => result(2)%channel(1))
+         call check(error, all(abs(figures(a) - figures(b)) <= 1.0e-12_dp*abs(figures(a))))
+         if (allocated(error)) return
+         do which = stage%input, stage%akf
+            call check(error, all(abs(a%allan(which)%curve%deviation - b%allan(which)%curve%deviation) <= &
+                                  1.0e-12_dp*a%allan(which)%curve%deviation))
+            if (allocated(error)) return
+            call check(error, all(abs(a%allan(which)%stated%term%value - b%allan(which)%stated%term%value) <= &
+                                  1.0e-12_dp*maxval(a%allan(which)%stated%term%value)))
+            if (allocated(error)) return
+         end do
+      end associate
+   end subroutine test_threads
+
+   !> One number of every room.
+   function figures(c) result(x)
+      type(channel_result_type), intent(in) :: c
+      real(dp) :: x(12)
+
+      x = [c%raw%variance, c%cleaned%variance, c%adf%statistic, c%jarque_bera%statistic, c%ljung_box%statistic, &
+           c%ar%noise_variance, c%ar%coefficient(1), c%kf%variance, c%kf%nis_mean, c%akf%variance, c%akf%r, &
+           c%clean%trend%power(lbound(c%clean%trend%power, 1) + 3)]
+   end function figures
+
+   !> Coefficients with samples lost against those of the whole record: within one standard error.
+   subroutine compare_missing(share, error)
+      real(dp), intent(in) :: share
+      type(error_type), allocatable, intent(out) :: error
+      type(simulate_options) :: options
+      type(record_type) :: whole, holes
+      type(pipeline_result_type) :: a, b
+      type(pipeline_options) :: only_allan
+      type(gyro_error), allocatable :: failed
+      integer :: term
+
+      options%samples = 20000
+      options%rate_hz = 10
+      options%coefficient(2:4) = [0.01_dp, 0.003_dp, 3.0e-4_dp]
+      call simulate_record(options, whole, failed)
+      options%missing = share
+      call simulate_record(options, holes, failed)
+      call check(error, count(holes%present(:, 1) == 0) > share*10000)
+      if (allocated(error)) return
+      only_allan%do_tests = .false.
+      only_allan%do_filter = .false.
+      call check(error, run(whole, a, only_allan) .and. run(holes, b, only_allan))
+      if (allocated(error)) return
+      do term = 2, 4
+         associate (x => a%channel(1)%allan(stage%input)%noise%coefficient(term), &
+                    y => b%channel(1)%allan(stage%input)%noise%coefficient(term))
+            call check(error, abs(x%value - y%value) <= max(x%std_error, y%std_error))
+            if (allocated(error)) return
+         end associate
+      end do
+   end subroutine compare_missing
+
+   subroutine test_missing_few(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      call compare_missing(0.003_dp, error)
+   end subroutine test_missing_few
+
+   subroutine test_missing_many(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      call compare_missing(0.05_dp, error)
+   end subroutine test_missing_many
+
+   !> A drift under white noise is found, with its correlation time: AR(1) of 0.99 at 10 Hz is 9.95 s.
+   subroutine test_drift(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(simulate_options) :: options
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      type(gyro_error), allocatable :: failed
+
+      options%samples = 20000
+      options%rate_hz = 10
+      options%coefficient(2) = 0.01_dp
+      options%ar = [0.99_dp]
+      options%ar_variance = 4.0e-4_dp
+      call simulate_record(options, record, failed)
+      call check(error, run(record, result))
+      if (allocated(error)) return
+      associate (c => result%channel(1))
+         call check(error, c%drift%found .and. c%available%drift_kf .and. c%available%drift_akf)
+         if (allocated(error)) return
+         call check(error, c%drift_tau, 1.0_dp)
+         if (allocated(error)) return
+         call check(error, c%drift_time, 9.95_dp, thr=4.0_dp)
+         if (allocated(error)) return
+         call check(error, c%white_std, 0.01_dp*sqrt(10.0_dp), thr=0.002_dp)
+         if (allocated(error)) return
+         call check(error, c%drift_kf%nis_mean, 1.0_dp, thr=0.05_dp)
+      end associate
+   end subroutine test_drift
+
+   !> Two channels give what each of them gives alone.
+   subroutine test_channels(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record, one
+      type(pipeline_result_type) :: both, alone
+      real(dp), allocatable :: x(:, :)
+
+      call paper_record(one)
+      record = one
+      allocate (x(2000, 2))
+      x(:, 1) = one%value(:2000, 1)
+      x(:, 2) = -3*one%value(4001:6000, 1)
+      record%value = x
+      record%channel = [one%channel(1), one%channel(1)]
+      record%channel(2)%text = "gy"
+      one%value = x(:, 2:2)
+      call check(error, run(record, both) .and. run(one, alone))
+      if (allocated(error)) return
+      call check(error, both%channel(2)%name == "gy" .and. size(both%channel) == 2)
+      if (allocated(error)) return
+      call check(error, all(abs(figures(both%channel(2)) - figures(alone%channel(1))) <= 0))
+   end subroutine test_channels
+
+   !> Neither rate nor unit: the whole job, per sample and in input units.
+   subroutine test_nothing_known(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record, known
+      type(pipeline_result_type) :: a, b
+
+      call paper_record(known)
+      record = known
+      record%rate_known = .false.
+      record%sample_interval = 1
+      record%unit%quantity = 0
+      record%unit%to_si = 1
+      deallocate (record%unit%name)
+      call check(error, run(record, a) .and. run(known, b))
+      if (allocated(error)) return
+      associate (x => a%channel(1)%allan(stage%input), y => b%channel(1)%allan(stage%input))
+         call check(error, .not. x%stated%in_units .and. y%stated%in_units)
+         if (allocated(error)) return
+         call check(error, x%stated%term(2)%unit, "input unit*sqrt(sample)")
+         if (allocated(error)) return
+         ! N per root of a sample is that per root of a second over the root of 0.2 s
+         call check(error, x%stated%term(2)%value*sqrt(0.2_dp)*60, y%stated%term(2)%value, thr=1.0e-6_dp, rel=.true.)
+      end associate
+   end subroutine test_nothing_known
+
+   !> rad/s instead of deg/s: the same coefficients.
+   subroutine test_units(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: degrees, radians
+      type(pipeline_result_type) :: a, b
+      type(gyro_error), allocatable :: failed
+
+      call paper_record(degrees)
+      radians = degrees
+      radians%value = degrees%value*degrees%unit%to_si
+      call parse_unit("rad/s", radians%unit, failed)
+      call check(error, run(degrees, a) .and. run(radians, b))
+      if (allocated(error)) return
+      associate (x => a%channel(1)%allan(stage%cleaned)%stated, y => b%channel(1)%allan(stage%cleaned)%stated)
+         call check(error, x%term(2)%value, y%term(2)%value, thr=1.0e-6_dp, rel=.true.)
+         if (allocated(error)) return
+         call check(error, x%term(2)%unit == y%term(2)%unit .and. x%density_unit == "deg/s/sqrt(Hz)")
+         if (allocated(error)) return
+      end associate
+      call check(error, a%channel(1)%kf_figures%variance_ratio, b%channel(1)%kf_figures%variance_ratio, thr=1.0e-9_dp, rel=.true.)
+   end subroutine test_units
+
+   !> A record taken as it is, with a mean of thousands of standard deviations: the filters see it without the mean.
+   subroutine test_offset(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(pipeline_options) :: as_is
+      type(pipeline_result_type) :: a, b
+
+      as_is%clean%degree = -1
+      as_is%clean%method = "none"
+      as_is%do_allan = .false.
+      call paper_record(record)
+      call check(error, run(record, a, as_is))
+      if (allocated(error)) return
+      record%value = record%value + 100.0_dp
+      call check(error, run(record, b, as_is))
+      if (allocated(error)) return
+      call check(error, a%channel(1)%kf%variance, b%channel(1)%kf%variance, thr=1.0e-8_dp, rel=.true.)
+      if (allocated(error)) return
+      call check(error, abs(b%channel(1)%kf%mean) < 1.0e-3_dp .and. abs(b%channel(1)%raw%mean - 100) < 1.0e-2_dp)
+   end subroutine test_offset
+
+   !> A channel without variance: its rooms are named, the other channel goes on.
+   subroutine test_constant(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      real(dp), allocatable :: x(:, :)
+
+      call paper_record(record)
+      allocate (x(12000, 2))
+      x(:, 1) = 4.25_dp
+      x(:, 2) = record%value(:, 1)
+      record%value = x
+      record%channel = [record%channel(1), record%channel(1)]
+      call check(error, run(record, result))
+      if (allocated(error)) return
+      call check(error, allocated(result%channel(1)%unavailable) .and. .not. result%channel(1)%available%ar)
+      if (allocated(error)) return
+      call check(error, result%channel(2)%available%akf .and. .not. allocated(result%channel(2)%unavailable))
+   end subroutine test_constant
+
+   !> White noise: AIC may take order 0, the paper's preset not; either way there is a filter, and no drift.
+   subroutine test_white(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(simulate_options) :: options
+      type(pipeline_options) :: paper
+      type(record_type) :: record
+      type(pipeline_result_type) :: a, b
+      type(gyro_error), allocatable :: failed
+
+      options%coefficient(2) = 0.01_dp
+      options%samples = 4000
+      options%seed = 2
+      call simulate_record(options, record, failed)
+      call apply_preset("paper", paper, failed)
+      call check(error, run(record, a) .and. run(record, b, paper))
+      if (allocated(error)) return
+      call check(error, a%channel(1)%available%kf .and. .not. a%channel(1)%drift%found)
+      if (allocated(error)) return
+      call check(error, b%channel(1)%ar%order >= 1 .and. b%channel(1)%available%akf)
+      if (allocated(error)) return
+      call check(error, minloc(a%channel(1)%ar%table%aic, 1) == a%channel(1)%ar%order + 1)
+   end subroutine test_white
+
+   subroutine test_too_short(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      type(gyro_error), allocatable :: failed
+
+      call run_pipeline(record, pipeline_options(), result, failed)
+      call check(error, allocated(failed))
+      if (allocated(error)) return
+      call paper_record(record)
+      record%value = record%value(:9, :)
+      call run_pipeline(record, pipeline_options(), result, failed)
+      call check(error, allocated(failed))
+      if (allocated(error)) return
+      call check(error, failed%code == status%too_few_samples .and. index(failed%message, "9 samples") > 0)
+   end subroutine test_too_short
+
+   !> 10 to 60 samples: no error, and every room that failed is named.
+   subroutine test_short(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: whole, record
+      type(pipeline_result_type) :: result
+      integer :: n
+
+      call paper_record(whole)
+      record = whole
+      do n = 10, 60, 5
+         record%value = whole%value(:n, :)
+         call check(error, run(record, result))
+         if (allocated(error)) return
+         associate (c => result%channel(1))
+            call check(error, allocated(c%unavailable) .or. (c%available%akf .and. c%available%adf .and. c%available%drift))
+            if (allocated(error)) return
+         end associate
+      end do
+   end subroutine test_short
+
+   !> 2 % of outliers: the warning names the first times.
+   subroutine test_outlier_times(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      integer :: i
+
+      call paper_record(record)
+      record%value = record%value(1001:3000, :)
+      do i = 1, 40
+         record%value(50*i, 1) = 2.0_dp*(-1)**i
+      end do
+      call check(error, run(record, result))
+      if (allocated(error)) return
+      call check(error, allocated(result%channel(1)%warnings))
+      if (allocated(error)) return
+      call check(error, index(result%channel(1)%warnings(1)%text, "% of the samples") > 0 .and. &
+                 index(result%channel(1)%warnings(1)%text, "at 9.8, 19.8, 29.8") > 0)
+   end subroutine test_outlier_times
+
+   !> The rooms that a single command switches off have no result.
+   subroutine test_single_rooms(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(pipeline_options) :: options
+      type(pipeline_result_type) :: result
+
+      options%do_tests = .false.
+      options%do_ar = .false.
+      options%do_filter = .false.
+      options%clean%degree = -1
+      options%clean%method = "none"
+      call paper_record(record)
+      call check(error, run(record, result, options))
+      if (allocated(error)) return
+      associate (c => result%channel(1))
+         call check(error, .not. (c%available%preprocess .or. c%available%adf .or. c%available%ar .or. c%available%kf))
+         if (allocated(error)) return
+         call check(error, c%allan(stage%input)%fitted .and. .not. c%allan(stage%kf)%available)
+         if (allocated(error)) return
+      end associate
+      options%do_allan = .false.
+      options%do_filter = .true.
+      call check(error, run(record, result, options))
+      if (allocated(error)) return
+      call check(error, result%channel(1)%available%akf .and. .not. result%channel(1)%allan(stage%input)%available)
+   end subroutine test_single_rooms
+
+   !> The series that are kept have the variances that are reported; outliers are marked in the mask.
+   subroutine test_series(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(pipeline_options) :: options
+      type(pipeline_result_type) :: result
+      logical, allocatable :: there(:)
+      integer(int64) :: n
+
+      options%keep_series = .true.
+      options%do_allan = .false.
+      call paper_record(record)
+      call check(error, run(record, result, options))
+      if (allocated(error)) return
+      associate (c => result%channel(1))
+         there = c%series_present /= 0
+         n = count(there)
+         call check(error, size(there) == 12000 .and. n == 12000 - c%clean%removed)
+         if (allocated(error)) return
+         call check(error, .not. any(there(c%clean%outlier)))
+         if (allocated(error)) return
+         call check(error, variance(pack(c%series_cleaned, there)), c%cleaned%variance, thr=1.0e-10_dp, rel=.true.)
+         if (allocated(error)) return
+         call check(error, variance(pack(c%series_kf, there)), c%kf%variance, thr=1.0e-10_dp, rel=.true.)
+         if (allocated(error)) return
+         call check(error, variance(pack(c%series_akf, there)), c%akf%variance, thr=1.0e-10_dp, rel=.true.)
+      end associate
+   end subroutine test_series
+
+   pure real(dp) function variance(x)
+      real(dp), intent(in) :: x(:)
+
+      variance = sum((x - sum(x)/size(x))**2)/(size(x) - 1)
+   end function variance
+
+   !> By hand: differences 1, 2, 3, their variance 1; without the pair at a gap; too few.
+   subroutine test_differences(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: x(5) = [0.0_dp, 1.0_dp, 3.0_dp, 6.0_dp, 100.0_dp]
+      real(dp) :: long(200001)
+      integer :: i
+
+      call check(error, difference_variance(x(:4)), 1.0_dp, thr=1.0e-14_dp)
+      if (allocated(error)) return
+      call check(error, difference_variance(x, valid=[1_int8, 1_int8, 1_int8, 1_int8, 0_int8]), 1.0_dp, thr=1.0e-14_dp)
+      if (allocated(error)) return
+      call check(error, difference_variance(x, valid=[1_int8, 0_int8, 1_int8, 1_int8, 0_int8]), 0.0_dp)
+      if (allocated(error)) return
+      do i = 1, size(long)
+         long(i) = real(mod(i, 2), dp)
+      end do
+      ! 200000 differences of +1 and -1, as many of each, over several blocks
+      call check(error, difference_variance(long), 200000.0_dp/199999, thr=1.0e-13_dp)
+   end subroutine test_differences
+
+end module test_pipeline
