@@ -35,6 +35,7 @@ program test_main
    use test_reader_errors, only : collect_reader_errors
    use test_record_writer, only : collect_record_writer
    use test_release, only : collect_release
+   use test_report, only : collect_report
    use test_sage_husa, only : collect_sage_husa
    use test_simulate, only : collect_simulate
    use test_special, only : collect_special
@@ -77,6 +78,7 @@ program test_main
    call add("reader_errors", collect_reader_errors)
    call add("record_writer", collect_record_writer)
    call add("release", collect_release)
+   call add("report", collect_report)
    call add("sage_husa", collect_sage_husa)
    call add("simulate", collect_simulate)
    call add("special", collect_special)

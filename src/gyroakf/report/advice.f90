@@ -1,0 +1,149 @@
+! SPDX-License-Identifier: MIT
+!> The end of the report on a channel: what to make of its numbers, in plain sentences.
+module gyroakf_report_advice
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_record, only : record_type, text_type
+   use gyroakf_io_writer, only : writer_type
+   use gyroakf_filter_series, only : filter_result_type
+   use gyroakf_pipeline_result, only : channel_result_type
+   use gyroakf_report_layout, only : put_heading, put_point, put_items, number, count_text
+   use gyroakf_report_input, only : has_unit, unit_name
+   implicit none (type, external)
+   private
+   public :: put_advice, put_warnings
+
+contains
+
+   !> The sentences.
+   subroutine put_advice(writer, record, channel)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> For units and what is assumed
+      type(record_type), intent(in) :: record
+      !> All of it
+      type(channel_result_type), intent(in) :: channel
+
+      call put_heading(writer, "What to make of it")
+      call put_attenuation(writer, channel)
+      if (channel%available%ar .and. channel%ar%order > 0) then
+         call put_point(writer, "AR("//count_text(int(channel%ar%order, int64))//") predicts "// &
+                           number(channel%predictable_percent, 3)//" % of the variance one sample ahead"//squared(channel)// &
+                           ": that is the largest reduction such a model can honestly give. A larger one is smoothing, "// &
+                           "which acts on a rotation alike.")
+      end if
+      if (adapts_both(channel%akf)) call put_point(writer, "The adaptive filter estimates Q and R together. The variance "// &
+         "of the innovations cannot tell them apart, so the gain wanders and depends on the start values; --akf robust "// &
+         "estimates R alone.")
+      call put_drift(writer, record, channel)
+      call put_unresolved(writer, channel)
+      if (.not. record%rate_known .or. .not. has_unit(record)) call put_point(writer, "Angle units are withheld: "// &
+         "give "//missing_options(record)//" for deg/sqrt(h), deg/h and the other usual units.")
+      call put_warnings(writer, channel)
+   end subroutine put_advice
+
+   !> Warnings, and the rooms that could do nothing.
+   subroutine put_warnings(writer, channel)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> Its lists
+      type(channel_result_type), intent(in) :: channel
+
+      call put_items(writer, "Warning", channel%warnings)
+      if (channel%available%kf) call put_items(writer, "Warning (KF)", channel%kf%warnings)
+      if (channel%available%akf) call put_items(writer, "Warning (AKF)", channel%akf%warnings)
+      call put_items(writer, "Not available", channel%unavailable)
+   end subroutine put_warnings
+
+   !> The share of a true rotation that passes.
+   subroutine put_attenuation(writer, channel)
+      type(writer_type), intent(inout) :: writer
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
+
+      if (.not. channel%available%kf) return
+      text = "Of a constant true rotation the Kalman filter passes "//number(channel%kf_figures%passed_percent, 3)//" %"
+      if (channel%available%akf) text = text//" and the adaptive filter, at its last gain, "// &
+                                        number(channel%akf_figures%passed_percent, 3)//" %"
+      call put_point(writer, text//". Their small variance is mostly this attenuation: bias instability, random walk and "// &
+                        "a turn of the vehicle shrink alike. Do not hand these outputs to a navigation computation that "// &
+                        "has to see the vehicle turn.")
+   end subroutine put_attenuation
+
+   !> Whether a drift was identified.
+   subroutine put_drift(writer, record, channel)
+      type(writer_type), intent(inout) :: writer
+      type(record_type), intent(in) :: record
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: time
+
+      if (.not. channel%available%drift) return
+      time = " samples"
+      if (record%rate_known) time = " s"
+      if (.not. channel%drift%found) then
+         call put_point(writer, "No drift slower than "//number(channel%drift_tau, 3)//time//" was identified under "// &
+                           "the noise of the cleaned series: there is nothing that a filter could follow and subtract.")
+      else
+         call put_point(writer, "A drift with a correlation time of "//number(channel%drift_time, 3)//time// &
+                           " was identified: standard deviation "//number(channel%drift_std, 3)//" "//unit_name(record)// &
+                           " under white noise of "//number(channel%white_std, 3)//" "//unit_name(record)//". "// &
+                           "This part can be followed and subtracted while the sensor is known to be at rest (drift KF).")
+      end if
+   end subroutine put_drift
+
+   !> Coefficients that this record cannot resolve.
+   subroutine put_unresolved(writer, channel)
+      type(writer_type), intent(inout) :: writer
+      type(channel_result_type), intent(in) :: channel
+      character(5), parameter :: terms = "QNBKR"
+      character(:), allocatable :: names
+      integer :: term
+
+      if (.not. channel%allan(1)%fitted) return
+      names = ""
+      do term = 1, 5
+         if (channel%allan(1)%stated%term(term)%fitted .and. .not. channel%allan(1)%stated%term(term)%detected) then
+            names = names//", "//terms(term:term)
+         end if
+      end do
+      if (len(names) == 0) return
+      call put_point(writer, "This record does not resolve "//names(3:)//": the limits in Table III hold with 95 % "// &
+                     "confidence. A longer record lowers those of B, K and R.")
+   end subroutine put_unresolved
+
+   !> " (phi^2)" for an AR(1).
+   pure function squared(channel) result(text)
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
+
+      text = ""
+      if (channel%ar%order == 1) text = " (phi^2)"
+   end function squared
+
+   !> The filter adapts Q and R at once.
+   pure logical function adapts_both(filter)
+      type(filter_result_type), intent(in) :: filter
+      integer :: i, found
+
+      found = 0
+      if (allocated(filter%estimate)) then
+         do i = 1, size(filter%estimate)
+            if (filter%estimate(i)%text == "Q" .or. filter%estimate(i)%text == "R") found = found + 1
+         end do
+      end if
+      adapts_both = found == 2
+   end function adapts_both
+
+   !> Which options would help.
+   pure function missing_options(record) result(text)
+      type(record_type), intent(in) :: record
+      character(:), allocatable :: text
+
+      text = ""
+      if (.not. record%rate_known) text = "--rate HZ"
+      if (.not. has_unit(record)) then
+         if (len(text) > 0) text = text//" and "
+         text = text//"--unit UNIT"
+      end if
+   end function missing_options
+
+end module gyroakf_report_advice

@@ -1,0 +1,185 @@
+! SPDX-License-Identifier: MIT
+!> Results as tables for other programs: comma-separated, one head line, `nan` where something is missing.
+module gyroakf_report_csv
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_record, only : record_type
+   use gyroakf_units, only : term_names
+   use gyroakf_io_writer, only : writer_type, put, put_line, put_real
+   use gyroakf_pipeline_result, only : pipeline_result_type, channel_result_type, stage, stage_names
+   use gyroakf_report_layout, only : count_text
+   implicit none (type, external)
+   private
+   public :: write_series, write_allan, write_coefficients
+
+   !> Enough for every number of a file that was written with 15 digits
+   integer, parameter :: digits = 15
+
+contains
+
+   !> series.csv: time, raw, cleaned, kf, akf, a line per sample.
+   !>
+   !> Several channels stand side by side, `gx_raw, gx_cleaned, gx_kf, gx_akf, gy_raw, ...`. Time is in s from the first
+   !> sample, the sample's number from 0 where no rate is known. `cleaned` is nan where an outlier was removed; the filters
+   !> bridge what is missing. kf and akf are those of the cleaned series without its mean.
+   subroutine write_series(writer, record, result)
+      !> Open
+      type(writer_type), intent(inout) :: writer
+      !> As read
+      type(record_type), intent(in) :: record
+      !> With the series kept
+      type(pipeline_result_type), intent(in) :: result
+      integer(int64) :: i
+      integer :: c
+
+      call put(writer, "time")
+      do c = 1, size(result%channel)
+         call put_head(writer, result%channel(c)%name, size(result%channel) > 1)
+      end do
+      call put_line(writer, "")
+      do i = 1, size(record%value, 1, kind=int64)
+         call put_real(writer, real(i - 1, dp)*record%sample_interval, digits)
+         do c = 1, size(result%channel)
+            call put_sample(writer, record, result%channel(c), c, i)
+         end do
+         call put_line(writer, "")
+      end do
+   end subroutine write_series
+
+   !> Names of one channel's columns.
+   subroutine put_head(writer, name, named)
+      type(writer_type), intent(inout) :: writer
+      character(*), intent(in) :: name
+      logical, intent(in) :: named
+
+      if (named) then
+         call put(writer, ","//quoted(name//"_raw")//","//quoted(name//"_cleaned")//","//quoted(name//"_kf")//","// &
+                  quoted(name//"_akf"))
+      else
+         call put(writer, ",raw,cleaned,kf,akf")
+      end if
+   end subroutine put_head
+
+   !> One channel's columns of one line.
+   subroutine put_sample(writer, record, channel, c, i)
+      type(writer_type), intent(inout) :: writer
+      type(record_type), intent(in) :: record
+      type(channel_result_type), intent(in) :: channel
+      integer, intent(in) :: c
+      integer(int64), intent(in) :: i
+      logical :: as_read, kept
+
+      as_read = .true.
+      if (allocated(record%present)) as_read = record%present(i, c) /= 0
+      kept = as_read
+      if (allocated(channel%series_present)) kept = channel%series_present(i) /= 0
+      call put_value(writer, record%value(i, c), as_read)
+      if (allocated(channel%series_cleaned)) then
+         call put_value(writer, channel%series_cleaned(i), kept)
+      else
+         call put(writer, ",nan")
+      end if
+      if (allocated(channel%series_kf)) then
+         call put_value(writer, channel%series_kf(i), channel%available%kf)
+      else
+         call put(writer, ",nan")
+      end if
+      if (allocated(channel%series_akf)) then
+         call put_value(writer, channel%series_akf(i), channel%available%akf)
+      else
+         call put(writer, ",nan")
+      end if
+   end subroutine put_sample
+
+   subroutine put_value(writer, value, known)
+      type(writer_type), intent(inout) :: writer
+      real(dp), intent(in) :: value
+      logical, intent(in) :: known
+
+      if (known) then
+         call put(writer, ",")
+         call put_real(writer, value, digits)
+      else
+         call put(writer, ",nan")
+      end if
+   end subroutine put_value
+
+   !> allan.csv: a line per channel, series and tau; deviations in the unit of the input.
+   subroutine write_allan(writer, result)
+      !> Open
+      type(writer_type), intent(inout) :: writer
+      !> Curves
+      type(pipeline_result_type), intent(in) :: result
+      integer :: c, which, i
+
+      call put_line(writer, "channel,series,kind,tau,deviation,lower,upper,edf,terms,model")
+      do c = 1, size(result%channel)
+         do which = stage%input, stage%akf
+            associate (allan => result%channel(c)%allan(which))
+               if (.not. allan%available) cycle
+               do i = 1, size(allan%curve%tau)
+                  call put(writer, quoted(result%channel(c)%name)//","//trim(stage_names(which))//","//trim(allan%curve%kind))
+                  call put_value(writer, allan%curve%tau(i), .true.)
+                  call put_value(writer, allan%curve%deviation(i), .true.)
+                  call put_value(writer, allan%curve%lower(i), .true.)
+                  call put_value(writer, allan%curve%upper(i), .true.)
+                  call put_value(writer, allan%curve%edf(i), .true.)
+                  call put(writer, ","//count_text(allan%curve%terms(i)))
+                  if (allan%fitted) then
+                     call put_value(writer, allan%noise%model(i), .true.)
+                  else
+                     call put(writer, ",nan")
+                  end if
+                  call put_line(writer, "")
+               end do
+            end associate
+         end do
+      end do
+   end subroutine write_allan
+
+   !> coefficients.csv: a line per channel, series and term; the reduction stands with akf.
+   subroutine write_coefficients(writer, result)
+      !> Open
+      type(writer_type), intent(inout) :: writer
+      !> Coefficients
+      type(pipeline_result_type), intent(in) :: result
+      integer :: c, which, term
+
+      call put_line(writer, "channel,series,term,value,std_error,upper_limit_95,detected,unit,reduction_percent")
+      do c = 1, size(result%channel)
+         do which = stage%input, stage%akf
+            associate (channel => result%channel(c), allan => result%channel(c)%allan(which))
+               if (.not. allan%fitted) cycle
+               do term = 1, 5
+                  associate (stated => allan%stated%term(term))
+                     call put(writer, quoted(channel%name)//","//trim(stage_names(which))//","//term_names(term))
+                     call put_value(writer, stated%value, stated%fitted)
+                     call put_value(writer, stated%std_error, stated%fitted)
+                     call put_value(writer, stated%upper_limit, stated%fitted)
+                     call put(writer, ","//trim(merge("true ", "false", stated%detected))//","//quoted(stated%unit))
+                     call put_value(writer, channel%reduction_percent(term), &
+                                    which == stage%akf .and. channel%reduction_known(term))
+                     call put_line(writer, "")
+                  end associate
+               end do
+            end associate
+         end do
+      end do
+   end subroutine write_coefficients
+
+   !> A field of text, in quotes where it needs them.
+   pure function quoted(text) result(field)
+      character(*), intent(in) :: text
+      character(:), allocatable :: field
+      integer :: i
+
+      field = text
+      if (scan(text, ',"'//new_line("a")//achar(13)) == 0) return
+      field = '"'
+      do i = 1, len(text)
+         if (text(i:i) == '"') field = field//'"'
+         field = field//text(i:i)
+      end do
+      field = field//'"'
+   end function quoted
+
+end module gyroakf_report_csv

@@ -1,0 +1,156 @@
+! SPDX-License-Identifier: MIT
+!> The JSON document of schema 1, as `doc/schema.json` states it: the contract for programs.
+!>
+!> Every key is always there. What was not asked for, what a room could not compute and what is not built yet is null.
+module gyroakf_report_document
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_record, only : record_type, text_type, add_text
+   use gyroakf_release, only : release_string
+   use gyroakf_io_writer, only : writer_type
+   use gyroakf_pipeline_result, only : pipeline_result_type, channel_result_type
+   use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, flush_json
+   use gyroakf_report_document_parts, only : put_preprocess, put_tests, put_ar, put_filters, put_allan, put_coefficients
+   implicit none (type, external)
+   private
+   public :: write_document, schema_number
+
+   !> Keys are never renamed within a schema
+   integer, parameter :: schema_number = 1
+
+contains
+
+   !> Writes the whole document.
+   subroutine write_document(writer, record, result)
+      !> Open
+      type(writer_type), intent(inout) :: writer
+      !> What was read
+      type(record_type), intent(in) :: record
+      !> What came out; absent: "channels" is empty
+      type(pipeline_result_type), intent(in), optional :: result
+      type(json_type) :: json
+      integer :: c
+
+      call open_object(json)
+      call put_member(json, "schema", schema_number)
+      call put_member(json, "program", "gyroakf")
+      call put_member(json, "version", release_string)
+      call put_input(json, record, result)
+      call open_array(json, "channels")
+      if (present(result)) then
+         if (allocated(result%channel)) then
+            do c = 1, size(result%channel)
+               call put_channel(json, writer, result%channel(c))
+            end do
+         end if
+      end if
+      call close_array(json)
+      call close_object(json)
+      call flush_json(json, writer)
+   end subroutine write_document
+
+   !> The member "input".
+   subroutine put_input(json, record, result)
+      type(json_type), intent(inout) :: json
+      type(record_type), intent(in) :: record
+      type(pipeline_result_type), intent(in), optional :: result
+      type(text_type), allocatable :: warnings(:)
+
+      call gather_warnings(record, warnings, result)
+      call open_object(json, "input")
+      call put_text_or_null(json, "path", record%path)
+      call put_text_or_null(json, "format", record%format)
+      call put_member(json, "samples", size(record%value, 1, kind=int64))
+      if (record%rate_known) then
+         call put_member(json, "rate_hz", 1.0_dp/record%sample_interval)
+      else
+         call put_null(json, "rate_hz")
+      end if
+      call put_text_or_null(json, "rate_source", record%rate_source)
+      call put_text_or_null(json, "unit", record%unit%name)
+      call put_text_or_null(json, "unit_source", record%unit_source)
+      call put_member(json, "channels", record%channel)
+      call put_member(json, "missing", record%audit%missing)
+      call put_member(json, "gaps", record%audit%gaps)
+      call put_member(json, "duplicates", record%audit%duplicates)
+      if (record%audit%has_stamps) then
+         call put_member(json, "jitter_max_s", record%audit%jitter_max)
+      else
+         call put_null(json, "jitter_max_s")
+      end if
+      call put_member(json, "bad_lines", record%audit%bad_lines)
+      call put_member(json, "warnings", warnings)
+      call close_object(json)
+   end subroutine put_input
+
+   !> One element of "channels".
+   subroutine put_channel(json, writer, channel)
+      type(json_type), intent(inout) :: json
+      type(writer_type), intent(inout) :: writer
+      type(channel_result_type), intent(in) :: channel
+
+      call open_object(json)
+      call put_member(json, "name", channel%name)
+      call open_object(json, "raw")
+      call put_member(json, "mean", channel%raw%mean)
+      call put_member(json, "variance", channel%raw%variance)
+      call put_member(json, "std", channel%raw%std)
+      call put_member(json, "min", channel%raw%minimum)
+      call put_member(json, "max", channel%raw%maximum)
+      call close_object(json)
+      call put_preprocess(json, channel)
+      call put_tests(json, channel)
+      call put_ar(json, channel)
+      call put_filters(json, channel)
+      call flush_json(json, writer)
+      call put_allan(json, writer, channel)
+      call put_coefficients(json, channel)
+      call close_object(json)
+      call flush_json(json, writer)
+   end subroutine put_channel
+
+   !> Warnings of the record, then of the channels, with the channel's name where there are several.
+   pure subroutine gather_warnings(record, warnings, result)
+      type(record_type), intent(in) :: record
+      type(text_type), allocatable, intent(out) :: warnings(:)
+      type(pipeline_result_type), intent(in), optional :: result
+      integer :: c
+
+      allocate (warnings(0))
+      call add_list(warnings, record%warnings, "")
+      if (.not. present(result)) return
+      if (.not. allocated(result%channel)) return
+      do c = 1, size(result%channel)
+         call add_list(warnings, result%channel(c)%warnings, result%channel(c)%name//": ")
+         call add_list(warnings, result%channel(c)%unavailable, result%channel(c)%name//": not available: ")
+      end do
+   end subroutine gather_warnings
+
+   !> Appends a list to a list.
+   pure subroutine add_list(warnings, list, prefix)
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      type(text_type), allocatable, intent(in) :: list(:)
+      character(*), intent(in) :: prefix
+      integer :: i
+
+      if (.not. allocated(list)) return
+      do i = 1, size(list)
+         call add_text(warnings, prefix//list(i)%text)
+      end do
+   end subroutine add_list
+
+   !> A text, null where it is unallocated or empty.
+   subroutine put_text_or_null(json, key, text)
+      type(json_type), intent(inout) :: json
+      character(*), intent(in) :: key
+      character(:), allocatable, intent(in) :: text
+
+      if (allocated(text)) then
+         if (len(text) > 0) then
+            call put_member(json, key, text)
+            return
+         end if
+      end if
+      call put_null(json, key)
+   end subroutine put_text_or_null
+
+end module gyroakf_report_document

@@ -1,0 +1,308 @@
+! SPDX-License-Identifier: MIT
+!> The members of a channel in the JSON document.
+module gyroakf_report_document_parts
+   use gyroakf_record, only : text_type
+   use gyroakf_units, only : term_names
+   use gyroakf_io_writer, only : writer_type
+   use gyroakf_series_whiteness, only : ljung_box_type
+   use gyroakf_filter_series, only : filter_result_type
+   use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stage, stage_names
+   use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, flush_json
+   implicit none (type, external)
+   private
+   public :: put_preprocess, put_tests, put_ar, put_filters, put_allan, put_coefficients
+
+contains
+
+   !> "preprocess": null where the record was taken as it is.
+   subroutine put_preprocess(json, channel)
+      !> The document
+      type(json_type), intent(inout) :: json
+      !> One channel
+      type(channel_result_type), intent(in) :: channel
+
+      if (.not. channel%available%preprocess) then
+         call put_null(json, "preprocess")
+         return
+      end if
+      call open_object(json, "preprocess")
+      call open_object(json, "outliers")
+      call put_member(json, "method", trim(channel%clean%method))
+      call put_member(json, "threshold", channel%clean%threshold)
+      call put_member(json, "passes", channel%clean%passes)
+      call put_member(json, "removed", channel%clean%removed)
+      call put_member(json, "fraction", channel%clean%fraction)
+      call close_object(json)
+      call open_object(json, "trend")
+      call put_member(json, "degree", channel%clean%trend%degree)
+      if (allocated(channel%clean%trend%power)) then
+         call put_member(json, "coefficients", channel%clean%trend%power)
+      else
+         call put_null(json, "coefficients")
+      end if
+      call close_object(json)
+      call put_member(json, "mean", channel%clean%mean)
+      call put_member(json, "variance", channel%clean%variance)
+      call close_object(json)
+   end subroutine put_preprocess
+
+   !> "tests".
+   subroutine put_tests(json, channel)
+      !> The document
+      type(json_type), intent(inout) :: json
+      !> One channel
+      type(channel_result_type), intent(in) :: channel
+
+      call open_object(json, "tests")
+      call put_adf(json, channel)
+      call put_null(json, "kpss")
+      if (channel%available%jarque_bera) then
+         call open_object(json, "jarque_bera")
+         call put_member(json, "statistic", channel%jarque_bera%statistic)
+         call put_member(json, "p_value", channel%jarque_bera%p_value)
+         call put_member(json, "skewness", channel%jarque_bera%skewness)
+         call put_member(json, "kurtosis", channel%jarque_bera%kurtosis)
+         call close_object(json)
+      else
+         call put_null(json, "jarque_bera")
+      end if
+      call put_ljung_box(json, "ljung_box", channel%ljung_box, channel%available%ljung_box)
+      call put_null(json, "fisher_g")
+      call close_object(json)
+   end subroutine put_tests
+
+   !> "adf".
+   subroutine put_adf(json, channel)
+      type(json_type), intent(inout) :: json
+      type(channel_result_type), intent(in) :: channel
+
+      if (.not. channel%available%adf) then
+         call put_null(json, "adf")
+         return
+      end if
+      call open_object(json, "adf")
+      call put_member(json, "statistic", channel%adf%statistic)
+      call put_member(json, "p_value", channel%adf%p_value)
+      call put_member(json, "lag", channel%adf%lag)
+      call put_member(json, "observations", channel%adf%observations)
+      call put_member(json, "regression", trim(channel%adf%regression))
+      call open_object(json, "critical")
+      call put_member(json, "1%", channel%adf%critical(1))
+      call put_member(json, "5%", channel%adf%critical(2))
+      call put_member(json, "10%", channel%adf%critical(3))
+      call close_object(json)
+      call put_member(json, "stationary", channel%adf%stationary)
+      call close_object(json)
+   end subroutine put_adf
+
+   !> A Ljung-Box test.
+   subroutine put_ljung_box(json, key, test, available)
+      type(json_type), intent(inout) :: json
+      character(*), intent(in) :: key
+      type(ljung_box_type), intent(in) :: test
+      logical, intent(in) :: available
+
+      if (.not. available) then
+         call put_null(json, key)
+         return
+      end if
+      call open_object(json, key)
+      call put_member(json, "statistic", test%statistic)
+      call put_member(json, "p_value", test%p_value)
+      call put_member(json, "lags", test%lags)
+      call close_object(json)
+   end subroutine put_ljung_box
+
+   !> "ar".
+   subroutine put_ar(json, channel)
+      !> The document
+      type(json_type), intent(inout) :: json
+      !> One channel
+      type(channel_result_type), intent(in) :: channel
+      integer :: i
+
+      if (.not. channel%available%ar) then
+         call put_null(json, "ar")
+         return
+      end if
+      call open_object(json, "ar")
+      call put_member(json, "method", trim(channel%ar%method))
+      call put_member(json, "criterion", trim(channel%ar%criterion))
+      call put_member(json, "order", channel%ar%order)
+      call put_member(json, "coefficients", channel%ar%coefficient)
+      call put_member(json, "std_errors", channel%ar%std_error)
+      call put_member(json, "noise_variance", channel%ar%noise_variance)
+      call put_member(json, "mean", channel%ar%mean)
+      call open_array(json, "table")
+      do i = lbound(channel%ar%table, 1), ubound(channel%ar%table, 1)
+         call open_object(json)
+         call put_member(json, "order", channel%ar%table(i)%order)
+         call put_member(json, "noise_variance", channel%ar%table(i)%noise_variance)
+         call put_member(json, "aic", channel%ar%table(i)%aic)
+         call put_member(json, "aicc", channel%ar%table(i)%aicc)
+         call put_member(json, "bic", channel%ar%table(i)%bic)
+         call put_member(json, "hqic", channel%ar%table(i)%hqic)
+         call put_member(json, "fpe", channel%ar%table(i)%fpe)
+         call put_member(json, "aic_per_observation", channel%ar%table(i)%aic_per_observation)
+         call close_object(json)
+      end do
+      call close_array(json)
+      call put_ljung_box(json, "residual_ljung_box", channel%ar%residual_ljung_box, channel%ar%residual_ljung_box%lags > 0)
+      call close_object(json)
+   end subroutine put_ar
+
+   !> "filters".
+   subroutine put_filters(json, channel)
+      !> The document
+      type(json_type), intent(inout) :: json
+      !> One channel
+      type(channel_result_type), intent(in) :: channel
+
+      call open_object(json, "filters")
+      call put_filter(json, "kf", channel%kf, channel%available%kf)
+      call put_filter(json, "akf", channel%akf, channel%available%akf)
+      call put_filter(json, "drift_kf", channel%drift_kf, channel%available%drift_kf)
+      call put_filter(json, "drift_akf", channel%drift_akf, channel%available%drift_akf)
+      call put_null(json, "drift_smoother")
+      call close_object(json)
+   end subroutine put_filters
+
+   !> One filter; "forgetting" is null where nothing is adapted.
+   subroutine put_filter(json, key, filter, available)
+      type(json_type), intent(inout) :: json
+      character(*), intent(in) :: key
+      type(filter_result_type), intent(in) :: filter
+      logical, intent(in) :: available
+      type(text_type) :: nothing(0)
+
+      if (.not. available) then
+         call put_null(json, key)
+         return
+      end if
+      call open_object(json, key)
+      call put_member(json, "mean", filter%mean)
+      call put_member(json, "variance", filter%variance)
+      call put_member(json, "gain", filter%gain)
+      call put_member(json, "dc_gain", filter%dc_gain)
+      call put_member(json, "q", filter%q)
+      call put_member(json, "r", filter%r)
+      call put_member(json, "nis_mean", filter%nis_mean)
+      call put_ljung_box(json, "ljung_box", filter%ljung_box, filter%ljung_box%lags > 0)
+      if (adapts(filter)) then
+         call put_member(json, "forgetting", filter%forgetting)
+         call put_member(json, "estimate", filter%estimate)
+      else
+         call put_null(json, "forgetting")
+         call put_member(json, "estimate", nothing)
+      end if
+      call put_member(json, "clamped", filter%clamped)
+      call put_member(json, "gated", filter%gated)
+      call put_null(json, "rmse")
+      if (allocated(filter%warnings)) then
+         call put_member(json, "warnings", filter%warnings)
+      else
+         call put_member(json, "warnings", nothing)
+      end if
+      call close_object(json)
+   end subroutine put_filter
+
+   !> The filter estimates something.
+   pure logical function adapts(filter)
+      type(filter_result_type), intent(in) :: filter
+
+      adapts = .false.
+      if (allocated(filter%estimate)) adapts = size(filter%estimate) > 0
+   end function adapts
+
+   !> "allan".
+   subroutine put_allan(json, writer, channel)
+      !> The document
+      type(json_type), intent(inout) :: json
+      !> Takes what is written, curve by curve
+      type(writer_type), intent(inout) :: writer
+      !> One channel
+      type(channel_result_type), intent(in) :: channel
+      integer :: which
+
+      call open_object(json, "allan")
+      do which = stage%input, stage%akf
+         associate (allan => channel%allan(which))
+            if (.not. allan%available) then
+               call put_null(json, trim(stage_names(which)))
+               cycle
+            end if
+            call open_object(json, trim(stage_names(which)))
+            call put_member(json, "kind", trim(allan%curve%kind))
+            call put_member(json, "tau_s", allan%curve%tau)
+            call put_member(json, "deviation", allan%curve%deviation)
+            call put_member(json, "lower", allan%curve%lower)
+            call put_member(json, "upper", allan%curve%upper)
+            call put_member(json, "edf", allan%curve%edf)
+            call put_member(json, "terms", allan%curve%terms)
+            call close_object(json)
+            call flush_json(json, writer)
+         end associate
+      end do
+      call put_null(json, "compensated")
+      call close_object(json)
+   end subroutine put_allan
+
+   !> "coefficients".
+   subroutine put_coefficients(json, channel)
+      !> The document
+      type(json_type), intent(inout) :: json
+      !> One channel
+      type(channel_result_type), intent(in) :: channel
+      integer :: which, term
+
+      call open_object(json, "coefficients")
+      do which = stage%input, stage%akf
+         call put_noise(json, trim(stage_names(which)), channel%allan(which))
+      end do
+      call put_null(json, "compensated")
+      call open_object(json, "reduction_percent")
+      do term = 1, 5
+         if (channel%reduction_known(term)) then
+            call put_member(json, term_names(term), channel%reduction_percent(term))
+         else
+            call put_null(json, term_names(term))
+         end if
+      end do
+      call close_object(json)
+      call close_object(json)
+   end subroutine put_coefficients
+
+   !> The coefficients of one series; the numbers of a term that was not fitted are null.
+   subroutine put_noise(json, key, allan)
+      type(json_type), intent(inout) :: json
+      character(*), intent(in) :: key
+      type(allan_result_type), intent(in) :: allan
+      integer :: term
+
+      if (.not. allan%fitted) then
+         call put_null(json, key)
+         return
+      end if
+      call open_object(json, key)
+      do term = 1, 5
+         associate (stated => allan%stated%term(term))
+            call open_object(json, term_names(term))
+            if (stated%fitted) then
+               call put_member(json, "value", stated%value)
+               call put_member(json, "std_error", stated%std_error)
+               call put_member(json, "upper_limit", stated%upper_limit)
+            else
+               call put_null(json, "value")
+               call put_null(json, "std_error")
+               call put_null(json, "upper_limit")
+            end if
+            call put_member(json, "detected", stated%detected)
+            call put_member(json, "unit", stated%unit)
+            call close_object(json)
+         end associate
+      end do
+      call put_member(json, "chi2_reduced", allan%noise%chi2_reduced)
+      call close_object(json)
+   end subroutine put_noise
+
+end module gyroakf_report_document_parts

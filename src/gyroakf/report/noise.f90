@@ -1,0 +1,206 @@
+! SPDX-License-Identifier: MIT
+!> Allan curve and Table III (noise coefficients before and after) of a report.
+module gyroakf_report_noise
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_record, only : record_type
+   use gyroakf_units, only : term_names, quantity
+   use gyroakf_io_writer, only : writer_type, put_line
+   use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stated_coefficient_type, stage
+   use gyroakf_report_layout, only : put_heading, put_item, pad_left, pad_right, number, count_text
+   use gyroakf_report_table, only : table_type, new_table, set_cell, put_table
+   use gyroakf_report_input, only : unit_name
+   implicit none (type, external)
+   private
+   public :: put_curve, put_coefficients, put_comparison, term_title
+
+   !> Widths of Table III
+   integer, parameter :: name_width = 25, value_width = 15, last_width = 12
+
+contains
+
+   !> The deviation curve with its confidence limits, and the fitted model beside it.
+   subroutine put_curve(writer, record, allan, title)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> For the units
+      type(record_type), intent(in) :: record
+      !> Curve, and the fit where there is one
+      type(allan_result_type), intent(in) :: allan
+      !> Which series
+      character(*), intent(in) :: title
+      type(table_type) :: table
+      character(9), parameter :: head(7) = [character(9) :: "tau", "deviation", "lower", "upper", "edf", "terms", "model"]
+      integer :: i
+
+      if (.not. allan%available) return
+      call put_heading(writer, title//": "//trim(allan%curve%kind)//" in "//unit_name(record)//", tau in "// &
+                       trim(merge("s      ", "samples", record%rate_known))//", "// &
+                       number(100*allan%curve%confidence, 4)//" % limits")
+      call new_table(table, size(allan%curve%tau) + 1, merge(7, 6, allan%fitted))
+      do i = 1, merge(7, 6, allan%fitted)
+         call set_cell(table, 1, i, trim(head(i)))
+      end do
+      do i = 1, size(allan%curve%tau)
+         call set_cell(table, i + 1, 1, number(allan%curve%tau(i), 6))
+         call set_cell(table, i + 1, 2, number(allan%curve%deviation(i), 6))
+         call set_cell(table, i + 1, 3, number(allan%curve%lower(i), 4))
+         call set_cell(table, i + 1, 4, number(allan%curve%upper(i), 4))
+         call set_cell(table, i + 1, 5, number(allan%curve%edf(i), 4))
+         call set_cell(table, i + 1, 6, count_text(allan%curve%terms(i)))
+         if (allan%fitted) call set_cell(table, i + 1, 7, number(allan%noise%model(i), 4))
+      end do
+      call put_table(writer, table, 0)
+   end subroutine put_curve
+
+   !> The coefficients of one series, in the stated units and in those of the curve.
+   subroutine put_coefficients(writer, record, allan)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> For the names of the terms
+      type(record_type), intent(in) :: record
+      !> With the fit
+      type(allan_result_type), intent(in) :: allan
+      type(table_type) :: table
+      integer :: term
+
+      if (.not. allan%fitted) return
+      call put_heading(writer, "Coefficients (limit: one-sided 95 %)")
+      call new_table(table, 6, 5)
+      call set_cell(table, 1, 2, "unit")
+      call set_cell(table, 1, 3, "value")
+      call set_cell(table, 1, 4, "std. error")
+      call set_cell(table, 1, 5, "limit")
+      do term = 1, 5
+         associate (stated => allan%stated%term(term))
+            call set_cell(table, term + 1, 1, term_title(record, term))
+            call set_cell(table, term + 1, 2, stated%unit)
+            if (.not. stated%fitted) then
+               call set_cell(table, term + 1, 3, "not fitted")
+               cycle
+            end if
+            call set_cell(table, term + 1, 3, value_text(stated))
+            if (stated%detected) call set_cell(table, term + 1, 4, number(stated%std_error, 3))
+            call set_cell(table, term + 1, 5, number(stated%upper_limit, 4))
+         end associate
+      end do
+      call put_table(writer, table, 2)
+      call put_densities(writer, allan)
+      call put_item(writer, "Fit", fit_text(allan))
+   end subroutine put_coefficients
+
+   !> Table III: coefficients as read, cleaned, and after each filter.
+   subroutine put_comparison(writer, record, channel)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> For the names of the terms
+      type(record_type), intent(in) :: record
+      !> Curves and coefficients as far as they are available
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: first, second
+      integer :: term, which
+
+      call put_heading(writer, "Table III. Noise coefficients from the Allan deviation; one standard error, or the 95 % limit, "// &
+                       "below the value; reduction from cleaned to AKF")
+      call put_line(writer, "  "//repeat(" ", name_width)//pad_left("as read", value_width)//pad_left("cleaned", value_width)// &
+                    pad_left("KF", value_width)//pad_left("AKF", value_width)//pad_left("reduction", last_width))
+      do term = 1, 5
+         first = "  "//pad_right(term_title(record, term), name_width)
+         second = "  "//pad_right("  "//coefficient_unit_name(channel, term), name_width)
+         do which = stage%input, stage%akf
+            call add_value(channel%allan(which), term, first, second)
+         end do
+         if (channel%reduction_known(term)) then
+            first = first//pad_left(number(channel%reduction_percent(term), 3)//" %", last_width)
+         else if (channel%reduction_at_least(term) > 0.0_dp) then
+            first = first//pad_left("> "//number(channel%reduction_at_least(term), 3)//" %", last_width)
+         end if
+         call put_line(writer, trim(first))
+         call put_line(writer, trim(second))
+      end do
+      call put_densities(writer, channel%allan(stage%input))
+   end subroutine put_comparison
+
+   !> Value above, uncertainty below.
+   pure subroutine add_value(allan, term, first, second)
+      type(allan_result_type), intent(in) :: allan
+      integer, intent(in) :: term
+      character(:), allocatable, intent(inout) :: first, second
+      character(:), allocatable :: value, error
+
+      associate (stated => allan%stated%term(term))
+         value = "-"
+         error = ""
+         if (allan%fitted .and. stated%fitted) then
+            value = value_text(stated)
+            error = "+/- "//number(stated%std_error, 2)
+            if (.not. stated%detected) error = "(< "//number(stated%upper_limit, 3)//")"
+         end if
+         first = first//pad_left(value, value_width)
+         second = second//pad_left(error, value_width)
+      end associate
+   end subroutine add_value
+
+   !> The number, or that there is none.
+   pure function value_text(stated) result(text)
+      type(stated_coefficient_type), intent(in) :: stated
+      character(:), allocatable :: text
+
+      text = "not detectable"
+      if (stated%detected) text = number(stated%value, 4)
+   end function value_text
+
+   !> N as the two densities that data sheets may mean.
+   subroutine put_densities(writer, allan)
+      type(writer_type), intent(inout) :: writer
+      type(allan_result_type), intent(in) :: allan
+
+      if (.not. allan%fitted .or. .not. allan%stated%in_units .or. .not. allan%stated%term(2)%detected) return
+      call put_item(writer, "N as a density", number(allan%stated%density_two_sided, 4)//" "//allan%stated%density_unit// &
+                    " two-sided (= N); "//number(allan%stated%density_one_sided, 4)//" "//allan%stated%density_unit// &
+                    " one-sided (sqrt(2) N, as some makers print it)")
+   end subroutine put_densities
+
+   pure function fit_text(allan) result(text)
+      type(allan_result_type), intent(in) :: allan
+      character(:), allocatable :: text
+
+      text = count_text(int(allan%noise%points, int64))//" points, chi2 per degree of freedom "// &
+             number(allan%noise%chi2_reduced, 3)
+   end function fit_text
+
+   !> Unit of a term, from the first series that has one.
+   pure function coefficient_unit_name(channel, term) result(name)
+      type(channel_result_type), intent(in) :: channel
+      integer, intent(in) :: term
+      character(:), allocatable :: name
+      integer :: which
+
+      name = ""
+      do which = stage%akf, stage%input, -1
+         if (channel%allan(which)%fitted) name = channel%allan(which)%stated%term(term)%unit
+      end do
+   end function coefficient_unit_name
+
+   !> "N angle random walk".
+   pure function term_title(record, term) result(title)
+      !> For the quantity
+      type(record_type), intent(in) :: record
+      !> 1 to 5
+      integer, intent(in) :: term
+      character(:), allocatable :: title
+
+      select case (term)
+      case (1); title = "quantisation"
+      case (2)
+         title = "white noise"
+         if (record%unit%quantity == quantity%angular_rate) title = "angle random walk"
+         if (record%unit%quantity == quantity%acceleration) title = "velocity random walk"
+      case (3); title = "bias instability"
+      case (4); title = "rate random walk"
+         if (record%unit%quantity == quantity%acceleration) title = "random walk"
+      case default; title = "ramp"
+      end select
+      title = term_names(term)//" "//title
+   end function term_title
+
+end module gyroakf_report_noise

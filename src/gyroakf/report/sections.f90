@@ -1,0 +1,159 @@
+! SPDX-License-Identifier: MIT
+!> Parts of a report on one channel: what was removed, and the tests with their verdict in words.
+module gyroakf_report_sections
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_record, only : record_type
+   use gyroakf_io_writer, only : writer_type
+   use gyroakf_pipeline_result, only : channel_result_type
+   use gyroakf_series_whiteness, only : ljung_box_type
+   use gyroakf_report_layout, only : put_heading, put_item, number, scientific, count_text, p_value_text, plural
+   use gyroakf_report_input, only : unit_name
+   implicit none (type, external)
+   private
+   public :: put_removed, put_tests, whiteness_text
+
+   !> A test decides at this level
+   real(dp), parameter :: level = 0.05_dp
+
+contains
+
+   !> Outliers and trend.
+   subroutine put_removed(writer, record, channel)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> For the unit
+      type(record_type), intent(in) :: record
+      !> `clean` is filled
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
+      integer :: i
+
+      call put_heading(writer, "Removed")
+      if (.not. channel%available%preprocess) then
+         call put_item(writer, "Nothing", "the record is taken as it is")
+         return
+      end if
+      if (channel%clean%method == "none") then
+         call put_item(writer, "Outliers", "not looked for")
+      else
+         text = plural(channel%clean%removed, "sample")//" ("//number(100*channel%clean%fraction, 3)//" %) beyond "// &
+                number(channel%clean%threshold, 4)//" sigma (rule: "//trim(channel%clean%method)//", "// &
+                plural(int(channel%clean%passes, int64), "round")//"); marked missing"
+         call put_item(writer, "Outliers", text)
+      end if
+      if (channel%clean%trend%degree < 0 .or. .not. allocated(channel%clean%trend%power)) then
+         call put_item(writer, "Trend", "none removed")
+         return
+      end if
+      text = ""
+      do i = 0, channel%clean%trend%degree
+         text = text//", c"//count_text(int(i, int64))//" = "// &
+                scientific(channel%clean%trend%power(lbound(channel%clean%trend%power, 1) + i), 6)
+      end do
+      call put_item(writer, "Trend", degree_name(channel%clean%trend%degree)//" in the sample index i = 0, 1, ... : "// &
+                    text(3:)//" ("//unit_name(record)//")")
+   end subroutine put_removed
+
+   !> Stationarity, normality, whiteness.
+   subroutine put_tests(writer, channel)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> Tests are filled as far as they are available
+      type(channel_result_type), intent(in) :: channel
+
+      if (channel%available%preprocess) then
+         call put_heading(writer, "Tests of the cleaned series")
+      else
+         call put_heading(writer, "Tests")
+      end if
+      call put_stationarity(writer, channel)
+      call put_normality(writer, channel)
+      if (.not. channel%available%ljung_box) then
+         call put_item(writer, "Whiteness", "not tested (see below)")
+      else if (channel%ljung_box%p_value < level) then
+         call put_item(writer, "Whiteness", "not white: "//whiteness_text(channel%ljung_box)// &
+                       "; there is correlation for a model to describe")
+      else
+         call put_item(writer, "Whiteness", "no correlation is found: "//whiteness_text(channel%ljung_box)// &
+                       "; a model has nothing to describe")
+      end if
+   end subroutine put_tests
+
+   !> The ADF test. Its null hypothesis is a unit root: rejecting it means stationary.
+   subroutine put_stationarity(writer, channel)
+      type(writer_type), intent(inout) :: writer
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
+
+      if (.not. channel%available%adf) then
+         call put_item(writer, "Stationarity", "not tested (see below)")
+         return
+      end if
+      if (channel%adf%stationary) then
+         text = "stationary: the unit root is rejected, "
+      else
+         text = "no evidence of stationarity: the unit root is not rejected, "
+      end if
+      text = text//"ADF "//number(channel%adf%statistic, 5)//" against "//number(channel%adf%critical(2), 4)//" at 5 % ("// &
+             number(channel%adf%critical(1), 4)//" at 1 %, "//number(channel%adf%critical(3), 4)//" at 10 %), "// &
+             p_value_text(channel%adf%p_value)//"; "//regression_name(channel%adf%regression)//", "// &
+             plural(int(channel%adf%lag, int64), "lag")//", "//count_text(channel%adf%observations)//" observations"
+      call put_item(writer, "Stationarity", text)
+   end subroutine put_stationarity
+
+   !> The Jarque-Bera test, with skewness and excess kurtosis as sizes of the effect.
+   subroutine put_normality(writer, channel)
+      type(writer_type), intent(inout) :: writer
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
+
+      if (.not. channel%available%jarque_bera) then
+         call put_item(writer, "Normality", "not tested (see below)")
+         return
+      end if
+      text = "no evidence against a normal distribution: "
+      if (channel%jarque_bera%p_value < level) text = "not normal: "
+      text = text//"Jarque-Bera "//number(channel%jarque_bera%statistic, 4)//", "// &
+             p_value_text(channel%jarque_bera%p_value)//"; skewness "//number(channel%jarque_bera%skewness, 3)// &
+             ", excess kurtosis "//number(channel%jarque_bera%kurtosis - 3, 3)
+      if (channel%jarque_bera%p_value < level .and. abs(channel%jarque_bera%skewness) < 0.1_dp .and. &
+          abs(channel%jarque_bera%kurtosis - 3) < 0.2_dp) text = text//": a small departure, seen because the record is long"
+      call put_item(writer, "Normality", text)
+   end subroutine put_normality
+
+   !> "Ljung-Box 2030 over 20 lags, p < 1e-20, largest |rho| 0.41".
+   pure function whiteness_text(ljung_box) result(text)
+      !> The test
+      type(ljung_box_type), intent(in) :: ljung_box
+      character(:), allocatable :: text
+
+      text = "Ljung-Box "//number(ljung_box%statistic, 4)//" over "//plural(int(ljung_box%lags, int64), "lag")//", "// &
+             p_value_text(ljung_box%p_value)//", largest |rho| "//number(ljung_box%largest_rho, 3)
+   end function whiteness_text
+
+   pure function regression_name(regression) result(name)
+      character(*), intent(in) :: regression
+      character(:), allocatable :: name
+
+      select case (regression)
+      case ("n"); name = "without a constant"
+      case ("c"); name = "with a constant"
+      case ("ct"); name = "with a constant and a line"
+      case default; name = "with a constant, a line and a parabola"
+      end select
+   end function regression_name
+
+   pure function degree_name(degree) result(name)
+      integer, intent(in) :: degree
+      character(:), allocatable :: name
+
+      select case (degree)
+      case (0); name = "constant"
+      case (1); name = "straight line"
+      case (2); name = "parabola"
+      case (3); name = "cubic"
+      case default; name = "polynomial of degree "//count_text(int(degree, int64))
+      end select
+   end function degree_name
+
+end module gyroakf_report_sections

@@ -1,0 +1,206 @@
+! SPDX-License-Identifier: MIT
+!> A record and a result with made-up numbers, so that the reports are tested without any room behind them.
+module report_fixture
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_record, only : record_type, add_text
+   use gyroakf_units, only : parse_unit
+   use gyroakf_error, only : gyro_error => error_type
+   use gyroakf_io_writer, only : writer_type, open_writer, commit_writer
+   use gyroakf_filter_series, only : filter_result_type
+   use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, stage
+   use gyroakf_pipeline_coefficients, only : state_noise, compare_coefficients
+   use json_reader, only : file_text
+   implicit none (type, external)
+   private
+   public :: make_record, make_result, begin_text, end_text
+
+   !> Written and removed by each test
+   character(*), parameter, public :: scratch = "test_report_scratch.tmp"
+
+contains
+
+   !> A writer into the scratch file.
+   subroutine begin_text(writer)
+      type(writer_type), intent(out) :: writer
+      type(gyro_error), allocatable :: failed
+
+      call open_writer(writer, scratch, failed)
+   end subroutine begin_text
+
+   !> What was written.
+   subroutine end_text(writer, text)
+      type(writer_type), intent(inout) :: writer
+      character(:), allocatable, intent(out) :: text
+      type(gyro_error), allocatable :: failed
+      integer :: unit
+
+      call commit_writer(writer, failed)
+      text = file_text(scratch)
+      open (newunit=unit, file=scratch)
+      close (unit, status="delete")
+   end subroutine end_text
+
+   !> 12 samples, one channel at 5 Hz in deg/s; or nothing known.
+   subroutine make_record(record, known)
+      type(record_type), intent(out) :: record
+      logical, intent(in) :: known
+      type(gyro_error), allocatable :: failed
+      integer :: i
+
+      record%path = "data/gyro.txt"
+      record%format = "text"
+      allocate (record%value(12, 1), record%channel(1))
+      record%value(:, 1) = [(0.25_dp*real(i, dp), i=1, 12)]
+      record%channel(1)%text = "gx"
+      record%rate_source = "none"
+      record%unit_source = "none"
+      record%audit%samples = 12
+      allocate (record%audit%minimum(1), record%audit%maximum(1), record%audit%quantisation(1))
+      record%audit%minimum = 0.25_dp
+      record%audit%maximum = 3.0_dp
+      record%audit%quantisation = 0.25_dp
+      if (.not. known) return
+      record%sample_interval = 0.2_dp
+      record%rate_known = .true.
+      record%rate_source = "header"
+      record%unit_source = "option"
+      call parse_unit("deg/s", record%unit, failed)
+      call add_text(record%warnings, "the stamps show 5.2 Hz, the option says 5 Hz")
+   end subroutine make_record
+
+   !> One channel, everything available but the drift filters.
+   subroutine make_result(record, result)
+      type(record_type), intent(in) :: record
+      type(pipeline_result_type), intent(out) :: result
+      integer :: which
+
+      result%duration = 12*record%sample_interval
+      allocate (result%channel(1))
+      associate (channel => result%channel(1))
+         channel%name = "gx"
+         call fill_series(channel)
+         call fill_model(channel)
+         call fill_filter(channel%kf, 0.2845_dp*5.24e-4_dp, 0.6072_dp)
+         call fill_filter(channel%akf, 2.0e-5_dp, 0.21_dp)
+         call add_text(channel%akf%estimate, "Q")
+         call add_text(channel%akf%estimate, "R")
+         channel%akf%clamped = 7
+         channel%kf_figures%variance_ratio = 0.2845_dp
+         channel%kf_figures%passed_percent = 60.72_dp
+         channel%akf_figures%variance_ratio = 0.038_dp
+         channel%akf_figures%passed_percent = 21.0_dp
+         do which = stage%input, stage%akf
+            call fill_allan(channel, which)
+            call state_noise(channel%allan(which)%noise, record%rate_known, record%unit, channel%allan(which)%stated)
+         end do
+         call compare_coefficients(channel)
+         call add_text(channel%warnings, "2.5 % of the samples (3) were removed as outliers, at 0.2, 0.4 s")
+         call add_text(channel%unavailable, "drift identification: too few samples")
+      end associate
+   end subroutine make_result
+
+   subroutine fill_series(channel)
+      type(channel_result_type), intent(inout) :: channel
+      real(dp), parameter :: trend(4) = [4.3e-3_dp, -2.0e-6_dp, 3.0e-10_dp, 1.25e-14_dp]
+
+      channel%available%preprocess = .true.
+      channel%raw%mean = 1.0e-3_dp
+      channel%raw%variance = 6.0e-4_dp
+      channel%raw%maximum = 3
+      channel%cleaned%variance = 5.24e-4_dp
+      channel%clean%method = "auto"
+      channel%clean%threshold = 4.27_dp
+      channel%clean%passes = 2
+      channel%clean%removed = 1
+      channel%clean%fraction = 1.0_dp/12
+      channel%clean%trend%degree = 3
+      allocate (channel%clean%trend%power(0:3), source=trend)
+      channel%available%adf = .true.
+      channel%adf%statistic = -71.5_dp
+      channel%adf%p_value = 0
+      channel%adf%observations = 11
+      channel%adf%critical = [-3.43_dp, -2.86_dp, -2.57_dp]
+      channel%adf%stationary = .true.
+      channel%available%jarque_bera = .true.
+      channel%jarque_bera%statistic = 1.2_dp
+      channel%jarque_bera%p_value = 0.55_dp
+      channel%jarque_bera%skewness = 0.0125_dp
+      channel%jarque_bera%kurtosis = 3.25_dp
+      channel%available%ljung_box = .true.
+      channel%ljung_box%statistic = 2030
+      channel%ljung_box%p_value = 0
+      channel%ljung_box%lags = 20
+      channel%ljung_box%largest_rho = 0.41_dp
+   end subroutine fill_series
+
+   subroutine fill_model(channel)
+      type(channel_result_type), intent(inout) :: channel
+      integer :: i
+
+      channel%available%ar = .true.
+      channel%ar%order = 1
+      channel%ar%samples = 12
+      channel%ar%coefficient = [0.41_dp]
+      channel%ar%std_error = [0.0083_dp]
+      channel%ar%noise_variance = 4.36e-4_dp
+      channel%ar%variance = 5.24e-4_dp
+      allocate (channel%ar%table(0:3))
+      do i = 0, 3
+         channel%ar%table(i)%order = i
+         channel%ar%table(i)%noise_variance = 4.36e-4_dp
+         channel%ar%table(i)%aic = -58800.123_dp - i
+         channel%ar%table(i)%aic_per_observation = -4.9000123_dp
+      end do
+      channel%predictable_percent = 16.8_dp
+   end subroutine fill_model
+
+   subroutine fill_filter(filter, variance, dc_gain)
+      type(filter_result_type), intent(out) :: filter
+      real(dp), intent(in) :: variance, dc_gain
+
+      filter%variance = variance
+      filter%gain = 0.477_dp
+      filter%dc_gain = dc_gain
+      filter%nis_mean = 0.75_dp
+      filter%q = 4.36e-4_dp
+      filter%r = 5.24e-4_dp
+      filter%forgetting = 0.98_dp
+      filter%steps = 12
+      filter%ljung_box%statistic = 700
+      filter%ljung_box%p_value = 0
+      filter%ljung_box%lags = 20
+      filter%ljung_box%largest_rho = 0.2_dp
+   end subroutine fill_filter
+
+   !> N always, B only before the filters, the rest below its limit, R not fitted.
+   subroutine fill_allan(channel, which)
+      type(channel_result_type), intent(inout) :: channel
+      integer, intent(in) :: which
+      real(dp), parameter :: shrink(4) = [1.0_dp, 1.0_dp, 0.6_dp, 0.2_dp]
+
+      if (which == stage%kf) channel%available%kf = .true.
+      if (which == stage%akf) channel%available%akf = .true.
+      associate (allan => channel%allan(which))
+         allan%available = .true.
+         allan%fitted = .true.
+         allan%curve%tau = [0.2_dp, 0.4_dp]
+         allan%curve%deviation = [0.02_dp, 0.0141_dp]*shrink(which)
+         allan%curve%lower = 0.9_dp*allan%curve%deviation
+         allan%curve%upper = 1.1_dp*allan%curve%deviation
+         allan%curve%edf = [11.0_dp, 5.5_dp]
+         allan%curve%terms = [11_int64, 9_int64]
+         allan%noise%model = allan%curve%deviation
+         allan%noise%points = 2
+         allan%noise%chi2_reduced = 1.1_dp
+         allan%noise%coefficient%fitted = [.true., .true., .true., .true., .false.]
+         allan%noise%coefficient%upper_limit = 3.0e-3_dp*shrink(which)
+         allan%noise%coefficient(2)%value = 0.0158_dp*shrink(which)
+         allan%noise%coefficient(2)%std_error = 2.0e-4_dp*shrink(which)
+         allan%noise%coefficient(2)%detected = .true.
+         allan%noise%coefficient(3)%value = 4.0e-3_dp*shrink(which)
+         allan%noise%coefficient(3)%std_error = 1.0e-3_dp*shrink(which)
+         allan%noise%coefficient(3)%detected = which < stage%kf
+      end associate
+   end subroutine fill_allan
+
+end module report_fixture
