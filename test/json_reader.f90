@@ -281,6 +281,7 @@ contains
       deallocate (text)
       allocate (character(length) :: text)
       read (unit, iostat=stat) text
+      if (stat /= 0) text = ""
       close (unit)
    end function file_text
 

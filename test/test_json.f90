@@ -51,9 +51,9 @@ contains
       call put_member(json, "names", names)
       call put_member(json, "x", [0.5_dp, -2.0_dp])
       call close_object(json)
-      call check(error, json_text(json), '{'//lf//'  "schema": 1,'//lf//'  "list": ['//lf//'    {'//lf//'      "yes": true,'//lf// &
-                 '      "nothing": null'//lf//'    },'//lf//'    12000'//lf//'  ],'//lf//'  "names": ["gx", "gy"],'//lf// &
-                 '  "x": [0.5, -2]'//lf//'}'//lf)
+      call check(error, json_text(json), "{"//lf//'  "schema": 1,'//lf//'  "list": ['//lf//"    {"//lf//'      "yes": true,'//lf// &
+                 '      "nothing": null'//lf//"    },"//lf//"    12000"//lf//"  ],"//lf//'  "names": ["gx", "gy"],'//lf// &
+                 '  "x": [0.5, -2]'//lf//"}"//lf)
    end subroutine test_nesting
 
    subroutine test_empty(error)
@@ -70,7 +70,7 @@ contains
       call close_array(json)
       call put_member(json, "c", nothing)
       call close_object(json)
-      call check(error, json_text(json), '{'//lf//'  "a": {},'//lf//'  "b": [],'//lf//'  "c": []'//lf//'}'//lf)
+      call check(error, json_text(json), "{"//lf//'  "a": {},'//lf//'  "b": [],'//lf//'  "c": []'//lf//"}"//lf)
    end subroutine test_empty
 
    !> 17 digits give the same bits back.

@@ -166,6 +166,7 @@ contains
       case ("option"); text = " (as the option says)"
       case ("header"); text = " (as the file says)"
       case ("timestamps"); text = " (from the time stamps)"
+      case default; text = ""
       end select
    end function source
 

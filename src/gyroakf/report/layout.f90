@@ -191,8 +191,9 @@ contains
       text = "-"
       if (.not. ieee_is_finite(value)) return
       write (layout, "(a, i0, a)") "(es40.", digits - 1, "e2)"
-      if (abs(value) > 0.0_dp .and. (abs(value) < 1.0e-99_dp .or. abs(value) > 9.9e99_dp)) &
+      if (abs(value) > 0.0_dp .and. (abs(value) < 1.0e-99_dp .or. abs(value) > 9.9e99_dp)) then
          write (layout, "(a, i0, a)") "(es40.", digits - 1, "e3)"
+      end if
       write (buffer, layout) value
       e = index(buffer, "E")
       if (e > 0) buffer(e:e) = "e"
