@@ -7,11 +7,13 @@ module gyroakf_app_cli
    use gyroakf_kinds, only : int64
    use gyroakf_error, only : error_type
    use gyroakf_app_argument, only : argument_list
+   use gyroakf_pipeline, only : apply_preset
    use gyroakf_simulate_record, only : paper_preset
-   use gyroakf_app_config, only : cli_config, text_config, reading_config, simulate_config, new_config
+   use gyroakf_app_config, only : cli_config, text_config, reading_config, analysis_config, simulate_config, new_config
    use gyroakf_app_help, only : program_help, command_help, version_text, citation_text
    use gyroakf_app_option, only : option_type, options, command_names, find_option, belongs_to, suggest_word
    use gyroakf_app_setting_input, only : set_input, check_input, set_common
+   use gyroakf_app_setting_method, only : set_method, check_method
    use gyroakf_app_setting_record, only : set_record, check_record
    use gyroakf_app_value, only : value_type, convert_value
    use gyroakf_app_words, only : given_type, words_type, sort_words, is_given, usage_error
@@ -114,10 +116,6 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer :: i
 
-      if (command /= "inspect" .and. command /= "simulate") then
-         call usage_error(error, "'"//command//"' is not available yet; inspect and simulate are")
-         return
-      end if
       call new_config(command, path, config)
       do i = 1, words%used
          call apply_option(words%given(i), config, .true., error)
@@ -130,6 +128,8 @@ contains
       call check_job(words, config, error)
       if (allocated(error)) return
       select type (config)
+      type is (analysis_config)
+         config%pipeline%keep_series = allocated(config%out) .and. config%pipeline%do_filter
       type is (simulate_config)
          config%origin = origin_of(words, config%record%seed)
       end select
@@ -200,6 +200,12 @@ contains
          end if
          if (.not. preset) call set_record(config, option, value, error)
       end select
+      if (allocated(error)) return
+      select type (config)
+      type is (analysis_config)
+         if (preset) call apply_preset(value%text, config%pipeline, error)
+         if (.not. preset) call set_method(config%pipeline, option, value, error)
+      end select
    end subroutine apply_option
 
    !> What no single option can tell.
@@ -231,6 +237,11 @@ contains
             return
          end if
          call check_record(config%record, error)
+      end select
+      if (allocated(error)) return
+      select type (config)
+      type is (analysis_config)
+         call check_method(config%pipeline, is_given(words, "--outlier-threshold"), error)
       end select
    end subroutine check_job
 

@@ -2,10 +2,11 @@
 !> What a command line asks for: one type for every kind of command, filled by [[gyroakf_app_cli]].
 module gyroakf_app_config
    use gyroakf_io_reader, only : reader_options
+   use gyroakf_pipeline, only : pipeline_options
    use gyroakf_simulate_record, only : simulate_options
    implicit none (type, external)
    private
-   public :: cli_config, text_config, reading_config, inspect_config, simulate_config
+   public :: cli_config, text_config, reading_config, inspect_config, analysis_config, simulate_config
    public :: new_config
 
    !> Common to all commands
@@ -25,7 +26,7 @@ module gyroakf_app_config
    end type text_config
 
    !> Every command that reads a recording
-   type, extends(cli_config) :: reading_config
+   type, extends(cli_config), abstract :: reading_config
       !> The recording, "-" is standard input
       character(:), allocatable :: path
       !> How it is read
@@ -37,6 +38,14 @@ module gyroakf_app_config
    !> inspect
    type, extends(reading_config) :: inspect_config
    end type inspect_config
+
+   !> run, allan, tests, ar, filter
+   type, extends(reading_config) :: analysis_config
+      !> What is computed and how
+      type(pipeline_options) :: pipeline
+      !> Directory of the result files; unallocated: none
+      character(:), allocatable :: out
+   end type analysis_config
 
    !> simulate
    type, extends(cli_config) :: simulate_config
@@ -62,8 +71,9 @@ contains
       class(cli_config), allocatable, intent(out) :: config
 
       select case (command)
+      case ("inspect"); allocate (inspect_config :: config)
       case ("simulate"); allocate (simulate_config :: config)
-      case default; allocate (inspect_config :: config)
+      case default; allocate (analysis_config :: config)
       end select
       config%command = command
       select type (config)
@@ -72,6 +82,25 @@ contains
       type is (simulate_config)
          config%output = "-"
       end select
+      select type (config)
+      type is (analysis_config)
+         if (command == "run") return
+         call choose_rooms(command, config%pipeline)
+      end select
    end subroutine new_config
+
+   !> A single command: the record as it is, and only the rooms that it names.
+   subroutine choose_rooms(command, pipeline)
+      character(*), intent(in) :: command
+      type(pipeline_options), intent(inout) :: pipeline
+
+      pipeline%clean%method = "none"
+      pipeline%clean%degree = -1
+      pipeline%do_allan = command == "allan"
+      pipeline%do_tests = command == "tests"
+      pipeline%do_ar = command == "ar" .or. command == "filter"
+      pipeline%do_filter = command == "filter"
+      if (command == "ar") pipeline%ar%max_order = 12
+   end subroutine choose_rooms
 
 end module gyroakf_app_config

@@ -8,13 +8,16 @@ module gyroakf_app_driver
    use gyroakf_error, only : error_type, exit_code, status
    use gyroakf_io_record_writer, only : write_record
    use gyroakf_io_reader, only : read_record
-   use gyroakf_io_writer, only : writer_type, open_writer, put, commit_writer
+   use gyroakf_io_writer, only : writer_type, open_writer, put, complete_writer, commit_writer, discard_writer
+   use gyroakf_pipeline, only : pipeline_result_type, run_pipeline
    use gyroakf_record, only : record_type, text_type
-   use gyroakf_report_input, only : report_inspect
+   use gyroakf_report_document, only : write_document
+   use gyroakf_report_files, only : write_results
+   use gyroakf_report_text, only : report_run, report_inspect, report_allan, report_tests, report_ar, report_filter
    use gyroakf_simulate_record, only : simulate_record
    use gyroakf_app_argument, only : argument_list, process_source, read_arguments
    use gyroakf_app_cli, only : get_config
-   use gyroakf_app_config, only : cli_config, text_config, inspect_config, simulate_config
+   use gyroakf_app_config, only : cli_config, text_config, inspect_config, analysis_config, simulate_config
    implicit none (type, external)
    private
    public :: run_program
@@ -47,6 +50,7 @@ contains
       select type (config)
       type is (text_config); call print_text(config%text, error)
       type is (inspect_config); call inspect(config, error)
+      type is (analysis_config); call analyse(config, error)
       type is (simulate_config); call simulate(config, error)
       end select
    end subroutine execute
@@ -72,12 +76,85 @@ contains
 
       call read_record(config%path, config%reader, record, error)
       if (allocated(error)) return
+      if (allocated(config%json)) then
+         call begin_document(config%json, record, writer, error)
+         if (.not. allocated(error)) call commit_writer(writer, error)
+         if (allocated(error) .or. config%json == "-") return
+      end if
       if (config%quiet) return
       call open_writer(writer, "-", error)
       if (allocated(error)) return
       call report_inspect(writer, record)
       call commit_writer(writer, error)
    end subroutine inspect
+
+   !> run, allan, tests, ar, filter: the files first, standard output last.
+   subroutine analyse(config, error)
+      type(analysis_config), intent(in) :: config
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      type(writer_type) :: document
+      character(:), allocatable :: json
+
+      call read_record(config%path, config%reader, record, error)
+      if (.not. allocated(error)) call run_pipeline(record, config%pipeline, result, error)
+      if (allocated(error)) return
+      json = ""
+      if (allocated(config%json)) json = config%json
+      if (json /= "" .and. json /= "-") then
+         call begin_document(json, record, document, error, result)
+         if (.not. allocated(error)) call complete_writer(document, error)
+         if (allocated(error)) return
+      end if
+      if (allocated(config%out)) call write_results(config%out, config%command, record, config%pipeline, result, error)
+      if (allocated(error)) then
+         call discard_writer(document)
+         return
+      end if
+      if (json /= "" .and. json /= "-") call commit_writer(document, error)
+      if (.not. allocated(error)) call print_result(config, json == "-", record, result, error)
+   end subroutine analyse
+
+   !> The JSON document or the command's report on standard output.
+   subroutine print_result(config, as_json, record, result, error)
+      type(analysis_config), intent(in) :: config
+      logical, intent(in) :: as_json
+      type(record_type), intent(in) :: record
+      type(pipeline_result_type), intent(in) :: result
+      type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: writer
+
+      if (config%quiet .and. .not. as_json) return
+      if (as_json) then
+         call begin_document("-", record, writer, error, result)
+      else
+         call open_writer(writer, "-", error)
+      end if
+      if (allocated(error)) return
+      if (.not. as_json) then
+         select case (config%command)
+         case ("allan"); call report_allan(writer, record, config%pipeline, result)
+         case ("tests"); call report_tests(writer, record, config%pipeline, result)
+         case ("ar"); call report_ar(writer, record, config%pipeline, result)
+         case ("filter"); call report_filter(writer, record, config%pipeline, result)
+         case default; call report_run(writer, record, config%pipeline, result)
+         end select
+      end if
+      call commit_writer(writer, error)
+   end subroutine print_result
+
+   !> The JSON document in an open writer; without a result it tells what was read.
+   subroutine begin_document(path, record, writer, error, result)
+      character(*), intent(in) :: path
+      type(record_type), intent(in) :: record
+      type(writer_type), intent(out) :: writer
+      type(error_type), allocatable, intent(out) :: error
+      type(pipeline_result_type), intent(in), optional :: result
+
+      call open_writer(writer, path, error)
+      if (.not. allocated(error)) call write_document(writer, record, result)
+   end subroutine begin_document
 
    !> simulate: a record as a text file.
    subroutine simulate(config, error)

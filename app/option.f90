@@ -55,9 +55,9 @@ module gyroakf_app_option
    character(*), parameter :: none = ""
 
    !> Groups and their titles, in the order of the help
-   character(28), parameter :: group_titles(2, 8) = reshape([character(28) :: &
-      "input", "Reading", "clean", "Cleaning", "tests", "Tests", "ar", "AR model", &
-      "filter", "Filters", "allan", "Allan analysis", "record", "The simulated record", "common", "Common"], [2, 8])
+   character(28), parameter :: group_titles(2, 9) = reshape([character(28) :: &
+      "input", "Reading", "preset", "Preset", "clean", "Cleaning", "tests", "Tests", "ar", "AR model", &
+      "filter", "Filters", "allan", "Allan analysis", "record", "The simulated record", "common", "Common"], [2, 9])
 
    type(option_type), parameter :: input_options(*) = [ &
       option_type("--rate", "HZ", "positive", reading, "input", "sample rate; overrides header and time stamps"), &
@@ -80,6 +80,9 @@ module gyroakf_app_option
                   "a line that cannot be read is an error, or marked missing and counted")]
 
    type(option_type), parameter :: series_options(*) = [ &
+      option_type("--preset", "paper", "choice", "run", "preset", &
+                  "the paper's chain to the letter: 3 sigma, cubic trend, AIC over AR(1..3), b = 0.98; other options "// &
+                  "change it"), &
       option_type("--outliers", "none|auto|pauta|mad", "choice", analysing, "clean", &
                   "mark outliers missing; auto: Pauta's rule with the threshold for the record's length (default in "// &
                   "run, else none)", "hampel"), &
@@ -99,11 +102,14 @@ module gyroakf_app_option
       option_type("--order", "N", "natural", "run ar filter", "ar", "take this order"), &
       option_type("--akf", "paper|robust", "choice", "run filter", "filter", &
                   "the adaptive filter: the paper's Sage-Husa on Q and R, or on R only in residual form"), &
-      option_type("--forgetting", "B", "share", "run filter", "filter", "forgetting factor b (default 0.98)"), &
+      option_type("--forgetting", "B", "share", "run filter", "filter", &
+                  "forgetting factor b of the adaptive filters (default 0.98; 0.995 for that of the drift)"), &
       option_type("--estimate", "q,r,Q,R", "text", "run filter", "filter", &
                   "what adapts: means q and r, variances Q and R (default Q,R)"), &
       option_type("--r-factor", "F", "positive", "run filter", "filter", &
                   "R of the Kalman filter is F times the variance of the series (default 1)"), &
+      option_type("--drift-tau", "S", "positive", "run filter", "filter", &
+                  "what is slower than this counts as drift (default: the larger of 5 samples and 1 s)"), &
       option_type("--kinds", "oadev", "choices", "run allan", "allan", "kinds of deviation: overlapping Allan", &
                   "adev|mdev|hdev|ohdev|tdev|totdev"), &
       option_type("--taus", "octave|decade|log:N|all|LIST", "text", "run allan", "allan", &
@@ -114,9 +120,7 @@ module gyroakf_app_option
       option_type("--terms", "auto|QNBKR", "text", "run allan", "allan", &
                   "terms that are fitted, e.g. NBK (default: all five, none of them negative)"), &
       option_type("--fit-tau-min", "S", "positive", "run allan", "allan", "the fit begins at this averaging time"), &
-      option_type("--fit-tau-max", "S", "positive", "run allan", "allan", "the fit ends at this averaging time"), &
-      option_type("--preset", "paper", "choice", "run", "clean", &
-                  "the paper's chain to the letter: 3 sigma, cubic trend, AIC over AR(1..3), b = 0.98")]
+      option_type("--fit-tau-max", "S", "positive", "run allan", "allan", "the fit ends at this averaging time")]
 
    type(option_type), parameter :: record_options(*) = [ &
       option_type("--preset", "paper", "choice", "simulate", "record", &
@@ -150,8 +154,7 @@ module gyroakf_app_option
       option_type("--memory", "SIZE", "later", none), &
       option_type("--progress", "auto|on|off", "later", none), &
       option_type("--config", "FILE", "later", none), &
-      option_type("--truth", "FILE", "later", none), &
-      option_type("--drift-tau", "S", "later", none)]
+      option_type("--truth", "FILE", "later", none)]
 
    !> All options
    type(option_type), parameter :: options(*) = [input_options, series_options, record_options, common_options]

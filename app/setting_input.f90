@@ -5,7 +5,7 @@ module gyroakf_app_setting_input
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_reader, only : reader_options
    use gyroakf_units, only : unit_type, parse_unit, quantity
-   use gyroakf_app_config, only : cli_config, reading_config
+   use gyroakf_app_config, only : cli_config, reading_config, analysis_config
    use gyroakf_app_option, only : option_type
    use gyroakf_app_value, only : value_type, value_error, not_wired
    implicit none (type, external)
@@ -110,6 +110,11 @@ contains
          select type (config)
          class is (reading_config)
             config%json = value%text
+         end select
+      case ("--out")
+         select type (config)
+         type is (analysis_config)
+            config%out = value%text
          end select
       case default; call not_wired(option, error)
       end select

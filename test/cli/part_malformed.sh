@@ -7,12 +7,16 @@ while IFS= read -r line; do
    # shellcheck disable=SC2059
    printf "$content" >bad.txt
    # shellcheck disable=SC2086
-   bad "$name" "$expected" "$fragment" inspect bad.txt $options
+   bad "$name" "$expected" "$fragment" run bad.txt $options --out results --json results.json
+   if [ -e results ] || [ -e results.json ]; then
+      fail "$name: an output file was written"
+      rm -rf results results.json
+   fi
 done <"$here/cases"
 
-bad "no such file" 2 "nofile.txt" inspect nofile.txt
-bad "a directory" 2 "." inspect .
-bad "line of the error" 2 "2x" inspect <(printf '1\n2x\n')
+bad "no such file" 2 "nofile.txt" nofile.txt
+bad "a directory" 2 "." run .
+bad "line of the error" 2 "2x" <(printf '1\n2x\n')
 printf '1\n2x\n3\n' >bad.txt
-run inspect bad.txt
+run bad.txt
 is "a caret under the text" "$(sed -n 3p err)" "^"

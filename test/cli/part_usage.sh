@@ -25,5 +25,60 @@ bad "unknown command with a file" 1 "unknown command 'selftest'; the commands ar
 bad "flag with a value" 1 "option '--quiet' takes no value" x.txt --quiet=yes
 bad "no value at the end" 1 "option '--json' needs a value: --json FILE" x.txt --json
 bad "no value before an option" 1 "option '--json' needs a value" x.txt --json --quiet
-good "simulate the paper's record" simulate --preset paper
-if cmp -s out "$root/example/data/mems_gyro_x.txt"; then pass; else fail "simulate --preset paper is not the example's record"; fi
+
+# Options: text in the message ; the arguments. None of the files exists: the command line is checked first.
+while IFS= read -r line; do
+   # shellcheck disable=SC2086
+   bad "usage: ${line##* ; }" 1 "${line%% ; *}" ${line##* ; }
+done <<'LINES'
+no file; '-' reads standard input ; allan
+more than one file: 'x.txt' and 'y.txt' ; x.txt y.txt
+more than one file: 'x.txt' and 'y.txt' ; allan x.txt y.txt
+simulate reads no file ; simulate x.txt
+'abc' is not a number ; x.txt --rate abc
+'-3' is not larger than 0 ; x.txt --rate=-3
+'-3' is not larger than 0 ; x.txt --rate -3
+'0' is not larger than 0 ; x.txt --dt 0
+'1e999' is too large for a number ; x.txt --rate 1e999
+'nan' is not a number ; x.txt --rate nan
+the value is empty ; x.txt --rate=
+--rate and --dt say the same thing ; x.txt --rate 5 --dt 0.2
+unknown unit 'parsec' ; x.txt --unit parsec
+'deg' is the unit of an angle ; x.txt --unit deg
+with --input increment the unit is that of the angle ; x.txt --unit deg/s --input increment
+'rates' is not one of these ; x.txt --input rates
+'npy' is not available in this version ; x.txt --format npy
+'mdev' is not available in this version ; x.txt --kinds oadev,mdev
+'foo' is not one of these ; x.txt --kinds foo
+other letters than Q N B K R ; x.txt --terms QX
+'foo' is not one of these ; x.txt --taus foo
+log:0 has no averaging times ; x.txt --taus log:0
+'x' is not a number ; x.txt --taus 1,2,x
+averaging times are larger than 0 ; x.txt --taus 1,-2
+'hampel' is not available in this version ; x.txt --outliers hampel
+--outlier-threshold without --outliers ; allan x.txt --outlier-threshold 3
+'10' is not a whole number from 0 to 9 ; x.txt --detrend 10
+q, r, Q, R at most once ; x.txt --estimate q,r,Q,Q
+limits that always hold are infinite ; x.txt --confidence 1
+'1.5' is not larger than 0 and at most 1 ; x.txt --forgetting 1.5
+'--memory' is not available in this version ; x.txt --memory 1G
+'--progress' is not available in this version ; x.txt --progress=on
+'--config' is not available in this version ; x.txt --config f
+'--truth' is not available in this version ; x.txt --truth f
+'--forgetting' is not one of 'inspect' ; inspect x.txt --forgetting 0.9
+--order is larger than --max-order ; ar x.txt --order 5 --max-order 3
+'5000' is not a whole number from 0 to 1000 ; x.txt --adf-lags 5000
+--ar and --ar-variance go together ; simulate --ar 0.5
+'N=2' is not a term given once ; simulate --coefficients N=1,N=2
+'N=-1' is not a term given once ; simulate --coefficients N=-1
+'n=1' is not a term given once ; simulate --coefficients n=1
+'N' is not a term given once ; simulate --coefficients N
+'-1' is not a whole number ; simulate --seed -1
+'2' is not from 0 to 0.9 ; simulate --missing 2
+'foo' is not one of these ; simulate --preset foo
+it is at least 1 ; x.txt --threads 0
+--from is not before --to ; x.txt --from 5 --to 3
+'-1' is before the first sample ; x.txt --from -1
+--fit-tau-min is not below --fit-tau-max ; x.txt --fit-tau-min 5 --fit-tau-max 3
+0 leaves nothing ; x.txt --scale 0
+LINES

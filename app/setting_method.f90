@@ -1,0 +1,208 @@
+! SPDX-License-Identifier: MIT
+!> Options of the method: cleaning, tests, AR model, filters, Allan analysis.
+module gyroakf_app_setting_method
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_allan_noise_fit, only : noise_options
+   use gyroakf_filter_design, only : design_options
+   use gyroakf_pipeline, only : pipeline_options
+   use gyroakf_units, only : term_names
+   use gyroakf_app_option, only : option_type
+   use gyroakf_app_value, only : value_type, value_error, not_wired, convert_list, is_word
+   implicit none (type, external)
+   private
+   public :: set_method, check_method
+
+   !> Largest AR order and number of lags that can be asked for
+   integer(int64), parameter :: most_lags = 1000
+
+contains
+
+   !> Applies an option of one of the groups "clean", "tests", "ar", "filter", "allan".
+   subroutine set_method(pipeline, option, value, error)
+      !> What is changed
+      type(pipeline_options), intent(inout) :: pipeline
+      !> Row of the table
+      type(option_type), intent(in) :: option
+      !> Its value
+      type(value_type), intent(in) :: value
+      !> usage
+      type(error_type), allocatable, intent(out) :: error
+
+      select case (option%group)
+      case ("clean", "tests"); call set_series(pipeline, option, value, error)
+      case ("ar", "filter"); call set_model(pipeline, option, value, error)
+      case ("allan"); call set_allan(pipeline, option, value, error)
+      case default                          ! no option of the method
+      end select
+   end subroutine set_method
+
+   !> What is wrong with the options as a whole.
+   subroutine check_method(pipeline, threshold_given, error)
+      !> All options
+      type(pipeline_options), intent(in) :: pipeline
+      !> --outlier-threshold was given
+      logical, intent(in) :: threshold_given
+      !> usage
+      type(error_type), allocatable, intent(out) :: error
+
+      if (threshold_given .and. pipeline%clean%method == "none") then
+         call fatal_error(error, status%usage, "--outlier-threshold without --outliers: no outliers are looked for")
+      else if (pipeline%ar%order > pipeline%ar%max_order) then
+         call fatal_error(error, status%usage, "--order is larger than --max-order")
+      else if (pipeline%noise%tau_min >= pipeline%noise%tau_max) then
+         call fatal_error(error, status%usage, "--fit-tau-min is not below --fit-tau-max: nothing would be fitted")
+      end if
+   end subroutine check_method
+
+   !> Cleaning and tests.
+   subroutine set_series(pipeline, option, value, error)
+      type(pipeline_options), intent(inout) :: pipeline
+      type(option_type), intent(in) :: option
+      type(value_type), intent(in) :: value
+      type(error_type), allocatable, intent(out) :: error
+
+      select case (option%name)
+      case ("--outliers"); pipeline%clean%method = value%text
+      case ("--outlier-threshold"); pipeline%clean%threshold = value%number
+      case ("--detrend"); call set_small(option, value%text, "none", 9, pipeline%clean%degree, error)
+      case ("--adf-regression"); pipeline%adf%regression = value%text
+      case ("--adf-lags"); call set_small(option, value%text, "auto", int(most_lags), pipeline%adf%lags, error)
+      case ("--adf-criterion"); pipeline%adf%criterion = value%text
+      case default; call not_wired(option, error)
+      end select
+   end subroutine set_series
+
+   !> AR model and filters.
+   subroutine set_model(pipeline, option, value, error)
+      type(pipeline_options), intent(inout) :: pipeline
+      type(option_type), intent(in) :: option
+      type(value_type), intent(in) :: value
+      type(error_type), allocatable, intent(out) :: error
+
+      select case (option%name)
+      case ("--ar-method"); pipeline%ar%method = value%text
+      case ("--ar-criterion"); pipeline%ar%criterion = value%text
+      case ("--max-order"); call set_small(option, value%text, "", int(most_lags), pipeline%ar%max_order, error)
+      case ("--order"); call set_small(option, value%text, "", int(most_lags), pipeline%ar%order, error)
+         pipeline%ar%max_order = max(pipeline%ar%max_order, pipeline%ar%order)
+      case ("--akf"); pipeline%design%akf = value%text
+         if (value%text == "robust") pipeline%design%estimate = "R"
+      case ("--forgetting"); pipeline%design%forgetting = value%number
+         pipeline%drift%forgetting = value%number
+      case ("--drift-tau"); pipeline%drift_tau = value%number
+      case ("--estimate"); call set_estimate(pipeline%design, option, value%text, error)
+      case ("--r-factor"); pipeline%design%r_factor = value%number
+      case default; call not_wired(option, error)
+      end select
+   end subroutine set_model
+
+   !> Allan curve and its fit.
+   subroutine set_allan(pipeline, option, value, error)
+      type(pipeline_options), intent(inout) :: pipeline
+      type(option_type), intent(in) :: option
+      type(value_type), intent(in) :: value
+      type(error_type), allocatable, intent(out) :: error
+
+      select case (option%name)
+      case ("--kinds"); pipeline%allan%kind = value%text
+      case ("--taus"); call check_taus(option, value%text, error)
+         pipeline%allan%taus = value%text
+      case ("--confidence")
+         pipeline%allan%confidence = value%number
+         pipeline%noise%confidence = value%number
+         if (value%number >= 1) call value_error(option, "limits that always hold are infinite", error)
+      case ("--min-coverage"); pipeline%allan%min_coverage = value%number
+      case ("--terms"); call set_terms(pipeline%noise, option, value%text, error)
+      case ("--fit-tau-min"); pipeline%noise%tau_min = value%number
+      case ("--fit-tau-max"); pipeline%noise%tau_max = value%number
+      case default; call not_wired(option, error)
+      end select
+   end subroutine set_allan
+
+   !> A small whole number from 0, or a word that means -1.
+   subroutine set_small(option, text, word, largest, number, error)
+      type(option_type), intent(in) :: option
+      character(*), intent(in) :: text, word
+      integer, intent(in) :: largest
+      integer, intent(inout) :: number
+      type(error_type), allocatable, intent(out) :: error
+      character(8) :: limit
+      integer :: given
+
+      given = -1
+      if (text == word .and. word /= "") then
+         number = -1
+         return
+      end if
+      if (len(text) <= 6 .and. verify(text, "0123456789") == 0) read (text, "(i6)") given
+      if (given >= 0 .and. given <= largest) then
+         number = given
+         return
+      end if
+      write (limit, "(i0)") largest
+      call value_error(option, "'"//text//"' is not a whole number from 0 to "//trim(limit), error)
+   end subroutine set_small
+
+   !> Any of q, r, Q, R, with or without commas.
+   subroutine set_estimate(design, option, text, error)
+      type(design_options), intent(inout) :: design
+      type(option_type), intent(in) :: option
+      character(*), intent(in) :: text
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i
+
+      design%estimate = ""
+      do i = 1, len(text)
+         if (text(i:i) == ",") cycle
+         if (verify(text(i:i), "qrQR") /= 0 .or. index(design%estimate, text(i:i)) > 0) then
+            call value_error(option, "'"//text//"' does not name each of q, r, Q, R at most once", error)
+            return
+         end if
+         design%estimate = trim(design%estimate)//text(i:i)
+      end do
+   end subroutine set_estimate
+
+   !> Some of Q N B K R, in that order whatever the order of the letters.
+   subroutine set_terms(noise, option, text, error)
+      type(noise_options), intent(inout) :: noise
+      type(option_type), intent(in) :: option
+      character(*), intent(in) :: text
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i
+
+      noise%terms = ""
+      if (text /= "auto" .and. verify(text, "QNBKR") /= 0) then
+         call value_error(option, "'"//text//"' has other letters than Q N B K R", error)
+         return
+      end if
+      do i = 1, size(term_names)
+         if (text == "auto" .or. index(text, term_names(i)) > 0) noise%terms = trim(noise%terms)//term_names(i)
+      end do
+   end subroutine set_terms
+
+   !> octave, decade, all, log:N or seconds.
+   subroutine check_taus(option, text, error)
+      type(option_type), intent(in) :: option
+      character(*), intent(in) :: text
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: seconds(:)
+      integer :: per_decade
+
+      if (is_word(text, "octave|decade|all")) return
+      if (index(text, "log:") == 1) then
+         call set_small(option, text(5:), "", 10000, per_decade, error)
+         if (allocated(error)) return
+         if (per_decade == 0) call value_error(option, "log:0 has no averaging times", error)
+         return
+      end if
+      if (verify(text(1:1), "0123456789.+-") /= 0) then
+         call value_error(option, "'"//text//"' is not one of these", error)
+         return
+      end if
+      call convert_list(option, text, seconds, error)
+      if (allocated(error)) return
+      if (any(seconds <= 0)) call value_error(option, "averaging times are larger than 0", error)
+   end subroutine check_taus
+
+end module gyroakf_app_setting_method

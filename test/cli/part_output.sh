@@ -1,0 +1,119 @@
+# shellcheck shell=bash
+# SPDX-License-Identifier: MIT
+# What is written where, and what happens where it cannot be.
+example=$root/example/data/mems_gyro_x.txt
+
+# number KEY FILE: the first number of that key in a JSON document
+number() { sed -nE "s/^.*\"$1\": *(-?[0-9.eE+-]+).*/\1/p" "$2" | head -n 1; }
+# near NAME ACTUAL EXPECTED TOLERANCE
+near() {
+   if awk -v a="$2" -v e="$3" -v t="$4" 'BEGIN { d = a - e; if (d < 0) d = -d; exit !(a != "" && d <= t) }'; then pass
+   else fail "$1: $2 is not $3 within $4"; fi
+}
+
+good "simulate the paper's record" simulate --preset paper
+if cmp -s out "$example"; then pass; else fail "simulate --preset paper is not example/data/mems_gyro_x.txt"; fi
+good "simulate into a file" simulate --preset paper --output paper.txt
+if cmp -s paper.txt "$example"; then pass; else fail "simulate --output differs"; fi
+is "simulate --output prints nothing" "$(cat out)" ""
+good "simulate with terms" simulate --samples 2000 --rate 100 --coefficients N=0.005,B=0.001,R=-1e-6 --seed 7 \
+   --missing 0.01 --output terms.txt
+holds "simulate states the seed" "7" terms.txt
+good "simulated record is read" inspect terms.txt --json -
+is "simulated samples" "$(number samples out)" 2000
+is "simulated rate" "$(number rate_hz out)" 100
+
+good "run on the example" run "$example" --out results --json all.json
+holds "report on standard output" "AKF" out
+is "report fits 100 columns" "$(LC_ALL=C.UTF-8 awk 'length > 100' out)" ""
+is "the result files" "$(cd results && echo *)" "allan.csv coefficients.csv report.txt results.json series.csv"
+if cmp -s results/results.json all.json; then pass; else fail "results.json and --json differ"; fi
+if cmp -s results/report.txt out; then pass; else fail "report.txt and standard output differ"; fi
+is "series.csv is complete" "$(grep -c '^[-0-9]' results/series.csv)" 12000
+sum=$(cat results/* | cksum)
+good "run into the same directory again" run "$example" --out results --quiet
+is "--quiet prints nothing" "$(cat out)" ""
+is "the same results again" "$(cat results/* | cksum)" "$sum"
+is "nothing is left aside" "$(cd results && echo * .[!.]*)" "allan.csv coefficients.csv report.txt results.json series.csv .[!.]*"
+
+if command -v python3 >/dev/null; then
+   # the numbers that issue and README promise: ratio of KF and cleaned variance, phi, order, stationarity, AKF below KF
+   if python3 - all.json <<'PYTHON'
+import json, math, sys
+channel = json.load(open(sys.argv[1]))["channels"][0]
+kf, akf, clean = (channel["filters"]["kf"]["variance"], channel["filters"]["akf"]["variance"], channel["preprocess"]["variance"])
+ar = channel["ar"]
+def check(name, holds):
+    if not holds: sys.exit("run on the example: " + name)
+check("KF variance ratio %g" % (kf/clean), abs(kf/clean/0.2845 - 1) < 0.06)
+check("AKF variance", 0 < akf < kf)
+check("phi %r" % ar["coefficients"], abs(ar["coefficients"][0] - 0.41) < 3*ar["std_errors"][0])
+table = ar["table"]
+check("order by BIC", min(table, key=lambda row: row["bic"])["order"] == 1)
+check("ADF", channel["tests"]["adf"]["stationary"] is True)
+check("outliers removed", channel["preprocess"]["outliers"]["removed"] >= 12)
+for stage in "input", "cleaned", "kf", "akf":
+    for term in "QNBKR":
+        value = channel["coefficients"][stage][term]["value"]
+        check(stage + " " + term, value is None or (math.isfinite(value) and (value >= 0 or term == "R")))
+PYTHON
+   then pass; else fail "numbers of the example"; fi
+fi
+
+"$gyroakf" run "$example" --json one.json --threads 1 --quiet && "$gyroakf" run "$example" --json two.json --threads 2 --quiet
+if command -v python3 >/dev/null; then
+   if python3 - one.json two.json <<'PYTHON'
+import json, sys
+def compare(a, b, path):
+    if type(a) is not type(b): sys.exit("%s: %r %r" % (path, a, b))
+    if isinstance(a, dict):
+        if a.keys() != b.keys(): sys.exit(path + ": keys")
+        for key in a: compare(a[key], b[key], path + "/" + key)
+    elif isinstance(a, list):
+        if len(a) != len(b): sys.exit(path + ": length")
+        for i, pair in enumerate(zip(a, b)): compare(*pair, "%s/%d" % (path, i))
+    elif isinstance(a, float):
+        if abs(a - b) > 1e-12*max(abs(a), abs(b)): sys.exit("%s: %.17g %.17g" % (path, a, b))
+    elif a != b: sys.exit("%s: %r %r" % (path, a, b))
+compare(*(json.load(open(name)) for name in sys.argv[1:3]), "")
+PYTHON
+   then pass; else fail "--threads 1 and 2 differ"; fi
+fi
+
+for command in allan tests ar filter; do
+   good "$command" $command "$example"
+   is "$command fits 100 columns" "$(LC_ALL=C.UTF-8 awk 'length > 100' out)" ""
+   good "$command with JSON" $command "$example" --json -
+   is "$command --json - prints only JSON" "$(head -c 1 out)" "{"
+   good "$command into a directory" $command "$example" --out "dir_$command" --quiet
+   for file in report.txt results.json; do
+      if [ -s "dir_$command/$file" ]; then pass; else fail "$command --out: no $file"; fi
+   done
+done
+good "allan with options" allan "$example" --taus log:5 --confidence 0.95 --terms NBK --fit-tau-min 0.5 --fit-tau-max 500
+good "a list of averaging times" allan "$example" --taus 1,2,10,100
+good "ar with options" ar "$example" --outliers mad --outlier-threshold 4 --detrend 2 --order 2 --ar-criterion bic
+good "tests with options" tests "$example" --adf-regression ct --adf-lags 3 --detrend none
+good "filter with options" filter "$example" --akf robust --forgetting 0.99 --r-factor 2 --outliers auto --detrend 3
+good "filter adapts all four" filter "$example" --outliers auto --detrend 3 --estimate q,r,Q,R
+good "filter of a slower drift" filter "$example" --outliers auto --detrend 3 --drift-tau 10
+good "the paper's chain" run "$example" --preset paper
+good "a preset changed" run "$example" --outlier-threshold 4 --preset paper --json -
+
+bad "JSON into a directory that is not there" 2 "nowhere" run "$example" --json nowhere/x.json
+bad "JSON over a directory" 2 "results" run "$example" --json results
+bad "directory over a file" 2 "plain.txt" run "$example" --out plain.txt
+bad "JSON over the recording" 1 "overwrite" run plain.txt --json plain.txt
+if [ "$(id -u)" -ne 0 ]; then
+   mkdir locked && chmod 555 locked
+   bad "directory that cannot be written" 2 "locked" run "$example" --out locked
+   bad "JSON that cannot be written" 2 "locked" run "$example" --json locked/x.json
+fi
+if [ -e /dev/full ]; then
+   "$gyroakf" run "$example" >/dev/full 2>err
+   is "full disk on standard output" $? 2
+   holds "full disk is an error" "gyroakf: error: " err
+fi
+# a reader that goes away: no run-time error, no traceback
+"$gyroakf" run "$example" 2>err | head -n 1 >/dev/null
+if grep -qiE 'backtrace|run-?time error|fortran' err; then fail "closed pipe: $(head -c 300 err)"; else pass; fi

@@ -1,0 +1,97 @@
+# shellcheck shell=bash
+# SPDX-License-Identifier: MIT
+# The same numbers, whatever way they come in: text, CSV, CRLF, byte-order mark, pipes, locales.
+seq 1 400 | awk 'BEGIN { printf "# rate_hz: 50\n# unit: deg/s\n# columns: gx gy\n" }
+   { printf "%.6f %.6f\n", sin($1*$1), cos(3*$1*$1) + 0.01*$1 }' >plain.txt
+
+results() { grep -vE '"(path|format|rate_source|unit_source)"'; }
+# alike NAME ARGUMENTS...: the JSON document, but for where things come from, is that of plain.txt
+alike() {
+   local name=$1; shift
+   good "$name" run "$@" --json -
+   same "$name" out
+}
+# same NAME FILE: the JSON document in the file is that of plain.txt
+same() {
+   if cmp -s <(results <"$2") plain.json; then pass
+   else fail "$1: differs: $(diff <(results <"$2") plain.json | head -n 4) $(head -c 200 err)"; fi
+}
+
+good "plain text" run plain.txt --json -
+results <out >plain.json
+is "numbers of plain text" "$(grep -cE '"samples": 400,?$' plain.json)" 1
+if command -v python3 >/dev/null; then
+   if python3 -m json.tool out >/dev/null; then pass; else fail "run --json is no JSON"; fi
+   good "inspect as JSON" inspect plain.txt --json -
+   if python3 -m json.tool out >/dev/null; then pass; else fail "inspect --json is no JSON"; fi
+fi
+
+sed 's/$/\r/' plain.txt >crlf.txt
+alike "CRLF" crlf.txt
+{ printf '\357\273\277'; cat plain.txt; } >mark.txt
+alike "byte-order mark" mark.txt
+sed 's/^\([^#]*\) /   \1\t/' plain.txt >tabs.txt
+alike "tabs and leading blanks" tabs.txt
+printf '%s' "$(cat plain.txt)" >unended.txt
+alike "no line feed at the end" unended.txt
+grep -v '^#' plain.txt | awk 'BEGIN { print "\"gx\";\"gy\"" } { print $1 ";" $2 ";" }' >semicolon.csv
+alike "CSV with options" semicolon.csv --rate 50 --unit deg/s --column gx,gy
+
+"$gyroakf" run - --json - <plain.txt >out 2>err
+same "standard input from a file" out
+{ head -c 3000 plain.txt; sleep 0.3; tail -c +3001 plain.txt; } | "$gyroakf" run - --json - >out 2>err
+same "a pipe in two halves" out
+mkfifo pipe
+{ head -c 2999 plain.txt; sleep 0.3; tail -c +3000 plain.txt; } >pipe &
+run run pipe --json -
+kill $! 2>/dev/null
+wait $! 2>/dev/null
+same "a FIFO in two halves" out
+for locale in de_DE.UTF-8 de_DE.utf8 de_DE; do
+   locale -a 2>/dev/null | grep -qix "$locale" || continue
+   LC_ALL=$locale "$gyroakf" run plain.txt --json - >out 2>err
+   same "locale $locale" out
+   break
+done
+
+# time stamps in a column of their own, a gap, a duplicate
+awk 'BEGIN { print "time_ms,gx,gy,gz"; for (i = 0; i < 600; i++) { if (i == 300) continue
+   print i*10 "," sin(i*i) "," cos(i*i) "," sin(7*i) } }' >stamped.csv
+good "inspect of time stamps" inspect stamped.csv --unit deg/s
+holds "rate from the stamps" "100" out
+holds "channels by name" "gz" out
+is "inspect fits 100 columns" "$(LC_ALL=C.UTF-8 awk 'length > 100' out)" ""
+good "run of time stamps" run stamped.csv --unit deg/s
+is "run fits 100 columns" "$(LC_ALL=C.UTF-8 awk 'length > 100' out)" ""
+good "one column by name" inspect stamped.csv --column gy --json -
+is "one channel" "$(grep -c '"g[xyz]"' out)" 1
+good "negative value of an option" inspect plain.txt --scale -2
+good "option with =" inspect plain.txt --scale=-2 --column=2
+cp plain.txt ./-odd
+good "-- ends the options" inspect -- -odd
+good "first word is a file" plain.txt
+cp plain.txt allan
+good "-- before a file named like a command" -- allan
+
+printf '1\nx\n3\n%s\n' "$(seq 1 50)" >lines.txt
+bad "bad line" 2 "lines.txt:2:1:" inspect lines.txt
+good "bad line as missing" inspect lines.txt --bad-lines missing
+holds "bad line counted" "1" out
+
+# odd headers and stamps are no errors, but the user is told: text of the warning ; content
+while IFS= read -r line; do
+   # shellcheck disable=SC2059
+   printf "${line##* ; }" >odd.txt
+   good "odd: ${line##* ; }" inspect odd.txt
+   tr -s ' \n' ' ' <out >words
+   holds "odd: ${line##* ; }" "${line%% ; *}" words
+done <<'LINES'
+rate_hz 'fast' is not a positive number ; # rate_hz: fast\n1\n2\n
+rate_hz '0' is not a positive number ; # rate_hz: 0\n1\n2\n
+rate_hz '-5' is not a positive number ; # rate_hz: -5\n1\n2\n
+unit 'parsec' is not known ; # unit: parsec\n1\n2\n
+unit deg does not fit --input rate ; # unit: deg\n1\n2\n
+columns are 3, the first row has 2 ; # columns: t gx gy\n1 2\n3 4\n
+3 equal stamps; the first is in line 3 ; t gx\n1 1\n1 2\n1 3\n1 4\n
+1 backward step ; t gx\n0.1 1\n0.2 2\n0.1 3\n0.4 4\n
+LINES
