@@ -59,7 +59,7 @@ contains
       !> too_few_samples, constant_input, no_memory; those of compute_autocovariance
       type(error_type), allocatable, intent(out) :: error
       !> 1 where a sample is present, 0 where it is missing, [n]
-      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:)
       !> Correlation time in samples from which a component counts as drift, > 0; 5 if absent
       real(dp), intent(in), optional :: minimum_samples
       type(drift_model_type) :: candidate
@@ -107,7 +107,7 @@ contains
       !> constant_input, no_memory; those of compute_autocovariance
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing, [n]
-      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:)
       real(dp), allocatable :: means(:), r(:)
       integer(int8), allocatable :: present_means(:)
 
@@ -142,7 +142,7 @@ contains
       !> no_memory
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing, [n]
-      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:)
       integer(int64) :: count, i, k, n
       real(dp) :: total
       integer :: stat

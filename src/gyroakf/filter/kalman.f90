@@ -53,7 +53,7 @@ contains
       !> Estimates, [n]; not the same array as z
       real(dp), intent(out), contiguous :: x(:)
       !> 1 where the measurement is present, 0 where it is missing, [n]
-      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:)
       !> Innovations over their standard deviations, [n], 0 where missing
       real(dp), intent(out), contiguous, optional :: normalised_innovation(:)
       integer(int64) :: k

@@ -49,7 +49,7 @@ contains
       !> Next samples, [n], 1 <= n <= the largest block
       real(dp), intent(in), contiguous :: x(:)
       !> 1 where a sample is present, [n]
-      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:)
       real(dp) :: block_total, count, edge
       integer :: k, n
 

@@ -61,7 +61,7 @@ contains
       !> Estimates, [n]
       real(dp), intent(out), contiguous :: x(:)
       !> 1 where the measurement is present, [n]
-      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:)
       !> Innovations over their standard deviations, [n], 0 where missing
       real(dp), intent(out), contiguous, optional :: normalised_innovation(:)
       type(lane_type) :: lane

@@ -68,7 +68,7 @@ contains
       !> invalid_argument: lengths differ, filter not made; too_few_samples; no_memory
       type(error_type), allocatable, intent(out) :: error
       !> 1 where a sample is present, 0 where it is missing, [n]
-      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:)
       type(lag_sums_type) :: innovations
       type(moments_sum_type) :: output
       real(dp), allocatable :: normalised(:)
@@ -121,7 +121,7 @@ contains
       type(filter_type), intent(in) :: filter
       real(dp), intent(in), contiguous :: z(:), x(:)
       type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:)
       integer(int64) :: k, measurements
       logical :: here, same
       character(120) :: buffer

@@ -356,7 +356,7 @@ contains
    pure subroutine extremes(x, low, high, step, mask)
       real(dp), intent(in), contiguous :: x(:)
       real(dp), intent(out) :: low, high, step
-      integer(int8), intent(in), contiguous, optional :: mask(:)
+      integer(int8), intent(in), optional :: mask(:)
       real(dp) :: change
       integer(int64) :: i, before
 

@@ -38,7 +38,7 @@ contains
       !> no_memory and the like; all else is noted in the channel
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:)
       real(dp), allocatable :: cleaned(:)
       integer(int8), allocatable :: present_samples(:)
 
@@ -79,7 +79,7 @@ contains
       type(channel_result_type), intent(inout) :: channel
       type(error_type), allocatable, intent(out) :: error
       !> Outliers are marked missing too
-      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:)
 
       if (options%do_tests) call run_tests(z, options, channel, error, valid)
       if (allocated(error)) return
@@ -111,7 +111,7 @@ contains
       type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(inout) :: channel
       type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:)
       integer :: lags
 
       call test_adf(z, options%adf, channel%adf, error, valid)
@@ -135,7 +135,7 @@ contains
       type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(inout) :: channel
       type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:)
 
       call fit_ar(z, options%ar, channel%ar, error, valid)
       if (.not. allocated(error) .and. options%preset == "paper" .and. channel%ar%order == 0) then
@@ -158,7 +158,7 @@ contains
       type(ar_options), intent(in) :: options
       type(ar_model_type), intent(inout) :: model
       type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:)
       type(ar_options) :: fixed
       integer :: i, best
 
@@ -179,7 +179,7 @@ contains
       type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(inout) :: channel
       type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:)
       real(dp), allocatable :: centred(:)
       integer :: failed
 

@@ -33,7 +33,7 @@ contains
       !> no_memory, cancelled, internal; everything else is noted in the channel
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:)
 
       call compute_allan(x, step, options%allan, channel%allan(which)%curve, error, valid)
       if (is_fatal(error)) return

@@ -36,7 +36,7 @@ contains
       !> no_memory and the like; a filter that cannot be designed is noted in the channel
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:)
       real(dp), allocatable :: x(:)
       integer :: which
 
@@ -65,7 +65,7 @@ contains
       type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(inout) :: channel
       type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:)
       type(filter_type) :: filter
 
       if (which == stage%kf) then
@@ -93,7 +93,7 @@ contains
       type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(inout) :: channel
       type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:)
       type(filter_type) :: filter
 
       call find_drift(z, record, options, channel, error, valid)
@@ -119,7 +119,7 @@ contains
       type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(inout) :: channel
       type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:)
 
       channel%drift_tau = options%drift_tau
       if (channel%drift_tau <= 0.0_dp) channel%drift_tau = &

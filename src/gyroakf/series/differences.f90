@@ -16,7 +16,7 @@ contains
       !> The series, without a large trend: [n], finite
       real(dp), intent(in), contiguous :: x(:)
       !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:)
       integer(int64) :: n, blocks, b, first, last
       integer(int64), allocatable :: pairs(:)
       real(dp), allocatable :: sums(:), squares(:)
@@ -45,7 +45,7 @@ contains
       real(dp), intent(in), contiguous :: x(:)
       integer(int64), intent(out) :: pairs
       real(dp), intent(out) :: total, squares
-      integer(int8), intent(in), contiguous, optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:)
       integer(int64) :: i
       real(dp) :: d
 
