@@ -25,6 +25,7 @@ contains
          new_unittest("example", test_example), &
          new_unittest("example-coefficients", test_example_coefficients), &
          new_unittest("paper-preset", test_paper_preset), &
+         new_unittest("misfit", test_misfit), &
          new_unittest("threads", test_threads), &
          new_unittest("missing-few", test_missing_few), &
          new_unittest("missing-many", test_missing_many), &
@@ -452,6 +453,39 @@ contains
       call check(error, index(result%channel(1)%warnings(1)%text, "% of the samples") > 0 .and. &
                  index(result%channel(1)%warnings(1)%text, "at 9.8, 19.8, 29.8") > 0)
    end subroutine test_outlier_times
+
+   !> AR noise is no sum of the five terms, and the result says so; white noise is, and nothing is said.
+   subroutine test_misfit(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(simulate_options) :: options
+      type(pipeline_result_type) :: result
+      type(gyro_error), allocatable :: failed
+
+      call paper_record(record)
+      call check(error, run(record, result))
+      if (allocated(error)) return
+      call check(error, says(result%channel(1), "is not a sum of Q, N, B, K and R"), "AR(1) noise")
+      if (allocated(error)) return
+      options%coefficient(2) = 0.01_dp
+      call simulate_record(options, record, failed)
+      call check(error, run(record, result))
+      if (allocated(error)) return
+      call check(error, .not. says(result%channel(1), "is not a sum"), "white noise")
+   end subroutine test_misfit
+
+   !> Whether one of the warnings holds a text.
+   logical function says(channel, text)
+      type(channel_result_type), intent(in) :: channel
+      character(*), intent(in) :: text
+      integer :: i
+
+      says = .false.
+      if (.not. allocated(channel%warnings)) return
+      do i = 1, size(channel%warnings)
+         says = says .or. index(channel%warnings(i)%text, text) > 0
+      end do
+   end function says
 
    !> The rooms that a single command switches off have no result.
    subroutine test_single_rooms(error)

@@ -15,7 +15,7 @@ module gyroakf_pipeline_channel
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stage
    use gyroakf_pipeline_coefficients, only : run_allan, compare_coefficients
    use gyroakf_pipeline_filters, only : run_filters
-   use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_outliers, warn_model
+   use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_outliers, warn_model, warn_fit
    implicit none (type, external)
    private
    public :: run_channel
@@ -97,6 +97,7 @@ contains
             channel%allan(stage%cleaned) = channel%allan(stage%input)
          end if
          if (allocated(error)) return
+         call warn_fit(channel)
       end if
       if (options%do_filter .and. channel%available%ar) then
          call filter_centred(record, z, options, channel, error, valid)

@@ -5,15 +5,18 @@ module gyroakf_pipeline_warnings
    use gyroakf_error, only : error_type, status
    use gyroakf_record, only : add_text
    use gyroakf_io_writer, only : format_real
-   use gyroakf_pipeline_result, only : channel_result_type
+   use gyroakf_pipeline_result, only : channel_result_type, stage
    implicit none (type, external)
    private
-   public :: is_fatal, note_failure, warn_outliers, warn_model
+   public :: is_fatal, note_failure, warn_outliers, warn_model, warn_fit
 
    !> So many times of outliers are named
    integer, parameter :: named_outliers = 8
    !> More than this share removed is a warning
    real(dp), parameter :: outlier_share = 0.01_dp
+   !> Residuals are called correlated at this significance, and only where an autocorrelation is as large as this: in a long
+   !> record every test rejects
+   real(dp), parameter :: significant = 0.01_dp, coloured = 0.05_dp
 
 contains
 
@@ -85,13 +88,26 @@ contains
       if (channel%ar%largest_order_chosen) call add_text(channel%warnings, "the largest order compared, "// &
          decimal(int(channel%ar%order, int64))//", was chosen: the series is not a short AR process; "// &
          "compare BIC, raise --max-order, or expect a drift under white noise")
-      if (channel%ar%residual_ljung_box%lags > 0 .and. channel%ar%residual_ljung_box%p_value < 0.01_dp) then
-         call add_text(channel%warnings, "the residuals of AR("//decimal(int(channel%ar%order, int64))// &
-                       ") are not white (Ljung-Box p = "//format_real(channel%ar%residual_ljung_box%p_value, 2)// &
-                       ", largest |rho| "//format_real(channel%ar%residual_ljung_box%largest_rho, 2)// &
-                       "): the model is incomplete")
-      end if
+      associate (test => channel%ar%residual_ljung_box)
+         if (test%lags > 0 .and. test%p_value < significant .and. test%largest_rho > coloured) then
+            call add_text(channel%warnings, "the residuals of AR("//decimal(int(channel%ar%order, int64))// &
+                          ") are not white (an autocorrelation of "//format_real(test%largest_rho, 2)// &
+                          "): the model is incomplete")
+         end if
+      end associate
    end subroutine warn_model
+
+   !> Curves that the five terms do not describe: Q, N, B, K, R are then wrong by more than the statistics of the curve tell.
+   pure subroutine warn_fit(channel)
+      !> Its Allan curves of the record as read and cleaned are fitted as far as possible; gets a warning
+      type(channel_result_type), intent(inout) :: channel
+      real(dp) :: misfit
+
+      misfit = max(channel%allan(stage%input)%noise%misfit, channel%allan(stage%cleaned)%noise%misfit)
+      if (misfit > 0.0_dp) call add_text(channel%warnings, "the Allan deviation is not a sum of Q, N, B, K and R: "// &
+         "it departs from the fit by about "//format_real(50*misfit, 2)//" %; correlated noise, vibration "// &
+         "or a filter in the sensor does that. The errors and limits of the coefficients allow for it")
+   end subroutine warn_fit
 
    !> Time of a sample in s, or its number.
    pure function moment(index, step, rate_known) result(text)

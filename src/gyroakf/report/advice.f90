@@ -41,7 +41,7 @@ contains
       call put_warnings(writer, channel)
    end subroutine put_advice
 
-   !> Warnings, and the rooms that could do nothing.
+   !> Warnings, and the rooms that could do nothing; the filters' own warnings stand with their details.
    subroutine put_warnings(writer, channel)
       !> The report
       type(writer_type), intent(inout) :: writer
@@ -49,8 +49,6 @@ contains
       type(channel_result_type), intent(in) :: channel
 
       call put_items(writer, "Warning", channel%warnings)
-      if (channel%available%kf) call put_items(writer, "Warning (KF)", channel%kf%warnings)
-      if (channel%available%akf) call put_items(writer, "Warning (AKF)", channel%akf%warnings)
       call put_items(writer, "Not available", channel%unavailable)
    end subroutine put_warnings
 

@@ -3,6 +3,7 @@
 module gyroakf_report_models
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_writer, only : writer_type
+   use gyroakf_series_whiteness, only : ljung_box_type
    use gyroakf_filter_series, only : filter_result_type
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, filter_figures_type
    use gyroakf_report_layout, only : put_heading, put_item, put_items, number, scientific, fixed, count_text, p_value_text
@@ -11,6 +12,9 @@ module gyroakf_report_models
    implicit none (type, external)
    private
    public :: put_ar_table, put_filter_table, put_filter_details
+
+   !> Autocorrelation of the innovations that does no harm, however significant it is
+   real(dp), parameter :: negligible_rho = 0.05_dp
 
 contains
 
@@ -117,12 +121,22 @@ contains
       call set_cell(table, row, 5, fixed(filter%dc_gain, 4))
       call set_cell(table, row, 6, fixed(filter%nis_mean, 3))
       call set_cell(table, row, 7, number(filter%ljung_box%largest_rho, 3))
-      if (filter%ljung_box%p_value < 0.05_dp) then
-         call set_cell(table, row, 8, "not white")
-      else
-         call set_cell(table, row, 8, "white")
-      end if
+      call set_cell(table, row, 8, trim(verdict(filter%ljung_box)))
    end subroutine add_row
+
+   !> Whiteness in a word: significance alone would call every long record coloured.
+   pure function verdict(test) result(text)
+      type(ljung_box_type), intent(in) :: test
+      character(12) :: text
+
+      if (.not. test%p_value < 0.05_dp) then
+         text = "white"
+      else if (test%largest_rho < negligible_rho) then
+         text = "nearly white"
+      else
+         text = "not white"
+      end if
+   end function verdict
 
    !> Gain, Q, R, counts and warnings of every filter.
    subroutine put_filter_details(writer, channel)
