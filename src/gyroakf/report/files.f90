@@ -5,16 +5,16 @@ module gyroakf_report_files
    use gyroakf_record, only : record_type
    use gyroakf_io_writer, only : writer_type, open_writer, complete_writer, commit_writer, discard_writer, make_directory
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
-   use gyroakf_report_text, only : report_run, report_allan, report_tests, report_ar, report_filter
+   use gyroakf_report_text, only : write_report
    use gyroakf_report_document, only : write_document
    use gyroakf_report_csv, only : write_series, write_allan, write_coefficients
    implicit none (type, external)
    private
-   public :: write_results
+   public :: write_results, result_files
 
    !> In the order in which they are written
-   character(16), parameter :: names(5) = [character(16) :: "series.csv", "allan.csv", "coefficients.csv", "report.txt", &
-                                           "results.json"]
+   character(16), parameter :: result_files(5) = [character(16) :: "series.csv", "allan.csv", "coefficients.csv", &
+                                                  "report.txt", "results.json"]
 
 contains
 
@@ -33,15 +33,15 @@ contains
       type(pipeline_result_type), intent(in) :: result
       !> io: a file cannot be written; no file of an earlier run is touched then, unless a rename failed
       type(error_type), allocatable, intent(out) :: error
-      type(writer_type) :: writer(size(names))
-      logical :: wanted(size(names))
+      type(writer_type) :: writer(size(result_files))
+      logical :: wanted(size(result_files))
       integer :: i
 
       call make_directory(directory, error)
       if (allocated(error)) return
       wanted = [options%keep_series, options%do_allan, options%do_allan, .true., .true.]
-      do i = 1, size(names)
-         if (wanted(i)) call open_writer(writer(i), directory//"/"//trim(names(i)), error)
+      do i = 1, size(result_files)
+         if (wanted(i)) call open_writer(writer(i), directory//"/"//trim(result_files(i)), error)
          if (allocated(error)) then
             call discard_all(writer, wanted, i - 1)
             return
@@ -53,10 +53,10 @@ contains
             return
          end if
       end do
-      do i = 1, size(names)
+      do i = 1, size(result_files)
          if (wanted(i)) call commit_writer(writer(i), error)
          if (.not. allocated(error)) cycle
-         call discard_all(writer, wanted, size(names))
+         call discard_all(writer, wanted, size(result_files))
          return
       end do
    end subroutine write_results
@@ -74,14 +74,7 @@ contains
       case (1); call write_series(writer, record, result)
       case (2); call write_allan(writer, result)
       case (3); call write_coefficients(writer, result)
-      case (4)
-         select case (command)
-         case ("allan"); call report_allan(writer, record, options, result)
-         case ("tests"); call report_tests(writer, record, options, result)
-         case ("ar"); call report_ar(writer, record, options, result)
-         case ("filter"); call report_filter(writer, record, options, result)
-         case default; call report_run(writer, record, options, result)
-         end select
+      case (4); call write_report(writer, command, record, options, result)
       case default; call write_document(writer, record, result)
       end select
    end subroutine write_file

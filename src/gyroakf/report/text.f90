@@ -12,9 +12,31 @@ module gyroakf_report_text
    use gyroakf_report_advice, only : put_advice, put_warnings
    implicit none (type, external)
    private
-   public :: report_run, report_inspect, report_allan, report_tests, report_ar, report_filter
+   public :: write_report, report_run, report_inspect, report_allan, report_tests, report_ar, report_filter
 
 contains
+
+   !> The report of a command.
+   subroutine write_report(writer, command, record, options, result)
+      !> Open; "-" is standard output
+      type(writer_type), intent(inout) :: writer
+      !> allan, tests, ar, filter; anything else is run
+      character(*), intent(in) :: command
+      !> What was read
+      type(record_type), intent(in) :: record
+      !> What was asked for
+      type(pipeline_options), intent(in) :: options
+      !> What came out
+      type(pipeline_result_type), intent(in) :: result
+
+      select case (command)
+      case ("allan"); call report_allan(writer, record, options, result)
+      case ("tests"); call report_tests(writer, record, options, result)
+      case ("ar"); call report_ar(writer, record, options, result)
+      case ("filter"); call report_filter(writer, record, options, result)
+      case default; call report_run(writer, record, options, result)
+      end select
+   end subroutine write_report
 
    !> The report of the whole job, in the order of the paper's results.
    subroutine report_run(writer, record, options, result)
