@@ -9,14 +9,15 @@ module gyroakf_app_cli
    use gyroakf_app_argument, only : argument_list
    use gyroakf_pipeline, only : apply_preset
    use gyroakf_simulate_record, only : paper_preset
+   use gyroakf_app_check, only : check_job
    use gyroakf_app_config, only : cli_config, text_config, reading_config, analysis_config, simulate_config, new_config
    use gyroakf_app_help, only : program_help, command_help, version_text, citation_text
    use gyroakf_app_option, only : option_type, options, command_names, find_option, belongs_to, suggest_word
-   use gyroakf_app_setting_input, only : set_input, check_input, set_common
-   use gyroakf_app_setting_method, only : set_method, check_method
-   use gyroakf_app_setting_record, only : set_record, check_record
+   use gyroakf_app_setting_input, only : set_input, set_common
+   use gyroakf_app_setting_method, only : set_method
+   use gyroakf_app_setting_record, only : set_record
    use gyroakf_app_value, only : value_type, convert_value
-   use gyroakf_app_words, only : given_type, words_type, sort_words, is_given, usage_error
+   use gyroakf_app_words, only : given_type, words_type, sort_words, usage_error
    implicit none (type, external)
    private
    public :: get_config
@@ -207,43 +208,6 @@ contains
          if (.not. preset) call set_method(config%pipeline, option, value, error)
       end select
    end subroutine apply_option
-
-   !> What no single option can tell.
-   subroutine check_job(words, config, error)
-      type(words_type), intent(in) :: words
-      class(cli_config), intent(in) :: config
-      type(error_type), allocatable, intent(out) :: error
-
-      if (is_given(words, "--rate") .and. is_given(words, "--dt")) then
-         call usage_error(error, "--rate and --dt say the same thing: give one of them")
-         return
-      end if
-      select type (config)
-      class is (reading_config)
-         if (config%path == "") then
-            call usage_error(error, "no file; '-' reads standard input, gyroakf --help tells more")
-            return
-         end if
-         if (allocated(config%json)) then
-            if (config%json == config%path .and. config%path /= "-") then
-               call usage_error(error, "--json would overwrite the recording '"//config%path//"'")
-               return
-            end if
-         end if
-         call check_input(config%reader, error)
-      type is (simulate_config)
-         if (words%positional > 1) then
-            call usage_error(error, "simulate reads no file: '"//words%word(2)%text//"'; --output FILE writes one")
-            return
-         end if
-         call check_record(config%record, error)
-      end select
-      if (allocated(error)) return
-      select type (config)
-      type is (analysis_config)
-         call check_method(config%pipeline, is_given(words, "--outlier-threshold"), error)
-      end select
-   end subroutine check_job
 
    !> Words separated by commas.
    function list_of(words) result(list)

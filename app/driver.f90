@@ -5,15 +5,15 @@
 module gyroakf_app_driver
    use, intrinsic :: iso_fortran_env, only : error_unit
    use omp_lib, only : omp_set_num_threads
-   use gyroakf_error, only : error_type, exit_code, status
+   use gyroakf_error, only : error_type, fatal_error, exit_code, status
    use gyroakf_io_record_writer, only : write_record
    use gyroakf_io_reader, only : read_record
    use gyroakf_io_writer, only : writer_type, open_writer, put, complete_writer, commit_writer, discard_writer
-   use gyroakf_pipeline, only : pipeline_result_type, run_pipeline
+   use gyroakf_pipeline, only : pipeline_result_type, channel_result_type, run_pipeline
    use gyroakf_record, only : record_type, text_type
    use gyroakf_report_document, only : write_document
    use gyroakf_report_files, only : write_results
-   use gyroakf_report_text, only : report_run, report_inspect, report_allan, report_tests, report_ar, report_filter
+   use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_simulate_record, only : simulate_record
    use gyroakf_app_argument, only : argument_list, process_source, read_arguments
    use gyroakf_app_cli, only : get_config
@@ -99,6 +99,7 @@ contains
 
       call read_record(config%path, config%reader, record, error)
       if (.not. allocated(error)) call run_pipeline(record, config%pipeline, result, error)
+      if (.not. allocated(error)) call check_result(config, result, error)
       if (allocated(error)) return
       json = ""
       if (allocated(config%json)) json = config%json
@@ -116,6 +117,43 @@ contains
       if (.not. allocated(error)) call print_result(config, json == "-", record, result, error)
    end subroutine analyse
 
+   !> Where not one channel gives what the command is for, there is nothing to report: an error of the data.
+   subroutine check_result(config, result, error)
+      type(analysis_config), intent(in) :: config
+      type(pipeline_result_type), intent(in) :: result
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: reason
+      integer :: i
+
+      do i = 1, size(result%channel)
+         if (has_result(config%command, result%channel(i))) return
+      end do
+      reason = "no channel"
+      if (size(result%channel) > 0) then
+         associate (channel => result%channel(1))
+            if (allocated(channel%unavailable)) reason = channel%name//": "//channel%unavailable(1)%text
+         end associate
+      end if
+      call fatal_error(error, status%constant_input, config%path//": nothing can be computed; "//reason)
+   end subroutine check_result
+
+   !> Whether a channel gives what the command is for.
+   pure logical function has_result(command, channel)
+      character(*), intent(in) :: command
+      type(channel_result_type), intent(in) :: channel
+      logical :: tests, filters
+
+      tests = channel%available%adf .or. channel%available%jarque_bera .or. channel%available%ljung_box
+      filters = channel%available%kf .or. channel%available%akf .or. channel%available%drift_kf .or. channel%available%drift_akf
+      select case (command)
+      case ("allan"); has_result = any(channel%allan%available)
+      case ("tests"); has_result = tests
+      case ("ar"); has_result = channel%available%ar
+      case ("filter"); has_result = filters
+      case default; has_result = tests .or. filters .or. channel%available%ar .or. any(channel%allan%fitted)
+      end select
+   end function has_result
+
    !> The JSON document or the command's report on standard output.
    subroutine print_result(config, as_json, record, result, error)
       type(analysis_config), intent(in) :: config
@@ -132,15 +170,7 @@ contains
          call open_writer(writer, "-", error)
       end if
       if (allocated(error)) return
-      if (.not. as_json) then
-         select case (config%command)
-         case ("allan"); call report_allan(writer, record, config%pipeline, result)
-         case ("tests"); call report_tests(writer, record, config%pipeline, result)
-         case ("ar"); call report_ar(writer, record, config%pipeline, result)
-         case ("filter"); call report_filter(writer, record, config%pipeline, result)
-         case default; call report_run(writer, record, config%pipeline, result)
-         end select
-      end if
+      if (.not. as_json) call write_report(writer, config%command, record, config%pipeline, result)
       call commit_writer(writer, error)
    end subroutine print_result
 

@@ -103,7 +103,13 @@ good "a preset changed" run "$example" --outlier-threshold 4 --preset paper --js
 bad "JSON into a directory that is not there" 2 "nowhere" run "$example" --json nowhere/x.json
 bad "JSON over a directory" 2 "results" run "$example" --json results
 bad "directory over a file" 2 "plain.txt" run "$example" --out plain.txt
-bad "JSON over the recording" 1 "overwrite" run plain.txt --json plain.txt
+bad "JSON over the recording" 1 "overwrite" run plain.txt --json ./plain.txt
+cp plain.txt results/series.csv
+bad "results over the recording" 1 "overwrite" run ./results/series.csv --out results
+yes 5 | head -n 60 >constant.txt
+for command in tests ar filter; do
+   bad "$command of a constant series" 2 "nothing can be computed" $command constant.txt --json x.json
+done
 if [ "$(id -u)" -ne 0 ]; then
    mkdir locked && chmod 555 locked
    bad "directory that cannot be written" 2 "locked" run "$example" --out locked

@@ -1,0 +1,88 @@
+! SPDX-License-Identifier: MIT
+!> What no single option can tell: options that exclude each other, files that are missing or would be overwritten.
+module gyroakf_app_check
+   use gyroakf_error, only : error_type
+   use gyroakf_report_files, only : result_files
+   use gyroakf_app_config, only : cli_config, reading_config, analysis_config, simulate_config
+   use gyroakf_app_setting_input, only : check_input
+   use gyroakf_app_setting_method, only : check_method
+   use gyroakf_app_setting_record, only : check_record
+   use gyroakf_app_words, only : words_type, is_given, usage_error
+   implicit none (type, external)
+   private
+   public :: check_job
+
+contains
+
+   !> What no single option can tell.
+   subroutine check_job(words, config, error)
+      !> The sorted command line
+      type(words_type), intent(in) :: words
+      !> What was made of it
+      class(cli_config), intent(in) :: config
+      !> usage
+      type(error_type), allocatable, intent(out) :: error
+
+      if (is_given(words, "--rate") .and. is_given(words, "--dt")) then
+         call usage_error(error, "--rate and --dt say the same thing: give one of them")
+         return
+      end if
+      select type (config)
+      class is (reading_config)
+         if (config%path == "") then
+            call usage_error(error, "no file; '-' reads standard input, gyroakf --help tells more")
+            return
+         end if
+         call check_outputs(config, error)
+         if (allocated(error)) return
+         call check_input(config%reader, error)
+      type is (simulate_config)
+         if (words%positional > 1) then
+            call usage_error(error, "simulate reads no file: '"//words%word(2)%text//"'; --output FILE writes one")
+            return
+         end if
+         call check_record(config%record, error)
+      end select
+      if (allocated(error)) return
+      select type (config)
+      type is (analysis_config)
+         call check_method(config%pipeline, is_given(words, "--outlier-threshold"), error)
+      end select
+   end subroutine check_job
+
+   !> The recording is not overwritten by a result.
+   subroutine check_outputs(config, error)
+      class(reading_config), intent(in) :: config
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: path
+      integer :: i
+
+      path = without_dot(config%path)
+      if (path == "-") return
+      if (allocated(config%json)) then
+         if (without_dot(config%json) == path) call usage_error(error, "--json would overwrite the recording '"//path//"'")
+      end if
+      select type (config)
+      type is (analysis_config)
+         if (.not. allocated(config%out)) return
+         do i = 1, size(result_files)
+            if (without_dot(config%out//"/"//trim(result_files(i))) /= path) cycle
+            call usage_error(error, "--out would overwrite the recording '"//path//"'")
+         end do
+      end select
+   end subroutine check_outputs
+
+   !> A path without "./" in front.
+   pure function without_dot(path) result(rest)
+      character(*), intent(in) :: path
+      character(:), allocatable :: rest
+      integer :: first
+
+      first = 1
+      do while (index(path(first:), "./") == 1)
+         first = first + 2
+      end do
+      rest = path(first:)
+   end function without_dot
+
+end module gyroakf_app_check
