@@ -2,7 +2,7 @@
 !> The main job: from a file to the report, as `gyroakf FILE` does it.
 program example_whole_job
    use gyroakf, only : error_type, reader_options, read_record, record_type, pipeline_options, pipeline_result_type, &
-      run_pipeline, writer_type, open_writer, commit_writer, report_run
+      run_pipeline, writer_type, open_writer, commit_writer, write_report
    implicit none (type, external)
    type(error_type), allocatable :: error
    type(record_type) :: record
@@ -14,6 +14,6 @@ program example_whole_job
    call run_pipeline(record, pipeline_options(), result, error)
    if (allocated(error)) error stop error%message
    call open_writer(writer, "-", error)                     ! standard output
-   call report_run(writer, record, pipeline_options(), result)
+   call write_report(writer, "run", record, pipeline_options(), result)
    call commit_writer(writer, error)
 end program example_whole_job

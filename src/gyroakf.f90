@@ -42,7 +42,7 @@ module gyroakf
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, channel_result_type, available_type, allan_result_type, &
       stated_noise_type, stated_coefficient_type, filter_figures_type, stage, stage_names, apply_preset, run_pipeline, &
       minimum_samples
-   use gyroakf_report_text, only : write_report, report_run, report_inspect, report_allan, report_tests, report_ar, report_filter
+   use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_report_files, only : write_results
    use gyroakf_report_document, only : write_document, schema_number
    implicit none (type, external)

@@ -9,7 +9,7 @@ module test_report
    use gyroakf_report_layout, only : put_item, put_heading, report_width, fixed, scientific, p_value_text, plural
    use gyroakf_report_table, only : table_type, new_table, set_cell, put_table
    use gyroakf_report_utf8, only : text_width
-   use gyroakf_report_text, only : report_run, report_inspect, report_allan, report_tests, report_ar, report_filter
+   use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_report_document, only : write_document
    use gyroakf_report_csv, only : write_series, write_allan, write_coefficients
    use json_reader, only : json_item, read_json, json_text_at, json_real, check_schema, file_text
@@ -55,7 +55,7 @@ contains
       call make_record(record, known)
       call make_result(record, result)
       call begin_text(writer)
-      call report_run(writer, record, pipeline_options(), result)
+      call write_report(writer, "run", record, pipeline_options(), result)
       call end_text(writer, text)
    end subroutine run_text
 
@@ -216,7 +216,7 @@ contains
       result%channel(1)%ar%table%bic = -1.23456789e9_dp
       result%channel(1)%kf%mean = -1.0e-200_dp
       call begin_text(writer)
-      call report_run(writer, record, pipeline_options(), result)
+      call write_report(writer, "run", record, pipeline_options(), result)
       call end_text(writer, text)
       call check(error, longest_line(text) <= report_width)
    end subroutine test_width
@@ -233,10 +233,10 @@ contains
       call make_result(record, result)
       call begin_text(writer)
       call report_inspect(writer, record)
-      call report_allan(writer, record, pipeline_options(), result)
-      call report_tests(writer, record, pipeline_options(), result)
-      call report_ar(writer, record, pipeline_options(), result)
-      call report_filter(writer, record, pipeline_options(), result)
+      call write_report(writer, "allan", record, pipeline_options(), result)
+      call write_report(writer, "tests", record, pipeline_options(), result)
+      call write_report(writer, "ar", record, pipeline_options(), result)
+      call write_report(writer, "filter", record, pipeline_options(), result)
       call end_text(writer, text)
       call check(error, longest_line(text) <= report_width)
       if (allocated(error)) return

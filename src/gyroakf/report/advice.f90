@@ -38,7 +38,6 @@ contains
       call put_unresolved(writer, channel)
       if (.not. record%rate_known .or. .not. has_unit(record)) call put_point(writer, "Angle units are withheld: "// &
          "give "//missing_options(record)//" for deg/sqrt(h), deg/h and the other usual units.")
-      call put_warnings(writer, channel)
    end subroutine put_advice
 
    !> Warnings, and the rooms that could do nothing; the filters' own warnings stand with their details.

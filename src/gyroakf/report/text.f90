@@ -12,15 +12,15 @@ module gyroakf_report_text
    use gyroakf_report_advice, only : put_advice, put_warnings
    implicit none (type, external)
    private
-   public :: write_report, report_run, report_inspect, report_allan, report_tests, report_ar, report_filter
+   public :: write_report, report_inspect
 
 contains
 
-   !> The report of a command.
+   !> The report of a command: what was read, then each channel.
    subroutine write_report(writer, command, record, options, result)
       !> Open; "-" is standard output
       type(writer_type), intent(inout) :: writer
-      !> allan, tests, ar, filter; anything else is run
+      !> run, allan, tests, ar or filter
       character(*), intent(in) :: command
       !> What was read
       type(record_type), intent(in) :: record
@@ -28,148 +28,67 @@ contains
       type(pipeline_options), intent(in) :: options
       !> What came out
       type(pipeline_result_type), intent(in) :: result
+      integer :: c
 
       select case (command)
-      case ("allan"); call report_allan(writer, record, options, result)
-      case ("tests"); call report_tests(writer, record, options, result)
-      case ("ar"); call report_ar(writer, record, options, result)
-      case ("filter"); call report_filter(writer, record, options, result)
-      case default; call report_run(writer, record, options, result)
+      case ("allan"); call put_title(writer, "Allan deviation"//preset_name(options))
+      case ("tests"); call put_title(writer, "tests"//preset_name(options))
+      case ("ar"); call put_title(writer, "AR models"//preset_name(options))
+      case ("filter"); call put_title(writer, "filters"//preset_name(options))
+      case default; call put_title(writer, "random errors of a gyroscope record"//preset_name(options))
       end select
+      call put_input(writer, record)
+      do c = 1, size(result%channel)
+         call put_channel(writer, command, record, options, result%channel(c))
+      end do
    end subroutine write_report
 
-   !> The report of the whole job, in the order of the paper's results.
-   subroutine report_run(writer, record, options, result)
-      !> Open; "-" is standard output
+   !> The sections of a command, for one channel; those of `run` are in the order of the paper's results.
+   subroutine put_channel(writer, command, record, options, channel)
       type(writer_type), intent(inout) :: writer
-      !> What was read
+      character(*), intent(in) :: command
       type(record_type), intent(in) :: record
-      !> What was asked for
       type(pipeline_options), intent(in) :: options
-      !> What came out
-      type(pipeline_result_type), intent(in) :: result
-      integer :: c
-
-      call put_title(writer, "random errors of a gyroscope record"//preset_name(options))
-      call put_input(writer, record)
-      do c = 1, size(result%channel)
-         associate (channel => result%channel(c))
-            call put_channel_name(writer, channel)
-            call put_removed(writer, record, channel)
-            call put_tests(writer, channel)
-            call put_ar_table(writer, channel)
-            call put_filter_table(writer, channel)
-            call put_filter_details(writer, channel)
-            call put_comparison(writer, record, channel)
-            call put_advice(writer, record, channel)
-         end associate
-      end do
-   end subroutine report_run
-
-   !> Deviation curves and coefficients.
-   subroutine report_allan(writer, record, options, result)
-      !> Open; "-" is standard output
-      type(writer_type), intent(inout) :: writer
-      !> What was read
-      type(record_type), intent(in) :: record
-      !> What was asked for
-      type(pipeline_options), intent(in) :: options
-      !> What came out
-      type(pipeline_result_type), intent(in) :: result
-      integer :: c
-
-      call put_title(writer, "Allan deviation")
-      call put_input(writer, record)
-      do c = 1, size(result%channel)
-         associate (channel => result%channel(c))
-            call put_channel_name(writer, channel)
-            if (channel%available%preprocess) call put_removed(writer, record, channel)
-            call put_curve(writer, record, channel%allan(stage%input), "As read")
-            call put_coefficients(writer, record, channel%allan(stage%input))
-            if (channel%available%preprocess .and. options%clean%degree >= 0) then
-               call put_curve(writer, record, channel%allan(stage%cleaned), "Cleaned")
-               call put_coefficients(writer, record, channel%allan(stage%cleaned))
-            end if
-            call put_warnings(writer, channel)
-         end associate
-      end do
-   end subroutine report_allan
-
-   !> The tests with their verdicts.
-   subroutine report_tests(writer, record, options, result)
-      !> Open; "-" is standard output
-      type(writer_type), intent(inout) :: writer
-      !> What was read
-      type(record_type), intent(in) :: record
-      !> What was asked for
-      type(pipeline_options), intent(in) :: options
-      !> What came out
-      type(pipeline_result_type), intent(in) :: result
-      integer :: c
-
-      call put_title(writer, "tests"//preset_name(options))
-      call put_input(writer, record)
-      do c = 1, size(result%channel)
-         call put_channel_name(writer, result%channel(c))
-         if (result%channel(c)%available%preprocess) call put_removed(writer, record, result%channel(c))
-         call put_tests(writer, result%channel(c))
-         call put_warnings(writer, result%channel(c))
-      end do
-   end subroutine report_tests
-
-   !> Orders, criteria and the model that was chosen.
-   subroutine report_ar(writer, record, options, result)
-      !> Open; "-" is standard output
-      type(writer_type), intent(inout) :: writer
-      !> What was read
-      type(record_type), intent(in) :: record
-      !> What was asked for
-      type(pipeline_options), intent(in) :: options
-      !> What came out
-      type(pipeline_result_type), intent(in) :: result
-      integer :: c
-
-      call put_title(writer, "AR models"//preset_name(options))
-      call put_input(writer, record)
-      do c = 1, size(result%channel)
-         call put_channel_name(writer, result%channel(c))
-         if (result%channel(c)%available%preprocess) call put_removed(writer, record, result%channel(c))
-         call put_ar_table(writer, result%channel(c))
-         call put_warnings(writer, result%channel(c))
-      end do
-   end subroutine report_ar
-
-   !> The filters and their figures.
-   subroutine report_filter(writer, record, options, result)
-      !> Open; "-" is standard output
-      type(writer_type), intent(inout) :: writer
-      !> What was read
-      type(record_type), intent(in) :: record
-      !> What was asked for
-      type(pipeline_options), intent(in) :: options
-      !> What came out
-      type(pipeline_result_type), intent(in) :: result
-      integer :: c
-
-      call put_title(writer, "filters"//preset_name(options))
-      call put_input(writer, record)
-      do c = 1, size(result%channel)
-         call put_channel_name(writer, result%channel(c))
-         if (result%channel(c)%available%preprocess) call put_removed(writer, record, result%channel(c))
-         call put_ar_table(writer, result%channel(c))
-         call put_filter_table(writer, result%channel(c))
-         call put_filter_details(writer, result%channel(c))
-         call put_warnings(writer, result%channel(c))
-      end do
-   end subroutine report_filter
-
-   !> The heading of a channel.
-   subroutine put_channel_name(writer, channel)
-      type(writer_type), intent(inout) :: writer
       type(channel_result_type), intent(in) :: channel
 
       call put_heading(writer, "Channel "//channel%name, "=")
-   end subroutine put_channel_name
+      if (channel%available%preprocess .or. command == "run") call put_removed(writer, record, channel)
+      select case (command)
+      case ("allan")
+         call put_curves(writer, record, options, channel)
+      case ("tests")
+         call put_tests(writer, channel)
+      case ("ar")
+         call put_ar_table(writer, channel)
+      case ("filter")
+         call put_ar_table(writer, channel)
+         call put_filter_table(writer, channel)
+         call put_filter_details(writer, channel)
+      case default
+         call put_tests(writer, channel)
+         call put_ar_table(writer, channel)
+         call put_filter_table(writer, channel)
+         call put_filter_details(writer, channel)
+         call put_comparison(writer, record, channel)
+         call put_advice(writer, record, channel)
+      end select
+      call put_warnings(writer, channel)
+   end subroutine put_channel
+
+   !> Deviation curves and coefficients, as read and, where something was removed, cleaned.
+   subroutine put_curves(writer, record, options, channel)
+      type(writer_type), intent(inout) :: writer
+      type(record_type), intent(in) :: record
+      type(pipeline_options), intent(in) :: options
+      type(channel_result_type), intent(in) :: channel
+
+      call put_curve(writer, record, channel%allan(stage%input), "As read")
+      call put_coefficients(writer, record, channel%allan(stage%input))
+      if (channel%available%preprocess .and. options%clean%degree >= 0) then
+         call put_curve(writer, record, channel%allan(stage%cleaned), "Cleaned")
+         call put_coefficients(writer, record, channel%allan(stage%cleaned))
+      end if
+   end subroutine put_curves
 
    !> Says so where the paper's chain was asked for.
    pure function preset_name(options) result(text)
