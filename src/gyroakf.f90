@@ -20,7 +20,8 @@ module gyroakf
    use gyroakf_filter_state_space, only : stationary_covariance, steady_state, dc_gain, output_variance_ratio
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
    use gyroakf_allan_grid, only : averaging_factors
-   use gyroakf_allan_deviations, only : allan_options, allan_curve_type, compute_allan
+   use gyroakf_allan_deviations, only : allan_options, allan_curve_type, compute_allan, compute_allan_from_phase
+   use gyroakf_allan_statistic, only : statistic_names, statistic_edf, longest_factor
    use gyroakf_allan_noise_fit, only : noise_options, coefficient_type, noise_type, fit_noise
    use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, chi_square_limits
    use gyroakf_io_number, only : parse_number

@@ -578,7 +578,7 @@ contains
       codes(5) = failure%code
       call compute_allan([1.0_dp], 1.0_dp, options, curve, failure)
       codes(6) = failure%code
-      options%kind = "mdev"
+      options%kind = "adv2"
       call compute_allan(nbs14_short(), 1.0_dp, options, curve, failure)
       codes(7) = failure%code
       call check(error, all(codes(:4) == status%invalid_argument), "invalid arguments")

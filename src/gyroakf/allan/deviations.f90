@@ -1,41 +1,54 @@
 ! SPDX-License-Identifier: MIT
-!> Allan deviation of a rate record.
+!> Deviations of the Allan family, of a record of rates or of phases (angles).
 !>
 !>     type(allan_options) :: options
 !>     type(allan_curve_type) :: curve
+!>     options%kind = "mdev"
 !>     call compute_allan(rate, sample_interval, options, curve, error)
+!>     call compute_allan_from_phase(angle, sample_interval, options, curve, error)
 !>
-!> Overlapping estimate (NIST SP 1065, equation 11) from n rates, that is n + 1 phases:
+!> With x_0 = 0, x_k the sum of the first k rates less their mean (n rates: n + 1 phases) and T terms:
 !>
-!> $$ \sigma^2(m t_0) = \frac{1}{2 m^2 (n - 2m + 1)} \sum_{k=0}^{n-2m} (x_{k+2m} - 2 x_{k+m} + x_k)^2,
-!>    \quad x_k = \sum_{i \le k} (w_i - \bar w) $$
+!> $$ \mathrm{oadev}^2 = \frac{1}{2 m^2 T} \sum_{k=0}^{n-2m} (x_{k+2m} - 2 x_{k+m} + x_k)^2, \quad
+!>    \mathrm{ohdev}^2 = \frac{1}{6 m^2 T} \sum_{k=0}^{n-3m} (x_{k+3m} - 3 x_{k+2m} + 3 x_{k+m} - x_k)^2 $$
 !>
-!> With missing samples the mean of a window is taken over those that are there, and a term counts when both
-!> of its windows are complete to the share `min_coverage`. The mean of c out of m samples is uncertain by
-!> the sampling variance S^2 (1/c - 1/m), S^2 the variance of the samples within a window (sampling without
-!> replacement; for white noise it is its variance). What that adds to the variance is subtracted:
+!> adev and hdev are the same with k = 0, m, 2m ... (the Hadamard deviations do not see a steady drift of the rate);
 !>
-!> $$ \hat\sigma^2 = \frac{1}{2T} \sum (\bar w_2 - \bar w_1)^2 -
-!>    \frac{S_m^2}{2T} \sum \left(\frac{1}{c_1} + \frac{1}{c_2} - \frac{2}{m}\right) $$
+!> $$ \mathrm{mdev}^2 = \frac{1}{2 m^4 T} \sum_{j=0}^{n-3m+1} \Bigl( \sum_{i=j}^{j+m-1} (x_{i+2m} - 2 x_{i+m} + x_i) \Bigr)^2,
+!>    \quad \mathrm{tdev} = \frac{\tau}{\sqrt 3} \mathrm{mdev} $$
 !>
-!> so that white noise stays unbiased; drift hardly varies within a window and is not touched. S_m^2 follows from the
-!> variances of the octaves below m: for m = 2^J it is the sum over j < J of sigma^2(2^j) times m/(2(m - 1)).
+!> (tdev in the unit of the rate times seconds), and the total deviation over the phase x* continued by odd reflection
+!>
+!> $$ \mathrm{totdev}^2 = \frac{1}{2 m^2 (n - 1)} \sum_{k=1}^{n-1} (x^*_{k+m} - 2 x^*_k + x^*_{k-m})^2 $$
+!>
+!> as it is, without correction of its bias: the expectation is that of oadev^2 times 1 - a tau/T, T the length of the record, a =
+!> 0, 1/(3 ln 2) and 0.750 for white, flicker and random-walk rate noise.
+!>
+!> Source: W. J. Riley, D. A. Howe, "Handbook of frequency stability analysis", NIST SP 1065 (2008), section 5.2.
+!> Missing samples: [[gapped_variances]]; mdev, tdev and totdev need a record without gaps.
 module gyroakf_allan_deviations
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_allan_degrees_of_freedom, only : chi_square_limits
+   use gyroakf_allan_gaps, only : gapped_variances
    use gyroakf_allan_grid, only : averaging_factors
-   use gyroakf_allan_phase, only : integrate_rate
-   use gyroakf_allan_second_difference, only : sum_second_differences, sum_gapped_differences, gap_sums_type
    use gyroakf_allan_noise_identification, only : identify_noise
-   use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, chi_square_limits
+   use gyroakf_allan_phase, only : integrate_rate, level_phase
+   use gyroakf_allan_phase_average, only : sum_phase_averages
+   use gyroakf_allan_reflection, only : add_reflected_differences
+   use gyroakf_allan_second_difference, only : sum_second_differences
+   use gyroakf_allan_statistic, only : check_statistic, difference_order, longest_factor, statistic_edf, term_count, &
+      & variance_divisor
+   use gyroakf_allan_third_difference, only : sum_third_differences
+   use gyroakf_allan_window_difference, only : sum_separate_differences
    implicit none (type, external)
    private
-   public :: allan_options, allan_curve_type, compute_allan
+   public :: allan_options, allan_curve_type, compute_allan, compute_allan_from_phase
 
    !> What to compute
    type :: allan_options
-      !> Statistic; only "oadev", the overlapping Allan deviation
+      !> Statistic: "adev", "oadev" (overlapping Allan deviation), "mdev", "tdev", "hdev", "ohdev" or "totdev"
       character(8) :: kind = "oadev"
       !> Averaging times: "octave" (also when unallocated), "decade", "log:N", "all", or seconds separated by commas
       character(:), allocatable :: taus
@@ -63,64 +76,167 @@ module gyroakf_allan_deviations
       integer, allocatable :: alpha(:)
    end type allan_curve_type
 
-   !> Share of a gapped variance that the correction leaves at least
-   real(dp), parameter :: correction_floor = 0.1_dp
-
 contains
 
-   !> Overlapping Allan deviation with chi-square confidence limits.
+   !> Deviation curve of a rate record with chi-square confidence limits.
    !>
    !> The degrees of freedom are those of the power-law noise identified at each averaging time (Greenhall &
    !> Riley 2003), reduced by the share of terms lost to gaps; [[fit_noise]] replaces them by those of the fitted mixture.
    !> Cost: three passes and O(n) per averaging time; memory 8 bytes a sample, 12 where some are missing.
    subroutine compute_allan(rate, sample_interval, options, curve, error, valid)
-      !> Rate samples, evenly spaced: [n], n >= 2; NaN and infinity count as missing
+      !> Rate samples, evenly spaced: [n], n >= 2 (3 for the Hadamard deviations); NaN and infinity count as missing
       real(dp), intent(in), contiguous :: rate(:)
       !> Seconds, > 0
       real(dp), intent(in) :: sample_interval
-      !> Grid, confidence, coverage
+      !> Statistic, grid, confidence, coverage
       type(allan_options), intent(in) :: options
       !> The curve; averaging times at which no term is left are not in it
       type(allan_curve_type), intent(out) :: curve
-      !> invalid_argument, not_supported (kind), too_few_samples, no_memory
+      !> invalid_argument, not_supported (unknown kind; mdev, tdev, totdev with missing samples), too_few_samples, no_memory
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]; all present if absent
       integer(int8), intent(in), optional :: valid(:)
 
-      real(dp), allocatable :: phase(:), variance(:)
+      real(dp), allocatable :: phase(:)
       integer(int32), allocatable :: missing(:)
-      integer(int64), allocatable :: m(:), terms(:)
-      integer :: stat
+      integer(int64), allocatable :: m(:)
 
       call check_arguments(sample_interval, options, error)
-      if (allocated(error)) return
+      if (.not. allocated(error)) call choose_factors(options, size(rate, kind=int64), sample_interval, m, error)
+      if (.not. allocated(error)) call integrate_rate(rate, phase, missing, error, valid)
+      if (.not. allocated(error)) call curve_of_phase(phase, m, sample_interval, options, curve, error, missing)
+   end subroutine compute_allan
+
+   !> The same from phases (angles of a rate gyroscope): the integral of the rate at the ends of the sample intervals.
+   !>
+   !> The straight line through the first and the last phase is taken out before anything else.
+   !> Memory 8 bytes a phase.
+   subroutine compute_allan_from_phase(phase, sample_interval, options, curve, error)
+      !> Phases, evenly spaced: [n + 1], n >= 2, all finite, in the unit of the rate times seconds
+      real(dp), intent(in), contiguous :: phase(:)
+      !> Seconds, > 0
+      real(dp), intent(in) :: sample_interval
+      !> Statistic, grid, confidence
+      type(allan_options), intent(in) :: options
+      !> The curve
+      type(allan_curve_type), intent(out) :: curve
+      !> invalid_argument, non_finite, not_supported (unknown kind), too_few_samples, no_memory
+      type(error_type), allocatable, intent(out) :: error
+
+      real(dp), allocatable :: level(:)
+      integer(int64), allocatable :: m(:)
+
+      call check_arguments(sample_interval, options, error)
+      if (.not. allocated(error)) then
+         call choose_factors(options, max(size(phase, kind=int64) - 1, 0_int64), sample_interval, m, error)
+      end if
+      if (.not. allocated(error)) call level_phase(phase, sample_interval, level, error)
+      if (.not. allocated(error)) call curve_of_phase(level, m, sample_interval, options, curve, error)
+   end subroutine compute_allan_from_phase
+
+   !> Averaging factors that the statistic can have.
+   subroutine choose_factors(options, samples, sample_interval, m, error)
+      !> Statistic and grid
+      type(allan_options), intent(in) :: options
+      !> Rate samples
+      integer(int64), intent(in) :: samples
+      !> Seconds
+      real(dp), intent(in) :: sample_interval
+      !> The factors, ascending
+      integer(int64), allocatable, intent(out) :: m(:)
+      !> invalid_argument, too_few_samples, no_memory
+      type(error_type), allocatable, intent(out) :: error
+
+      integer(int64), allocatable :: grid(:)
+      integer :: points
+
       if (allocated(options%taus)) then
-         call averaging_factors(options%taus, size(rate, kind=int64), sample_interval, m, error)
+         call averaging_factors(options%taus, samples, sample_interval, grid, error)
       else
-         call averaging_factors("octave", size(rate, kind=int64), sample_interval, m, error)
+         call averaging_factors("octave", samples, sample_interval, grid, error)
       end if
       if (allocated(error)) return
+      points = count(grid <= longest_factor(options%kind, samples))
+      if (points == size(grid)) then
+         call move_alloc(grid, m)
+      else if (points > 0) then
+         m = grid(:points)
+      else
+         call fatal_error(error, status%too_few_samples, "no averaging time is short enough for the "//trim(options%kind)// &
+            & " of this record")
+      end if
+   end subroutine choose_factors
+
+   !> The curve from the integral of the record.
+   subroutine curve_of_phase(phase, m, sample_interval, options, curve, error, missing)
+      !> Phase in units of rate times sample: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> Averaging factors
+      integer(int64), intent(in) :: m(:)
+      !> Seconds
+      real(dp), intent(in) :: sample_interval
+      !> Statistic, confidence, coverage
+      type(allan_options), intent(in) :: options
+      !> The curve
+      type(allan_curve_type), intent(inout) :: curve
+      !> not_supported, too_few_samples, no_memory
+      type(error_type), allocatable, intent(out) :: error
+      !> Missing samples so far: [0:n]
+      integer(int32), intent(in), contiguous, optional :: missing(0:)
+
+      real(dp), allocatable :: variance(:)
+      integer(int64), allocatable :: terms(:)
+      integer :: stat
+
       allocate (variance(size(m)), stat=stat)
       if (stat == 0) allocate (terms(size(m)), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the Allan variances")
          return
       end if
-      call integrate_rate(rate, phase, missing, error, valid)
-      if (allocated(error)) return
-      if (allocated(missing)) then
-         call gapped_variances(phase, missing, m, options%min_coverage, variance, terms, error)
-         if (allocated(error)) return
+      if (present(missing)) then
+         call gapped_variances(options%kind, phase, missing, m, options%min_coverage, variance, terms, error)
       else
-         call sum_second_differences(phase, m, variance)
-         terms = size(rate, kind=int64) - 2*m + 1
-         variance = variance/(2*real(m, dp)**2*real(terms, dp))
+         call complete_variances(options%kind, phase, m, variance, terms, error)
       end if
-      call fill_curve(size(rate, kind=int64), sample_interval, options%confidence, m, variance, terms, curve, error)
       if (allocated(error)) return
-      call identify_noise(phase, curve%m, options%min_coverage, curve%alpha, missing)
+      curve%kind = options%kind
+      call fill_curve(ubound(phase, 1, kind=int64), sample_interval, options%confidence, m, variance, terms, curve, error)
+      if (allocated(error)) return
+      call identify_noise(phase, curve%m, options%min_coverage, curve%alpha, missing, difference_order(curve%kind))
       call fill_limits(curve)
-   end subroutine compute_allan
+   end subroutine curve_of_phase
+
+   !> Variances of a record without gaps.
+   subroutine complete_variances(kind, phase, m, variance, terms, error)
+      !> Statistic
+      character(*), intent(in) :: kind
+      !> Phase: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> Averaging factors
+      integer(int64), intent(in) :: m(:)
+      !> Variances: [size(m)]; tdev: those of mdev
+      real(dp), intent(out) :: variance(:)
+      !> Terms: [size(m)]
+      integer(int64), intent(out) :: terms(:)
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+
+      terms = term_count(kind, ubound(phase, 1, kind=int64), m)
+      select case (kind)
+      case ("adev", "hdev")
+         call sum_separate_differences(phase, m, difference_order(kind), variance)
+      case ("ohdev")
+         call sum_third_differences(phase, m, variance)
+      case ("mdev", "tdev")
+         call sum_phase_averages(phase, m, variance, error)
+         if (allocated(error)) return
+      case default
+         call sum_second_differences(phase, m, variance)
+         if (kind == "totdev") call add_reflected_differences(phase, m, variance)
+      end select
+      variance = variance/(variance_divisor(kind, m)*real(terms, dp))
+   end subroutine complete_variances
 
    !> Rejects what is out of range.
    subroutine check_arguments(sample_interval, options, error)
@@ -131,9 +247,9 @@ contains
       !> invalid_argument, not_supported
       type(error_type), allocatable, intent(out) :: error
 
-      if (options%kind /= "oadev") then
-         call fatal_error(error, status%not_supported, "deviation kind '"//trim(options%kind)//"' is not known; there is oadev")
-      else if (.not. positive(sample_interval)) then
+      call check_statistic(options%kind, error)
+      if (allocated(error)) return
+      if (.not. positive(sample_interval)) then
          call fatal_error(error, status%invalid_argument, "the sample interval must be positive and finite")
       else if (.not. (positive(options%confidence) .and. positive(1 - options%confidence))) then
          call fatal_error(error, status%invalid_argument, "the confidence must lie between 0 and 1")
@@ -150,111 +266,6 @@ contains
       positive = .false.
       if (ieee_is_finite(x)) positive = x > 0
    end function positive
-
-   !> Variances of a record with missing samples, the inflation by the samples that are not there removed.
-   subroutine gapped_variances(phase, missing, m, min_coverage, variance, terms, error)
-      !> Phase: [0:n]
-      real(dp), intent(in), contiguous :: phase(0:)
-      !> Missing samples so far: [0:n]
-      integer(int32), intent(in), contiguous :: missing(0:)
-      !> Averaging factors
-      integer(int64), intent(in) :: m(:)
-      !> Share of a window that must be present
-      real(dp), intent(in) :: min_coverage
-      !> Variances: [size(m)]
-      real(dp), intent(out) :: variance(:)
-      !> Terms used: [size(m)]
-      integer(int64), intent(out) :: terms(:)
-      !> no_memory
-      type(error_type), allocatable, intent(out) :: error
-
-      type(gap_sums_type), allocatable :: sums(:)
-      integer(int64), allocatable :: octave(:)
-      real(dp), allocatable :: within(:)
-      integer :: i, stat
-
-      call averaging_factors("octave", ubound(phase, 1, kind=int64), 1.0_dp, octave, error)
-      if (allocated(error)) return
-      allocate (sums(size(octave)), within(size(octave)))
-      call sum_gapped_differences(phase, missing, octave, min_coverage, sums)
-      call variance_within_windows(sums, octave, within)
-      if (.not. same(m, octave)) then
-         deallocate (sums)
-         allocate (sums(size(m)), stat=stat)
-         if (stat /= 0) then
-            call fatal_error(error, status%no_memory, "no memory for the Allan variances")
-            return
-         end if
-         call sum_gapped_differences(phase, missing, m, min_coverage, sums)
-      end if
-      do i = 1, size(m)
-         terms(i) = sums(i)%terms
-         variance(i) = corrected(sums(i), interpolated(within, real(m(i), dp)))
-      end do
-   end subroutine gapped_variances
-
-   !> Whether two lists are equal.
-   pure logical function same(a, b)
-      !> The lists
-      integer(int64), intent(in) :: a(:), b(:)
-
-      same = size(a) == size(b)
-      if (same) same = all(a == b)
-   end function same
-
-   !> Variance of the samples within windows of 1, 2, 4 ... samples, from the variances of the octaves.
-   pure subroutine variance_within_windows(sums, octave, within)
-      !> Sums of each octave
-      type(gap_sums_type), intent(in) :: sums(:)
-      !> 1, 2, 4 ...
-      integer(int64), intent(in) :: octave(:)
-      !> S^2 of windows of that length; of the first, of two samples
-      real(dp), intent(out) :: within(:)
-
-      real(dp) :: total
-      integer :: j
-
-      total = 0
-      within = 0
-      do j = 1, size(octave)
-         if (j > 1) within(j) = total*real(octave(j), dp)/(2*real(octave(j) - 1, dp))
-         if (sums(j)%terms > 0) total = total + corrected(sums(j), within(j))
-      end do
-   end subroutine variance_within_windows
-
-   !> Variance from the sums, less what the missing samples add.
-   pure real(dp) function corrected(sums, within)
-      !> Sums of one averaging factor
-      type(gap_sums_type), intent(in) :: sums
-      !> Variance of the samples within a window
-      real(dp), intent(in) :: within
-
-      real(dp) :: raw
-
-      corrected = 0
-      if (sums%terms == 0) return
-      raw = sums%squares/(2*real(sums%terms, dp))
-      corrected = max(raw - within*sums%inflation/(2*real(sums%terms, dp)), correction_floor*raw)
-   end function corrected
-
-   !> Value at m between those at 1, 2, 4 ..., linear in the logarithm of m.
-   pure real(dp) function interpolated(values, m)
-      !> Values at the octaves
-      real(dp), intent(in) :: values(:)
-      !> Where, >= 1
-      real(dp), intent(in) :: m
-
-      real(dp) :: place
-      integer :: j
-
-      place = 1 + log(m)/log(2.0_dp)
-      j = min(int(place), size(values) - 1)
-      if (j < 1) then
-         interpolated = values(1)
-      else
-         interpolated = values(j) + (place - j)*(values(j + 1) - values(j))
-      end if
-   end function interpolated
 
    !> Puts the averaging times that have terms into the curve.
    subroutine fill_curve(n, sample_interval, confidence, m, variance, terms, curve, error)
@@ -295,6 +306,7 @@ contains
       curve%terms = pack(terms, terms > 0)
       curve%tau = real(curve%m, dp)*sample_interval
       curve%deviation = sqrt(pack(variance, terms > 0))
+      if (curve%kind == "tdev") curve%deviation = curve%tau*curve%deviation/sqrt(3.0_dp)
    end subroutine fill_curve
 
    !> Degrees of freedom and limits from the identified noise.
@@ -306,9 +318,8 @@ contains
       integer :: i
 
       do i = 1, size(curve%m)
-         complete = real(curve%samples - 2*curve%m(i) + 1, dp)
-         curve%edf(i) = greenhall_edf(curve%samples + 1, curve%m(i), curve%alpha(i), 2, .false., .true.) &
-            & *real(curve%terms(i), dp)/complete
+         complete = real(term_count(curve%kind, curve%samples, curve%m(i)), dp)
+         curve%edf(i) = statistic_edf(curve%kind, curve%samples + 1, curve%m(i), curve%alpha(i))*real(curve%terms(i), dp)/complete
       end do
       call chi_square_limits(curve%deviation, curve%edf, curve%confidence, curve%lower, curve%upper)
    end subroutine fill_limits

@@ -90,7 +90,7 @@ contains
 
    !> Fits the terms, and gives the curve the degrees of freedom and limits of the fitted mixture.
    subroutine fit_noise(curve, options, noise, error)
-      !> From [[compute_allan]]; edf, lower and upper are replaced (by larger limits only, where the model does not fit)
+      !> From [[compute_allan]], kind oadev; edf, lower and upper are replaced (by larger limits only, where the model does not fit)
       type(allan_curve_type), intent(inout) :: curve
       !> Terms, range of averaging times, method
       type(noise_options), intent(in) :: options
@@ -103,6 +103,11 @@ contains
       real(dp) :: squares(term_count), errors(term_count)
       logical :: linear
 
+      if (curve%kind /= "oadev") then
+         call fatal_error(error, status%invalid_argument, "the noise terms are fitted to a curve of kind oadev, this one is "// &
+            & trim(curve%kind))
+         return
+      end if
       call choose_terms(options, problem, error)
       if (.not. allocated(error)) call choose_points(curve, options, problem, error)
       if (allocated(error)) return

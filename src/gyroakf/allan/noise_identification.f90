@@ -2,7 +2,8 @@
 !> The power-law noise that dominates at an averaging time, by the lag-1 autocorrelation.
 !>
 !> The rate is averaged over windows of m samples and a straight line is removed. With the lag-1 autocorrelation
-!> r of these means, rho = r/(1 + r); while rho >= 1/4 the means are differenced (at most twice), and
+!> r of these means, rho = r/(1 + r); while rho >= 1/4 the means are differenced (at most as often as the variance does the
+!> phase: Allan 2, Hadamard 3), and
 !> alpha = -2 rho - 2 d with the number of differences d, rounded.
 !> Source: W. J. Riley, C. A. Greenhall, "Power law noise identification using the lag 1 autocorrelation",
 !> Proc. 18th EFTF (2004). It needs 30 means; beyond that the last identified noise is carried on.
@@ -16,13 +17,13 @@ module gyroakf_allan_noise_identification
    integer(int64), parameter :: means_min = 30
    !> Means that it looks at, from the middle of the record
    integer(int64), parameter :: means_max = 16384
-   !> Differences at most (Allan variance)
-   integer, parameter :: differences_max = 2
+   !> Differences at most, if not told (Allan variance)
+   integer, parameter :: differences_usual = 2
 
 contains
 
-   !> Noise exponent alpha (spectrum of the rate ~ f**alpha, 2 .. -2) for each averaging factor.
-   pure subroutine identify_noise(phase, m, min_coverage, alpha, missing)
+   !> Noise exponent alpha (spectrum of the rate ~ f**alpha, 2 .. -2, -4 with three differences) for each averaging factor.
+   pure subroutine identify_noise(phase, m, min_coverage, alpha, missing, differences)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Averaging factors, ascending
@@ -33,24 +34,30 @@ contains
       integer, intent(out) :: alpha(:)
       !> Missing samples so far: [0:n]; none if absent
       integer(int32), intent(in), optional :: missing(0:)
+      !> Differences at most: 2 (if absent) or 3
+      integer, intent(in), optional :: differences
 
-      integer :: i, last
+      integer :: i, last, most
 
       last = 0
+      most = differences_usual
+      if (present(differences)) most = differences
       do i = 1, size(m)
-         call identify_one(phase, m(i), min_coverage, last, missing)
+         call identify_one(phase, m(i), min_coverage, most, last, missing)
          alpha(i) = last
       end do
    end subroutine identify_noise
 
    !> The exponent for one averaging factor.
-   pure subroutine identify_one(phase, m, min_coverage, alpha, missing)
+   pure subroutine identify_one(phase, m, min_coverage, differences_max, alpha, missing)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Averaging factor
       integer(int64), intent(in) :: m
       !> Share of a window that must be present
       real(dp), intent(in) :: min_coverage
+      !> Differences at most
+      integer, intent(in) :: differences_max
       !> The exponent; left alone where there are too few windows or nothing varies
       integer, intent(inout) :: alpha
       !> Missing samples so far: [0:n]
@@ -64,12 +71,13 @@ contains
 
       means = min(ubound(phase, 1, kind=int64)/m, means_max)
       if (means < means_min) return
+      rho = 0
       allocate (mean(means), use_it(means))
       call window_means(phase, m, min_coverage, mean, use_it, missing)
       if (count(use_it) < means_min) return
       call remove_line(mean, use_it)
       do d = 0, differences_max
-         call lag_one(mean(:means - d), use_it(:means - d), r, varies)
+         call lag_one(mean(:means - d), use_it(:means - d), means_min - differences_max, r, varies)
          if (.not. varies) return
          rho = r/(1 + r)
          if (rho < 0.25_dp) exit
@@ -79,7 +87,7 @@ contains
             use_it(j) = use_it(j) .and. use_it(j + 1)
          end do
       end do
-      alpha = min(max(-nint(2*rho) - 2*int(d), -2), 2)
+      alpha = min(max(-nint(2*rho) - 2*int(d), 2 - 2*differences_max), 2)
    end subroutine identify_one
 
    !> Means of adjacent windows around the middle of the record.
@@ -140,11 +148,13 @@ contains
    end subroutine remove_line
 
    !> Lag-1 autocorrelation over neighbouring pairs.
-   pure subroutine lag_one(y, use_it, r, varies)
+   pure subroutine lag_one(y, use_it, least, r, varies)
       !> Values
       real(dp), intent(in) :: y(:)
       !> Which of them count
       logical, intent(in) :: use_it(:)
+      !> How many must
+      integer(int64), intent(in) :: least
       !> The autocorrelation, > -1 and < 1
       real(dp), intent(out) :: r
       !> False where there is nothing to correlate
@@ -155,7 +165,7 @@ contains
 
       r = 0
       n = size(y, kind=int64)
-      varies = count(use_it) >= means_min - differences_max
+      varies = count(use_it) >= least
       if (.not. varies) return
       mean = sum(y, mask=use_it)/real(count(use_it), dp)
       squares = sum((y - mean)**2, mask=use_it)

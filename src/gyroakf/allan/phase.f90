@@ -14,7 +14,7 @@ module gyroakf_allan_phase
    use gyroakf_error, only : error_type, fatal_error, status
    implicit none (type, external)
    private
-   public :: integrate_rate, present_sample
+   public :: integrate_rate, level_phase, present_sample
 
    !> Samples in a block
    integer(int64), parameter :: block_length = 2048
@@ -79,6 +79,44 @@ contains
       call offsets_of_blocks(n, pilot, sums, absent, mean)
       call write_phase(rate, mean, sums, absent, phase, missing, valid)
    end subroutine integrate_rate
+
+   !> Phases without the straight line through the first and the last, in units of rate times sample.
+   subroutine level_phase(angle, sample_interval, phase, error)
+      !> Phases: [n + 1], n >= 1
+      real(dp), intent(in), contiguous :: angle(:)
+      !> Seconds, > 0
+      real(dp), intent(in) :: sample_interval
+      !> The result: [0:n]
+      real(dp), allocatable, intent(out) :: phase(:)
+      !> non_finite, no_memory
+      type(error_type), allocatable, intent(out) :: error
+
+      integer(int64) :: n, k, bad
+      real(dp) :: first, slope, scale
+      integer :: stat
+      character(20) :: text
+
+      bad = non_finite_count(angle)
+      if (bad > 0) then
+         write (text, "(i0)") bad
+         call fatal_error(error, status%non_finite, trim(text)//" of the phases are not finite: a lost phase cannot be bridged")
+         return
+      end if
+      n = size(angle, kind=int64) - 1
+      allocate (phase(0:n), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the phases")
+         return
+      end if
+      first = angle(1)
+      slope = (angle(n + 1) - first)/real(n, dp)
+      scale = 1/sample_interval
+      !$omp parallel do simd schedule(static) if (parallel: n >= parallel_from)
+      do k = 0, n
+         phase(k) = ((angle(k + 1) - first) - slope*real(k, dp))*scale
+      end do
+      !$omp end parallel do simd
+   end subroutine level_phase
 
    !> Whether sample i is there: finite, and not marked missing.
    pure logical function present_sample(rate, i, valid)

@@ -1,0 +1,158 @@
+! SPDX-License-Identifier: MIT
+!> Allan-family variances of a record with missing samples.
+!>
+!> With missing samples the mean of a window is taken over those that are there, and a term counts when each
+!> of its windows is complete to the share `min_coverage`. The mean of c out of m samples is uncertain by
+!> the sampling variance S^2 (1/c - 1/m), S^2 the variance of the samples within a window (sampling without
+!> replacement; for white noise it is its variance). What that adds to the variance is subtracted. Two windows (Allan):
+!>
+!> $$ \hat\sigma^2 = \frac{1}{2T} \sum (\bar w_2 - \bar w_1)^2 -
+!>    \frac{S_m^2}{2T} \sum \left(\frac{1}{c_1} + \frac{1}{c_2} - \frac{2}{m}\right) $$
+!>
+!> and three (Hadamard), with 6 instead of 2 and 1/c_1 + 4/c_2 + 1/c_3 - 6/m. White noise stays unbiased; drift hardly varies
+!> within a window and is not touched. S_m^2 follows from the overlapping Allan variances of the octaves below m: for m = 2^J
+!> it is the sum over j < J of sigma^2(2^j) times m/(2(m - 1)).
+module gyroakf_allan_gaps
+   use gyroakf_kinds, only : dp, int32, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_allan_grid, only : averaging_factors
+   use gyroakf_allan_second_difference, only : sum_gapped_differences, gap_sums_type
+   use gyroakf_allan_statistic, only : difference_order
+   use gyroakf_allan_window_difference, only : sum_gapped_windows
+   implicit none (type, external)
+   private
+   public :: gapped_variances
+
+   !> Share of a gapped variance that the correction leaves at least
+   real(dp), parameter :: correction_floor = 0.1_dp
+
+contains
+
+   !> Variances of a record with missing samples, the inflation by the samples that are not there removed.
+   subroutine gapped_variances(kind, phase, missing, m, min_coverage, variance, terms, error)
+      !> Statistic: adev, oadev, hdev or ohdev
+      character(*), intent(in) :: kind
+      !> Phase: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> Missing samples so far: [0:n]
+      integer(int32), intent(in), contiguous :: missing(0:)
+      !> Averaging factors
+      integer(int64), intent(in) :: m(:)
+      !> Share of a window that must be present
+      real(dp), intent(in) :: min_coverage
+      !> Variances: [size(m)]
+      real(dp), intent(out) :: variance(:)
+      !> Terms used: [size(m)]
+      integer(int64), intent(out) :: terms(:)
+      !> not_supported (the other statistics), no_memory
+      type(error_type), allocatable, intent(out) :: error
+
+      type(gap_sums_type), allocatable :: sums(:)
+      integer(int64), allocatable :: octave(:)
+      real(dp), allocatable :: within(:)
+      integer :: i, stat
+
+      if (all(["adev ", "oadev", "hdev ", "ohdev"] /= kind)) then
+         call fatal_error(error, status%not_supported, trim(kind)//" is not computed for a record with missing samples ("// &
+            & trim(lost_text(missing))//" are missing); adev, oadev, hdev and ohdev are")
+         return
+      end if
+      call averaging_factors("octave", ubound(phase, 1, kind=int64), 1.0_dp, octave, error)
+      if (allocated(error)) return
+      allocate (sums(size(octave)), within(size(octave)))
+      call sum_gapped_differences(phase, missing, octave, min_coverage, sums)
+      call variance_within_windows(sums, octave, within)
+      if (kind /= "oadev" .or. .not. same(m, octave)) then
+         deallocate (sums)
+         allocate (sums(size(m)), stat=stat)
+         if (stat /= 0) then
+            call fatal_error(error, status%no_memory, "no memory for the Allan variances")
+            return
+         end if
+         if (kind == "oadev") then
+            call sum_gapped_differences(phase, missing, m, min_coverage, sums)
+         else
+            call sum_gapped_windows(phase, missing, m, difference_order(kind), kind == "ohdev", min_coverage, sums)
+         end if
+      end if
+      do i = 1, size(m)
+         terms(i) = sums(i)%terms
+         variance(i) = corrected(sums(i), interpolated(within, real(m(i), dp)), merge(6.0_dp, 2.0_dp, difference_order(kind) == 3))
+      end do
+   end subroutine gapped_variances
+
+   !> Whether two lists are equal.
+   pure logical function same(a, b)
+      !> The lists
+      integer(int64), intent(in) :: a(:), b(:)
+
+      same = size(a) == size(b)
+      if (same) same = all(a == b)
+   end function same
+
+   !> Variance of the samples within windows of 1, 2, 4 ... samples, from the variances of the octaves.
+   pure subroutine variance_within_windows(sums, octave, within)
+      !> Sums of each octave
+      type(gap_sums_type), intent(in) :: sums(:)
+      !> 1, 2, 4 ...
+      integer(int64), intent(in) :: octave(:)
+      !> S^2 of windows of that length; of the first, of two samples
+      real(dp), intent(out) :: within(:)
+
+      real(dp) :: total
+      integer :: j
+
+      total = 0
+      within = 0
+      do j = 1, size(octave)
+         if (j > 1) within(j) = total*real(octave(j), dp)/(2*real(octave(j) - 1, dp))
+         if (sums(j)%terms > 0) total = total + corrected(sums(j), within(j), 2.0_dp)
+      end do
+   end subroutine variance_within_windows
+
+   !> Variance from the sums, less what the missing samples add.
+   pure real(dp) function corrected(sums, within, divisor)
+      !> Sums of one averaging factor
+      type(gap_sums_type), intent(in) :: sums
+      !> Variance of the samples within a window
+      real(dp), intent(in) :: within
+      !> 2 (Allan) or 6 (Hadamard)
+      real(dp), intent(in) :: divisor
+
+      real(dp) :: raw
+
+      corrected = 0
+      if (sums%terms == 0) return
+      raw = sums%squares/(divisor*real(sums%terms, dp))
+      corrected = max(raw - within*sums%inflation/(divisor*real(sums%terms, dp)), correction_floor*raw)
+   end function corrected
+
+   !> Value at m between those at 1, 2, 4 ..., linear in the logarithm of m.
+   pure real(dp) function interpolated(values, m)
+      !> Values at the octaves
+      real(dp), intent(in) :: values(:)
+      !> Where, >= 1
+      real(dp), intent(in) :: m
+
+      real(dp) :: place
+      integer :: j
+
+      place = 1 + log(m)/log(2.0_dp)
+      j = min(int(place), size(values) - 1)
+      if (j < 1) then
+         interpolated = values(1)
+      else
+         interpolated = values(j) + (place - j)*(values(j + 1) - values(j))
+      end if
+   end function interpolated
+
+   !> Number of missing samples, as text.
+   pure function lost_text(missing) result(text)
+      !> Missing samples so far: [0:n]
+      integer(int32), intent(in), contiguous :: missing(0:)
+      character(20) :: text
+
+      write (text, "(i0)") missing(ubound(missing, 1))
+   end function lost_text
+
+end module gyroakf_allan_gaps

@@ -1,0 +1,232 @@
+! SPDX-License-Identifier: MIT
+!> Sums of squared second differences of phase averages: the work of the modified Allan variance.
+!>
+!> $$ z_j = \sum_{i=j}^{j+m-1} (x_{i+2m} - 2 x_{i+m} + x_i), \quad
+!>    z_{j+1} = z_j + x_{j+3m} - 3 x_{j+2m} + 3 x_{j+m} - x_j $$
+!>
+!> A term costs one step of the recursion, whatever m. The recursion starts anew at fixed places (so that no rounding
+!> error runs along, and that no bit depends on the number of threads), four chains of it run side by side, and short averaging
+!> factors share a stretch of the record while it is in the cache.
+module gyroakf_allan_phase_average
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   implicit none (type, external)
+   private
+   public :: sum_phase_averages
+
+   !> Terms of a stretch, and the longest factor that shares stretches
+   integer(int64), parameter :: stretch_length = 65536, short_max = 4096
+   !> Length of the chains of a longer factor, in averaging times
+   integer(int64), parameter :: chain_length = 2
+   !> Terms times factors below which one thread is quicker
+   integer(int64), parameter :: parallel_from = 1000000
+
+contains
+
+   !> For each m the sum over j = 0 .. n - 3m + 1 of z(j)**2.
+   subroutine sum_phase_averages(phase, m, sums, error)
+      !> Phase: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> Averaging factors, ascending, 1 <= m <= (n + 1)/3: [any number]
+      integer(int64), intent(in) :: m(:)
+      !> The sums: [size(m)]
+      real(dp), intent(out) :: sums(:)
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+
+      integer :: short
+
+      short = count(m <= short_max)
+      call sum_short(phase, m(:short), sums(:short), error)
+      if (.not. allocated(error)) call sum_long(phase, m(short + 1:), sums(short + 1:), error)
+   end subroutine sum_phase_averages
+
+   !> Factors that share stretches.
+   subroutine sum_short(phase, m, sums, error)
+      !> Phase: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> Averaging factors
+      integer(int64), intent(in) :: m(:)
+      !> The sums
+      real(dp), intent(out) :: sums(:)
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+
+      real(dp), allocatable :: part(:, :)
+      integer(int64) :: terms, stretches, s, first
+      integer :: i, stat
+
+      terms = ubound(phase, 1, kind=int64) + 2
+      stretches = (terms + stretch_length - 1)/stretch_length
+      allocate (part(size(m), stretches), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the partial sums of the modified Allan variance")
+         return
+      end if
+      !$omp parallel do schedule(dynamic) private(i, first) if (terms*size(m) >= parallel_from)
+      do s = 1, stretches
+         first = (s - 1)*stretch_length
+         do i = 1, size(m)
+            call add_terms(phase, m(i), first, min(stretch_length, terms - 3*m(i) - first), part(i, s))
+         end do
+      end do
+      !$omp end parallel do
+      do i = 1, size(m)
+         sums(i) = sum(part(i, :))
+      end do
+   end subroutine sum_short
+
+   !> Factors that have the record to themselves, cut so that the starts of the chains cost less than the chains.
+   subroutine sum_long(phase, m, sums, error)
+      !> Phase: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> Averaging factors
+      integer(int64), intent(in) :: m(:)
+      !> The sums
+      real(dp), intent(out) :: sums(:)
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+
+      real(dp), allocatable :: part(:)
+      integer(int64), allocatable :: begin(:)
+      integer, allocatable :: factor(:)
+      integer(int64) :: terms, total, item, length
+      integer :: i, stat
+
+      sums = 0
+      terms = ubound(phase, 1, kind=int64) + 2
+      total = 0
+      do i = 1, size(m)
+         total = total + (terms - 3*m(i) - 1)/(4*chain_length*m(i)) + 1
+      end do
+      allocate (part(total), stat=stat)
+      if (stat == 0) allocate (begin(total), stat=stat)
+      if (stat == 0) allocate (factor(total), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the partial sums of the modified Allan variance")
+         return
+      end if
+      item = 0
+      do i = 1, size(m)
+         do length = 0, terms - 3*m(i) - 1, 4*chain_length*m(i)
+            item = item + 1
+            begin(item) = length
+            factor(item) = i
+         end do
+      end do
+      !$omp parallel do schedule(dynamic) private(i, length) if (terms*size(m) >= parallel_from)
+      do item = total, 1, -1
+         i = factor(item)
+         length = min(4*chain_length*m(i), terms - 3*m(i) - begin(item))
+         call add_terms(phase, m(i), begin(item), length, part(item))
+      end do
+      !$omp end parallel do
+      do item = 1, total
+         sums(factor(item)) = sums(factor(item)) + part(item)
+      end do
+   end subroutine sum_long
+
+   !> Sum of z(j)**2 over some neighbouring terms.
+   pure subroutine add_terms(phase, m, first, terms, total)
+      !> Phase: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> Averaging factor
+      integer(int64), intent(in) :: m
+      !> The first j
+      integer(int64), intent(in) :: first
+      !> How many
+      integer(int64), intent(in) :: terms
+      !> The sum, 0 without terms
+      real(dp), intent(out) :: total
+
+      integer(int64) :: j, quarter
+      real(dp) :: z, rest
+
+      total = 0
+      if (terms <= 0) return
+      quarter = terms/4
+      if (quarter >= m) then
+         call four_chains(phase, m, first, quarter, total, z)
+      else
+         quarter = 0
+         z = first_average(phase, m, first)
+         total = z**2
+      end if
+      rest = 0
+      do j = first + max(4*quarter, 1_int64), first + terms - 1
+         z = z + third_difference(phase, m, j - 1)
+         rest = rest + z**2
+      end do
+      total = total + rest
+   end subroutine add_terms
+
+   !> Four chains of the recursion side by side.
+   pure subroutine four_chains(phase, m, first, length, total, z)
+      !> Phase: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> Averaging factor
+      integer(int64), intent(in) :: m
+      !> The first j
+      integer(int64), intent(in) :: first
+      !> Terms of a chain, >= 1
+      integer(int64), intent(in) :: length
+      !> Sum of the squares
+      real(dp), intent(out) :: total
+      !> The last term
+      real(dp), intent(out) :: z
+
+      integer(int64) :: j1, j2, j3, j4
+      real(dp) :: z1, z2, z3, z4, s1, s2, s3, s4
+
+      z1 = first_average(phase, m, first)
+      z2 = first_average(phase, m, first + length)
+      z3 = first_average(phase, m, first + 2*length)
+      z4 = first_average(phase, m, first + 3*length)
+      s1 = z1**2
+      s2 = z2**2
+      s3 = z3**2
+      s4 = z4**2
+      do j1 = first, first + length - 2
+         j2 = j1 + length
+         j3 = j2 + length
+         j4 = j3 + length
+         z1 = z1 + ((phase(j1 + 3*m) - phase(j1)) - 3*(phase(j1 + 2*m) - phase(j1 + m)))
+         z2 = z2 + ((phase(j2 + 3*m) - phase(j2)) - 3*(phase(j2 + 2*m) - phase(j2 + m)))
+         z3 = z3 + ((phase(j3 + 3*m) - phase(j3)) - 3*(phase(j3 + 2*m) - phase(j3 + m)))
+         z4 = z4 + ((phase(j4 + 3*m) - phase(j4)) - 3*(phase(j4 + 2*m) - phase(j4 + m)))
+         s1 = s1 + z1**2
+         s2 = s2 + z2**2
+         s3 = s3 + z3**2
+         s4 = s4 + z4**2
+      end do
+      total = (s1 + s2) + (s3 + s4)
+      z = z4
+   end subroutine four_chains
+
+   !> x(j+3m) - 3 x(j+2m) + 3 x(j+m) - x(j).
+   pure real(dp) function third_difference(phase, m, j)
+      !> Phase: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> Averaging factor, and place
+      integer(int64), intent(in) :: m, j
+
+      third_difference = (phase(j + 3*m) - phase(j)) - 3*(phase(j + 2*m) - phase(j + m))
+   end function third_difference
+
+   !> z(j) as the sum that defines it.
+   pure real(dp) function first_average(phase, m, j) result(z)
+      !> Phase: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> Averaging factor, and place
+      integer(int64), intent(in) :: m, j
+
+      integer(int64) :: i
+
+      z = 0
+      !$omp simd reduction(+:z)
+      do i = j, j + m - 1
+         z = z + ((phase(i + 2*m) - phase(i + m)) - (phase(i + m) - phase(i)))
+      end do
+   end function first_average
+
+end module gyroakf_allan_phase_average
