@@ -13,6 +13,7 @@ program test_main
    use test_allan_grid, only : collect_allan_grid
    use test_allan_noise_fit, only : collect_allan_noise_fit
    use test_allan_statistics, only : collect_allan_statistics
+   use test_allan_noise_model, only : collect_allan_noise_model
    use test_ar, only : collect_ar
    use test_audit, only : collect_audit
    use test_autocovariance, only : collect_autocovariance
@@ -57,6 +58,7 @@ program test_main
    call add("allan_grid", collect_allan_grid)
    call add("allan_noise_fit", collect_allan_noise_fit)
    call add("allan_statistics", collect_allan_statistics)
+   call add("allan_noise_model", collect_allan_noise_model)
    call add("ar", collect_ar)
    call add("audit", collect_audit)
    call add("autocovariance", collect_autocovariance)

@@ -130,7 +130,7 @@ typedef struct gyroakf_coefficient {
   double value;       /* never negative */
   double std_error;   /* standard error */
   double upper_limit; /* one-sided, 95 % */
-  int32_t detected;   /* 1: value > 2 std_error; otherwise state the upper limit */
+  int32_t detected;   /* 1: the square is above two of its standard errors; otherwise state the upper limit */
   int32_t fitted;     /* 1: the term was in the fit */
 } gyroakf_coefficient;
 
