@@ -73,7 +73,11 @@ contains
 
       options%taus = taus
       options%kind = kind
-      call compute_allan(rate, 1.0_dp, options, curve, failure, valid)
+      if (present(valid)) then
+         call compute_allan(rate, 1.0_dp, options, curve, failure, valid)
+      else
+         call compute_allan(rate, 1.0_dp, options, curve, failure)
+      end if
       if (allocated(failure)) call check(error, .false., failure%message)
    end subroutine curve_of
 

@@ -104,7 +104,7 @@ contains
       call check_arguments(sample_interval, options, error)
       if (.not. allocated(error)) call choose_factors(options, size(rate, kind=int64), sample_interval, m, error)
       if (.not. allocated(error)) call integrate_rate(rate, phase, missing, error, valid)
-      if (.not. allocated(error)) call curve_of_phase(phase, m, sample_interval, options, curve, error, missing)
+      if (.not. allocated(error)) call curve_of_phase(phase, missing, m, sample_interval, options, curve, error)
    end subroutine compute_allan
 
    !> The same from phases (angles of a rate gyroscope): the integral of the rate at the ends of the sample intervals.
@@ -124,6 +124,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       real(dp), allocatable :: level(:)
+      integer(int32), allocatable :: missing(:)
       integer(int64), allocatable :: m(:)
 
       call check_arguments(sample_interval, options, error)
@@ -131,7 +132,7 @@ contains
          call choose_factors(options, max(size(phase, kind=int64) - 1, 0_int64), sample_interval, m, error)
       end if
       if (.not. allocated(error)) call level_phase(phase, sample_interval, level, error)
-      if (.not. allocated(error)) call curve_of_phase(level, m, sample_interval, options, curve, error)
+      if (.not. allocated(error)) call curve_of_phase(level, missing, m, sample_interval, options, curve, error)
    end subroutine compute_allan_from_phase
 
    !> Averaging factors that the statistic can have.
@@ -168,9 +169,11 @@ contains
    end subroutine choose_factors
 
    !> The curve from the integral of the record.
-   subroutine curve_of_phase(phase, m, sample_interval, options, curve, error, missing)
+   subroutine curve_of_phase(phase, missing, m, sample_interval, options, curve, error)
       !> Phase in units of rate times sample: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
+      !> Missing samples so far: [0:n], unallocated when every sample is there
+      integer(int32), allocatable, intent(in) :: missing(:)
       !> Averaging factors
       integer(int64), intent(in) :: m(:)
       !> Seconds
@@ -181,8 +184,6 @@ contains
       type(allan_curve_type), intent(inout) :: curve
       !> not_supported, too_few_samples, no_memory
       type(error_type), allocatable, intent(out) :: error
-      !> Missing samples so far: [0:n]
-      integer(int32), intent(in), contiguous, optional :: missing(0:)
 
       real(dp), allocatable :: variance(:)
       integer(int64), allocatable :: terms(:)
@@ -194,7 +195,7 @@ contains
          call fatal_error(error, status%no_memory, "no memory for the Allan variances")
          return
       end if
-      if (present(missing)) then
+      if (allocated(missing)) then
          call gapped_variances(options%kind, phase, missing, m, options%min_coverage, variance, terms, error)
       else
          call complete_variances(options%kind, phase, m, variance, terms, error)

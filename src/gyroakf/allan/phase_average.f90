@@ -18,6 +18,8 @@ module gyroakf_allan_phase_average
    integer(int64), parameter :: stretch_length = 65536, short_max = 4096
    !> Length of the chains of a longer factor, in averaging times
    integer(int64), parameter :: chain_length = 2
+   !> Steps of a chain that are prepared together
+   integer(int64), parameter :: buffer_length = 256
    !> Terms times factors below which one thread is quicker
    integer(int64), parameter :: parallel_from = 1000000
 
@@ -175,8 +177,9 @@ contains
       !> The last term
       real(dp), intent(out) :: z
 
-      integer(int64) :: j1, j2, j3, j4
-      real(dp) :: z1, z2, z3, z4, s1, s2, s3, s4
+      real(dp) :: d(buffer_length, 4), z1, z2, z3, z4, s1, s2, s3, s4
+      integer(int64) :: j, i, steps
+      integer :: chain
 
       z1 = first_average(phase, m, first)
       z2 = first_average(phase, m, first + length)
@@ -186,22 +189,42 @@ contains
       s2 = z2**2
       s3 = z3**2
       s4 = z4**2
-      do j1 = first, first + length - 2
-         j2 = j1 + length
-         j3 = j2 + length
-         j4 = j3 + length
-         z1 = z1 + ((phase(j1 + 3*m) - phase(j1)) - 3*(phase(j1 + 2*m) - phase(j1 + m)))
-         z2 = z2 + ((phase(j2 + 3*m) - phase(j2)) - 3*(phase(j2 + 2*m) - phase(j2 + m)))
-         z3 = z3 + ((phase(j3 + 3*m) - phase(j3)) - 3*(phase(j3 + 2*m) - phase(j3 + m)))
-         z4 = z4 + ((phase(j4 + 3*m) - phase(j4)) - 3*(phase(j4 + 2*m) - phase(j4 + m)))
-         s1 = s1 + z1**2
-         s2 = s2 + z2**2
-         s3 = s3 + z3**2
-         s4 = s4 + z4**2
+      do j = 0, length - 2, buffer_length
+         steps = min(buffer_length, length - 1 - j)
+         do chain = 1, 4
+            call third_differences(phase, m, first + (chain - 1)*length + j, d(:steps, chain))
+         end do
+         do i = 1, steps
+            z1 = z1 + d(i, 1)
+            z2 = z2 + d(i, 2)
+            z3 = z3 + d(i, 3)
+            z4 = z4 + d(i, 4)
+            s1 = s1 + z1**2
+            s2 = s2 + z2**2
+            s3 = s3 + z3**2
+            s4 = s4 + z4**2
+         end do
       end do
       total = (s1 + s2) + (s3 + s4)
       z = z4
    end subroutine four_chains
+
+   !> The steps of the recursion from neighbouring places on.
+   pure subroutine third_differences(phase, m, first, d)
+      !> Phase: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> Averaging factor, and the first place
+      integer(int64), intent(in) :: m, first
+      !> The steps
+      real(dp), intent(out), contiguous :: d(:)
+
+      integer(int64) :: i
+
+      !$omp simd
+      do i = 1, size(d, kind=int64)
+         d(i) = (phase(first + i - 1 + 3*m) - phase(first + i - 1)) - 3*(phase(first + i - 1 + 2*m) - phase(first + i - 1 + m))
+      end do
+   end subroutine third_differences
 
    !> x(j+3m) - 3 x(j+2m) + 3 x(j+m) - x(j).
    pure real(dp) function third_difference(phase, m, j)
