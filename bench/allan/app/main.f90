@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: MIT
-!> Time of the overlapping Allan deviation at octave averaging times, one and two threads, median of five.
+!> Time of the Allan statistics at octave averaging times, one and two threads, median of five.
 !>
 !> Reads raw doubles from a file, so that others can be given the same numbers:
 !>
-!>     allan_speed FILE            prints: threads, seconds, seconds of one read pass, deviations at 1, 2, 4 samples;
-!>                                 then the peak memory in bytes (Linux, else 0)
+!>     allan_speed FILE KIND...    prints for each kind and number of threads: kind, threads, seconds, seconds of one read
+!>                                 pass, deviations at 1, 2, 4 samples; then the peak memory in bytes (Linux, else 0)
 program allan_speed
    use, intrinsic :: iso_fortran_env, only : error_unit, output_unit
    use omp_lib, only : omp_get_wtime, omp_set_num_threads
@@ -18,7 +18,8 @@ program allan_speed
    real(dp), allocatable :: rate(:)
    real(dp) :: seconds(repeats), pass(repeats), start, total
    character(1000) :: path
-   integer :: unit, threads, i
+   character(8) :: kind
+   integer :: unit, threads, i, k
    integer(int64) :: bytes
 
    call get_command_argument(1, path)
@@ -28,21 +29,26 @@ program allan_speed
    read (unit) rate
    close (unit)
    total = 0
-   do threads = 1, 2
-      call omp_set_num_threads(threads)
-      do i = 1, repeats
-         start = omp_get_wtime()
-         call compute_allan(rate, 1.0_dp, options, curve, error)
-         seconds(i) = omp_get_wtime() - start
-         if (allocated(error)) then
-            write (error_unit, "(a)") error%message
-            stop 1, quiet=.true.
-         end if
-         start = omp_get_wtime()
-         total = total + read_pass(rate)
-         pass(i) = omp_get_wtime() - start
+   do k = 2, command_argument_count()
+      call get_command_argument(k, kind)
+      options%kind = kind
+      do threads = 1, 2
+         call omp_set_num_threads(threads)
+         do i = 1, repeats
+            start = omp_get_wtime()
+            call compute_allan(rate, 1.0_dp, options, curve, error)
+            seconds(i) = omp_get_wtime() - start
+            if (allocated(error)) then
+               write (error_unit, "(a)") error%message
+               stop 1, quiet=.true.
+            end if
+            start = omp_get_wtime()
+            total = total + read_pass(rate)
+            pass(i) = omp_get_wtime() - start
+         end do
+         write (output_unit, "(a, 1x, i0, 2f10.5, 3es24.16)") trim(kind), threads, median(seconds), median(pass), &
+            & curve%deviation(:3)
       end do
-      write (output_unit, "(i0, 2f10.5, 3es24.16)") threads, median(seconds), median(pass), curve%deviation(:3)
    end do
    call peak_memory(bytes)
    write (output_unit, "(i0)") bytes
