@@ -25,6 +25,7 @@ contains
          new_unittest("example", test_example), &
          new_unittest("example-coefficients", test_example_coefficients), &
          new_unittest("paper-preset", test_paper_preset), &
+         new_unittest("paper-chain", test_paper_chain), &
          new_unittest("misfit", test_misfit), &
          new_unittest("threads", test_threads), &
          new_unittest("missing-few", test_missing_few), &
@@ -65,7 +66,7 @@ contains
       run = .not. allocated(failed)
    end function run
 
-   !> What the issue of the example promises: Table I and II of the paper.
+   !> What the example record must give: Table I and II of the paper.
    subroutine test_example(error)
       type(error_type), allocatable, intent(out) :: error
       type(record_type) :: record
@@ -148,6 +149,32 @@ contains
       call apply_preset("papier", options, failed)
       call check(error, allocated(failed))
    end subroutine test_paper_preset
+
+   subroutine test_paper_chain(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! every step of the paper, whatever the options were before
+      type(pipeline_options) :: o
+      type(gyro_error), allocatable :: failed
+
+      o%clean%method = "mad"
+      o%clean%threshold = 9.0_dp
+      o%clean%degree = 1
+      o%ar%criterion = "bic"
+      o%ar%max_order = 7
+      o%ar%order = 5
+      o%design%akf = "robust"
+      o%design%r_factor = 9.84_dp
+      o%design%forgetting = 0.9_dp
+      o%design%estimate = "R"
+      call apply_preset("paper", o, failed)
+      call check(error, o%clean%method//o%ar%method//o%ar%criterion//o%design%akf//o%design%estimate, &
+                 "pauta   "//"yw  "//"aic "//"paper   "//"QR  ")
+      if (allocated(error)) return
+      call check(error, all([o%clean%degree, o%ar%max_order, o%ar%order] == [3, 3, -1]), "degree and orders")
+      if (allocated(error)) return
+      call check(error, norm2([o%clean%threshold, o%design%r_factor, o%design%forgetting] - [3.0_dp, 1.0_dp, 0.98_dp]) <= 0.0_dp)
+   end subroutine test_paper_chain
 
    !> Two threads give the same numbers as one.
    subroutine test_threads(error)

@@ -388,6 +388,9 @@ contains
       call check(error, index(text, "channel,series,kind,tau,deviation,lower,upper,edf,terms,model"//lf// &
                               '"a,""b""",input,oadev,0.2,0.02,0.018,0.022,11,11,0.02'//lf) == 1)
       if (allocated(error)) return
+      call check(error, index(text, lf//"channel,series,term,value,std_error,upper_limit_95,detected,unit,"// &
+                              "reduction_percent"//lf) > 0)
+      if (allocated(error)) return
       call check(error, index(text, '"a,""b""",akf,N,0.1896,0.0024,0.036,true,deg/sqrt(h),80'//lf) > 0)
       if (allocated(error)) return
       call check(error, index(text, '"a,""b""",kf,R,nan,nan,nan,false,deg/h^2,nan'//lf) > 0)
