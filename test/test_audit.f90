@@ -31,6 +31,7 @@ contains
          new_unittest("late-delivery", test_late), &
          new_unittest("gap", test_gap), &
          new_unittest("many-gaps", test_many_gaps), &
+         new_unittest("losses-on-a-grid", test_losses_on_grid), &
          new_unittest("bursts", test_bursts), &
          new_unittest("bursts-with-loss", test_burst_loss), &
          new_unittest("coarse-clock", test_coarse), &
@@ -154,6 +155,20 @@ contains
       end do
       call expect(error, t, 79, 79, 1.0_dp/n, audit)
    end subroutine test_many_gaps
+
+   !> One sample in twenty lost, the others on an even grid: fewer than 97 % of the steps are the interval.
+   subroutine test_losses_on_grid(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(audit_type) :: audit
+      real(dp) :: t(n)
+      integer :: k
+
+      t = even()
+      do k = 1, 199
+         t(20*k + mod(7*k, 17):) = t(20*k + mod(7*k, 17):) + dt
+      end do
+      call expect(error, t, 199, 199, 1.0e-12_dp, audit)
+   end subroutine test_losses_on_grid
 
    !> The record may end with a burst that is 0.4 s late.
    subroutine test_bursts(error)

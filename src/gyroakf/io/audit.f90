@@ -4,7 +4,7 @@
 !> Samples are taken as evenly spaced at the mean rate. Stamps that come in bursts (delivered late, several at once) are no
 !> gaps: samples were lost only where the lag, elapsed time * rate - count, rises and does not fall back. That is told by its
 !> median before and after a long step. Where almost all steps are near their median (regular stamps), one lost sample is
-!> seen; where they are not, a loss has to be larger than the bursts.
+!> seen; where they are not, a loss has to be larger than the bursts. Steps that are multiples of the median are regular too.
 module gyroakf_io_audit
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int8, int64
@@ -119,8 +119,7 @@ contains
       end do
       call sort(step(:m))
       median = step((m + 1)/2)
-      regular = median > 0.0_dp
-      if (regular) regular = 100*count(step(:m) > 0.5_dp*median .and. step(:m) < 1.5_dp*median) >= 97*m
+      regular = is_regular(step(:m), median)
       total = 0.0_dp
       near = 0
       do i = 2, n
@@ -132,6 +131,25 @@ contains
       rate = 0.0_dp
       if (total > 0.0_dp) rate = real(near, dp)/total
    end subroutine first_rate
+
+   !> True where almost all steps are near the median, or most are, none is far below it and almost all are whole multiples of
+   !> it: samples of an even grid, some of them lost. (Short steps as well are those of late samples and a coarse clock.)
+   pure logical function is_regular(step, median)
+      real(dp), intent(in) :: step(:), median
+      integer :: k, near, whole
+
+      is_regular = .false.
+      if (median <= 0.0_dp) return
+      near = 0
+      whole = 0
+      do k = 1, size(step)
+         if (step(k) <= 0.5_dp*median) cycle
+         if (step(k) < 1.5_dp*median) near = near + 1
+         if (abs(step(k)/median - anint(step(k)/median)) <= 0.25_dp) whole = whole + 1
+      end do
+      is_regular = 100*near >= 97*size(step) .or. &
+                   (100*near >= 80*size(step) .and. 100*whole >= 97*size(step) .and. minval(step) > 0.5_dp*median)
+   end function is_regular
 
    !> Sorts a short list.
    pure subroutine sort(x)
