@@ -22,6 +22,10 @@ module gyroakf_record
       integer(int64) :: missing = 0
       !> Places where the stamps show that samples were lost for good
       integer(int64) :: gaps = 0
+      !> Those of them that are too long to be filled with missing samples
+      integer(int64) :: jumps = 0
+      !> Double steps at even distances, not counted as gaps: lost samples, or a clock that counts in nearly the interval
+      integer(int64) :: beats = 0
       !> Stamps equal to the one before
       integer(int64) :: duplicates = 0
       !> Stamps smaller than the one before

@@ -93,5 +93,17 @@ unit 'parsec' is not known ; # unit: parsec\n1\n2\n
 unit deg does not fit --input rate ; # unit: deg\n1\n2\n
 columns are 3, the first row has 2 ; # columns: t gx gy\n1 2\n3 4\n
 3 equal stamps; the first is in line 3 ; t gx\n1 1\n1 2\n1 3\n1 4\n
-1 backward step ; t gx\n0.1 1\n0.2 2\n0.1 3\n0.4 4\n
+a second rate, 100 Hz after 50 Hz; the last counts ; # rate_hz: 50\n# dt: 0.01\n1\n2\n
+1 backward step; the first is in line 4 ; t gx\n0.1 1\n0.2 2\n0.1 3\n0.4 4\n
 LINES
+
+# a clock that is set forward in the middle of a record; every 97th row left out
+awk 'BEGIN { print "t,gx"; for (i = 0; i < 2000; i++) printf "%.2f,%.6f\n", i*0.01 + (i > 1000)*1e7, sin(i*i) }' >forward.csv
+good "clock set forward" inspect forward.csv
+tr -s ' \n' ' ' <out >words
+holds "line of a jump" "1 gap; the first is in line 1003" words
+holds "jump not filled" "too long to be filled with missing samples" words
+awk 'BEGIN { print "t,gx"; for (i = 1; i < 2000; i++) if (i % 97) printf "%.2f,%.6f\n", i*0.01, sin(i*i) }' >beat.csv
+good "double steps at even distances" inspect beat.csv
+tr -s ' \n' ' ' <out >words
+holds "double steps told" "double step 20 times at even distances" words

@@ -23,6 +23,8 @@ module gyroakf_io_audit
       integer :: count = 0
       !> Jumps of the clock that are too long to be filled
       integer(int64) :: jumps = 0
+      !> The sample after the first of them, 0 where there is none
+      integer(int64) :: first_jump = 0
    end type gap_type
 
    !> Stamps looked at for a first idea of the step
@@ -60,13 +62,19 @@ contains
       inserted = 0
       do round = 1, 4
          call find_gaps(t, rate, regular, gaps)
-         if (is_beat(gaps)) gaps%count = 0
+         if (is_beat(gaps)) then
+            audit%beats = gaps%count
+            gaps%count = 0
+         end if
          if (regular .or. sum(gaps%length(:gaps%count)) == inserted) exit
          inserted = sum(gaps%length(:gaps%count))
          rate = real(n - 1 + inserted, dp)/(t(n) - t(1))
       end do
       audit%gaps = gaps%count + gaps%jumps
+      audit%jumps = gaps%jumps
+      audit%line_of_first(3) = gaps%first_jump
       if (gaps%count > 0) audit%line_of_first(3) = gaps%before(1)
+      if (gaps%count > 0 .and. gaps%first_jump > 0) audit%line_of_first(3) = min(gaps%before(1), gaps%first_jump)
       if (t(n) > t(1)) audit%stamp_rate = real(n - 1 + sum(gaps%length(:gaps%count)), dp)/(t(n) - t(1))
       call measure_jitter(t, gaps, audit)
    end subroutine audit_stamps
@@ -228,6 +236,7 @@ contains
          since = i
          if (rise > real(room, dp)) then
             gaps%jumps = gaps%jumps + 1
+            if (gaps%first_jump == 0) gaps%first_jump = i
             shift = shift + (t(i) - t(i - 1)) - 1.0_dp/rate
             t(i) = t(i - 1) + 1.0_dp/rate
          else

@@ -7,6 +7,7 @@ module gyroakf_io_header
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
    use gyroakf_io_columns, only : column_names_type, read_names
+   use gyroakf_io_decimal, only : format_real
    use gyroakf_io_number, only : number, scan_number
    use gyroakf_io_place, only : integer_text, shown_bytes
    use gyroakf_io_text, only : bytes_text, first_visible, last_visible
@@ -99,11 +100,25 @@ contains
       call first_number(bytes, first, last, x, word)
       if (word == "khz") x = 1.0e3_dp*x
       if (x > 0.0_dp .and. ieee_is_finite(x)) then
-         header%rate_hz = x
+         call set_rate(x, line, header, warnings)
       else
          call warn(bytes, first, last, line, "rate_hz", "is not a positive number", warnings)
       end if
    end subroutine read_rate
+
+   !> Takes a rate; where an earlier line said another one, the later counts and a warning says so.
+   subroutine set_rate(rate_hz, line, header, warnings)
+      real(dp), intent(in) :: rate_hz
+      integer(int64), intent(in) :: line
+      type(header_type), intent(inout) :: header
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+
+      if (header%rate_hz > 0.0_dp .and. abs(header%rate_hz - rate_hz) > 1.0e-6_dp*rate_hz) then
+         call add_text(warnings, "line "//integer_text(line)//": the header gives a second rate, "//format_real(rate_hz, 6)// &
+                       " Hz after "//format_real(header%rate_hz, 6)//" Hz; the last counts, --rate HZ overrides it")
+      end if
+      header%rate_hz = rate_hz
+   end subroutine set_rate
 
    !> Key `dt`, in seconds unless a unit of time follows.
    subroutine read_interval(bytes, first, last, line, header, warnings)
@@ -118,7 +133,7 @@ contains
       scale = time_scale(word)
       if (scale > 0.0_dp) x = x*scale
       if (x > 1.0e-300_dp .and. ieee_is_finite(x)) then
-         header%rate_hz = 1.0_dp/x
+         call set_rate(1.0_dp/x, line, header, warnings)
       else
          call warn(bytes, first, last, line, "dt", "is not a positive number", warnings)
       end if

@@ -358,7 +358,7 @@ contains
    subroutine tell(table, record)
       type(table_type), intent(in) :: table
       type(record_type), intent(inout) :: record
-      character(14), parameter :: what(3) = [character(14) :: "equal stamps", "backward steps", "gaps"]
+      character(13), parameter :: what(3) = [character(13) :: "equal stamp", "backward step", "gap"]
       integer(int64) :: count(3)
       integer :: k
 
@@ -366,8 +366,13 @@ contains
       do k = 1, 3
          if (record%audit%line_of_first(k) > 0) record%audit%line_of_first(k) = line_of(table%map, record%audit%line_of_first(k))
          if (count(k) > 0) call add_text(record%warnings, "the time column shows "//integer_text(count(k))//" "//trim(what(k))// &
-            "; the first is in line "//integer_text(record%audit%line_of_first(k)))
+            trim(merge("s", " ", count(k) > 1))//"; the first is in line "//integer_text(record%audit%line_of_first(k)))
       end do
+      if (record%audit%jumps > 0) call add_text(record%warnings, "a jump of the time stamps is too long to be filled with "// &
+         "missing samples; the parts before and after it are joined: analyse them apart with --from and --to")
+      if (record%audit%beats > 0) call add_text(record%warnings, "the time stamps make a double step "// &
+         integer_text(record%audit%beats)//" times at even distances: a clock too coarse for the rate, or lost samples; the "// &
+         "samples are taken as evenly spaced at the mean rate")
       if (record%audit%jitter_max > 1.0_dp*record%sample_interval .and. record%rate_known) then
          call add_text(record%warnings, "the time stamps are up to "//format_real(record%audit%jitter_max, 3)// &
                        " s away from an even grid; the samples are taken as evenly spaced at the mean rate")
