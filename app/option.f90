@@ -14,7 +14,7 @@ module gyroakf_app_option
       !> With its dashes
       character(20) :: name = ""
       !> What stands for its value in the help; the words themselves, separated by |, where kind is "choice" or "choices"
-      character(28) :: value = ""
+      character(40) :: value = ""
       !> flag: no value; text; choice: one of the words; choices: some of them, separated by commas; real; positive;
       !> share: 0 < x <= 1; natural: 0, 1, ...; count: 1, 2, ...; later: known, but not in this version
       character(8) :: kind = "flag"
@@ -110,8 +110,8 @@ module gyroakf_app_option
                   "R of the Kalman filter is F times the variance of the series (default 1)"), &
       option_type("--drift-tau", "S", "positive", "run filter", "filter", &
                   "what is slower than this counts as drift (default: the larger of 5 samples and 1 s)"), &
-      option_type("--kinds", "oadev", "choices", "run allan", "allan", "kinds of deviation: overlapping Allan", &
-                  "adev|mdev|hdev|ohdev|tdev|totdev"), &
+      option_type("--kinds", "oadev|adev|mdev|tdev|hdev|ohdev|totdev", "choices", "run allan", "allan", &
+                  "further kinds of deviation, separated by commas; the terms are fitted to oadev, which is always there"), &
       option_type("--taus", "octave|decade|log:N|all|LIST", "text", "run allan", "allan", &
                   "averaging times; log:N has N a decade, LIST is seconds separated by commas"), &
       option_type("--confidence", "P", "share", "run allan", "allan", "of the limits (default 0.683)"), &

@@ -105,7 +105,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       select case (option%name)
-      case ("--kinds"); pipeline%allan%kind = value%text
+      case ("--kinds"); call set_kinds(pipeline, value%text)
       case ("--taus"); call check_taus(option, value%text, error)
          pipeline%allan%taus = value%text
       case ("--confidence")
@@ -119,6 +119,23 @@ contains
       case default; call not_wired(option, error)
       end select
    end subroutine set_allan
+
+   !> Kinds of deviation beside oadev, each once.
+   subroutine set_kinds(pipeline, text)
+      type(pipeline_options), intent(inout) :: pipeline
+      character(*), intent(in) :: text
+      character(:), allocatable :: kinds
+      integer :: from, to
+
+      kinds = ",oadev,"
+      from = 1
+      do while (from <= len(text))
+         to = from + index(text(from:)//",", ",") - 2
+         if (index(kinds, ","//text(from:to)//",") == 0) kinds = kinds//text(from:to)//","
+         from = to + 2
+      end do
+      if (kinds /= ",oadev,") pipeline%other_kinds = kinds(8:len(kinds) - 1)
+   end subroutine set_kinds
 
    !> A small whole number from 0, or a word that means -1.
    subroutine set_small(option, text, word, largest, number, error)

@@ -91,6 +91,13 @@ for command in allan tests ar filter; do
    done
 done
 good "allan with options" allan "$example" --taus log:5 --confidence 0.95 --terms NBK --fit-tau-min 0.5 --fit-tau-max 500
+good "further kinds of deviation" allan "$example" --kinds mdev,oadev,tdev,mdev,ohdev --taus decade --out kinds --json kinds.json
+for kind in mdev tdev ohdev; do
+   is "JSON has $kind as read and cleaned" "$(grep -o "\"kind\": *\"$kind\"" kinds.json | wc -l)" 2
+   is "the report has a table of $kind" "$(grep -c "^As read: $kind in deg/s" kinds/report.txt)" 1
+   if grep -q ",input,$kind,1," kinds/allan.csv; then pass; else fail "allan.csv has no $kind"; fi
+done
+is "tdev has the unit of an angle" "$(grep -c "tdev in deg/s times tau" kinds/report.txt)" 1
 good "a list of averaging times" allan "$example" --taus 1,2,10,100
 good "ar with options" ar "$example" --outliers mad --outlier-threshold 4 --detrend 2 --order 2 --ar-criterion bic
 good "tests with options" tests "$example" --adf-regression ct --adf-lags 3 --detrend none

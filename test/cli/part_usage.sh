@@ -48,8 +48,7 @@ unknown unit 'parsec' ; x.txt --unit parsec
 with --input increment the unit is that of the angle ; x.txt --unit deg/s --input increment
 'rates' is not one of these ; x.txt --input rates
 'npy' is not available in this version ; x.txt --format npy
-'mdev' is not available in this version ; x.txt --kinds oadev,mdev
-'foo' is not one of these ; x.txt --kinds foo
+'mdew' is not one of these ; x.txt --kinds oadev,mdew
 other letters than Q N B K R ; x.txt --terms QX
 'foo' is not one of these ; x.txt --taus foo
 log:0 has no averaging times ; x.txt --taus log:0

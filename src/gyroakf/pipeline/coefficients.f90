@@ -4,7 +4,7 @@ module gyroakf_pipeline_coefficients
    use gyroakf_kinds, only : dp, int8
    use gyroakf_error, only : error_type
    use gyroakf_units, only : unit_type, coefficient_unit_type, coefficient_unit, density_unit, quantity
-   use gyroakf_allan_deviations, only : compute_allan
+   use gyroakf_allan_deviations, only : allan_options, compute_allan
    use gyroakf_allan_noise_fit, only : noise_type, fit_noise
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stated_noise_type, stage, stage_names
    use gyroakf_pipeline_warnings, only : note_failure, is_fatal
@@ -40,6 +40,10 @@ contains
       channel%allan(which)%available = .not. allocated(error)
       call note_failure(channel, "Allan deviation ("//trim(stage_names(which))//")", error)
       if (.not. channel%allan(which)%available) return
+      if (allocated(options%other_kinds) .and. any(which == [stage%input, stage%cleaned])) then
+         call run_other_kinds(x, step, options, which, channel, error, valid)
+         if (allocated(error)) return
+      end if
       call fit_noise(channel%allan(which)%curve, options%noise, channel%allan(which)%noise, error)
       if (is_fatal(error)) return
       channel%allan(which)%fitted = .not. allocated(error)
@@ -47,6 +51,41 @@ contains
       if (.not. channel%allan(which)%fitted) return
       call state_noise(channel%allan(which)%noise, rate_known, unit, channel%allan(which)%stated)
    end subroutine run_allan
+
+   !> Computes the curves of the further kinds. A failure is noted in the channel.
+   subroutine run_other_kinds(x, step, options, which, channel, error, valid)
+      !> The series: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> Sample interval in s, 1 where no rate is known
+      real(dp), intent(in) :: step
+      !> Options of the main job
+      type(pipeline_options), intent(in) :: options
+      !> Component of [[stage]]
+      integer, intent(in) :: which
+      !> `allan(which)%other` is filled
+      type(channel_result_type), intent(inout) :: channel
+      !> no_memory, cancelled, internal; everything else is noted in the channel
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+
+      type(allan_options) :: one
+      character(:), allocatable :: kinds
+      integer :: i, from, to
+
+      kinds = options%other_kinds//","
+      one = options%allan
+      allocate (channel%allan(which)%other(count([(kinds(i:i) == ",", i=1, len(kinds))])))
+      from = 1
+      do i = 1, size(channel%allan(which)%other)
+         to = from + index(kinds(from:), ",") - 2
+         one%kind = kinds(from:to)
+         call compute_allan(x, step, one, channel%allan(which)%other(i), error, valid)
+         if (is_fatal(error)) return
+         call note_failure(channel, kinds(from:to)//" ("//trim(stage_names(which))//")", error)
+         from = to + 2
+      end do
+   end subroutine run_other_kinds
 
    !> States coefficients in the units of DESIGN: Q arcsec, N deg/sqrt(h), B deg/h, K deg/h^1.5, R deg/h^2 for a rate.
    !>

@@ -57,8 +57,10 @@ module gyroakf_pipeline_result
       type(design_options) :: design
       !> The adaptive filter of the identified drift
       type(drift_options) :: drift
-      !> Allan curves
+      !> Allan curves; the kind that is fitted is oadev
       type(allan_options) :: allan
+      !> Further kinds for the series as read and cleaned, separated by commas: "mdev,ohdev"
+      character(:), allocatable :: other_kinds
       !> Coefficients from the curves
       type(noise_options) :: noise
       !> Lags of the Ljung-Box test of the cleaned series
@@ -106,6 +108,8 @@ module gyroakf_pipeline_result
       !> The coefficients are there
       logical :: fitted = .false.
       type(allan_curve_type) :: curve
+      !> Further kinds, as far as they could be computed; unallocated where none was asked for
+      type(allan_curve_type), allocatable :: other(:)
       type(noise_type) :: noise
       type(stated_noise_type) :: stated
    end type allan_result_type

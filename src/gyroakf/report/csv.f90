@@ -5,6 +5,7 @@ module gyroakf_report_csv
    use gyroakf_record, only : record_type
    use gyroakf_units, only : term_names
    use gyroakf_io_writer, only : writer_type, put, put_line, put_real
+   use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_pipeline_result, only : pipeline_result_type, channel_result_type, stage, stage_names
    use gyroakf_report_layout, only : count_text
    implicit none (type, external)
@@ -131,10 +132,36 @@ contains
                   end if
                   call put_line(writer, "")
                end do
+               if (.not. allocated(allan%other)) cycle
+               do i = 1, size(allan%other)
+                  call write_curve(writer, quoted(result%channel(c)%name)//","//trim(stage_names(which)), allan%other(i))
+               end do
             end associate
          end do
       end do
    end subroutine write_allan
+
+   !> The lines of a curve without a model.
+   subroutine write_curve(writer, names, curve)
+      !> Open
+      type(writer_type), intent(inout) :: writer
+      !> Channel and series
+      character(*), intent(in) :: names
+      !> Nothing is written where it could not be computed
+      type(allan_curve_type), intent(in) :: curve
+      integer :: i
+
+      if (.not. allocated(curve%tau)) return
+      do i = 1, size(curve%tau)
+         call put(writer, names//","//trim(curve%kind))
+         call put_value(writer, curve%tau(i), .true.)
+         call put_value(writer, curve%deviation(i), .true.)
+         call put_value(writer, curve%lower(i), .true.)
+         call put_value(writer, curve%upper(i), .true.)
+         call put_value(writer, curve%edf(i), .true.)
+         call put_line(writer, ","//count_text(curve%terms(i))//",nan")
+      end do
+   end subroutine write_curve
 
    !> coefficients.csv: a line per channel, series and term; the reduction stands with akf.
    subroutine write_coefficients(writer, result)

@@ -5,13 +5,14 @@ module gyroakf_report_noise
    use gyroakf_record, only : record_type
    use gyroakf_units, only : term_names, quantity
    use gyroakf_io_writer, only : writer_type, put_line
+   use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stated_coefficient_type, stage
    use gyroakf_report_layout, only : put_heading, put_item, pad_left, pad_right, number, count_text
    use gyroakf_report_table, only : table_type, new_table, set_cell, put_table
    use gyroakf_report_input, only : unit_name
    implicit none (type, external)
    private
-   public :: put_curve, put_coefficients, put_comparison, term_title
+   public :: put_curves_of, put_coefficients, put_comparison, term_title
 
    !> Widths of Table III
    integer, parameter :: name_width = 25, value_width = 15, last_width = 12
@@ -19,7 +20,7 @@ module gyroakf_report_noise
 contains
 
    !> The deviation curve with its confidence limits, and the fitted model beside it.
-   subroutine put_curve(writer, record, allan, title)
+   subroutine put_curves_of(writer, record, allan, title)
       !> The report
       type(writer_type), intent(inout) :: writer
       !> For the units
@@ -28,26 +29,52 @@ contains
       type(allan_result_type), intent(in) :: allan
       !> Which series
       character(*), intent(in) :: title
+      integer :: i
+
+      if (.not. allan%available) return
+      if (allan%fitted) then
+         call put_curve(writer, record, allan%curve, title, allan%noise%model)
+      else
+         call put_curve(writer, record, allan%curve, title)
+      end if
+      if (.not. allocated(allan%other)) return
+      do i = 1, size(allan%other)
+         if (allocated(allan%other(i)%tau)) call put_curve(writer, record, allan%other(i), title)
+      end do
+   end subroutine put_curves_of
+
+   !> One curve.
+   subroutine put_curve(writer, record, curve, title, model)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> For the units
+      type(record_type), intent(in) :: record
+      !> The curve
+      type(allan_curve_type), intent(in) :: curve
+      !> Which series
+      character(*), intent(in) :: title
+      !> Fitted deviation
+      real(dp), intent(in), optional :: model(:)
       type(table_type) :: table
       character(9), parameter :: head(7) = [character(9) :: "tau", "deviation", "lower", "upper", "edf", "terms", "model"]
       integer :: i
 
-      if (.not. allan%available) return
-      call put_heading(writer, title//": "//trim(allan%curve%kind)//" in "//unit_name(record)//", tau in "// &
+      call put_heading(writer, title//": "//trim(curve%kind)//" in "//unit_name(record)// &
+                       trim(merge(" times tau", "          ", curve%kind == "tdev"))//", tau in "// &
                        trim(merge("s      ", "samples", record%rate_known))//", "// &
-                       number(100*allan%curve%confidence, 4)//" % limits")
-      call new_table(table, size(allan%curve%tau) + 1, merge(7, 6, allan%fitted))
-      do i = 1, merge(7, 6, allan%fitted)
+                       number(100*curve%confidence, 4)//" % limits")
+      call new_table(table, size(curve%tau) + 1, merge(7, 6, present(model)))
+      do i = 1, merge(7, 6, present(model))
          call set_cell(table, 1, i, trim(head(i)))
       end do
-      do i = 1, size(allan%curve%tau)
-         call set_cell(table, i + 1, 1, number(allan%curve%tau(i), 6))
-         call set_cell(table, i + 1, 2, number(allan%curve%deviation(i), 6))
-         call set_cell(table, i + 1, 3, number(allan%curve%lower(i), 4))
-         call set_cell(table, i + 1, 4, number(allan%curve%upper(i), 4))
-         call set_cell(table, i + 1, 5, number(allan%curve%edf(i), 4))
-         call set_cell(table, i + 1, 6, count_text(allan%curve%terms(i)))
-         if (allan%fitted) call set_cell(table, i + 1, 7, number(allan%noise%model(i), 4))
+      do i = 1, size(curve%tau)
+         call set_cell(table, i + 1, 1, number(curve%tau(i), 6))
+         call set_cell(table, i + 1, 2, number(curve%deviation(i), 6))
+         call set_cell(table, i + 1, 3, number(curve%lower(i), 4))
+         call set_cell(table, i + 1, 4, number(curve%upper(i), 4))
+         call set_cell(table, i + 1, 5, number(curve%edf(i), 4))
+         call set_cell(table, i + 1, 6, count_text(curve%terms(i)))
+         if (present(model)) call set_cell(table, i + 1, 7, number(model(i), 4))
       end do
       call put_table(writer, table, 0)
    end subroutine put_curve

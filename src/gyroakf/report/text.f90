@@ -8,7 +8,7 @@ module gyroakf_report_text
    use gyroakf_report_input, only : put_title, put_input, report_inspect
    use gyroakf_report_sections, only : put_removed, put_tests
    use gyroakf_report_models, only : put_ar_table, put_filter_table, put_filter_details
-   use gyroakf_report_noise, only : put_curve, put_coefficients, put_comparison
+   use gyroakf_report_noise, only : put_curves_of, put_coefficients, put_comparison
    use gyroakf_report_advice, only : put_advice, put_warnings
    implicit none (type, external)
    private
@@ -82,10 +82,10 @@ contains
       type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(in) :: channel
 
-      call put_curve(writer, record, channel%allan(stage%input), "As read")
+      call put_curves_of(writer, record, channel%allan(stage%input), "As read")
       call put_coefficients(writer, record, channel%allan(stage%input))
       if (channel%available%preprocess .and. options%clean%degree >= 0) then
-         call put_curve(writer, record, channel%allan(stage%cleaned), "Cleaned")
+         call put_curves_of(writer, record, channel%allan(stage%cleaned), "Cleaned")
          call put_coefficients(writer, record, channel%allan(stage%cleaned))
       end if
    end subroutine put_curves

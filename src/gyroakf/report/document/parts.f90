@@ -6,6 +6,7 @@ module gyroakf_report_document_parts
    use gyroakf_io_writer, only : writer_type
    use gyroakf_series_whiteness, only : ljung_box_type
    use gyroakf_filter_series, only : filter_result_type
+   use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stage, stage_names
    use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, flush_json
    implicit none (type, external)
@@ -232,13 +233,12 @@ contains
                cycle
             end if
             call open_object(json, trim(stage_names(which)))
-            call put_member(json, "kind", trim(allan%curve%kind))
-            call put_member(json, "tau_s", allan%curve%tau)
-            call put_member(json, "deviation", allan%curve%deviation)
-            call put_member(json, "lower", allan%curve%lower)
-            call put_member(json, "upper", allan%curve%upper)
-            call put_member(json, "edf", allan%curve%edf)
-            call put_member(json, "terms", allan%curve%terms)
+            call put_curve(json, allan%curve)
+            if (allocated(allan%other)) then
+               call put_other_kinds(json, allan%other)
+            else
+               call put_null(json, "other_kinds")
+            end if
             call close_object(json)
             call flush_json(json, writer)
          end associate
@@ -246,6 +246,41 @@ contains
       call put_null(json, "compensated")
       call close_object(json)
    end subroutine put_allan
+
+   !> Members of a curve.
+   subroutine put_curve(json, curve)
+      !> The document
+      type(json_type), intent(inout) :: json
+      !> The curve
+      type(allan_curve_type), intent(in) :: curve
+
+      call put_member(json, "kind", trim(curve%kind))
+      call put_member(json, "tau_s", curve%tau)
+      call put_member(json, "deviation", curve%deviation)
+      call put_member(json, "lower", curve%lower)
+      call put_member(json, "upper", curve%upper)
+      call put_member(json, "edf", curve%edf)
+      call put_member(json, "terms", curve%terms)
+   end subroutine put_curve
+
+   !> "other_kinds": the curves of the further kinds, each under its name.
+   subroutine put_other_kinds(json, curves)
+      !> The document
+      type(json_type), intent(inout) :: json
+      !> The curves; those that could not be computed are left out
+      type(allan_curve_type), intent(in) :: curves(:)
+      integer :: i
+
+      call open_object(json, "other_kinds")
+      do i = 1, size(curves)
+         if (.not. allocated(curves(i)%tau)) cycle
+         call open_object(json, trim(curves(i)%kind))
+         call put_curve(json, curves(i))
+         call put_null(json, "other_kinds")
+         call close_object(json)
+      end do
+      call close_object(json)
+   end subroutine put_other_kinds
 
    !> "coefficients".
    subroutine put_coefficients(json, channel)
