@@ -181,11 +181,16 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(record_type) :: record
       type(pipeline_result_type) :: result(2)
+      type(simulate_options) :: options
+      type(gyro_error), allocatable :: failed
       logical :: done(2)
       integer :: threads, before, which
 
       before = omp_get_max_threads()
-      call paper_record(record)
+      options = paper_preset(paper_seed)
+      options%samples = 300000_int64                ! enough for every loop to be divided among threads
+      options%coefficient(2) = 0.01_dp
+      call simulate_record(options, record, failed)
       do threads = 1, 2
          call omp_set_num_threads(threads)
          done(threads) = run(record, result(threads))

@@ -15,7 +15,7 @@ module gyroakf_pipeline_channel
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stage
    use gyroakf_pipeline_coefficients, only : run_allan, compare_coefficients
    use gyroakf_pipeline_filters, only : run_filters
-   use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_outliers, warn_model, warn_fit
+   use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_outliers, warn_model, warn_fit, warn_centred
    implicit none (type, external)
    private
    public :: run_channel
@@ -194,6 +194,7 @@ contains
          return
       end if
       centred(:) = z - channel%cleaned%mean
+      call warn_centred(channel)
       call run_filters(record, centred, options, channel, error, valid)
    end subroutine filter_centred
 

@@ -8,7 +8,7 @@ module gyroakf_pipeline_warnings
    use gyroakf_pipeline_result, only : channel_result_type, stage
    implicit none (type, external)
    private
-   public :: is_fatal, note_failure, warn_outliers, warn_model, warn_fit
+   public :: is_fatal, note_failure, warn_outliers, warn_model, warn_fit, warn_centred
 
    !> So many times of outliers are named
    integer, parameter :: named_outliers = 8
@@ -108,6 +108,15 @@ contains
          "it departs from the fit by about "//format_real(50*misfit, 2)//" %; correlated noise, vibration "// &
          "or a filter in the sensor does that. The errors and limits of the coefficients allow for it")
    end subroutine warn_fit
+
+   !> The filters' series has no mean.
+   pure subroutine warn_centred(channel)
+      !> `cleaned` is filled; gets a warning
+      type(channel_result_type), intent(inout) :: channel
+
+      call add_text(channel%warnings, "the filters work on the series less its mean of "// &
+                    format_real(channel%cleaned%mean, 5)//"; their outputs are without it")
+   end subroutine warn_centred
 
    !> Time of a sample in s, or its number.
    pure function moment(index, step, rate_known) result(text)

@@ -59,7 +59,7 @@ contains
 
       if (.not. channel%available%kf) return
       text = "Of a constant true rotation the Kalman filter passes "//number(channel%kf_figures%passed_percent, 3)//" %"
-      if (channel%available%akf) text = text//" and the adaptive filter, at its last gain, "// &
+      if (channel%available%akf) text = text//" and the adaptive filter, at its mean gain over the last third, "// &
                                         number(channel%akf_figures%passed_percent, 3)//" %"
       call put_point(writer, text//". Their small variance is mostly this attenuation: bias instability, random walk and "// &
                         "a turn of the vehicle shrink alike. Do not hand these outputs to a navigation computation that "// &

@@ -158,7 +158,8 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      text = "gain "//number(filter%gain, 4)//", Q "//scientific(filter%q, 5)//", R "//scientific(filter%r, 5)//" at the end"
+      text = "mean gain of the last third "//number(filter%gain, 4)//"; at the end Q "//scientific(filter%q, 5)// &
+             ", R "//scientific(filter%r, 5)
       if (allocated(filter%estimate)) then
          do i = 1, size(filter%estimate)
             if (i == 1) text = text//"; b = "//number(filter%forgetting, 4)//", adapts"
