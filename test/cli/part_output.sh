@@ -98,6 +98,8 @@ for kind in mdev tdev ohdev; do
    if grep -q ",input,$kind,1," kinds/allan.csv; then pass; else fail "allan.csv has no $kind"; fi
 done
 is "tdev has the unit of an angle" "$(grep -c "tdev in deg/s times tau" kinds/report.txt)" 1
+good "a kind that needs a record without gaps" allan "$example" --kinds mdev,hdev --outliers pauta --outlier-threshold 2.5
+holds "the warning of mdev" "mdev is not computed for a record with missing samples" out
 good "a list of averaging times" allan "$example" --taus 1,2,10,100
 good "ar with options" ar "$example" --outliers mad --outlier-threshold 4 --detrend 2 --order 2 --ar-criterion bic
 good "tests with options" tests "$example" --adf-regression ct --adf-lags 3 --detrend none

@@ -2,7 +2,8 @@
 !> Allan curve and noise coefficients of one series of a channel, stated in the units of the report, and compared.
 module gyroakf_pipeline_coefficients
    use gyroakf_kinds, only : dp, int8
-   use gyroakf_error, only : error_type
+   use gyroakf_error, only : error_type, status
+   use gyroakf_record, only : add_text
    use gyroakf_units, only : unit_type, coefficient_unit_type, coefficient_unit, density_unit, quantity
    use gyroakf_allan_deviations, only : allan_options, compute_allan
    use gyroakf_allan_noise_fit, only : noise_type, fit_noise
@@ -64,7 +65,7 @@ contains
       integer, intent(in) :: which
       !> `allan(which)%other` is filled
       type(channel_result_type), intent(inout) :: channel
-      !> no_memory, cancelled, internal; everything else is noted in the channel
+      !> no_memory, cancelled, internal; everything else is a warning of the channel
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
@@ -81,8 +82,11 @@ contains
          to = from + index(kinds(from:), ",") - 2
          one%kind = kinds(from:to)
          call compute_allan(x, step, one, channel%allan(which)%other(i), error, valid)
-         if (is_fatal(error)) return
-         call note_failure(channel, kinds(from:to)//" ("//trim(stage_names(which))//")", error)
+         if (allocated(error)) then
+            if (is_fatal(error) .and. error%code /= status%not_supported) return
+            call add_text(channel%warnings, trim(stage_names(which))//": "//error%message)
+            deallocate (error)
+         end if
          from = to + 2
       end do
    end subroutine run_other_kinds
