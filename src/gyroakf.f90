@@ -23,6 +23,7 @@ module gyroakf
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type, compute_allan, compute_allan_from_phase
    use gyroakf_allan_statistic, only : statistic_names, statistic_edf, longest_factor
    use gyroakf_allan_noise_fit, only : noise_options, coefficient_type, noise_type, fit_noise
+   use gyroakf_allan_read_off, only : read_off_options, read_off_type, read_off
    use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, chi_square_limits
    use gyroakf_io_number, only : parse_number
    use gyroakf_io_reader, only : reader_options, read_record
@@ -41,8 +42,8 @@ module gyroakf
    use gyroakf_ar_model, only : ar_options, ar_order_type, ar_model_type, fit_ar
    use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, design_drift_kf, design_drift_akf
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, channel_result_type, available_type, allan_result_type, &
-      stated_noise_type, stated_coefficient_type, filter_figures_type, stage, stage_names, apply_preset, run_pipeline, &
-      minimum_samples
+      stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, stage, stage_names, apply_preset, &
+      run_pipeline, minimum_samples
    use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_report_files, only : write_results
    use gyroakf_report_document, only : write_document, schema_number

@@ -12,6 +12,7 @@ program test_main
    use test_allan_freedom, only : collect_allan_freedom
    use test_allan_grid, only : collect_allan_grid
    use test_allan_noise_fit, only : collect_allan_noise_fit
+   use test_allan_read_off, only : collect_allan_read_off
    use test_allan_statistics, only : collect_allan_statistics
    use test_allan_noise_model, only : collect_allan_noise_model
    use test_ar, only : collect_ar
@@ -57,6 +58,7 @@ program test_main
    call add("allan_freedom", collect_allan_freedom)
    call add("allan_grid", collect_allan_grid)
    call add("allan_noise_fit", collect_allan_noise_fit)
+   call add("allan_read_off", collect_allan_read_off)
    call add("allan_statistics", collect_allan_statistics)
    call add("allan_noise_model", collect_allan_noise_model)
    call add("ar", collect_ar)

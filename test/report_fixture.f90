@@ -7,8 +7,9 @@ module report_fixture
    use gyroakf_error, only : gyro_error => error_type
    use gyroakf_io_writer, only : writer_type, open_writer, commit_writer
    use gyroakf_filter_series, only : filter_result_type
+   use gyroakf_allan_read_off, only : read_off_type
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, stage
-   use gyroakf_pipeline_coefficients, only : state_noise, compare_coefficients
+   use gyroakf_pipeline_coefficients, only : state_noise, state_read_off, compare_coefficients
    use json_reader, only : file_text
    implicit none (type, external)
    private
@@ -72,8 +73,13 @@ contains
    subroutine make_result(record, result)
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(out) :: result
+      type(read_off_type) :: read
       integer :: which
 
+      read%found(2) = .true.
+      read%value(2) = 0.016_dp
+      read%minimum = 0.005_dp
+      read%minimum_tau = 100
       result%duration = 12*record%sample_interval
       allocate (result%channel(1))
       associate (channel => result%channel(1))
@@ -92,6 +98,7 @@ contains
          do which = stage%input, stage%akf
             call fill_allan(channel, which)
             call state_noise(channel%allan(which)%noise, record%rate_known, record%unit, channel%allan(which)%stated)
+            call state_read_off(read, record%rate_known, record%unit, channel%allan(which)%read_off)
          end do
          call compare_coefficients(channel)
          call add_text(channel%warnings, "2.5 % of the samples (3) were removed as outliers, at 0.2, 0.4 s")

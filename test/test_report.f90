@@ -246,6 +246,11 @@ contains
       if (allocated(error)) return
       call unwrap(text, flat)
       call check(error, index(flat, "7 of 12 steps held at a bound") > 0)
+      if (allocated(error)) return
+      call check(error, index(flat, "N angle random walk deg/sqrt(h) 0.948 0.012 0.18 0.96 B bias") > 0 .and. &
+                 index(flat, "R ramp deg/h^2 not fitted no segment") > 0)
+      if (allocated(error)) return
+      call check(error, index(flat, "Lowest point 18 deg/h at tau = 100 s, not divided") > 0)
    end subroutine test_single_commands
 
    !> Writes a document and reads it back.
@@ -389,11 +394,11 @@ contains
                               '"a,""b""",input,oadev,0.2,0.02,0.018,0.022,11,11,0.02'//lf) == 1)
       if (allocated(error)) return
       call check(error, index(text, lf//"channel,series,term,value,std_error,upper_limit_95,detected,unit,"// &
-                              "reduction_percent"//lf) > 0)
+                              "reduction_percent,read_off"//lf) > 0)
       if (allocated(error)) return
-      call check(error, index(text, '"a,""b""",akf,N,0.1896,0.0024,0.036,true,deg/sqrt(h),80'//lf) > 0)
+      call check(error, index(text, '"a,""b""",akf,N,0.1896,0.0024,0.036,true,deg/sqrt(h),80,0.96'//lf) > 0)
       if (allocated(error)) return
-      call check(error, index(text, '"a,""b""",kf,R,nan,nan,nan,false,deg/h^2,nan'//lf) > 0)
+      call check(error, index(text, '"a,""b""",kf,R,nan,nan,nan,false,deg/h^2,nan,nan'//lf) > 0)
    end subroutine test_csv
 
    !> Two channels stand side by side; missing is nan, but the filters bridge it.

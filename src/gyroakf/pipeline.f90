@@ -13,12 +13,12 @@ module gyroakf_pipeline
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_record, only : record_type
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, available_type, &
-      allan_result_type, stated_noise_type, stated_coefficient_type, filter_figures_type, stage, stage_names
+      allan_result_type, stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, stage, stage_names
    use gyroakf_pipeline_channel, only : run_channel
    implicit none (type, external)
    private
    public :: pipeline_options, pipeline_result_type, channel_result_type, available_type, allan_result_type
-   public :: stated_noise_type, stated_coefficient_type, filter_figures_type, stage, stage_names
+   public :: stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, stage, stage_names
    public :: apply_preset, run_pipeline, minimum_samples
 
    !> A shorter record is an error

@@ -7,11 +7,13 @@ module gyroakf_pipeline_coefficients
    use gyroakf_units, only : unit_type, coefficient_unit_type, coefficient_unit, density_unit, quantity
    use gyroakf_allan_deviations, only : allan_options, compute_allan
    use gyroakf_allan_noise_fit, only : noise_type, fit_noise
-   use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stated_noise_type, stage, stage_names
+   use gyroakf_allan_read_off, only : read_off_options, read_off_type, read_off
+   use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stated_noise_type, stated_read_off_type, stage, &
+      & stage_names
    use gyroakf_pipeline_warnings, only : note_failure, is_fatal
    implicit none (type, external)
    private
-   public :: run_allan, state_noise, compare_coefficients
+   public :: run_allan, state_noise, state_read_off, compare_coefficients
 
 contains
 
@@ -36,6 +38,8 @@ contains
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
 
+      type(read_off_type) :: read
+
       call compute_allan(x, step, options%allan, channel%allan(which)%curve, error, valid)
       if (is_fatal(error)) return
       channel%allan(which)%available = .not. allocated(error)
@@ -51,6 +55,8 @@ contains
       call note_failure(channel, "noise coefficients ("//trim(stage_names(which))//")", error)
       if (.not. channel%allan(which)%fitted) return
       call state_noise(channel%allan(which)%noise, rate_known, unit, channel%allan(which)%stated)
+      call read_off(channel%allan(which)%curve, read_off_options(), read, error)
+      if (.not. allocated(error)) call state_read_off(read, rate_known, unit, channel%allan(which)%read_off)
    end subroutine run_allan
 
    !> Computes the curves of the further kinds. A failure is noted in the channel.
@@ -126,6 +132,31 @@ contains
       stated%density_two_sided = noise%coefficient(2)%value*unit%to_si*target_unit%from_si
       stated%density_one_sided = sqrt(2.0_dp)*stated%density_two_sided
    end subroutine state_noise
+
+   !> States what was read off the curve in the units of the coefficients, the minimum in that of B.
+   subroutine state_read_off(read, rate_known, unit, stated)
+      !> In units of the series and s (samples)
+      type(read_off_type), intent(in) :: read
+      !> The time unit is the second
+      logical, intent(in) :: rate_known
+      !> Unit of the series
+      type(unit_type), intent(in) :: unit
+      !> Values where there are any
+      type(stated_read_off_type), intent(out) :: stated
+      type(coefficient_unit_type) :: target_unit
+      integer :: term
+
+      do term = 1, 5
+         target_unit = coefficient_unit(unit, term, per_sample=.not. rate_known)
+         stated%value(term) = unit%to_si*target_unit%from_si*read%value(term)
+      end do
+      stated%found = read%found
+      target_unit = coefficient_unit(unit, 3, per_sample=.not. rate_known)
+      stated%minimum = unit%to_si*target_unit%from_si*read%minimum
+      stated%minimum_tau = read%minimum_tau
+      stated%known = read%minimum > 0.0_dp
+      stated%falling = read%falling
+   end subroutine state_read_off
 
    !> Reduction of each coefficient from the cleaned series to the adaptive filter's output (Table III of the paper).
    !>

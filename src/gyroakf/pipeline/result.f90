@@ -20,7 +20,7 @@ module gyroakf_pipeline_result
    implicit none (type, external)
    private
    public :: pipeline_options, pipeline_result_type, channel_result_type, available_type
-   public :: allan_result_type, stated_noise_type, stated_coefficient_type, filter_figures_type
+   public :: allan_result_type, stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type
    public :: stage, stage_names
 
    !> The series that an Allan curve is computed of, in the order of `channel%allan`
@@ -101,6 +101,18 @@ module gyroakf_pipeline_result
       character(:), allocatable :: density_unit
    end type stated_noise_type
 
+   !> What the curve alone says by the classical rules, in the units of the coefficients
+   type :: stated_read_off_type
+      !> Q N B K R, where `found`
+      real(dp) :: value(5) = 0.0_dp
+      logical :: found(5) = .false.
+      !> Lowest deviation in the unit of B, undivided, and its averaging time in s (samples without a rate); where `known`
+      real(dp) :: minimum = 0.0_dp, minimum_tau = 0.0_dp
+      logical :: known = .false.
+      !> The lowest deviation is the last one that counts
+      logical :: falling = .false.
+   end type stated_read_off_type
+
    !> Curve and coefficients of one series
    type :: allan_result_type
       !> The curve is there
@@ -112,6 +124,7 @@ module gyroakf_pipeline_result
       type(allan_curve_type), allocatable :: other(:)
       type(noise_type) :: noise
       type(stated_noise_type) :: stated
+      type(stated_read_off_type) :: read_off
    end type allan_result_type
 
    !> What a filter did to the variance

@@ -171,7 +171,7 @@ contains
       type(pipeline_result_type), intent(in) :: result
       integer :: c, which, term
 
-      call put_line(writer, "channel,series,term,value,std_error,upper_limit_95,detected,unit,reduction_percent")
+      call put_line(writer, "channel,series,term,value,std_error,upper_limit_95,detected,unit,reduction_percent,read_off")
       do c = 1, size(result%channel)
          do which = stage%input, stage%akf
             associate (channel => result%channel(c), allan => result%channel(c)%allan(which))
@@ -185,6 +185,7 @@ contains
                      call put(writer, ","//trim(merge("true ", "false", stated%detected))//","//quoted(stated%unit))
                      call put_value(writer, channel%reduction_percent(term), &
                                     which == stage%akf .and. channel%reduction_known(term))
+                     call put_value(writer, allan%read_off%value(term), allan%read_off%found(term))
                      call put_line(writer, "")
                   end associate
                end do

@@ -92,15 +92,17 @@ contains
 
       if (.not. allan%fitted) return
       call put_heading(writer, "Coefficients (limit: one-sided 95 %)")
-      call new_table(table, 6, 5)
+      call new_table(table, 6, 6)
       call set_cell(table, 1, 2, "unit")
-      call set_cell(table, 1, 3, "value")
+      call set_cell(table, 1, 3, "fitted")
       call set_cell(table, 1, 4, "std. error")
       call set_cell(table, 1, 5, "limit")
+      call set_cell(table, 1, 6, "read off the curve")
       do term = 1, 5
          associate (stated => allan%stated%term(term))
             call set_cell(table, term + 1, 1, term_title(record, term))
             call set_cell(table, term + 1, 2, stated%unit)
+            call set_cell(table, term + 1, 6, read_off_text(allan, term))
             if (.not. stated%fitted) then
                call set_cell(table, term + 1, 3, "not fitted")
                cycle
@@ -113,7 +115,34 @@ contains
       call put_table(writer, table, 2)
       call put_densities(writer, allan)
       call put_item(writer, "Fit", fit_text(allan))
+      call put_minimum(writer, record, allan)
    end subroutine put_coefficients
+
+   !> A coefficient as it is read off its segment of the curve.
+   pure function read_off_text(allan, term) result(text)
+      type(allan_result_type), intent(in) :: allan
+      integer, intent(in) :: term
+      character(:), allocatable :: text
+
+      text = "no segment"
+      if (allan%read_off%found(term)) text = number(allan%read_off%value(term), 4)
+   end function read_off_text
+
+   !> The lowest point of the curve, which many data sheets print.
+   subroutine put_minimum(writer, record, allan)
+      type(writer_type), intent(inout) :: writer
+      type(record_type), intent(in) :: record
+      type(allan_result_type), intent(in) :: allan
+      character(:), allocatable :: text
+
+      if (.not. allan%read_off%known) return
+      text = number(allan%read_off%minimum, 4)//" "//allan%stated%term(3)%unit//" at tau = "// &
+             number(allan%read_off%minimum_tau, 4)//trim(merge(" s      ", " samples", record%rate_known))// &
+             ", not divided by 0.6643 (many data sheets call this in-run bias stability)"
+      if (allan%read_off%falling) text = text//"; the curve still falls at its last reliable "// &
+         "point: a longer record may show a lower one"
+      call put_item(writer, "Lowest point", text)
+   end subroutine put_minimum
 
    !> Table III: coefficients as read, cleaned, and after each filter.
    subroutine put_comparison(writer, record, channel)

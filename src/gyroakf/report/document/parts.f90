@@ -1,13 +1,14 @@
 ! SPDX-License-Identifier: MIT
 !> The members of a channel in the JSON document.
 module gyroakf_report_document_parts
+   use gyroakf_kinds, only : dp
    use gyroakf_record, only : text_type
    use gyroakf_units, only : term_names
    use gyroakf_io_writer, only : writer_type
    use gyroakf_series_whiteness, only : ljung_box_type
    use gyroakf_filter_series, only : filter_result_type
    use gyroakf_allan_deviations, only : allan_curve_type
-   use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stage, stage_names
+   use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stated_read_off_type, stage, stage_names
    use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, flush_json
    implicit none (type, external)
    private
@@ -337,7 +338,38 @@ contains
          end associate
       end do
       call put_member(json, "chi2_reduced", allan%noise%chi2_reduced)
+      call put_read_off(json, allan%read_off)
       call close_object(json)
    end subroutine put_noise
+
+   !> "read_off": what the curve alone says, null where there is no segment.
+   subroutine put_read_off(json, read_off)
+      type(json_type), intent(inout) :: json
+      type(stated_read_off_type), intent(in) :: read_off
+      integer :: term
+
+      call open_object(json, "read_off")
+      do term = 1, 5
+         call put_known(json, term_names(term), read_off%value(term), read_off%found(term))
+      end do
+      call put_known(json, "minimum", read_off%minimum, read_off%known)
+      call put_known(json, "minimum_tau_s", read_off%minimum_tau, read_off%known)
+      call put_member(json, "falling", read_off%falling)
+      call close_object(json)
+   end subroutine put_read_off
+
+   !> A number, or null.
+   subroutine put_known(json, key, value, known)
+      type(json_type), intent(inout) :: json
+      character(*), intent(in) :: key
+      real(dp), intent(in) :: value
+      logical, intent(in) :: known
+
+      if (known) then
+         call put_member(json, key, value)
+      else
+         call put_null(json, key)
+      end if
+   end subroutine put_known
 
 end module gyroakf_report_document_parts

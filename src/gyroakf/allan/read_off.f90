@@ -1,0 +1,214 @@
+! SPDX-License-Identifier: MIT
+!> Noise coefficients read off an Allan curve by eye's rule, as data sheets and most tutorials do.
+!>
+!> Each term is a straight line in the log-log plot of the deviation, and is read where that line says the coefficient itself:
+!>
+!> | term | slope | line | read at |
+!> |---|---|---|---|
+!> | Q | -1 | $$\sqrt 3 Q/\tau$$ | tau = sqrt 3 |
+!> | N | -1/2 | $$N/\sqrt\tau$$ | tau = 1 |
+!> | B | 0 | $$\sqrt{2 \ln 2/\pi} B = 0.6643 B$$ | anywhere, divided by 0.6643 |
+!> | K | +1/2 | $$K \sqrt{\tau/3}$$ | tau = 3 |
+!> | R | +1 | $$R \tau/\sqrt 2$$ | tau = sqrt 2 |
+!>
+!> The rule. Points with at least `least_edf` degrees of freedom count. The local slope at a point is that of the straight line
+!> through the points within a quarter of a decade on both sides of it (and at least its two neighbours), weighted with their
+!> degrees of freedom; the first and the last point take that of their neighbour. The segment of a term is the longest row of
+!> at least two neighbouring points whose slopes lie within `tolerance` of the term's; a row shorter than `least_width` decades
+!> (each point reaches half way to its neighbours) is a bend that passes by, and the term is then not there. The line of the
+!> term's slope is laid through the segment, weighted with the degrees of freedom, and extended to where it is read.
+!>
+!> Terms that overlap raise each other's lines: what is read is never below the truth but for scatter, and has no standard error.
+!> [[fit_noise]] separates them. Source: IEEE Std 952, annex C.
+module gyroakf_allan_read_off
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
+   use gyroakf_kinds, only : dp
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_allan_deviations, only : allan_curve_type
+   use gyroakf_allan_noise_model, only : term_count, term_shape
+   implicit none (type, external)
+   private
+   public :: read_off_options, read_off_type, read_off
+
+   !> What counts as a segment
+   type :: read_off_options
+      !> Largest distance of a local slope from that of the term, > 0
+      real(dp) :: tolerance = 0.1_dp
+      !> Shortest segment, decades of the averaging time, >= 0
+      real(dp) :: least_width = 1.0_dp/3
+      !> Degrees of freedom of a point, >= 0
+      real(dp) :: least_edf = 20.0_dp
+   end type read_off_options
+
+   !> What is read, in units of the curve and seconds (Q: u s, N: u sqrt(s), B: u, K: u/sqrt(s), R: u/s)
+   type :: read_off_type
+      !> Q N B K R, 0 where there is no segment
+      real(dp) :: value(term_count) = 0.0_dp
+      !> There is a segment
+      logical :: found(term_count) = .false.
+      !> Averaging times between which it lies, s
+      real(dp) :: from_tau(term_count) = 0.0_dp, to_tau(term_count) = 0.0_dp
+      !> The lowest deviation, not divided by anything (the in-run bias stability of many data sheets), and where it is, s;
+      !> both 0 where no point has the degrees of freedom
+      real(dp) :: minimum = 0.0_dp, minimum_tau = 0.0_dp
+      !> The lowest deviation is the last one: the curve still falls, a longer record would show a lower one
+      logical :: falling = .false.
+   end type read_off_type
+
+   !> Half the width, in decades, of the window of a local slope
+   real(dp), parameter :: half_window = 0.25_dp
+   !> Slopes of Q N B K R
+   real(dp), parameter :: term_slope(term_count) = [-1.0_dp, -0.5_dp, 0.0_dp, 0.5_dp, 1.0_dp]
+
+contains
+
+   !> Reads the coefficients and the minimum off a curve.
+   subroutine read_off(curve, options, result, error)
+      !> Of kind adev, oadev or totdev; its degrees of freedom say which points count
+      type(allan_curve_type), intent(in) :: curve
+      !> What counts as a segment
+      type(read_off_options), intent(in) :: options
+      !> What is read; a term without a segment is not found, and that is no error
+      type(read_off_type), intent(out) :: result
+      !> invalid_argument: another kind, an empty curve, options out of range
+      type(error_type), allocatable, intent(out) :: error
+
+      real(dp), allocatable :: x(:), y(:), weight(:), slope(:)
+      integer, allocatable :: place(:)
+      integer :: i, term, first, last
+
+      call check_arguments(curve, options, error)
+      if (allocated(error)) return
+      place = pack([(i, i=1, size(curve%tau))], curve%edf >= options%least_edf .and. curve%deviation > tiny(1.0_dp))
+      if (size(place) == 0) return
+      i = minloc(curve%deviation(place), dim=1)
+      result%minimum = curve%deviation(place(i))
+      result%minimum_tau = curve%tau(place(i))
+      result%falling = i == size(place)
+      if (size(place) < 3) return
+      x = log10(curve%tau(place))
+      y = log10(curve%deviation(place))
+      weight = curve%edf(place)
+      allocate (slope(size(place)))
+      call local_slopes(x, y, weight, slope)
+      do term = 1, term_count
+         call longest_row(x, abs(slope - term_slope(term)) <= options%tolerance, options%least_width, first, last)
+         result%found(term) = first > 0
+         if (first == 0) cycle
+         result%from_tau(term) = curve%tau(place(first))
+         result%to_tau(term) = curve%tau(place(last))
+         result%value(term) = 10**(sum(weight(first:last)*(y(first:last) - term_slope(term)*x(first:last))) &
+            & /sum(weight(first:last)))/sqrt(term_shape(term, 1.0_dp))
+      end do
+   end subroutine read_off
+
+   !> Rejects what is out of range.
+   subroutine check_arguments(curve, options, error)
+      !> The curve
+      type(allan_curve_type), intent(in) :: curve
+      !> Options
+      type(read_off_options), intent(in) :: options
+      !> invalid_argument
+      type(error_type), allocatable, intent(out) :: error
+
+      if (all(curve%kind /= ["adev  ", "oadev ", "totdev"])) then
+         call fatal_error(error, status%invalid_argument, "coefficients are read off an Allan deviation (adev, oadev, totdev); "// &
+            & "this curve is a "//trim(curve%kind))
+      else if (.not. (allocated(curve%tau) .and. allocated(curve%deviation) .and. allocated(curve%edf))) then
+         call fatal_error(error, status%invalid_argument, "the Allan curve is empty")
+      else if (.not. (within(options%tolerance) .and. within(options%least_width) .and. within(options%least_edf))) then
+         call fatal_error(error, status%invalid_argument, "tolerance, least width and least degrees of freedom of a segment "// &
+            & "must be finite and not negative")
+      end if
+   end subroutine check_arguments
+
+   !> Finite and not negative.
+   pure logical function within(x)
+      !> Any number
+      real(dp), intent(in) :: x
+
+      within = .false.
+      if (ieee_is_finite(x)) within = x >= 0
+   end function within
+
+   !> Slope of the line through each point and those around it.
+   pure subroutine local_slopes(x, y, weight, slope)
+      !> Logarithms of averaging time, ascending, and of deviation: [n], n >= 3
+      real(dp), intent(in) :: x(:), y(:)
+      !> Weights, > 0: [n]
+      real(dp), intent(in) :: weight(:)
+      !> The slopes: [n]
+      real(dp), intent(out) :: slope(:)
+
+      integer :: i, n, first, last
+
+      n = size(x)
+      first = 1
+      last = 1
+      do i = 2, n - 1
+         do while (x(first) < x(i) - half_window .and. first < i - 1)
+            first = first + 1
+         end do
+         do while (last < n)
+            if (last > i .and. x(last + 1) > x(i) + half_window) exit
+            last = last + 1
+         end do
+         slope(i) = line_slope(x(first:last), y(first:last), weight(first:last))
+      end do
+      slope(1) = slope(2)
+      slope(n) = slope(n - 1)
+   end subroutine local_slopes
+
+   !> Slope of the weighted straight line through points.
+   pure real(dp) function line_slope(x, y, weight)
+      !> The points: at least two different x
+      real(dp), intent(in) :: x(:), y(:)
+      !> Weights
+      real(dp), intent(in) :: weight(:)
+
+      real(dp) :: middle
+
+      middle = sum(weight*x)/sum(weight)
+      line_slope = sum(weight*(x - middle)*y)/sum(weight*(x - middle)**2)
+   end function line_slope
+
+   !> The longest row of neighbouring points that belong together.
+   pure subroutine longest_row(x, belongs, least_width, first, last)
+      !> Logarithms of averaging time, ascending: [n]
+      real(dp), intent(in) :: x(:)
+      !> Points that may be in it: [n]
+      logical, intent(in) :: belongs(:)
+      !> Shorter ones are none
+      real(dp), intent(in) :: least_width
+      !> Its ends, 0 if there is none
+      integer, intent(out) :: first, last
+
+      real(dp) :: width, widest
+      integer :: i, j, n
+
+      n = size(x)
+      first = 0
+      last = 0
+      widest = least_width*(1 - 1e-9_dp)
+      i = 1
+      do while (i <= n)
+         j = i
+         do while (j <= n)
+            if (.not. belongs(j)) exit
+            j = j + 1
+         end do
+         if (j - i >= 2) then                              ! from half way to the point before to half way to the one after
+            width = (x(j - 1) + x(min(j, n)))/2 - (x(i) + x(max(i - 1, 1)))/2
+            if (width >= widest) then
+               if (first == 0 .or. width > widest*(1 + 1e-9_dp)) then
+                  first = i
+                  last = j - 1
+                  widest = width
+               end if
+            end if
+         end if
+         i = j + 1
+      end do
+   end subroutine longest_row
+
+end module gyroakf_allan_read_off
