@@ -45,6 +45,7 @@ program test_main
    use test_state_space, only : collect_state_space
    use test_text, only : collect_text
    use test_trend, only : collect_trend
+   use test_conventions, only : collect_conventions
    use test_units, only : collect_units
    use test_whiteness, only : collect_whiteness
    use test_writer, only : collect_writer
@@ -91,6 +92,7 @@ program test_main
    call add("state_space", collect_state_space)
    call add("text", collect_text)
    call add("trend", collect_trend)
+   call add("conventions", collect_conventions)
    call add("units", collect_units)
    call add("whiteness", collect_whiteness)
    call add("writer", collect_writer)

@@ -346,6 +346,10 @@ contains
       if (allocated(error)) return
       call check(error, json_real(items, c//"/coefficients/akf/N/value"), 0.1896_dp, thr=1.0e-12_dp)
       if (allocated(error)) return
+      call check(error, json_real(items, c//"/coefficients/akf/N/value_si")*10800, 0.1896_dp*acos(-1.0_dp), thr=1.0e-12_dp)
+      if (allocated(error)) return
+      call check(error, json_real(items, c//"/coefficients/akf/density/one_sided/value"), 0.00316_dp*sqrt(2.0_dp), thr=1.0e-15_dp)
+      if (allocated(error)) return
       call check(error, json_real(items, c//"/coefficients/reduction_percent/N"), 80.0_dp, thr=1.0e-9_dp)
       if (allocated(error)) return
       call check(error, json_text_at(items, c//"/coefficients/reduction_percent/B")// &
@@ -394,11 +398,14 @@ contains
                               '"a,""b""",input,oadev,0.2,0.02,0.018,0.022,11,11,0.02'//lf) == 1)
       if (allocated(error)) return
       call check(error, index(text, lf//"channel,series,term,value,std_error,upper_limit_95,detected,unit,"// &
-                              "reduction_percent,read_off"//lf) > 0)
+                              "reduction_percent,read_off,value_si,std_error_si,upper_limit_95_si,unit_si,definition"//lf) > 0)
       if (allocated(error)) return
-      call check(error, index(text, '"a,""b""",akf,N,0.1896,0.0024,0.036,true,deg/sqrt(h),80,0.96'//lf) > 0)
+      call check(error, index(text, '"a,""b""",akf,N,0.1896,0.0024,0.036,true,deg/sqrt(h),80,0.96,5.5') > 0)
       if (allocated(error)) return
-      call check(error, index(text, '"a,""b""",kf,R,nan,nan,nan,false,deg/h^2,nan,nan'//lf) > 0)
+      call check(error, index(text, ',rad/sqrt(s),"sigma^2 = N^2/tau, two-sided density N^2"'//lf) > 0)
+      if (allocated(error)) return
+      call check(error, index(text, '"a,""b""",kf,R,nan,nan,nan,false,deg/h^2,nan,nan,nan,nan,nan,rad/s^2,'// &
+                              'sigma^2 = R^2 tau^2/2'//lf) > 0)
    end subroutine test_csv
 
    !> Two channels stand side by side; missing is nan, but the filters bridge it.

@@ -28,6 +28,7 @@ contains
          new_unittest("coefficients-rate", test_coefficients_rate), &
          new_unittest("coefficients-acceleration", test_coefficients_acceleration), &
          new_unittest("coefficients-unknown", test_coefficients_unknown), &
+         new_unittest("acceleration-factors", test_acceleration_factors), &
          new_unittest("densities", test_densities), &
          new_unittest("spelling", test_spelling)]
    end subroutine collect_units
@@ -145,21 +146,43 @@ contains
       end do
    end subroutine test_coefficients_rate
 
+   !> 1 ug = 9.80665e-6 m/s^2 exactly; 1 h = 3600 s, its root 60 sqrt(s). Powers of sqrt(s) in SI: m/s, m/s/s^0.5, m/s^2, ...
    subroutine test_coefficients_acceleration(error)
       type(error_type), allocatable, intent(out) :: error
       type(unit_type) :: unit
       type(coefficient_unit_type) :: u
       type(gyro_error), allocatable :: failed
+      character(11), parameter :: name(5) = [character(11) :: "m/s", "m/s/sqrt(h)", "ug", "ug/sqrt(h)", "ug/h"]
+      character(11), parameter :: si_name(5) = [character(11) :: "m/s", "m/s/sqrt(s)", "m/s^2", "m/s^2.5", "m/s^3"]
+      !> Of one in SI
+      real(dp), parameter :: expected(5) = [1.0_dp, 60.0_dp, 1/9.80665e-6_dp, 60/9.80665e-6_dp, 3600/9.80665e-6_dp]
+      integer :: term
 
       call parse_unit("mg", unit, failed)
-      u = coefficient_unit(unit, 2)
-      call check(error, u%name//" "//u%si_name, "m/s/sqrt(h) m/s/sqrt(s)")
-      if (allocated(error)) return
-      call check(error, u%from_si, 60.0_dp, thr=thr)
-      if (allocated(error)) return
-      u = coefficient_unit(unit, 3)
-      call check(error, u%from_si*9.80665e-6_dp, 1.0_dp, thr=thr)
+      do term = 1, 5
+         u = coefficient_unit(unit, term)
+         call check(error, u%name//" "//u%si_name, trim(name(term))//" "//trim(si_name(term)))
+         if (allocated(error)) return
+         call check(error, u%from_si, expected(term), thr=thr, rel=.true.)
+         if (allocated(error)) return
+      end do
    end subroutine test_coefficients_acceleration
+
+   !> One acceleration in every unit of one: 1 g = 1000 mg = 1e6 ug = 9.80665 m/s^2 = 980665 mgal.
+   subroutine test_acceleration_factors(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(8), parameter :: name(8) = [character(8) :: "g", "mg", "ug", "m/s^2", "mm/s^2", "cm/s^2", "mGal", "ft/s^2"]
+      real(dp), parameter :: of_one_g(8) = [1.0_dp, 1.0e3_dp, 1.0e6_dp, 9.80665_dp, 9806.65_dp, 980.665_dp, 980665.0_dp, &
+                                            9.80665_dp/0.3048_dp]
+      integer :: i
+
+      do i = 1, size(name)
+         call check(error, factor(trim(name(i)))*of_one_g(i), 9.80665_dp, thr=thr, rel=.true., more=trim(name(i)))
+         if (allocated(error)) return
+         call check(error, index(canonical(trim(name(i))), " 2") > 0, "no acceleration: "//name(i))
+         if (allocated(error)) return
+      end do
+   end subroutine test_acceleration_factors
 
    subroutine test_densities(error)
       type(error_type), allocatable, intent(out) :: error

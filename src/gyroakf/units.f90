@@ -10,7 +10,7 @@ module gyroakf_units
    implicit none (type, external)
    private
    public :: unit_type, coefficient_unit_type, quantity, term_names
-   public :: parse_unit, coefficient_unit, density_unit, angle_to_rate_unit
+   public :: parse_unit, coefficient_unit, density_unit, angle_to_rate_unit, coefficient_definition
 
    !> The order of the five terms everywhere: quantisation, angle random walk, bias instability, rate random walk, ramp
    character(1), parameter :: term_names(5) = ["Q", "N", "B", "K", "R"]
@@ -239,9 +239,26 @@ contains
       if (rate_unit%name == "mdeg/s") rate_unit%name = "mdps"
    end function angle_to_rate_unit
 
+   !> What a coefficient is the coefficient of: the convention that its number has. The same in all units.
+   pure function coefficient_definition(term) result(text)
+      !> 1 to 5 for Q N B K R
+      integer, intent(in) :: term
+      character(:), allocatable :: text
+
+      select case (term)
+      case (1); text = "sigma^2 = 3 Q^2/tau^2"
+      case (2); text = "sigma^2 = N^2/tau, two-sided density N^2"
+      case (3); text = "sigma^2 = (2 ln 2/pi) B^2 = (0.664 B)^2"
+      case (4); text = "sigma^2 = K^2 tau/3"
+      case default; text = "sigma^2 = R^2 tau^2/2"
+      end select
+   end function coefficient_definition
+
    !> What a coefficient is stated in, of a record in `unit`.
    !>
-   !> Angular rates: arcsec, deg/sqrt(h), deg/h, deg/h^1.5, deg/h^2. Accelerations: m/s, m/s/sqrt(h), ug, ug/sqrt(h), ug/h.
+   !> Angular rates: arcsec, deg/sqrt(h), deg/h, deg/h^1.5, deg/h^2 (IEEE Std 952). Accelerations: m/s, m/s/sqrt(h), ug,
+   !> ug/sqrt(h), ug/h: velocity random walk as data sheets have it, the terms that are accelerations by the standard gravity
+   !> 9.80665 m/s^2. SI: rad, rad/sqrt(s), rad/s, rad/s^1.5, rad/s^2 and m/s, m/s/sqrt(s), m/s^2, m/s^2.5, m/s^3.
    !> Where the unit is unknown, or the rate is (`per_sample`), the input's own unit and seconds or samples.
    pure function coefficient_unit(unit, term, per_sample) result(u)
       !> Of the record

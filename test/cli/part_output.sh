@@ -56,6 +56,11 @@ for stage in "input", "cleaned", "kf", "akf":
     for term in "QNBKR":
         value = channel["coefficients"][stage][term]["value"]
         check(stage + " " + term, value is None or (math.isfinite(value) and (value >= 0 or term == "R")))
+noise = channel["coefficients"]["input"]
+for term, degrees in zip("QNBKR", (3600, 60, 3600, 216000, 12960000)):   # arcsec, deg/sqrt(h), deg/h, ... of one in deg and s
+    check(term + " in SI", math.isclose(noise[term]["value"], math.degrees(noise[term]["value_si"])*degrees, rel_tol=1e-14))
+check("two-sided density", math.isclose(noise["density"]["two_sided"]["value"]*60, noise["N"]["value"], rel_tol=1e-14))
+check("one-sided density", math.isclose(noise["density"]["one_sided"]["value_si"], noise["N"]["value_si"]*2**0.5, rel_tol=1e-14))
 PYTHON
    then pass; else fail "numbers of the example"; fi
 fi

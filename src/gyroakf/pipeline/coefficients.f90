@@ -10,6 +10,7 @@ module gyroakf_pipeline_coefficients
    use gyroakf_allan_read_off, only : read_off_options, read_off_type, read_off
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stated_noise_type, stated_read_off_type, stage, &
       & stage_names
+   use gyroakf_pipeline_conventions, only : state_conventions
    use gyroakf_pipeline_warnings, only : note_failure, is_fatal
    implicit none (type, external)
    private
@@ -126,6 +127,7 @@ contains
             to%fitted = from%fitted
          end associate
       end do
+      call state_conventions(noise, unit, stated)
       if (.not. stated%in_units) return
       target_unit = density_unit(unit)
       stated%density_unit = target_unit%name

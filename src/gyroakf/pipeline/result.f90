@@ -87,6 +87,12 @@ module gyroakf_pipeline_result
       logical :: fitted = .false.
       !> "deg/sqrt(h)"; "deg/s*sqrt(sample)" without a rate, "input*sqrt(s)" without a unit
       character(:), allocatable :: unit
+      !> The same in SI; 0 and "" where rate or unit is not known
+      real(dp) :: value_si = 0.0_dp, std_error_si = 0.0_dp, upper_limit_si = 0.0_dp
+      !> "rad/sqrt(s)"
+      character(:), allocatable :: unit_si
+      !> What it is the coefficient of: "sigma^2 = N^2/tau, two-sided density N^2"
+      character(:), allocatable :: definition
    end type stated_coefficient_type
 
    !> The five coefficients as they are stated
@@ -99,6 +105,8 @@ module gyroakf_pipeline_result
       real(dp) :: density_two_sided = 0.0_dp, density_one_sided = 0.0_dp
       !> "deg/s/sqrt(Hz)"
       character(:), allocatable :: density_unit
+      !> N as a density with its error and limit, also in SI: two-sided, one-sided
+      type(stated_coefficient_type) :: density(2)
    end type stated_noise_type
 
    !> What the curve alone says by the classical rules, in the units of the coefficients

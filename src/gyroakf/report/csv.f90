@@ -171,7 +171,8 @@ contains
       type(pipeline_result_type), intent(in) :: result
       integer :: c, which, term
 
-      call put_line(writer, "channel,series,term,value,std_error,upper_limit_95,detected,unit,reduction_percent,read_off")
+      call put_line(writer, "channel,series,term,value,std_error,upper_limit_95,detected,unit,reduction_percent,read_off,"// &
+                    "value_si,std_error_si,upper_limit_95_si,unit_si,definition")
       do c = 1, size(result%channel)
          do which = stage%input, stage%akf
             associate (channel => result%channel(c), allan => result%channel(c)%allan(which))
@@ -186,7 +187,10 @@ contains
                      call put_value(writer, channel%reduction_percent(term), &
                                     which == stage%akf .and. channel%reduction_known(term))
                      call put_value(writer, allan%read_off%value(term), allan%read_off%found(term))
-                     call put_line(writer, "")
+                     call put_value(writer, stated%value_si, stated%fitted .and. allan%stated%in_units)
+                     call put_value(writer, stated%std_error_si, stated%fitted .and. allan%stated%in_units)
+                     call put_value(writer, stated%upper_limit_si, stated%fitted .and. allan%stated%in_units)
+                     call put_line(writer, ","//quoted(stated%unit_si)//","//quoted(stated%definition))
                   end associate
                end do
             end associate

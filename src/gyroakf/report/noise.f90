@@ -7,6 +7,7 @@ module gyroakf_report_noise
    use gyroakf_io_writer, only : writer_type, put_line
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stated_coefficient_type, stage
+   use gyroakf_report_conventions, only : put_conventions
    use gyroakf_report_layout, only : put_heading, put_item, pad_left, pad_right, number, count_text
    use gyroakf_report_table, only : table_type, new_table, set_cell, put_table
    use gyroakf_report_input, only : unit_name
@@ -113,9 +114,9 @@ contains
          end associate
       end do
       call put_table(writer, table, 2)
-      call put_densities(writer, allan)
       call put_item(writer, "Fit", fit_text(allan))
       call put_minimum(writer, record, allan)
+      call put_conventions(writer, allan)
    end subroutine put_coefficients
 
    !> A coefficient as it is read off its segment of the curve.

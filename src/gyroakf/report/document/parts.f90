@@ -10,6 +10,7 @@ module gyroakf_report_document_parts
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stated_read_off_type, stage, stage_names
    use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, flush_json
+   use gyroakf_report_document_stated, only : put_stated, put_densities
    implicit none (type, external)
    private
    public :: put_preprocess, put_tests, put_ar, put_filters, put_allan, put_coefficients
@@ -321,24 +322,11 @@ contains
       end if
       call open_object(json, key)
       do term = 1, 5
-         associate (stated => allan%stated%term(term))
-            call open_object(json, term_names(term))
-            if (stated%fitted) then
-               call put_member(json, "value", stated%value)
-               call put_member(json, "std_error", stated%std_error)
-               call put_member(json, "upper_limit", stated%upper_limit)
-            else
-               call put_null(json, "value")
-               call put_null(json, "std_error")
-               call put_null(json, "upper_limit")
-            end if
-            call put_member(json, "detected", stated%detected)
-            call put_member(json, "unit", stated%unit)
-            call close_object(json)
-         end associate
+         call put_stated(json, term_names(term), allan%stated%term(term), allan%stated%in_units)
       end do
       call put_member(json, "chi2_reduced", allan%noise%chi2_reduced)
       call put_read_off(json, allan%read_off)
+      call put_densities(json, allan%stated)
       call close_object(json)
    end subroutine put_noise
 

@@ -1,0 +1,73 @@
+! SPDX-License-Identifier: MIT
+!> Coefficients in the JSON document: in the stated unit, in SI, with what they are the coefficients of.
+module gyroakf_report_document_stated
+   use gyroakf_kinds, only : dp
+   use gyroakf_pipeline_result, only : stated_coefficient_type, stated_noise_type
+   use gyroakf_report_json, only : json_type, open_object, close_object, put_member, put_null
+   implicit none (type, external)
+   private
+   public :: put_stated, put_densities
+
+contains
+
+   !> "density": N as a density in both conventions; null where rate or unit is not known.
+   subroutine put_densities(json, stated)
+      !> The document
+      type(json_type), intent(inout) :: json
+      !> The coefficients of one series
+      type(stated_noise_type), intent(in) :: stated
+
+      if (.not. stated%in_units) then
+         call put_null(json, "density")
+         return
+      end if
+      call open_object(json, "density")
+      call put_stated(json, "two_sided", stated%density(1), .true.)
+      call put_stated(json, "one_sided", stated%density(2), .true.)
+      call close_object(json)
+   end subroutine put_densities
+
+   !> A coefficient, or N as a density, in the stated unit and in SI.
+   subroutine put_stated(json, key, stated, in_units)
+      !> The document
+      type(json_type), intent(inout) :: json
+      !> Its letter, or the density's convention
+      character(*), intent(in) :: key
+      !> The numbers; null where the term was not fitted
+      type(stated_coefficient_type), intent(in) :: stated
+      !> Rate and unit are known; the SI numbers are null otherwise
+      logical, intent(in) :: in_units
+
+      call open_object(json, key)
+      call put_known(json, "value", stated%value, stated%fitted)
+      call put_known(json, "std_error", stated%std_error, stated%fitted)
+      call put_known(json, "upper_limit", stated%upper_limit, stated%fitted)
+      call put_member(json, "detected", stated%detected)
+      call put_member(json, "unit", stated%unit)
+      call put_known(json, "value_si", stated%value_si, stated%fitted .and. in_units)
+      call put_known(json, "std_error_si", stated%std_error_si, stated%fitted .and. in_units)
+      call put_known(json, "upper_limit_si", stated%upper_limit_si, stated%fitted .and. in_units)
+      if (in_units) then
+         call put_member(json, "unit_si", stated%unit_si)
+      else
+         call put_null(json, "unit_si")
+      end if
+      call put_member(json, "definition", stated%definition)
+      call close_object(json)
+   end subroutine put_stated
+
+   !> A number, or null.
+   subroutine put_known(json, key, value, known)
+      type(json_type), intent(inout) :: json
+      character(*), intent(in) :: key
+      real(dp), intent(in) :: value
+      logical, intent(in) :: known
+
+      if (known) then
+         call put_member(json, key, value)
+      else
+         call put_null(json, key)
+      end if
+   end subroutine put_known
+
+end module gyroakf_report_document_stated

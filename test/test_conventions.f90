@@ -1,0 +1,195 @@
+! SPDX-License-Identifier: MIT
+!> Coefficients as they are stated: in the usual unit, in SI, N as both densities, each with its convention.
+module test_conventions
+   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use gyroakf_kinds, only : dp
+   use gyroakf_error, only : gyro_error => error_type
+   use gyroakf_units, only : unit_type, parse_unit, coefficient_definition
+   use gyroakf_allan_noise_fit, only : noise_type
+   use gyroakf_io_writer, only : writer_type
+   use gyroakf_pipeline_coefficients, only : state_noise
+   use gyroakf_pipeline_result, only : pipeline_result_type, stated_noise_type, stage
+   use gyroakf_record, only : record_type
+   use gyroakf_report_conventions, only : put_conventions
+   use report_fixture, only : make_record, make_result, begin_text, end_text
+   implicit none (type, external)
+   private
+   public :: collect_conventions
+
+   !> A few roundings
+   real(dp), parameter :: thr = 8*epsilon(1.0_dp)
+
+contains
+
+   !> Names the tests.
+   subroutine collect_conventions(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         new_unittest("rate", test_rate), &
+         new_unittest("acceleration", test_acceleration), &
+         new_unittest("densities", test_densities), &
+         new_unittest("nothing-known", test_nothing_known), &
+         new_unittest("definitions-hold", test_definitions), &
+         new_unittest("text", test_text), &
+         new_unittest("text-nothing-known", test_text_nothing_known)]
+   end subroutine collect_conventions
+
+   !> Five coefficients of 1 in the unit of the record and seconds, errors 0.5, limits 2.
+   subroutine state_ones(unit_name, stated, rate_known)
+      character(*), intent(in) :: unit_name
+      type(stated_noise_type), intent(out) :: stated
+      logical, intent(in) :: rate_known
+      type(noise_type) :: noise
+      type(unit_type) :: unit
+      type(gyro_error), allocatable :: failed
+
+      noise%coefficient%value = 1
+      noise%coefficient%std_error = 0.5_dp
+      noise%coefficient%upper_limit = 2
+      noise%coefficient%detected = .true.
+      noise%coefficient%fitted = .true.
+      if (unit_name /= "") call parse_unit(unit_name, unit, failed)
+      call state_noise(noise, rate_known, unit, stated)
+   end subroutine state_ones
+
+   !> All ones of a record in one unit: stated values, SI values, SI units.
+   subroutine check_ones(error, unit_name, expected, si, si_name)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), intent(in) :: unit_name, si_name(5)
+      real(dp), intent(in) :: expected(5), si
+      type(stated_noise_type) :: stated
+      integer :: i
+
+      call state_ones(unit_name, stated, .true.)
+      do i = 1, 5
+         call check(error, stated%term(i)%value, expected(i), thr=thr, rel=.true.)
+         if (allocated(error)) return
+         call check(error, stated%term(i)%value_si, si, thr=thr, rel=.true.)
+         if (allocated(error)) return
+         call check(error, stated%term(i)%std_error_si, si/2, thr=thr, rel=.true.)
+         if (allocated(error)) return
+         call check(error, stated%term(i)%upper_limit_si, 2*si, thr=thr, rel=.true.)
+         if (allocated(error)) return
+         call check(error, stated%term(i)%unit_si, trim(si_name(i)))
+         if (allocated(error)) return
+      end do
+   end subroutine check_ones
+
+   !> Of deg/h: Q deg/h s = arcsec, N (deg/h) sqrt(s) = 1/60 deg/sqrt(h), B deg/h, K (deg/h)/sqrt(s) = 60 deg/h^1.5, R 3600.
+   subroutine test_rate(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(11), parameter :: si_name(5) = [character(11) :: "rad", "rad/sqrt(s)", "rad/s", "rad/s^1.5", "rad/s^2"]
+
+      call check_ones(error, "deg/h", [1.0_dp, 1/60.0_dp, 1.0_dp, 60.0_dp, 3600.0_dp], acos(-1.0_dp)/648000, si_name)
+      if (allocated(error)) return
+      call check_ones(error, "rad/s", [206264.80624709636_dp, 3437.746770784939_dp, 206264.80624709636_dp, &
+                                       12375888.374825781_dp, 742553302.4895469_dp], 1.0_dp, si_name)
+   end subroutine test_rate
+
+   subroutine test_acceleration(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(11), parameter :: si_name(5) = [character(11) :: "m/s", "m/s/sqrt(s)", "m/s^2", "m/s^2.5", "m/s^3"]
+      real(dp), parameter :: g = 9.80665_dp
+
+      call check_ones(error, "mg", [g*1.0e-3_dp, 0.06_dp*g, 1.0e3_dp, 6.0e4_dp, 3.6e6_dp], g*1.0e-3_dp, si_name)
+      if (allocated(error)) return
+      call check_ones(error, "m/s^2", [1.0_dp, 60.0_dp, 1/9.80665e-6_dp, 60/9.80665e-6_dp, 3600/9.80665e-6_dp], 1.0_dp, si_name)
+   end subroutine test_acceleration
+
+   !> Of N = 1 (deg/s) sqrt(s): 1 and sqrt(2) deg/s/sqrt(Hz).
+   subroutine test_densities(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(stated_noise_type) :: stated
+      real(dp), parameter :: root(2) = [1.0_dp, 1.4142135623730951_dp]
+      integer :: i
+
+      call state_ones("deg/s", stated, .true.)
+      do i = 1, 2
+         associate (density => stated%density(i))
+            call check(error, density%value, root(i), thr=thr, rel=.true.)
+            if (allocated(error)) return
+            call check(error, density%upper_limit_si, 2*root(i)*acos(-1.0_dp)/180, thr=thr, rel=.true.)
+            if (allocated(error)) return
+            call check(error, density%unit//" "//density%unit_si, "deg/s/sqrt(Hz) rad/s/sqrt(Hz)")
+            if (allocated(error)) return
+         end associate
+      end do
+      call check(error, abs(stated%density_one_sided - stated%density(2)%value) < thr)
+      if (allocated(error)) return
+      call state_ones("mg", stated, .true.)
+      call check(error, stated%density(1)%value, 1000.0_dp, thr=thr, rel=.true.)
+      if (allocated(error)) return
+      call check(error, stated%density(1)%unit//" "//stated%density(1)%unit_si, "ug/sqrt(Hz) m/s^2/sqrt(Hz)")
+   end subroutine test_densities
+
+   !> Without a rate or a unit nothing is in SI, and no density is stated.
+   subroutine test_nothing_known(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(stated_noise_type) :: stated
+      character(5), parameter :: name(2) = [character(5) :: "deg/s", ""]
+      integer :: i
+
+      do i = 1, 2
+         call state_ones(trim(name(i)), stated, i == 2)
+         call check(error, .not. stated%in_units .and. stated%term(2)%unit_si == "" .and. .not. stated%density(1)%fitted)
+         if (allocated(error)) return
+         call check(error, abs(stated%term(2)%value_si) < tiny(1.0_dp) .and. stated%term(2)%definition /= "")
+         if (allocated(error)) return
+      end do
+   end subroutine test_nothing_known
+
+   !> The factor that B's definition prints: sqrt(2 ln 2/pi) = 0.664.
+   subroutine test_definitions(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: text
+      character(5) :: factor
+
+      write (factor, "(f5.3)") sqrt(2*log(2.0_dp)/acos(-1.0_dp))
+      text = coefficient_definition(3)
+      call check(error, index(text, "= ("//factor//" B)^2") > 0, text)
+   end subroutine test_definitions
+
+   !> Golden lines: N = 0.2*0.0158 deg/sqrt(s) = 5.515e-5 rad/sqrt(s); B is not detected in the AKF's output, its limit
+   !> 3e-3*0.2 deg/s.
+   subroutine test_text(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(120), parameter :: lines(5) = [character(120) :: &
+         "  N  sigma^2 = N^2/tau, two-sided density N^2  rad/sqrt(s)  5.515e-05    6.98e-07  1.047e-05", &
+         "  B  sigma^2 = (2 ln 2/pi) B^2 = (0.664 B)^2   rad/s                -              1.047e-05", &
+         "  R  sigma^2 = R^2 tau^2/2                     rad/s^2", &
+         "  Two-sided       0.00316 deg/s/sqrt(Hz) = 5.515e-05 rad/s/sqrt(Hz): N, also that of Kalibr", &
+         "  One-sided       0.004469 deg/s/sqrt(Hz) = 7.8e-05 rad/s/sqrt(Hz): sqrt(2) N, of some data sheets"]
+      type(writer_type) :: writer
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      character(:), allocatable :: text
+      integer :: i
+
+      call make_record(record, .true.)
+      call make_result(record, result)
+      call begin_text(writer)
+      call put_conventions(writer, result%channel(1)%allan(stage%akf))
+      call end_text(writer, text)
+      do i = 1, size(lines)
+         call check(error, index(text, new_line("a")//trim(lines(i))//new_line("a")) > 0, text)
+         if (allocated(error)) return
+      end do
+   end subroutine test_text
+
+   subroutine test_text_nothing_known(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: writer
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      character(:), allocatable :: text
+
+      call make_record(record, .false.)
+      call make_result(record, result)
+      call begin_text(writer)
+      call put_conventions(writer, result%channel(1)%allan(stage%input))
+      call end_text(writer, text)
+      call check(error, text, "")
+   end subroutine test_text_nothing_known
+
+end module test_conventions
