@@ -10,6 +10,7 @@ program test_main
    use test_allan_covariance, only : collect_allan_covariance
    use test_allan_deviation, only : collect_allan_deviation
    use test_allan_freedom, only : collect_allan_freedom
+   use test_allan_gaps, only : collect_allan_gaps
    use test_allan_grid, only : collect_allan_grid
    use test_allan_noise_fit, only : collect_allan_noise_fit
    use test_allan_read_off, only : collect_allan_read_off
@@ -57,6 +58,7 @@ program test_main
    call add("allan_covariance", collect_allan_covariance)
    call add("allan_deviation", collect_allan_deviation)
    call add("allan_freedom", collect_allan_freedom)
+   call add("allan_gaps", collect_allan_gaps)
    call add("allan_grid", collect_allan_grid)
    call add("allan_noise_fit", collect_allan_noise_fit)
    call add("allan_read_off", collect_allan_read_off)

@@ -103,12 +103,15 @@ for kind in mdev tdev ohdev; do
    if grep -q ",input,$kind,1," kinds/allan.csv; then pass; else fail "allan.csv has no $kind"; fi
 done
 is "tdev has the unit of an angle" "$(grep -c "tdev in deg/s times tau" kinds/report.txt)" 1
-good "a kind that needs a record without gaps" allan "$example" --kinds mdev,hdev --outliers pauta --outlier-threshold 2.5
-holds "the warning of mdev" "mdev is not computed for a record with missing samples" out
 good "coefficients read off the curve" allan "$example" --json read.json
 near "N read off the curve" "$(sed -n '/"read_off"/,/}/p' read.json | number N /dev/stdin)" 0.9495 0.05
 is "no segment is null" "$(sed -n '/"read_off"/,/}/p' read.json | grep -c '"K": null')" 2
 holds "the report tells the minimum" "Lowest point    6.446 deg/h at tau = 102.4 s" <("$gyroakf" allan "$example")
+good "further kinds of a record with gaps" allan "$example" --kinds mdev,tdev,totdev --outliers pauta --outlier-threshold 2.5 --out gapped
+for kind in mdev tdev totdev; do
+   is "the report has a table of $kind with gaps" "$(grep -c "^As read: $kind in deg/s" gapped/report.txt)" 1
+done
+is "no warning of a kind" "$(grep -c "is not computed" out)" 0
 good "a list of averaging times" allan "$example" --taus 1,2,10,100
 good "ar with options" ar "$example" --outliers mad --outlier-threshold 4 --detrend 2 --order 2 --ar-criterion bic
 good "tests with options" tests "$example" --adf-regression ct --adf-lags 3 --detrend none

@@ -25,7 +25,7 @@
 !> 0, 1/(3 ln 2) and 0.750 for white, flicker and random-walk rate noise.
 !>
 !> Source: W. J. Riley, D. A. Howe, "Handbook of frequency stability analysis", NIST SP 1065 (2008), section 5.2.
-!> Missing samples: [[gapped_variances]]; mdev, tdev and totdev need a record without gaps.
+!> Missing samples: [[gapped_variances]].
 module gyroakf_allan_deviations
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int32, int64
@@ -92,7 +92,7 @@ contains
       type(allan_options), intent(in) :: options
       !> The curve; averaging times at which no term is left are not in it
       type(allan_curve_type), intent(out) :: curve
-      !> invalid_argument, not_supported (unknown kind; mdev, tdev, totdev with missing samples), too_few_samples, no_memory
+      !> invalid_argument, not_supported (unknown kind), too_few_samples, no_memory
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]; all present if absent
       integer(int8), intent(in), optional :: valid(:)
@@ -182,7 +182,7 @@ contains
       type(allan_options), intent(in) :: options
       !> The curve
       type(allan_curve_type), intent(inout) :: curve
-      !> not_supported, too_few_samples, no_memory
+      !> too_few_samples, no_memory
       type(error_type), allocatable, intent(out) :: error
 
       real(dp), allocatable :: variance(:)

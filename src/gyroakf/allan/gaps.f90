@@ -9,13 +9,17 @@
 !> $$ \hat\sigma^2 = \frac{1}{2T} \sum (\bar w_2 - \bar w_1)^2 -
 !>    \frac{S_m^2}{2T} \sum \left(\frac{1}{c_1} + \frac{1}{c_2} - \frac{2}{m}\right) $$
 !>
-!> and three (Hadamard), with 6 instead of 2 and 1/c_1 + 4/c_2 + 1/c_3 - 6/m. White noise stays unbiased; drift hardly varies
+!> and three (Hadamard), with 6 instead of 2 and 1/c_1 + 4/c_2 + 1/c_3 - 6/m. In general the bracket is the variance of a term
+!> in white noise of variance 1, less that of a complete record: for the modified variance see
+!> [[gyroakf_allan_gapped_average]], for the total variance [[gyroakf_allan_reflection]]. White noise stays unbiased; drift hardly varies
 !> within a window and is not touched. S_m^2 follows from the overlapping Allan variances of the octaves below m: for m = 2^J
 !> it is the sum over j < J of sigma^2(2^j) times m/(2(m - 1)).
 module gyroakf_allan_gaps
    use gyroakf_kinds, only : dp, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_allan_gapped_average, only : sum_gapped_averages
    use gyroakf_allan_grid, only : averaging_factors
+   use gyroakf_allan_reflection, only : add_gapped_reflections
    use gyroakf_allan_second_difference, only : sum_gapped_differences, gap_sums_type
    use gyroakf_allan_statistic, only : difference_order
    use gyroakf_allan_window_difference, only : sum_gapped_windows
@@ -30,7 +34,7 @@ contains
 
    !> Variances of a record with missing samples, the inflation by the samples that are not there removed.
    subroutine gapped_variances(kind, phase, missing, m, min_coverage, variance, terms, error)
-      !> Statistic: adev, oadev, hdev or ohdev
+      !> A known statistic
       character(*), intent(in) :: kind
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
@@ -40,11 +44,11 @@ contains
       integer(int64), intent(in) :: m(:)
       !> Share of a window that must be present
       real(dp), intent(in) :: min_coverage
-      !> Variances: [size(m)]
+      !> Variances: [size(m)]; tdev: those of mdev
       real(dp), intent(out) :: variance(:)
       !> Terms used: [size(m)]
       integer(int64), intent(out) :: terms(:)
-      !> not_supported (the other statistics), no_memory
+      !> no_memory
       type(error_type), allocatable, intent(out) :: error
 
       type(gap_sums_type), allocatable :: sums(:)
@@ -52,11 +56,6 @@ contains
       real(dp), allocatable :: within(:)
       integer :: i, stat
 
-      if (all(["adev ", "oadev", "hdev ", "ohdev"] /= kind)) then
-         call fatal_error(error, status%not_supported, trim(kind)//" is not computed for a record with missing samples ("// &
-            & trim(lost_text(missing))//" are missing); adev, oadev, hdev and ohdev are")
-         return
-      end if
       call averaging_factors("octave", ubound(phase, 1, kind=int64), 1.0_dp, octave, error)
       if (allocated(error)) return
       allocate (sums(size(octave)), within(size(octave)))
@@ -69,17 +68,42 @@ contains
             call fatal_error(error, status%no_memory, "no memory for the Allan variances")
             return
          end if
-         if (kind == "oadev") then
-            call sum_gapped_differences(phase, missing, m, min_coverage, sums)
-         else
-            call sum_gapped_windows(phase, missing, m, difference_order(kind), kind == "ohdev", min_coverage, sums)
-         end if
+         call sum_terms(kind, phase, missing, m, min_coverage, sums, error)
+         if (allocated(error)) return
       end if
       do i = 1, size(m)
          terms(i) = sums(i)%terms
          variance(i) = corrected(sums(i), interpolated(within, real(m(i), dp)), merge(6.0_dp, 2.0_dp, difference_order(kind) == 3))
       end do
    end subroutine gapped_variances
+
+   !> Squares, inflation and number of the terms.
+   subroutine sum_terms(kind, phase, missing, m, min_coverage, sums, error)
+      !> A known statistic
+      character(*), intent(in) :: kind
+      !> Phase: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> Missing samples so far: [0:n]
+      integer(int32), intent(in), contiguous :: missing(0:)
+      !> Averaging factors
+      integer(int64), intent(in) :: m(:)
+      !> Share of a window that must be present
+      real(dp), intent(in) :: min_coverage
+      !> The sums: [size(m)]
+      type(gap_sums_type), intent(out) :: sums(:)
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+
+      select case (kind)
+      case ("mdev", "tdev")
+         call sum_gapped_averages(phase, missing, m, min_coverage, sums, error)
+      case ("adev", "hdev", "ohdev")
+         call sum_gapped_windows(phase, missing, m, difference_order(kind), kind == "ohdev", min_coverage, sums)
+      case default
+         call sum_gapped_differences(phase, missing, m, min_coverage, sums)
+         if (kind == "totdev") call add_gapped_reflections(phase, missing, m, min_coverage, sums)
+      end select
+   end subroutine sum_terms
 
    !> Whether two lists are equal.
    pure logical function same(a, b)
@@ -145,14 +169,5 @@ contains
          interpolated = values(j) + (place - j)*(values(j + 1) - values(j))
       end if
    end function interpolated
-
-   !> Number of missing samples, as text.
-   pure function lost_text(missing) result(text)
-      !> Missing samples so far: [0:n]
-      integer(int32), intent(in), contiguous :: missing(0:)
-      character(20) :: text
-
-      write (text, "(i0)") missing(ubound(missing, 1))
-   end function lost_text
 
 end module gyroakf_allan_gaps

@@ -6,11 +6,15 @@
 !> they are found by index arithmetic, without the extended series.
 !> Source: C. A. Greenhall, D. A. Howe, D. B. Percival, "Total variance, an estimator of long-term frequency
 !> stability", IEEE Trans. UFFC 46 (1999) 1183-1191.
+!>
+!> The reflection of the phase is a mirror image of the rate. With missing samples the mirror image lacks the same ones: the window
+!> that reaches over the end holds samples twice, and its mean is taken over those that are there, each as often as it occurs.
 module gyroakf_allan_reflection
-   use gyroakf_kinds, only : dp, int64
+   use gyroakf_kinds, only : dp, int32, int64
+   use gyroakf_allan_second_difference, only : gap_sums_type
    implicit none (type, external)
    private
-   public :: add_reflected_differences
+   public :: add_reflected_differences, add_gapped_reflections
 
    !> Terms of a partial sum, and how many of these run in a batch
    integer(int64), parameter :: block_length = 16384, batch = 256
@@ -70,5 +74,98 @@ contains
       end do
       edge_squares = s1 + s2
    end function edge_squares
+
+   !> The same for a record with missing samples: differences of the means of the present samples of two windows.
+   subroutine add_gapped_reflections(phase, missing, m, min_coverage, sums)
+      !> Phase, to which missing samples added nothing: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> Missing samples so far: [0:n]
+      integer(int32), intent(in), contiguous :: missing(0:)
+      !> Averaging factors, 1 <= m <= n/2: [any number]
+      integer(int64), intent(in) :: m(:)
+      !> Share of a window that must be present, > 0, <= 1
+      real(dp), intent(in) :: min_coverage
+      !> The sums to add to: [size(m)]; the inflation is what unit white noise adds to the square of a term
+      type(gap_sums_type), intent(inout) :: sums(:)
+
+      type(gap_sums_type) :: part(batch)
+      integer(int64) :: blocks, b, first, last
+      integer :: i
+
+      do i = 1, size(m)
+         blocks = (m(i) + block_length - 2)/block_length
+         do first = 1, blocks, batch
+            last = min(first + batch - 1, blocks)
+            !$omp parallel do schedule(static) if (m(i) >= parallel_from)
+            do b = first, last
+               call gapped_edges(phase, missing, m(i), min_coverage, (b - 1)*block_length + 1, min(b*block_length, m(i) - 1), &
+                  & part(b - first + 1))
+            end do
+            !$omp end parallel do
+            last = last - first + 1
+            sums(i)%squares = sums(i)%squares + sum(part(:last)%squares)
+            sums(i)%inflation = sums(i)%inflation + sum(part(:last)%inflation)
+            sums(i)%terms = sums(i)%terms + sum(part(:last)%terms)
+         end do
+      end do
+   end subroutine add_gapped_reflections
+
+   !> Both ends: centres j and n - j.
+   pure subroutine gapped_edges(phase, missing, m, min_coverage, first, last, sums)
+      !> Phase: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> Missing samples so far: [0:n]
+      integer(int32), intent(in), contiguous :: missing(0:)
+      !> Averaging factor
+      integer(int64), intent(in) :: m
+      !> Share of a window that must be present
+      real(dp), intent(in) :: min_coverage
+      !> First and last j, within 1 .. m - 1
+      integer(int64), intent(in) :: first, last
+      !> The sums
+      type(gap_sums_type), intent(out) :: sums
+
+      integer(int64) :: n, j, near, far, least
+
+      n = ubound(phase, 1, kind=int64)
+      least = max(1_int64, m - int((1 - min_coverage)*real(m, dp) + 1e-9_dp, int64))
+      do j = first, last
+         near = min(j, m - j)
+         far = max(j, m - j)
+         call add_edge(m, j, least, (phase(j) - phase(0)) + (phase(m - j) - phase(0)), phase(j + m) - phase(j), &
+            & near - (missing(near) - missing(0)), far - near - (missing(far) - missing(near)), &
+            & m - (missing(j + m) - missing(j)), sums)
+         call add_edge(m, j, least, (phase(n) - phase(n - j)) + (phase(n) - phase(n - m + j)), phase(n - j) - phase(n - j - m), &
+            & near - (missing(n) - missing(n - near)), far - near - (missing(n - near) - missing(n - far)), &
+            & m - (missing(n - j) - missing(n - j - m)), sums)
+      end do
+   end subroutine gapped_edges
+
+   !> Adds a term if its two windows are complete enough.
+   pure subroutine add_edge(m, j, least, outer, inner, twice, once, whole, sums)
+      !> Averaging factor, distance of the centre from the end, samples that a window must have
+      integer(int64), intent(in) :: m, j, least
+      !> Sums of the rate in the window that reaches over the end, and in the other
+      real(dp), intent(in) :: outer, inner
+      !> Present samples that the outer window holds twice and once, and those of the inner window
+      integer(int64), intent(in) :: twice, once, whole
+      !> Sums to add to
+      type(gap_sums_type), intent(inout) :: sums
+
+      real(dp) :: c1, c2, white
+
+      if (min(2*twice + once, whole) < least) return
+      c1 = real(2*twice + once, dp)
+      c2 = real(whole, dp)
+      if (2*j >= m) then
+         white = real(4*twice + once, dp)/c1**2 + 1/c2 - real(4*m - 2*j, dp)/real(m, dp)**2
+      else                                                  ! what the outer window holds once is in the inner one too
+         white = 4*real(twice, dp)/c1**2 + real(once, dp)*(1/c1 - 1/c2)**2 + real(whole - once, dp)/c2**2 &
+            & - 6*real(j, dp)/real(m, dp)**2
+      end if
+      sums%squares = sums%squares + (inner/c2 - outer/c1)**2
+      sums%inflation = sums%inflation + white
+      sums%terms = sums%terms + 1
+   end subroutine add_edge
 
 end module gyroakf_allan_reflection
