@@ -23,7 +23,7 @@ module gyroakf_app_option
       !> Under which title of the help it stands
       character(6) :: group = "common"
       !> What it does
-      character(170) :: help = ""
+      character(190) :: help = ""
       !> Words that are known, but not in this version, separated by |
       character(32) :: later = ""
    end type option_type
@@ -62,9 +62,9 @@ module gyroakf_app_option
    type(option_type), parameter :: input_options(*) = [ &
       option_type("--rate", "HZ", "positive", reading, "input", "sample rate; overrides header and time stamps"), &
       option_type("--dt", "S", "positive", reading, "input", "sample interval, instead of --rate"), &
-      option_type("--unit", "UNIT", "text", reading, "input", &
+      option_type("--unit", "UNIT[,...]", "text", reading, "input", &
                   "unit of the values: rad/s, deg/s, deg/h, mdps, m/s^2, g, mg, ...; of the angle (rad, deg, "// &
-                  "arcsec) with --input increment or angle"), &
+                  "arcsec) with --input increment or angle; a list has one unit for each channel"), &
       option_type("--input", "rate|increment|angle", "choice", reading, "input", &
                   "what the values are: rates, angle increments per sample, or accumulated angles"), &
       option_type("--scale", "F", "real", reading, "input", "multiply every value by F"), &

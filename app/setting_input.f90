@@ -4,7 +4,7 @@ module gyroakf_app_setting_input
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_reader, only : reader_options
-   use gyroakf_units, only : unit_type, parse_unit, quantity
+   use gyroakf_units, only : unit_type, parse_unit, parse_units, quantity
    use gyroakf_app_config, only : cli_config, reading_config, analysis_config
    use gyroakf_app_option, only : option_type
    use gyroakf_app_value, only : value_type, value_error, not_wired
@@ -31,7 +31,7 @@ contains
       select case (option%name)
       case ("--rate"); reader%rate_hz = value%number
       case ("--dt"); reader%rate_hz = 1/value%number
-      case ("--unit"); call check_unit(option, value%text, error)
+      case ("--unit"); call check_units(option, value%text, error)
          reader%unit = value%text
       case ("--input"); reader%input = value%text
       case ("--scale"); reader%scale = value%number
@@ -54,25 +54,30 @@ contains
       type(reader_options), intent(in) :: reader
       !> usage
       type(error_type), allocatable, intent(out) :: error
-      type(unit_type) :: unit
+      type(unit_type), allocatable :: unit(:)
       logical :: angles
+      integer :: i
 
       if (reader%from >= reader%to) then
          call fatal_error(error, status%usage, "--from is not before --to: nothing would be left")
          return
       end if
       if (.not. allocated(reader%unit)) return
-      call parse_unit(reader%unit, unit, error)
+      call parse_units(reader%unit, unit, error)
       if (allocated(error)) return
       angles = .false.
       if (allocated(reader%input)) angles = reader%input /= "rate"
-      if (angles .and. unit%quantity /= quantity%angle) then
-         call fatal_error(error, status%usage, "with --input "//reader%input//" the unit is that of the angle: rad, deg, "// &
-                          "arcsec, not '"//reader%unit//"'")
-      else if (unit%quantity == quantity%angle .and. .not. angles) then
-         call fatal_error(error, status%usage, "'"//reader%unit//"' is the unit of an angle: say --input increment or "// &
-                          "--input angle, or name the unit of a rate")
-      end if
+      do i = 1, size(unit)
+         if (angles .eqv. (unit(i)%quantity == quantity%angle)) cycle
+         if (angles) then
+            call fatal_error(error, status%usage, "with --input "//reader%input//" the unit is that of the angle: rad, deg, "// &
+                             "arcsec, not '"//unit(i)%name//"'")
+         else
+            call fatal_error(error, status%usage, "'"//unit(i)%name//"' is the unit of an angle: say --input increment or "// &
+                             "--input angle, or name the unit of a rate")
+         end if
+         return
+      end do
    end subroutine check_input
 
    !> A unit that nobody knows is a wrong command line.
@@ -89,6 +94,21 @@ contains
       call parse_unit(text, unit, unknown)
       if (allocated(unknown)) call value_error(option, unknown%message, error)
    end subroutine check_unit
+
+   !> The same for a list of units.
+   subroutine check_units(option, text, error)
+      !> Row of the table
+      type(option_type), intent(in) :: option
+      !> The units as they were given, separated by commas
+      character(*), intent(in) :: text
+      !> usage
+      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable :: unknown
+      type(unit_type), allocatable :: unit(:)
+
+      call parse_units(text, unit, unknown)
+      if (allocated(unknown)) call value_error(option, unknown%message, error)
+   end subroutine check_units
 
    !> Applies an option of the group "common".
    subroutine set_common(config, option, value, error)

@@ -8,8 +8,8 @@ module gyroakf
    use gyroakf_error, only : error_type, fatal_error, status, status_texts, status_text, exit_code
    use gyroakf_release, only : release_major, release_minor, release_patch, release_string, release_number
    use gyroakf_units, only : unit_type, coefficient_unit_type, quantity, term_names, &
-      parse_unit, coefficient_unit, density_unit, angle_to_rate_unit, coefficient_definition
-   use gyroakf_record, only : record_type, audit_type, text_type, add_text
+      parse_unit, parse_units, coefficient_unit, density_unit, angle_to_rate_unit, coefficient_definition
+   use gyroakf_record, only : record_type, audit_type, text_type, add_text, view_channel
    use gyroakf_special, only : normal_cdf, normal_quantile, chi_square_cdf, chi_square_survival, &
       & chi_square_quantile, digamma
    use gyroakf_fft, only : fft_plan_type, new_fft_plan, fft_forward, fft_backward, smooth_length, &

@@ -31,6 +31,8 @@ contains
          new_unittest("units-of-names", test_units_of_names), &
          new_unittest("header-rate", test_header_rate), &
          new_unittest("header-unit", test_header_unit), &
+         new_unittest("channel-units", test_channel_units), &
+         new_unittest("channel-increments", test_channel_increments), &
          new_unittest("header-columns", test_header_columns), &
          new_unittest("choose-columns", test_choose_columns), &
          new_unittest("time-column", test_time_column), &
@@ -240,12 +242,87 @@ contains
                  "noneline 1: the header's unit 'dogs' is not known and is ignored|")
       if (allocated(error)) return
       values = shown("# units: deg/h"//nl//"1", options, record)
-      call check(error, record%unit_source//warned(record), "none", more="units is not the key")
+      call check(error, record%unit%name//" "//record%unit_source, "deg/h header")
       if (allocated(error)) return
       options%unit = "rad/s"
       values = shown("# unit: deg/h"//nl//"1", options, record)
       call check(error, record%unit%name//" "//record%unit_source, "rad/s option")
    end subroutine test_header_unit
+
+   !> The units of the channels, with blanks between: "deg/s m/s^2 "; "? " where a channel's is not known.
+   function units_of(record) result(text)
+      type(record_type), intent(in) :: record
+      character(:), allocatable :: text
+      integer :: i
+
+      text = record%unit%name
+      if (.not. allocated(record%channel_unit)) return
+      do i = 1, size(record%channel_unit)
+         if (record%channel_unit(i)%name == "") text = text//"? "
+         if (record%channel_unit(i)%name /= "") text = text//record%channel_unit(i)%name//" "
+      end do
+   end function units_of
+
+   !> A unit for each channel: from a list in the header, from the names, from an option; and what does not fit.
+   subroutine test_channel_units(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(reader_options) :: options
+      character(*), parameter :: rows = nl//"0 1 2"//nl//"1 3 4"//nl//"2 5 6"
+      character(*), parameter :: names = "# columns: t gx ax"//nl
+      character(40), parameter :: header(8) = [character(40) :: "# units: s deg/s m/s2", "# units: deg/s, g", "# unit: dps; mg", &
+         "# units: s deg/s -", "# units: s deg/s dps", "# units: deg/s", "# units: s dps g g", "# unit: deg/s as measured"]
+      character(12), parameter :: expected(8) = [character(12) :: "deg/s m/s^2", "deg/s g", "deg/s mg", "deg/s ?", "deg/s", &
+         "deg/s", "", "deg/s"]
+      character(:), allocatable :: values
+      integer :: i
+
+      do i = 1, size(header)
+         values = shown(trim(header(i))//nl//names//rows, options, record)
+         call check(error, trim(units_of(record)), trim(expected(i)), more=header(i))
+         if (allocated(error)) return
+         call check(error, (index(warned(record), "the header lists 4 units, the file has 3") > 0) .eqv. i == 7, warned(record))
+         if (allocated(error)) return
+      end do
+      values = shown("t gx[rad/s] temperature[degC]"//rows, options, record)
+      call check(error, units_of(record)//record%unit_source, "rad/s ? header")
+      if (allocated(error)) return
+      values = shown("# units: s deg/s g"//nl//names//rows, reader_options(columns="ax,gx"), record)
+      call check(error, units_of(record), "g deg/s ")
+      if (allocated(error)) return
+      options%unit = "rad/s,m/s^2"
+      values = shown("# unit: deg/h"//nl//names//rows, options, record)
+      call check(error, units_of(record)//record%unit_source, "rad/s m/s^2 option")
+      if (allocated(error)) return
+      options%unit = "rad/s,rad/s,m/s^2"
+      call check(error, shown(names//rows, options, record), "--unit names 3 units, but the number of channels is 2 (gx ax): "// &
+                 "give one unit for all of them, or one for each")
+   end subroutine test_channel_units
+
+   !> Increments of a unit for each channel become rates; a list of rates does not fit them.
+   subroutine test_channel_increments(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(reader_options) :: options
+      character(*), parameter :: rows = "1 2"//nl//"3 4"
+      character(:), allocatable :: values
+
+      options%input = "increment"
+      options%rate_hz = 10
+      options%unit = "arcsec,deg"
+      call check(error, shown(rows, options, record), "10 20 / 30 40 ")
+      if (allocated(error)) return
+      call check(error, units_of(record), "arcsec/s deg/s ")
+      if (allocated(error)) return
+      options%unit = "arcsec,deg/s"
+      values = shown(rows, options, record)
+      call check(error, values, "--input increment needs the unit of an angle (deg, rad, arcsec), not deg/s")
+      if (allocated(error)) return
+      deallocate (options%unit)
+      values = shown("# units: arcsec deg/s"//nl//rows, options, record)
+      call check(error, units_of(record)//record%unit_source//warned(record), &
+                 "nonethe header's unit deg/s does not fit --input increment or angle and is ignored|")
+   end subroutine test_channel_increments
 
    subroutine test_header_columns(error)
       type(error_type), allocatable, intent(out) :: error

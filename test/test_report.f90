@@ -3,7 +3,9 @@
 module test_report
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : gyro_error => error_type
    use gyroakf_record, only : record_type
+   use gyroakf_units, only : unit_type, parse_unit
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_report_layout, only : put_item, put_heading, report_width, fixed, scientific, p_value_text, plural
@@ -41,6 +43,7 @@ contains
          new_unittest("document-values", test_document_values), &
          new_unittest("schema-can-fail", test_schema_can_fail), &
          new_unittest("csv", test_csv), &
+         new_unittest("mixed-units", test_mixed_units), &
          new_unittest("csv-channels", test_csv_channels)]
    end subroutine collect_report
 
@@ -405,8 +408,41 @@ contains
       call check(error, index(text, ',rad/sqrt(s),"sigma^2 = N^2/tau, two-sided density N^2"'//lf) > 0)
       if (allocated(error)) return
       call check(error, index(text, '"a,""b""",kf,R,nan,nan,nan,false,deg/h^2,nan,nan,nan,nan,nan,rad/s^2,'// &
-                              'sigma^2 = R^2 tau^2/2'//lf) > 0)
+                              "sigma^2 = R^2 tau^2/2"//lf) > 0)
    end subroutine test_csv
+
+   !> Gyroscopes beside accelerometers: a unit for each channel, none for the record.
+   subroutine test_mixed_units(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: writer
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      type(json_item), allocatable :: items(:)
+      type(gyro_error), allocatable :: failed
+      character(:), allocatable :: text
+      logical :: valid
+
+      call make_record(record, .true.)
+      call make_result(record, result)
+      deallocate (record%channel, record%value)
+      allocate (record%channel(3), record%value(12, 3), record%channel_unit(3))
+      record%value(:, :) = 0
+      record%channel(1)%text = "gx"
+      record%channel(2)%text = "gy"
+      record%channel(3)%text = "ax"
+      call parse_unit("deg/s", record%channel_unit(1), failed)
+      record%channel_unit(2) = record%channel_unit(1)
+      call parse_unit("mg", record%channel_unit(3), failed)
+      record%unit = unit_type()
+      deallocate (record%audit%minimum)
+      call begin_text(writer)
+      call report_inspect(writer, record)
+      call end_text(writer, text)
+      call check(error, index(text, "deg/s for gx, gy; mg for ax (as the option says)") > 0, text)
+      if (allocated(error)) return
+      call document(record, items, valid, result)
+      call check(error, json_text_at(items, "/input/unit")//json_text_at(items, "/channels/0/unit"), 'null"deg/s"')
+   end subroutine test_mixed_units
 
    !> Two channels stand side by side; missing is nan, but the filters bridge it.
    subroutine test_csv_channels(error)

@@ -11,7 +11,7 @@
 module gyroakf_pipeline
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_record, only : record_type
+   use gyroakf_record, only : record_type, view_channel
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, available_type, &
       allan_result_type, stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, stage, stage_names
    use gyroakf_pipeline_channel, only : run_channel
@@ -70,6 +70,7 @@ contains
       !> too_few_samples: fewer than [[minimum_samples]]; no_memory; invalid_argument, not_supported from an option.
       !> A room that fails for one channel is no error: see `channel%unavailable`
       type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: view
       character(24) :: digits
       integer :: channel, channels
 
@@ -88,10 +89,11 @@ contains
       do channel = 1, channels
          result%channel(channel)%name = "channel"
          if (allocated(record%channel)) result%channel(channel)%name = record%channel(channel)%text
+         call view_channel(record, channel, view)
          if (allocated(record%present)) then
-            call run_channel(record, record%value(:, channel), options, result%channel(channel), error, record%present(:, channel))
+            call run_channel(view, record%value(:, channel), options, result%channel(channel), error, record%present(:, channel))
          else
-            call run_channel(record, record%value(:, channel), options, result%channel(channel), error)
+            call run_channel(view, record%value(:, channel), options, result%channel(channel), error)
          end if
          if (allocated(error)) return
       end do

@@ -7,7 +7,7 @@ module gyroakf_record
    use gyroakf_units, only : unit_type
    implicit none (type, external)
    private
-   public :: record_type, audit_type, text_type, add_text
+   public :: record_type, audit_type, text_type, add_text, view_channel
 
    !> A string of its own length, for lists
    type :: text_type
@@ -64,8 +64,10 @@ module gyroakf_record
       logical :: rate_known = .false.
       !> "option", "header", "timestamps" or "none"
       character(:), allocatable :: rate_source
-      !> Of the values
+      !> Of the values; unknown where the channels have units of their own
       type(unit_type) :: unit
+      !> Of each channel: [channel]; allocated only where they differ (gyroscopes beside accelerometers)
+      type(unit_type), allocatable :: channel_unit(:)
       !> "option", "header" or "none"
       character(:), allocatable :: unit_source
       !> What was found while reading
@@ -94,5 +96,24 @@ contains
       longer(n + 1)%text = text
       call move_alloc(longer, list)
    end subroutine add_text
+
+   !> One channel's record without its samples: rate, source and the unit that is the channel's.
+   pure subroutine view_channel(record, channel, view)
+      !> The whole
+      type(record_type), intent(in) :: record
+      !> From 1
+      integer, intent(in) :: channel
+      !> Path, format, rate and unit; no samples, no audit, no warnings
+      type(record_type), intent(out) :: view
+
+      if (allocated(record%path)) view%path = record%path
+      if (allocated(record%format)) view%format = record%format
+      if (allocated(record%rate_source)) view%rate_source = record%rate_source
+      if (allocated(record%unit_source)) view%unit_source = record%unit_source
+      view%sample_interval = record%sample_interval
+      view%rate_known = record%rate_known
+      view%unit = record%unit
+      if (allocated(record%channel_unit)) view%unit = record%channel_unit(channel)
+   end subroutine view_channel
 
 end module gyroakf_record

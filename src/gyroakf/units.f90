@@ -10,7 +10,7 @@ module gyroakf_units
    implicit none (type, external)
    private
    public :: unit_type, coefficient_unit_type, quantity, term_names
-   public :: parse_unit, coefficient_unit, density_unit, angle_to_rate_unit, coefficient_definition
+   public :: parse_unit, parse_units, coefficient_unit, density_unit, angle_to_rate_unit, coefficient_definition
 
    !> The order of the five terms everywhere: quantisation, angle random walk, bias instability, rate random walk, ramp
    character(1), parameter :: term_names(5) = ["Q", "N", "B", "K", "R"]
@@ -125,6 +125,26 @@ contains
       end do
       call fatal_error(error, status%invalid_argument, trim(message))
    end subroutine parse_unit
+
+   !> The units of a list separated by commas: "deg/s", "rad/s,rad/s,m/s^2".
+   subroutine parse_units(list, unit, error)
+      !> As somebody wrote it; at least one unit
+      character(*), intent(in) :: list
+      !> In that order
+      type(unit_type), allocatable, intent(out) :: unit(:)
+      !> As that of [[parse_unit]], for the first that is not known
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i, from, to
+
+      allocate (unit(count([(list(i:i) == ",", i=1, len(list))]) + 1))
+      from = 1
+      do i = 1, size(unit)
+         to = index(list(from:)//",", ",") + from - 2
+         call parse_unit(list(from:to), unit(i), error)
+         if (allocated(error)) return
+         from = to + 2
+      end do
+   end subroutine parse_units
 
    !> The text in lower case without blanks, brackets and signs that are not ASCII, with `/s` for `per s` and `s^-1`.
    pure function plain_text(text) result(plain)

@@ -65,6 +65,18 @@ good "run of time stamps" run stamped.csv --unit deg/s
 is "run fits 100 columns" "$(LC_ALL=C.UTF-8 awk 'length > 100' out)" ""
 good "one column by name" inspect stamped.csv --column gy --json -
 is "one channel" "$(grep -c '"g[xyz]"' out)" 1
+awk 'BEGIN { print "# rate_hz: 100\n# units: deg/s m/s^2\n# columns: gx ax"
+   for (i = 0; i < 600; i++) print sin(i*i), cos(i*i) }' >mixed.txt
+good "a unit for each column" allan mixed.txt --json mixed.json
+holds "units by channel" "deg/s for gx; m/s^2 for ax" out
+holds "angle random walk of the gyroscope" "N angle random walk" out
+holds "velocity random walk of the accelerometer" "N velocity random walk" out
+holds "limits in the accelerometer's unit" "m/s/sqrt(h)" out
+is "units in JSON" "$(grep -c '"unit": "\(deg/s\|m/s^2\)"' mixed.json)" 2
+good "a list of units" inspect mixed.txt --unit rad/s,g
+holds "the option's list" "rad/s for gx; g for ax (as the option says)" out
+bad "a list of the wrong length" 2 "--unit names 3 units, but the number of channels is 2 (gx ax)" inspect mixed.txt --unit g,g,deg/s
+bad "an unknown unit in a list" 1 "unknown unit 'gees'" inspect mixed.txt --unit deg/s,gees
 good "negative value of an option" inspect plain.txt --scale -2
 good "option with =" inspect plain.txt --scale=-2 --column=2
 cp plain.txt ./-odd

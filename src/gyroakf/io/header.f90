@@ -24,6 +24,8 @@ module gyroakf_io_header
       real(dp) :: rate_hz = 0.0_dp
       !> Of the values; quantity unknown where it says none
       type(unit_type) :: unit
+      !> Of each column, as written: [column], with or without the time's; unallocated where it says none
+      type(text_type), allocatable :: units(:)
       !> From the key `columns`
       type(column_names_type) :: names
    end type header_type
@@ -58,7 +60,7 @@ contains
       select case (key)
       case ("rate_hz"); call read_rate(bytes, from, last, line, header, warnings)
       case ("dt"); call read_interval(bytes, from, last, line, header, warnings)
-      case ("unit"); call read_unit(bytes, from, last_visible(bytes, from, last), line, header, warnings)
+      case ("unit", "units"); call read_unit(bytes, from, last_visible(bytes, from, last), key, line, header, warnings)
       case ("columns"); if (from <= last) call read_names(bytes, from, last_visible(bytes, from, last), line, header%names)
       case default; continue
       end select
@@ -139,27 +141,63 @@ contains
       end if
    end subroutine read_interval
 
-   !> Key `unit`: the whole value, or its first word.
-   subroutine read_unit(bytes, first, last, line, header, warnings)
+   !> Key `unit`: the whole value, or its first word; where every word is a unit, or the key is `units`, one for each column.
+   subroutine read_unit(bytes, first, last, key, line, header, warnings)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last, line
+      character(*), intent(in) :: key
       type(header_type), intent(inout) :: header
       type(text_type), allocatable, intent(inout) :: warnings(:)
+      type(text_type), allocatable :: words(:)
       type(unit_type) :: unit
       type(error_type), allocatable :: failed
       character(:), allocatable :: value
-      integer :: stop_at
+      integer :: i, several, first_word
 
       value = bytes_text(bytes, first, last)
       call parse_unit(value, unit, failed)
-      stop_at = scan(value, " ,;"//achar(9))
-      if (allocated(failed) .and. stop_at > 1) call parse_unit(value(:stop_at - 1), unit, failed)
       if (allocated(failed)) then
-         call warn(bytes, first, last, line, "unit", "is not known", warnings)
+         call split_words(value, words)
+         several = 0
+         do i = 1, size(words)
+            call parse_unit(words(i)%text, unit, failed)
+            if (.not. allocated(failed)) several = several + 1
+         end do
+         if (several > 0 .and. size(words) > 1 .and. (several == size(words) .or. key == "units")) then
+            call move_alloc(words, header%units)
+            header%unit = unit_type()
+            return
+         end if
+         first_word = scan(value, " ,;"//achar(9)) - 1
+         if (first_word < 0) first_word = len(value)
+         call parse_unit(value(:first_word), unit, failed)
+      end if
+      if (allocated(failed)) then
+         call warn(bytes, first, last, line, key, "is not known", warnings)
       else
          header%unit = unit
+         if (allocated(header%units)) deallocate (header%units)
       end if
    end subroutine read_unit
+
+   !> Words between commas and semicolons where there are any, else between blanks and tabs.
+   pure subroutine split_words(text, words)
+      character(*), intent(in) :: text
+      type(text_type), allocatable, intent(out) :: words(:)
+      character(:), allocatable :: signs
+      integer :: from, to
+
+      signs = " "//achar(9)
+      if (scan(text, ",;") > 0) signs = ",;"
+      allocate (words(0))
+      from = 1
+      do while (from <= len(text))
+         to = scan(text(from:), signs)
+         to = merge(len(text), from + to - 2, to == 0)
+         if (len_trim(text(from:to)) > 0) call add_text(words, trim(adjustl(text(from:to))))
+         from = to + 2
+      end do
+   end subroutine split_words
 
    !> Appends a warning about a key.
    subroutine warn(bytes, first, last, line, key, what, warnings)

@@ -8,6 +8,7 @@ module gyroakf_io_reader
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_audit, only : audit_stamps, audit_values, gap_type
+   use gyroakf_io_channel_units, only : set_units
    use gyroakf_io_columns, only : label_of, name_of
    use gyroakf_io_lines, only : line_of
    use gyroakf_io_place, only : integer_text
@@ -17,7 +18,6 @@ module gyroakf_io_reader
    use gyroakf_io_table, only : read_table, table_options, table_type
    use gyroakf_io_decimal, only : format_real
    use gyroakf_record, only : add_text, record_type
-   use gyroakf_units, only : parse_unit, quantity, unit_type
    implicit none (type, external)
    private
    public :: reader_options, read_record
@@ -26,7 +26,8 @@ module gyroakf_io_reader
    type :: reader_options
       !> Hz; 0: from the time stamps or the header
       real(dp) :: rate_hz = 0.0_dp
-      !> Of the values after `scale`; unallocated: from the header, or unknown
+      !> Of the values after `scale`: "deg/s" for all channels, or one for each, separated by commas; unallocated: from the
+      !> header, or unknown
       character(:), allocatable :: unit
       !> "rate" (also where unallocated), "increment" (angle per sample) or "angle"
       character(:), allocatable :: input
@@ -66,12 +67,14 @@ contains
       type(table_options) :: wanted
       type(gap_type) :: gaps
       real(dp), allocatable :: stamps(:)
-      character(:), allocatable :: input
+      character(:), allocatable :: input, unit
 
       call check_options(options, error)
       if (allocated(error)) return
       input = "rate"
       if (allocated(options%input)) input = options%input
+      unit = ""
+      if (allocated(options%unit)) unit = options%unit
       if (allocated(options%columns)) wanted%columns = options%columns
       if (allocated(options%time_column)) wanted%time_column = options%time_column
       wanted%bad_lines_missing = options%bad_lines_missing
@@ -87,7 +90,7 @@ contains
       if (.not. allocated(error)) call set_rate(options, table, record, error)
       if (.not. allocated(error)) call fill_gaps(gaps, record, error)
       if (.not. allocated(error)) call mark_missing(record, largest_value/max(1.0_dp, abs(options%scale)), error)
-      if (.not. allocated(error)) call set_unit(options, table, record, error)
+      if (.not. allocated(error)) call set_units(unit, input, table, record, error)
       if (.not. allocated(error)) call make_rates(record, input, options%scale, error)
       if (.not. allocated(error)) call cut(record, options%from, options%to, error)
       if (allocated(error)) return
@@ -153,6 +156,7 @@ contains
       do j = 1, size(slots)
          record%channel(j)%text = name_of(table%names, table%chosen(slots(j)))
       end do
+      table%chosen = table%chosen(slots)
    end subroutine take_values
 
    !> Which of the stored columns hold a number at all; blank ones are left out unless they were asked for.
@@ -296,63 +300,6 @@ contains
       if (options%from > 0.0_dp .or. options%to < huge(1.0_dp)) call fatal_error(error, status%invalid_argument, &
          "--from and --to need the rate, and "//table%name//" does not tell it: give --rate HZ or --dt S, or --time-column")
    end subroutine set_rate
-
-   !> The unit: an option, else the header.
-   subroutine set_unit(options, table, record, error)
-      type(reader_options), intent(in) :: options
-      type(table_type), intent(in) :: table
-      type(record_type), intent(inout) :: record
-      type(error_type), allocatable, intent(out) :: error
-      type(unit_type) :: unit
-      logical :: angles
-
-      angles = .false.
-      if (allocated(options%input)) angles = options%input /= "rate"
-      record%unit_source = "none"
-      record%unit%name = ""
-      if (allocated(options%unit)) then
-         call parse_unit(options%unit, unit, error)
-         if (allocated(error)) return
-         record%unit_source = "option"
-      else
-         unit = table%header%unit
-         if (unit%quantity == quantity%unknown) call unit_of_names(table, unit)
-         record%unit_source = "header"
-      end if
-      if (unit%quantity == quantity%unknown) record%unit_source = "none"
-      if (unit%quantity == quantity%unknown) return
-      if (angles .eqv. (unit%quantity == quantity%angle)) then
-         record%unit = unit
-      else if (record%unit_source == "header") then
-         call add_text(record%warnings, "the header's unit "//unit%name//" does not fit --input "// &
-                       trim(merge("increment or angle", "rate              ", angles))//" and is ignored")
-         record%unit_source = "none"
-      else if (angles) then
-         call fatal_error(error, status%invalid_argument, "--input "//options%input//" needs the unit of an angle "// &
-                          "(deg, rad, arcsec), not "//unit%name)
-      else
-         call fatal_error(error, status%invalid_argument, "the unit "//unit%name//" is that of an angle: give "// &
-                          "--input increment or --input angle, or the unit of a rate")
-      end if
-   end subroutine set_unit
-
-   !> The unit that stands in brackets behind the names of the columns, where it is the same for all that were read.
-   subroutine unit_of_names(table, unit)
-      type(table_type), intent(in) :: table
-      type(unit_type), intent(inout) :: unit
-      type(unit_type) :: first, other
-      type(error_type), allocatable :: failed
-      integer :: j
-
-      if (.not. table%names%known) return
-      do j = 1, size(table%chosen)
-         call parse_unit(table%names%unit(table%chosen(j))%text, other, failed)
-         if (allocated(failed)) return
-         if (j == 1) first = other
-         if (other%name /= first%name) return
-      end do
-      unit = first
-   end subroutine unit_of_names
 
    !> Lines of what is odd, and the warnings about it.
    subroutine tell(table, record)

@@ -4,6 +4,7 @@ module gyroakf_io_record_writer
    use gyroakf_kinds, only : int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_record, only : record_type, text_type
+   use gyroakf_units, only : unit_type, quantity
    use gyroakf_io_writer, only : writer_type, open_writer, put, put_line, put_real, commit_writer
    implicit none (type, external)
    private
@@ -58,6 +59,13 @@ contains
       if (allocated(record%unit%name)) then
          if (record%unit%name /= "") call put_line(writer, "# unit: "//record%unit%name)
       end if
+      if (allocated(record%channel_unit)) then
+         call put(writer, "# units:")
+         do i = 1, size(record%channel_unit)
+            call put(writer, " "//unit_word(record%channel_unit(i)))
+         end do
+         call put_line(writer, "")
+      end if
       if (.not. allocated(record%channel)) return
       call put(writer, "# columns:")
       do i = 1, size(record%channel)
@@ -65,6 +73,15 @@ contains
       end do
       call put_line(writer, "")
    end subroutine put_header
+
+   !> The unit's name, "-" where it is not known.
+   pure function unit_word(unit) result(word)
+      type(unit_type), intent(in) :: unit
+      character(:), allocatable :: word
+
+      word = "-"
+      if (unit%quantity /= quantity%unknown) word = unit%name
+   end function unit_word
 
    !> One line of samples
    subroutine put_sample(writer, record, i, digits)

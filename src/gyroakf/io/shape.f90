@@ -101,6 +101,11 @@ contains
       if (input /= "rate") then
          factor = scale/record%sample_interval
          record%unit = angle_to_rate_unit(record%unit)
+         if (allocated(record%channel_unit)) then
+            do j = 1, size(record%channel_unit)
+               record%channel_unit(j) = angle_to_rate_unit(record%channel_unit(j))
+            end do
+         end if
       end if
       if (input == "angle") call difference(record, error)
       if (allocated(error) .or. abs(factor - 1.0_dp) <= 0.0_dp) return

@@ -4,7 +4,7 @@
 !> Every key is always there. What was not asked for, what a room could not compute and what is not built yet is null.
 module gyroakf_report_document
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_record, only : record_type, text_type, add_text
+   use gyroakf_record, only : record_type, text_type, add_text, view_channel
    use gyroakf_release, only : release_string
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_result_type, channel_result_type
@@ -28,6 +28,7 @@ contains
       !> What came out; absent: "channels" is empty
       type(pipeline_result_type), intent(in), optional :: result
       type(json_type) :: json
+      type(record_type) :: view
       integer :: c
 
       call open_object(json)
@@ -39,7 +40,8 @@ contains
       if (present(result)) then
          if (allocated(result%channel)) then
             do c = 1, size(result%channel)
-               call put_channel(json, writer, result%channel(c))
+               call view_channel(record, c, view)
+               call put_channel(json, writer, view, result%channel(c))
             end do
          end if
       end if
@@ -83,13 +85,15 @@ contains
    end subroutine put_input
 
    !> One element of "channels".
-   subroutine put_channel(json, writer, channel)
+   subroutine put_channel(json, writer, record, channel)
       type(json_type), intent(inout) :: json
       type(writer_type), intent(inout) :: writer
+      type(record_type), intent(in) :: record
       type(channel_result_type), intent(in) :: channel
 
       call open_object(json)
       call put_member(json, "name", channel%name)
+      call put_text_or_null(json, "unit", record%unit%name)
       call open_object(json, "raw")
       call put_member(json, "mean", channel%raw%mean)
       call put_member(json, "variance", channel%raw%variance)

@@ -62,7 +62,9 @@ contains
          call put_item(writer, "Rate", "not known: times are in samples, and results per sample; --rate HZ (or --dt S) "// &
                        "gives seconds and the usual units")
       end if
-      if (has_unit(record)) then
+      if (allocated(record%channel_unit)) then
+         call put_item(writer, "Units", channel_units_text(record)//source(record%unit_source))
+      else if (has_unit(record)) then
          call put_item(writer, "Unit", unit_name(record)//source(record%unit_source))
       else
          call put_item(writer, "Unit", "not known: results are in input units; --unit deg/s (or rad/s, deg/h, ...) gives "// &
@@ -71,6 +73,26 @@ contains
       call put_missing(writer, record)
       call put_items(writer, "Warning", record%warnings)
    end subroutine put_input
+
+   !> "rad/s for gx, gy, gz; m/s^2 for ax, ay, az": channels of one unit that stand together.
+   pure function channel_units_text(record) result(text)
+      type(record_type), intent(in) :: record
+      character(:), allocatable :: text, unit, before
+      integer :: i
+
+      text = ""
+      before = ""
+      do i = 1, size(record%channel_unit)
+         unit = text_or(record%channel_unit(i)%name, "not known")
+         if (i > 1 .and. unit == before) then
+            text = text//", "//record%channel(i)%text
+         else
+            if (i > 1) text = text//"; "
+            text = text//unit//" for "//record%channel(i)%text
+         end if
+         before = unit
+      end do
+   end function channel_units_text
 
    !> What is missing, and what the time stamps show.
    subroutine put_missing(writer, record)
@@ -104,21 +126,26 @@ contains
       !> What was read
       type(record_type), intent(in) :: record
       type(table_type) :: table
+      logical :: mixed
       integer :: i, n
 
       n = size(record%value, 2)
       if (.not. allocated(record%audit%minimum)) return
-      call put_heading(writer, "Channels, in "//unit_name(record), "-")
-      call new_table(table, n + 1, 4)
+      mixed = allocated(record%channel_unit)
+      if (mixed) call put_heading(writer, "Channels, each in its unit", "-")
+      if (.not. mixed) call put_heading(writer, "Channels, in "//unit_name(record), "-")
+      call new_table(table, n + 1, merge(5, 4, mixed))
       call set_cell(table, 1, 1, "channel")
       call set_cell(table, 1, 2, "minimum")
       call set_cell(table, 1, 3, "maximum")
       call set_cell(table, 1, 4, "smallest step")
+      if (mixed) call set_cell(table, 1, 5, "unit")
       do i = 1, n
          call set_cell(table, i + 1, 1, record%channel(i)%text)
          call set_cell(table, i + 1, 2, number(record%audit%minimum(i), 7))
          call set_cell(table, i + 1, 3, number(record%audit%maximum(i), 7))
          call set_cell(table, i + 1, 4, number(record%audit%quantisation(i), 4))
+         if (mixed) call set_cell(table, i + 1, 5, text_or(record%channel_unit(i)%name, "not known"))
       end do
       call put_table(writer, table, 1)
    end subroutine put_ranges

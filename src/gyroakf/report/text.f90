@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The terminal reports, at most 100 columns wide; they print numbers of the result and compute nothing.
 module gyroakf_report_text
-   use gyroakf_record, only : record_type
+   use gyroakf_record, only : record_type, view_channel
    use gyroakf_io_writer, only : writer_type, put_line
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, stage
    use gyroakf_report_layout, only : put_heading
@@ -28,6 +28,7 @@ contains
       type(pipeline_options), intent(in) :: options
       !> What came out
       type(pipeline_result_type), intent(in) :: result
+      type(record_type) :: view
       integer :: c
 
       select case (command)
@@ -39,7 +40,8 @@ contains
       end select
       call put_input(writer, record)
       do c = 1, size(result%channel)
-         call put_channel(writer, command, record, options, result%channel(c))
+         call view_channel(record, c, view)
+         call put_channel(writer, command, view, options, result%channel(c))
       end do
    end subroutine write_report
 

@@ -1,0 +1,166 @@
+! SPDX-License-Identifier: MIT
+!> The units of a record's channels: from an option, else from the header, else from the names of the columns.
+!>
+!> One unit for all is the usual case; a file with gyroscopes and accelerometers has several.
+module gyroakf_io_channel_units
+   use gyroakf_kinds, only : int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_table, only : table_type
+   use gyroakf_record, only : add_text, record_type
+   use gyroakf_units, only : parse_unit, parse_units, quantity, unit_type
+   implicit none (type, external)
+   private
+   public :: set_units
+
+contains
+
+   !> Fills the record's unit, or its channels' where they differ, and who gave them.
+   subroutine set_units(given, input, table, record, error)
+      !> From an option: one unit, or one for each channel separated by commas; "" where there is none
+      character(*), intent(in) :: given
+      !> "rate", "increment" or "angle"
+      character(*), intent(in) :: input
+      !> What the file says
+      type(table_type), intent(in) :: table
+      !> Its channels are named; `unit`, `channel_unit`, `unit_source` are filled
+      type(record_type), intent(inout) :: record
+      !> invalid_argument: an unknown unit, too many or too few, one of an angle where a rate is read, or the reverse
+      type(error_type), allocatable, intent(out) :: error
+      type(unit_type), allocatable :: unit(:)
+      integer :: j
+
+      allocate (unit(size(record%channel)))
+      record%unit%name = ""
+      record%unit_source = "header"
+      if (given /= "") then
+         record%unit_source = "option"
+         call units_of_option(given, record, unit, error)
+      else
+         call units_of_header(table, record, unit)
+         if (all(unit%quantity == quantity%unknown)) call units_of_names(table, unit)
+      end if
+      if (allocated(error)) return
+      do j = 1, size(unit)
+         if (unit(j)%quantity == quantity%unknown) cycle
+         call check_quantity(unit(j), input, record, error)
+         if (allocated(error) .or. record%unit_source == "none") return
+      end do
+      if (all(unit%quantity == quantity%unknown)) record%unit_source = "none"
+      if (record%unit_source /= "none") call keep_units(unit, record)
+   end subroutine set_units
+
+   !> One for all channels, or one for each.
+   subroutine units_of_option(given, record, unit, error)
+      character(*), intent(in) :: given
+      type(record_type), intent(in) :: record
+      type(unit_type), intent(inout) :: unit(:)
+      type(error_type), allocatable, intent(out) :: error
+      type(unit_type), allocatable :: list(:)
+      character(:), allocatable :: names
+      integer :: j
+
+      call parse_units(given, list, error)
+      if (allocated(error)) return
+      if (size(list) == 1 .or. size(list) == size(unit)) then
+         do j = 1, size(unit)
+            unit(j) = list(min(j, size(list)))
+         end do
+         return
+      end if
+      names = ""
+      do j = 1, min(size(unit), 12)
+         names = names//" "//record%channel(j)%text
+      end do
+      if (size(unit) > 12) names = names//" ..."
+      call fatal_error(error, status%invalid_argument, "--unit names "//integer_text(size(list, kind=int64))// &
+                       " units, but the number of channels is "//integer_text(size(unit, kind=int64))//" ("//names(2:)// &
+                       "): give one unit for all of them, or one for each")
+   end subroutine units_of_option
+
+   !> The header's unit, or its list of units: one for each column of the file, with or without the time's.
+   subroutine units_of_header(table, record, unit)
+      type(table_type), intent(in) :: table
+      type(record_type), intent(inout) :: record
+      type(unit_type), intent(inout) :: unit(:)
+      type(error_type), allocatable :: failed
+      integer :: j, column, listed
+
+      if (.not. allocated(table%header%units)) then
+         do j = 1, size(unit)
+            unit(j) = table%header%unit
+         end do
+         return
+      end if
+      listed = size(table%header%units)
+      if (listed /= table%layout%columns .and. (listed /= table%layout%columns - 1 .or. table%time == 0)) then
+         call add_text(record%warnings, "the header lists "//integer_text(int(listed, int64))//" units, the file has "// &
+                       integer_text(int(table%layout%columns, int64))//" columns; they are ignored")
+         return
+      end if
+      do j = 1, size(unit)
+         column = table%chosen(j)
+         if (listed < table%layout%columns .and. table%time < column) column = column - 1
+         call parse_unit(table%header%units(column)%text, unit(j), failed)
+         if (allocated(failed)) unit(j) = unit_type()
+      end do
+   end subroutine units_of_header
+
+   !> The units that stand in brackets behind the names of the columns.
+   subroutine units_of_names(table, unit)
+      type(table_type), intent(in) :: table
+      type(unit_type), intent(inout) :: unit(:)
+      type(error_type), allocatable :: failed
+      integer :: j
+
+      if (.not. table%names%known) return
+      do j = 1, size(unit)
+         call parse_unit(table%names%unit(table%chosen(j))%text, unit(j), failed)
+         if (allocated(failed)) unit(j) = unit_type()
+      end do
+   end subroutine units_of_names
+
+   !> Angles and rates are not taken for each other: an error where an option says so, a warning where the file does.
+   subroutine check_quantity(unit, input, record, error)
+      type(unit_type), intent(in) :: unit
+      character(*), intent(in) :: input
+      type(record_type), intent(inout) :: record
+      type(error_type), allocatable, intent(out) :: error
+      logical :: angles
+
+      angles = input /= "rate"
+      if (angles .eqv. (unit%quantity == quantity%angle)) return
+      if (record%unit_source == "header") then
+         call add_text(record%warnings, "the header's unit "//unit%name//" does not fit --input "// &
+                       trim(merge("increment or angle", "rate              ", angles))//" and is ignored")
+         record%unit_source = "none"
+      else if (angles) then
+         call fatal_error(error, status%invalid_argument, "--input "//input//" needs the unit of an angle "// &
+                          "(deg, rad, arcsec), not "//unit%name)
+      else
+         call fatal_error(error, status%invalid_argument, "the unit "//unit%name//" is that of an angle: give "// &
+                          "--input increment or --input angle, or the unit of a rate")
+      end if
+   end subroutine check_quantity
+
+   !> One unit where all channels have the same, else a list.
+   subroutine keep_units(unit, record)
+      type(unit_type), intent(inout) :: unit(:)
+      type(record_type), intent(inout) :: record
+      integer :: j
+
+      do j = 1, size(unit)
+         if (unit(j)%quantity == quantity%unknown) unit(j)%name = ""
+      end do
+      do j = 2, size(unit)
+         if (unit(j)%name /= unit(1)%name) exit
+      end do
+      if (j > size(unit)) then
+         record%unit = unit(1)
+      else
+         allocate (record%channel_unit(size(unit)))
+         record%channel_unit(:) = unit
+      end if
+   end subroutine keep_units
+
+end module gyroakf_io_channel_units
