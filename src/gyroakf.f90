@@ -21,10 +21,11 @@ module gyroakf
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type, compute_allan, compute_allan_from_phase
+   use gyroakf_allan_stream, only : allan_stream_type, begin_allan_stream, feed_allan_stream, finish_allan_stream
    use gyroakf_allan_statistic, only : statistic_names, statistic_edf, longest_factor
    use gyroakf_allan_noise_fit, only : noise_options, coefficient_type, noise_type, fit_noise
    use gyroakf_allan_read_off, only : read_off_options, read_off_type, read_off
-   use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, chi_square_limits
+   use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, sampling_efficiency, chi_square_limits
    use gyroakf_io_number, only : parse_number
    use gyroakf_io_reader, only : reader_options, read_record
    use gyroakf_io_writer, only : writer_type, open_writer, put, put_line, put_real, complete_writer, commit_writer, &

@@ -15,6 +15,7 @@ program test_main
    use test_allan_noise_fit, only : collect_allan_noise_fit
    use test_allan_read_off, only : collect_allan_read_off
    use test_allan_statistics, only : collect_allan_statistics
+   use test_allan_stream, only : collect_allan_stream
    use test_allan_noise_model, only : collect_allan_noise_model
    use test_ar, only : collect_ar
    use test_audit, only : collect_audit
@@ -63,6 +64,7 @@ program test_main
    call add("allan_noise_fit", collect_allan_noise_fit)
    call add("allan_read_off", collect_allan_read_off)
    call add("allan_statistics", collect_allan_statistics)
+   call add("allan_stream", collect_allan_stream)
    call add("allan_noise_model", collect_allan_noise_model)
    call add("ar", collect_ar)
    call add("audit", collect_audit)

@@ -45,6 +45,7 @@ module gyroakf_allan_deviations
    implicit none (type, external)
    private
    public :: allan_options, allan_curve_type, compute_allan, compute_allan_from_phase
+   public :: terms_share, check_arguments, assemble_curve
 
    !> What to compute
    type :: allan_options
@@ -74,6 +75,10 @@ module gyroakf_allan_deviations
       real(dp), allocatable :: tau(:), deviation(:), lower(:), upper(:), edf(:)
       !> Exponent of the power-law noise that dominates (2 quantisation, 0 white, -1 flicker, -2 random walk)
       integer, allocatable :: alpha(:)
+      !> Degrees of freedom that the terms have of those of a complete record, below 1 where samples are missing or terms left out
+      real(dp), allocatable :: share(:)
+      !> The record was streamed in bounded memory, not every term taken at long averaging times ([[gyroakf_allan_stream]])
+      logical :: streamed = .false.
    end type allan_curve_type
 
 contains
@@ -310,17 +315,53 @@ contains
       if (curve%kind == "tdev") curve%deviation = curve%tau*curve%deviation/sqrt(3.0_dp)
    end subroutine fill_curve
 
+   !> A curve from variances that were computed elsewhere.
+   subroutine assemble_curve(n, sample_interval, confidence, m, variance, terms, curve, error, alpha, share)
+      !> Samples
+      integer(int64), intent(in) :: n
+      !> Seconds
+      real(dp), intent(in) :: sample_interval
+      !> Probability between the limits
+      real(dp), intent(in) :: confidence
+      !> Averaging factors, their variances and terms
+      integer(int64), intent(in) :: m(:)
+      real(dp), intent(in) :: variance(:)
+      integer(int64), intent(in) :: terms(:)
+      !> The curve, `kind` set
+      type(allan_curve_type), intent(inout) :: curve
+      !> too_few_samples, no_memory
+      type(error_type), allocatable, intent(out) :: error
+      !> Noise exponents, and the share of a complete record's degrees of freedom: [size(m)]
+      integer, intent(in) :: alpha(:)
+      real(dp), intent(in) :: share(:)
+
+      call fill_curve(n, sample_interval, confidence, m, variance, terms, curve, error)
+      if (allocated(error)) return
+      curve%alpha = pack(alpha, terms > 0)
+      curve%share = pack(share, terms > 0)
+      call fill_limits(curve)
+   end subroutine assemble_curve
+
+   !> Degrees of freedom that the terms have, as a share of those of a complete record.
+   pure function terms_share(curve) result(share)
+      !> Terms and samples are filled; `share` where it is known better
+      type(allan_curve_type), intent(in) :: curve
+      real(dp) :: share(size(curve%m))
+
+      share = real(curve%terms, dp)/real(term_count(curve%kind, curve%samples, curve%m), dp)
+      if (allocated(curve%share)) share = curve%share
+   end function terms_share
+
    !> Degrees of freedom and limits from the identified noise.
    subroutine fill_limits(curve)
       !> The curve
       type(allan_curve_type), intent(inout) :: curve
 
-      real(dp) :: complete
       integer :: i
 
+      curve%share = terms_share(curve)
       do i = 1, size(curve%m)
-         complete = real(term_count(curve%kind, curve%samples, curve%m(i)), dp)
-         curve%edf(i) = statistic_edf(curve%kind, curve%samples + 1, curve%m(i), curve%alpha(i))*real(curve%terms(i), dp)/complete
+         curve%edf(i) = statistic_edf(curve%kind, curve%samples + 1, curve%m(i), curve%alpha(i))*curve%share(i)
       end do
       call chi_square_limits(curve%deviation, curve%edf, curve%confidence, curve%lower, curve%upper)
    end subroutine fill_limits

@@ -29,7 +29,7 @@ module gyroakf_allan_noise_fit
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_allan_covariance, only : allan_variance_covariances
    use gyroakf_allan_degrees_of_freedom, only : chi_square_limits
-   use gyroakf_allan_deviations, only : allan_curve_type
+   use gyroakf_allan_deviations, only : allan_curve_type, terms_share
    use gyroakf_allan_fit_problem, only : minimise, mixture_edf, model_at, problem_type, relative_design, scatter_of_model, trigamma
    use gyroakf_allan_fit_uncertainty, only : generalised_chi_square, sandwich_covariance
    use gyroakf_allan_noise_model, only : model_variance, term_count, term_letters
@@ -160,6 +160,7 @@ contains
       !> invalid_argument, too_few_samples, constant_input
       type(error_type), allocatable, intent(out) :: error
 
+      real(dp), allocatable :: share(:)
       integer, allocatable :: place(:)
       integer :: i
       character(160) :: text
@@ -190,7 +191,8 @@ contains
       problem%scale = curve%deviation(place(1))**2
       problem%variance = (curve%deviation(place)/curve%deviation(place(1)))**2
       problem%edf = curve%edf(place)
-      problem%complete = real(curve%terms(place), dp)/real(curve%samples - 2*problem%m + 1, dp)
+      share = terms_share(curve)
+      problem%complete = share(place)
    end subroutine choose_points
 
    !> Keeps at most points_max places, evenly in the logarithm of the averaging factor.
@@ -397,11 +399,12 @@ contains
       type(noise_type), intent(inout) :: noise
 
       real(dp), allocatable :: known(:), lag(:)
-      real(dp) :: complete, edf
+      real(dp) :: share(size(curve%m)), edf
       integer, allocatable :: place(:)
       integer :: i, points
 
       points = size(curve%m)
+      share = terms_share(curve)
       allocate (noise%model(points))
       place = [(i, i=1, points)]
       call thin(curve%m, place)
@@ -411,9 +414,8 @@ contains
          known(i) = log(mixture_edf(curve%samples, curve%m(place(i)), squares, 1.0_dp))
       end do
       do i = 1, points
-         complete = real(curve%terms(i), dp)/real(curve%samples - 2*curve%m(i) + 1, dp)
          noise%model(i) = sqrt(problem%scale*model_variance(squares, real(curve%m(i), dp)))
-         edf = complete*exp(between(lag, known, log(real(curve%m(i), dp))))
+         edf = share(i)*exp(between(lag, known, log(real(curve%m(i), dp))))
          if (problem%misfit > 0) edf = min(edf, curve%edf(i))
          curve%edf(i) = edf
       end do

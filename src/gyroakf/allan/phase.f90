@@ -14,7 +14,7 @@ module gyroakf_allan_phase
    use gyroakf_error, only : error_type, fatal_error, status
    implicit none (type, external)
    private
-   public :: integrate_rate, level_phase, present_sample
+   public :: integrate_rate, level_phase, present_sample, add_compensated
 
    !> Samples in a block
    integer(int64), parameter :: block_length = 2048
