@@ -50,27 +50,59 @@ contains
       end select
    end subroutine check_job
 
-   !> The recording is not overwritten by a result.
+   !> The recording is not overwritten by a result, and no result by another.
    subroutine check_outputs(config, error)
       class(reading_config), intent(in) :: config
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: path
-      integer :: i
 
-      path = without_dot(config%path)
-      if (path == "-") return
-      if (allocated(config%json)) then
-         if (without_dot(config%json) == path) call usage_error(error, "--json would overwrite the recording '"//path//"'")
+      call check_target(config, "--json", config%json, error)
+      if (allocated(error)) return
+      select type (config)
+      type is (analysis_config)
+         call check_target(config, "--kalibr", config%kalibr, error)
+         if (allocated(error)) return
+         if (allocated(config%json) .and. allocated(config%kalibr)) then
+            if (without_dot(config%json) == without_dot(config%kalibr)) then
+               call usage_error(error, "--json and --kalibr name the same file '"//config%json//"'")
+               return
+            end if
+         end if
+         if (config%path == "-" .or. .not. allocated(config%out)) return
+         if (is_result(config%out, config%path)) call usage_error(error, "--out would overwrite the recording '"// &
+                                                                  without_dot(config%path)//"'")
+      end select
+   end subroutine check_outputs
+
+   !> A file that is to be written: not the recording, not one that --out writes.
+   subroutine check_target(config, option, target, error)
+      class(reading_config), intent(in) :: config
+      character(*), intent(in) :: option
+      character(:), allocatable, intent(in) :: target
+      type(error_type), allocatable, intent(out) :: error
+
+      if (.not. allocated(target)) return
+      if (target == "-") return
+      if (without_dot(target) == without_dot(config%path)) then
+         call usage_error(error, option//" would overwrite the recording '"//without_dot(config%path)//"'")
+         return
       end if
       select type (config)
       type is (analysis_config)
-         if (.not. allocated(config%out)) return
-         do i = 1, size(result_files)
-            if (without_dot(config%out//"/"//trim(result_files(i))) /= path) cycle
-            call usage_error(error, "--out would overwrite the recording '"//path//"'")
-         end do
+         if (.not. allocated(config%out) .or. option == "--json") return
+         if (is_result(config%out, target)) call usage_error(error, option//" and --out name the same file '"//target//"'")
       end select
-   end subroutine check_outputs
+   end subroutine check_target
+
+   !> Whether --out writes that file.
+   pure logical function is_result(directory, path)
+      character(*), intent(in) :: directory, path
+      integer :: i
+
+      is_result = .false.
+      do i = 1, size(result_files)
+         if (without_dot(directory//"/"//trim(result_files(i))) == without_dot(path)) is_result = .true.
+      end do
+   end function is_result
 
    !> A path without "./" in front.
    pure function without_dot(path) result(rest)

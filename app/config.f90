@@ -45,6 +45,8 @@ module gyroakf_app_config
       type(pipeline_options) :: pipeline
       !> Directory of the result files; unallocated: none
       character(:), allocatable :: out
+      !> File of Kalibr's imu.yaml; unallocated: none
+      character(:), allocatable :: kalibr
    end type analysis_config
 
    !> simulate

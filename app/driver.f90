@@ -13,6 +13,7 @@ module gyroakf_app_driver
    use gyroakf_record, only : record_type, text_type
    use gyroakf_report_document, only : write_document
    use gyroakf_report_files, only : write_results
+   use gyroakf_report_kalibr, only : check_kalibr, write_kalibr
    use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_simulate_record, only : simulate_record
    use gyroakf_app_argument, only : argument_list, process_source, read_arguments
@@ -94,10 +95,11 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(record_type) :: record
       type(pipeline_result_type) :: result
-      type(writer_type) :: document
+      type(writer_type) :: document, kalibr
       character(:), allocatable :: json
 
       call read_record(config%path, config%reader, record, error)
+      if (.not. allocated(error) .and. allocated(config%kalibr)) call check_kalibr(record, error)
       if (.not. allocated(error)) call run_pipeline(record, config%pipeline, result, error)
       if (.not. allocated(error)) call check_result(config, result, error)
       if (allocated(error)) return
@@ -106,14 +108,17 @@ contains
       if (json /= "" .and. json /= "-") then
          call begin_document(json, record, document, error, result)
          if (.not. allocated(error)) call complete_writer(document, error)
-         if (allocated(error)) return
       end if
-      if (allocated(config%out)) call write_results(config%out, config%command, record, config%pipeline, result, error)
+      if (.not. allocated(error) .and. allocated(config%kalibr)) call begin_kalibr(config%kalibr, record, result, kalibr, error)
+      if (.not. allocated(error) .and. allocated(config%out)) call write_results(config%out, config%command, record, &
+                                                                                config%pipeline, result, error)
       if (allocated(error)) then
          call discard_writer(document)
+         call discard_writer(kalibr)
          return
       end if
       if (json /= "" .and. json /= "-") call commit_writer(document, error)
+      if (.not. allocated(error) .and. allocated(config%kalibr)) call commit_writer(kalibr, error)
       if (.not. allocated(error)) call print_result(config, json == "-", record, result, error)
    end subroutine analyse
 
@@ -185,6 +190,19 @@ contains
       call open_writer(writer, path, error)
       if (.not. allocated(error)) call write_document(writer, record, result)
    end subroutine begin_document
+
+   !> Kalibr's file, complete but not yet in its place.
+   subroutine begin_kalibr(path, record, result, writer, error)
+      character(*), intent(in) :: path
+      type(record_type), intent(in) :: record
+      type(pipeline_result_type), intent(in) :: result
+      type(writer_type), intent(out) :: writer
+      type(error_type), allocatable, intent(out) :: error
+
+      call open_writer(writer, path, error)
+      if (.not. allocated(error)) call write_kalibr(writer, record, result, error)
+      if (.not. allocated(error)) call complete_writer(writer, error)
+   end subroutine begin_kalibr
 
    !> simulate: a record as a text file.
    subroutine simulate(config, error)

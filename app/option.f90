@@ -145,6 +145,8 @@ module gyroakf_app_option
 
    type(option_type), parameter :: common_options(*) = [ &
       option_type("--out", "DIR", "text", analysing, "common", "write the result files into DIR"), &
+      option_type("--kalibr", "FILE", "text", "run allan", "common", &
+                  "write N and K as Kalibr's imu.yaml: SI, the largest axis; needs rate and unit"), &
       option_type("--json", "FILE", "text", reading, "common", "write the results as JSON; - is standard output"), &
       option_type("--threads", "N", "count", every, "common", "number of threads (default: all)"), &
       option_type("--quiet", "", "flag", reading, "common", "print no report"), &

@@ -136,6 +136,12 @@ contains
          type is (analysis_config)
             config%out = value%text
          end select
+      case ("--kalibr")
+         select type (config)
+         type is (analysis_config)
+            config%kalibr = value%text
+            if (value%text == "-") call value_error(option, "it needs the name of a file", error)
+         end select
       case default; call not_wired(option, error)
       end select
    end subroutine set_common

@@ -47,6 +47,7 @@ module gyroakf
       run_pipeline, minimum_samples
    use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_report_files, only : write_results
+   use gyroakf_report_kalibr, only : check_kalibr, write_kalibr
    use gyroakf_report_document, only : write_document, schema_number
    implicit none (type, external)
    public

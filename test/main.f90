@@ -48,6 +48,7 @@ program test_main
    use test_text, only : collect_text
    use test_trend, only : collect_trend
    use test_conventions, only : collect_conventions
+   use test_kalibr, only : collect_kalibr
    use test_units, only : collect_units
    use test_whiteness, only : collect_whiteness
    use test_writer, only : collect_writer
@@ -97,6 +98,7 @@ program test_main
    call add("text", collect_text)
    call add("trend", collect_trend)
    call add("conventions", collect_conventions)
+   call add("kalibr", collect_kalibr)
    call add("units", collect_units)
    call add("whiteness", collect_whiteness)
    call add("writer", collect_writer)

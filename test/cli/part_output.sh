@@ -121,6 +121,36 @@ good "filter of a slower drift" filter "$example" --outliers auto --detrend 3 --
 good "the paper's chain" run "$example" --preset paper
 good "a preset changed" run "$example" --outlier-threshold 4 --preset paper --json -
 
+# Kalibr: N of a simulated gyroscope (2e-4 rad/s/sqrt(Hz)) and accelerometer, the latter without a random walk
+for i in 1 2 3; do
+   "$gyroakf" simulate --samples 20000 --rate 100 --unit rad/s --coefficients N=2e-4,K=1e-4 --seed $i | grep -v '^#' >"g$i"
+   "$gyroakf" simulate --samples 20000 --rate 100 --unit m/s^2 --coefficients N=3e-3 --seed 1$i | grep -v '^#' >"a$i"
+done
+{ printf '# rate_hz: 100\n# units: rad/s rad/s rad/s m/s^2 m/s^2 m/s^2\n# columns: gx gy gz ax ay az\n'; paste -d ' ' g? a?; } >imu.txt
+good "allan --kalibr" allan imu.txt --kalibr imu.yaml --json imu.json
+near "gyroscope_noise_density" "$(sed -n 's/^gyroscope_noise_density: \([^ ]*\) .*/\1/p' imu.yaml)" 2e-4 1e-5
+near "gyroscope_random_walk" "$(sed -n 's/^gyroscope_random_walk: \([^ ]*\) .*/\1/p' imu.yaml)" 1e-4 5e-5
+near "accelerometer_noise_density" "$(sed -n 's/^accelerometer_noise_density: \([^ ]*\) .*/\1/p' imu.yaml)" 3e-3 1e-4
+holds "a limit for what is not detectable" "is not detectable: its 95 % upper limit" imu.yaml
+is "a number for each key" "$(grep -cE '^[a-z_]+: [1-9]\.[0-9]{4}e[-+][0-9][0-9]  # ' imu.yaml)" 4
+if command -v python3 >/dev/null && python3 -c 'import yaml' 2>/dev/null; then
+   if python3 -c 'import yaml
+d = yaml.safe_load(open("imu.yaml"))
+assert d.pop("rostopic") == "/imu0" and len(d) == 5 and all(type(x) is float and x > 0 for x in d.values()), d'; then pass
+   else fail "imu.yaml as YAML"; fi
+fi
+good "run --kalibr beside other files" run g1 --rate 100 --unit rad/s --kalibr run.yaml --out with_kalibr --json with.json
+holds "lines to fill in" "#accelerometer_random_walk:" run.yaml
+bad "--kalibr without a rate" 2 "give --rate HZ or --dt S" allan g1 --unit rad/s --kalibr none.yaml --out none --json none.json
+bad "--kalibr without a unit" 2 "give --unit rad/s" allan g1 --rate 100 --kalibr none.yaml --out none --json none.json
+bad "--kalibr without K" 2 "K of 'column1' was not fitted" allan g1 --rate 100 --unit rad/s --terms N --kalibr none.yaml --json none.json
+bad "--kalibr on standard output" 1 "needs the name of a file" allan imu.txt --kalibr -
+bad "--kalibr over the recording" 1 "overwrite" allan imu.txt --kalibr ./imu.txt
+bad "--kalibr over the JSON" 1 "same file" allan imu.txt --kalibr x.json --json x.json
+bad "--kalibr over a result" 1 "same file" allan imu.txt --kalibr out/report.txt --out out
+bad "--kalibr of tests" 1 "belongs to" tests imu.txt --kalibr x.yaml
+is "nothing is written where it is refused" "$(ls -d none* .none* 2>/dev/null)" ""
+
 bad "JSON into a directory that is not there" 2 "nowhere" run "$example" --json nowhere/x.json
 bad "JSON over a directory" 2 "results" run "$example" --json results
 bad "directory over a file" 2 "plain.txt" run "$example" --out plain.txt

@@ -1,0 +1,227 @@
+! SPDX-License-Identifier: MIT
+!> Kalibr's imu.yaml: white noise and random walk of the gyroscope and of the accelerometer, in SI and continuous time.
+!>
+!> Kalibr's noise density is N of \( \sigma^2 = N^2/\tau \), the root of the two-sided density; its random walk is K of
+!> \( \sigma^2 = K^2 \tau/3 \). It wants one number for a sensor: the largest of the axes, each axis with its value, or with
+!> its 95 % limit where the value is not detectable; never 0. The axes stand in comments.
+!> Source: the wiki of ethz-asl/kalibr, "IMU Noise Model" and "Yaml formats".
+module gyroakf_report_kalibr
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_record, only : record_type
+   use gyroakf_release, only : release_string
+   use gyroakf_units, only : quantity, term_names
+   use gyroakf_io_writer, only : writer_type, put_line
+   use gyroakf_pipeline_result, only : pipeline_result_type, stated_coefficient_type, stage
+   use gyroakf_report_layout, only : scientific, number, count_text
+   implicit none (type, external)
+   private
+   public :: check_kalibr, write_kalibr
+
+   !> Places of N and K among Q N B K R
+   integer, parameter :: white = 2, walk = 4
+
+contains
+
+   !> Whether a record can give the file: its rate is known, and the unit of at least one channel.
+   subroutine check_kalibr(record, error)
+      !> As read
+      type(record_type), intent(in) :: record
+      !> invalid_argument: the rate or every unit is missing; the message says which option gives it
+      type(error_type), allocatable, intent(out) :: error
+
+      if (.not. record%rate_known) then
+         call fatal_error(error, status%invalid_argument, "Kalibr's file needs the rate, and "//record%path// &
+                          " does not tell it: give --rate HZ or --dt S")
+      else if (channels_of(record, quantity%angular_rate) + channels_of(record, quantity%acceleration) == 0) then
+         call fatal_error(error, status%invalid_argument, "Kalibr's file needs the unit, and "//record%path// &
+                          " does not tell it: give --unit rad/s (or deg/s, m/s^2, g, ...), or a list with one for each channel")
+      end if
+   end subroutine check_kalibr
+
+   !> Writes the file. A sensor that the record does not hold is a comment that asks for its numbers.
+   subroutine write_kalibr(writer, record, result, error)
+      !> Open
+      type(writer_type), intent(inout) :: writer
+      !> What was read
+      type(record_type), intent(in) :: record
+      !> With the coefficients of the series as read
+      type(pipeline_result_type), intent(in) :: result
+      !> As that of [[check_kalibr]]; or a channel has no N or no K
+      type(error_type), allocatable, intent(out) :: error
+
+      call check_kalibr(record, error)
+      if (.not. allocated(error)) call check_coefficients(record, result, error)
+      if (allocated(error)) return
+      call put_line(writer, "# Noise of an inertial sensor for Kalibr (imu.yaml), by gyroakf "//release_string)
+      call put_line(writer, "# from "//plain(record%path)//": "//count_text(size(record%value, 1, kind=int64))//" samples, "// &
+                    number(result%duration, 6)//" s")
+      call put_line(writer, "#")
+      call put_line(writer, "# SI units, continuous time. noise_density is N of the Allan variance N^2/tau, the root of the")
+      call put_line(writer, "# two-sided density (not sqrt(2) N); random_walk is K of K^2 tau/3. One number for a sensor: the")
+      call put_line(writer, "# largest of its axes, taken at the 95 % upper limit where an axis shows no value.")
+      call put_line(writer, "# They are those of the sensor as it was recorded, at rest; Kalibr's documentation advises larger")
+      call put_line(writer, "# ones for a low-cost sensor in motion.")
+      call put_line(writer, "")
+      call put_line(writer, "rostopic: /imu0  # put your topic here")
+      call put_line(writer, "update_rate: "//rate_text(1.0_dp/record%sample_interval)//"  # Hz")
+      call put_sensor(writer, record, result, quantity%acceleration, "accelerometer", "m/s^2", "m/s^3", "m/s^2 or g")
+      call put_sensor(writer, record, result, quantity%angular_rate, "gyroscope", "rad/s", "rad/s^2", "rad/s or deg/s")
+      call put_unused(writer, record)
+   end subroutine write_kalibr
+
+   !> Every channel that is used has N and K, or at least their limits.
+   subroutine check_coefficients(record, result, error)
+      type(record_type), intent(in) :: record
+      type(pipeline_result_type), intent(in) :: result
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: reason
+      integer :: c, term
+
+      do c = 1, size(result%channel)
+         if (quantity_of(record, c) == quantity%unknown) cycle
+         associate (channel => result%channel(c), allan => result%channel(c)%allan(stage%input))
+            if (.not. allan%fitted) then
+               reason = ""
+               if (allocated(channel%unavailable)) reason = ": "//channel%unavailable(1)%text
+               call fatal_error(error, status%constant_input, "Kalibr's file needs N and K, and '"//channel%name// &
+                                "' has no coefficients"//reason)
+               return
+            end if
+            do term = white, walk, walk - white
+               if (strength(allan%stated%term(term)) > 0.0_dp) cycle
+               call fatal_error(error, status%invalid_argument, "Kalibr's file needs N and K, and "//term_names(term)//" of '"// &
+                                channel%name//"' was not fitted: --terms has to name N and K, or be left out")
+               return
+            end do
+         end associate
+      end do
+   end subroutine check_coefficients
+
+   !> The two lines of a sensor, and its axes below each.
+   subroutine put_sensor(writer, record, result, what, sensor, density_unit, walk_unit, asked)
+      type(writer_type), intent(inout) :: writer
+      type(record_type), intent(in) :: record
+      type(pipeline_result_type), intent(in) :: result
+      integer, intent(in) :: what
+      character(*), intent(in) :: sensor, density_unit, walk_unit, asked
+
+      call put_line(writer, "")
+      if (channels_of(record, what) == 0) then
+         call put_line(writer, "# The record has no channel in "//asked//": fill in the "//sensor//"'s numbers.")
+         call put_line(writer, "#"//sensor//"_noise_density:  # "//density_unit//"/sqrt(Hz)")
+         call put_line(writer, "#"//sensor//"_random_walk:  # "//walk_unit//"/sqrt(Hz)")
+         return
+      end if
+      call put_number(writer, record, result, what, white, sensor//"_noise_density", density_unit//"/sqrt(Hz)")
+      call put_number(writer, record, result, what, walk, sensor//"_random_walk", walk_unit//"/sqrt(Hz)")
+   end subroutine put_sensor
+
+   !> The largest of the axes, then each of them.
+   subroutine put_number(writer, record, result, what, term, key, unit)
+      type(writer_type), intent(inout) :: writer
+      type(record_type), intent(in) :: record
+      type(pipeline_result_type), intent(in) :: result
+      integer, intent(in) :: what, term
+      character(*), intent(in) :: key, unit
+      character(:), allocatable :: text
+      real(dp) :: most
+      integer :: c, largest
+
+      most = -1.0_dp
+      largest = 0
+      do c = 1, size(result%channel)
+         if (quantity_of(record, c) /= what) cycle
+         if (strength(result%channel(c)%allan(stage%input)%stated%term(term)) <= most) cycle
+         most = strength(result%channel(c)%allan(stage%input)%stated%term(term))
+         largest = c
+      end do
+      text = key//": "//scientific(most, 5)//"  # "//unit//", "//term_names(term)//" of "//plain(result%channel(largest)%name)
+      if (.not. result%channel(largest)%allan(stage%input)%stated%term(term)%detected) text = text// &
+         " is not detectable: its 95 % upper limit"
+      call put_line(writer, text)
+      do c = 1, size(result%channel)
+         if (quantity_of(record, c) /= what) cycle
+         call put_line(writer, "#   "//plain(result%channel(c)%name)//": "// &
+                       axis_text(result%channel(c)%allan(stage%input)%stated%term(term)))
+      end do
+   end subroutine put_number
+
+   !> The coefficient of one axis, in SI.
+   pure function axis_text(stated) result(text)
+      type(stated_coefficient_type), intent(in) :: stated
+      character(:), allocatable :: text
+
+      if (stated%detected) then
+         text = scientific(stated%value_si, 5)//" +/- "//scientific(stated%std_error_si, 2)
+      else
+         text = "not detectable, below "//scientific(stated%upper_limit_si, 5)//" (95 %)"
+      end if
+   end function axis_text
+
+   !> What stands for an axis: its value, or its limit where it has none; 0 where the term was not fitted.
+   pure real(dp) function strength(stated)
+      type(stated_coefficient_type), intent(in) :: stated
+
+      strength = 0.0_dp
+      if (.not. stated%fitted) return
+      strength = merge(stated%value_si, stated%upper_limit_si, stated%detected)
+   end function strength
+
+   !> Channels whose unit is not known are named.
+   subroutine put_unused(writer, record)
+      type(writer_type), intent(inout) :: writer
+      type(record_type), intent(in) :: record
+      integer :: c
+
+      do c = 1, size(record%channel)
+         if (quantity_of(record, c) /= quantity%unknown) cycle
+         call put_line(writer, "")
+         call put_line(writer, "# not used: "//plain(record%channel(c)%text)//", its unit is not known")
+      end do
+   end subroutine put_unused
+
+   !> What a channel measures.
+   pure integer function quantity_of(record, channel)
+      type(record_type), intent(in) :: record
+      integer, intent(in) :: channel
+
+      quantity_of = record%unit%quantity
+      if (allocated(record%channel_unit)) quantity_of = record%channel_unit(channel)%quantity
+   end function quantity_of
+
+   !> How many channels measure that.
+   pure integer function channels_of(record, what)
+      type(record_type), intent(in) :: record
+      integer, intent(in) :: what
+      integer :: c
+
+      channels_of = 0
+      do c = 1, size(record%value, 2)
+         if (quantity_of(record, c) == what) channels_of = channels_of + 1
+      end do
+   end function channels_of
+
+   !> A number that every YAML reader takes for a real one: "200.0", "99.98412", "1.000000e+06" (never "1e6").
+   pure function rate_text(rate) result(text)
+      real(dp), intent(in) :: rate
+      character(:), allocatable :: text
+
+      text = number(rate, 7)
+      if (scan(text, "eE") > 0) text = scientific(rate, 7)
+      if (scan(text, ".") == 0) text = text//".0"
+   end function rate_text
+
+   !> For a comment: no line ends.
+   pure function plain(text) result(line)
+      character(*), intent(in) :: text
+      character(:), allocatable :: line
+      integer :: i
+
+      line = text
+      do i = 1, len(line)
+         if (iachar(line(i:i)) < 32) line(i:i) = "?"
+      end do
+   end function plain
+
+end module gyroakf_report_kalibr
