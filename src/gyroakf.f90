@@ -26,6 +26,8 @@ module gyroakf
    use gyroakf_allan_noise_fit, only : noise_options, coefficient_type, noise_type, fit_noise
    use gyroakf_allan_read_off, only : read_off_options, read_off_type, read_off
    use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, sampling_efficiency, chi_square_limits
+   use gyroakf_allan_halves, only : halves_options, halves_type, compare_halves
+   use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, chi_square_limits
    use gyroakf_io_number, only : parse_number
    use gyroakf_io_reader, only : reader_options, read_record
    use gyroakf_io_writer, only : writer_type, open_writer, put, put_line, put_real, complete_writer, commit_writer, &

@@ -12,6 +12,7 @@ program test_main
    use test_allan_freedom, only : collect_allan_freedom
    use test_allan_gaps, only : collect_allan_gaps
    use test_allan_grid, only : collect_allan_grid
+   use test_allan_halves, only : collect_allan_halves
    use test_allan_noise_fit, only : collect_allan_noise_fit
    use test_allan_read_off, only : collect_allan_read_off
    use test_allan_statistics, only : collect_allan_statistics
@@ -62,6 +63,7 @@ program test_main
    call add("allan_freedom", collect_allan_freedom)
    call add("allan_gaps", collect_allan_gaps)
    call add("allan_grid", collect_allan_grid)
+   call add("allan_halves", collect_allan_halves)
    call add("allan_noise_fit", collect_allan_noise_fit)
    call add("allan_read_off", collect_allan_read_off)
    call add("allan_statistics", collect_allan_statistics)

@@ -36,6 +36,7 @@ contains
          new_unittest("run-tables", test_run_tables), &
          new_unittest("run-nothing-known", test_nothing_known), &
          new_unittest("width", test_width), &
+         new_unittest("halves", test_halves), &
          new_unittest("single-commands", test_single_commands), &
          new_unittest("document-schema", test_document_schema), &
          new_unittest("document-inspect", test_document_inspect), &
@@ -223,6 +224,35 @@ contains
       call end_text(writer, text)
       call check(error, longest_line(text) <= report_width)
    end subroutine test_width
+
+   !> A change of the noise in words: where, by how much; nothing where it is not significant; small where it is.
+   subroutine test_halves(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(120), parameter :: fragments(4) = [character(120) :: &
+         "chi-square 60 with 2 degrees of freedom, p = 1e-13; the deviation at tau = 0.2 s rose by 12 % (95 % limits of the", &
+         "limits of the ratio 1.08 and 1.16); at tau = 0.4 s by +8 %. The coefficients are those of a mean of both", &
+         "A small change, seen because the record is long", "no difference is found between the Allan curves of the first"]
+      type(writer_type) :: writer
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      character(:), allocatable :: text, flat
+      integer :: i
+
+      call make_record(record, .true.)
+      call make_result(record, result)
+      call begin_text(writer)
+      call write_report(writer, "allan", record, pipeline_options(), result)
+      result%channel(1)%halves%ratio = [1.01_dp, 0.99_dp]
+      call write_report(writer, "allan", record, pipeline_options(), result)
+      result%channel(1)%halves%changed = .false.
+      call write_report(writer, "run", record, pipeline_options(), result)
+      call end_text(writer, text)
+      call unwrap(text, flat)
+      do i = 1, size(fragments)
+         call check(error, index(flat, trim(fragments(i))) > 0, "missing: "//trim(fragments(i)))
+         if (allocated(error)) return
+      end do
+   end subroutine test_halves
 
    !> The shorter reports say their part and keep the width.
    subroutine test_single_commands(error)

@@ -112,6 +112,13 @@ for kind in mdev tdev totdev; do
    is "the report has a table of $kind with gaps" "$(grep -c "^As read: $kind in deg/s" gapped/report.txt)" 1
 done
 is "no warning of a kind" "$(grep -c "is not computed" out)" 0
+good "a record that grows louder" simulate --samples 20000 --rate 10 --coefficients N=0.01 --seed 3 --output quiet.txt
+awk '/^#/ { print; next } { print (++n > 10000 ? 1.2*$1 : $1) }' quiet.txt >loud.txt
+good "halves that differ" allan loud.txt --json loud.json
+holds "the report says that the halves differ" "the second half has another Allan curve than the first" out
+near "the ratio of the halves" "$(sed -n '/"halves"/,/}/p' loud.json | sed -nE 's/.*"ratio": *\[([0-9.]+),.*/\1/p')" 1.2 0.03
+good "halves that do not" allan quiet.txt
+holds "the report says that they do not" "no difference is found between the Allan curves" out
 good "a list of averaging times" allan "$example" --taus 1,2,10,100
 good "ar with options" ar "$example" --outliers mad --outlier-threshold 4 --detrend 2 --order 2 --ar-criterion bic
 good "tests with options" tests "$example" --adf-regression ct --adf-lags 3 --detrend none

@@ -17,6 +17,7 @@ module gyroakf_pipeline_result
    use gyroakf_filter_identification, only : drift_model_type
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type
    use gyroakf_allan_noise_fit, only : noise_options, noise_type
+   use gyroakf_allan_halves, only : halves_type
    implicit none (type, external)
    private
    public :: pipeline_options, pipeline_result_type, channel_result_type, available_type
@@ -75,6 +76,7 @@ module gyroakf_pipeline_result
    type :: available_type
       logical :: preprocess = .false., adf = .false., jarque_bera = .false., ljung_box = .false., ar = .false.
       logical :: kf = .false., akf = .false., drift = .false., drift_kf = .false., drift_akf = .false.
+      logical :: halves = .false.
    end type available_type
 
    !> One noise coefficient in the unit it is stated in
@@ -173,6 +175,8 @@ module gyroakf_pipeline_result
       type(filter_figures_type) :: drift_kf_figures, drift_akf_figures
       !> By [[stage]]
       type(allan_result_type) :: allan(4)
+      !> Whether the curve of the record as read changed from its first to its second half
+      type(halves_type) :: halves
       !> From cleaned to akf, Q N B K R, in percent; only where `reduction_known` (detected in both)
       real(dp) :: reduction_percent(5) = 0.0_dp
       logical :: reduction_known(5) = .false.

@@ -9,6 +9,7 @@ module gyroakf_report_text
    use gyroakf_report_sections, only : put_removed, put_tests
    use gyroakf_report_models, only : put_ar_table, put_filter_table, put_filter_details
    use gyroakf_report_noise, only : put_curves_of, put_coefficients, put_comparison
+   use gyroakf_report_changes, only : put_changes
    use gyroakf_report_advice, only : put_advice, put_warnings
    implicit none (type, external)
    private
@@ -58,6 +59,7 @@ contains
       select case (command)
       case ("allan")
          call put_curves(writer, record, options, channel)
+         call put_changes(writer, record, channel)
       case ("tests")
          call put_tests(writer, channel)
       case ("ar")
@@ -72,6 +74,7 @@ contains
          call put_filter_table(writer, channel)
          call put_filter_details(writer, channel)
          call put_comparison(writer, record, channel)
+         call put_changes(writer, record, channel)
          call put_advice(writer, record, channel)
       end select
       call put_warnings(writer, channel)

@@ -8,6 +8,7 @@ module gyroakf_report_document_parts
    use gyroakf_series_whiteness, only : ljung_box_type
    use gyroakf_filter_series, only : filter_result_type
    use gyroakf_allan_deviations, only : allan_curve_type
+   use gyroakf_allan_halves, only : halves_type
    use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stated_read_off_type, stage, stage_names
    use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, flush_json
    use gyroakf_report_document_stated, only : put_stated, put_densities
@@ -246,8 +247,31 @@ contains
          end associate
       end do
       call put_null(json, "compensated")
+      if (channel%available%halves) then
+         call put_halves(json, channel%halves)
+      else
+         call put_null(json, "halves")
+      end if
       call close_object(json)
    end subroutine put_allan
+
+   !> "halves": the second half of the record against the first.
+   subroutine put_halves(json, halves)
+      !> The document
+      type(json_type), intent(inout) :: json
+      !> The comparison
+      type(halves_type), intent(in) :: halves
+
+      call open_object(json, "halves")
+      call put_member(json, "statistic", halves%statistic)
+      call put_member(json, "freedom", halves%freedom)
+      call put_member(json, "p_value", halves%p_value)
+      call put_member(json, "tau_s", halves%tau)
+      call put_member(json, "ratio", halves%ratio)
+      call put_member(json, "lower", halves%lower)
+      call put_member(json, "upper", halves%upper)
+      call close_object(json)
+   end subroutine put_halves
 
    !> Members of a curve.
    subroutine put_curve(json, curve)

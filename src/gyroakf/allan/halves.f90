@@ -1,0 +1,326 @@
+! SPDX-License-Identifier: MIT
+!> Whether the two halves of a record have the same Allan curve: is its noise the same at the end as at the beginning?
+!>
+!>     type(halves_type) :: halves
+!>     call fit_noise(curve, noise_options(), noise, error)
+!>     call compare_halves(rate, sample_interval, noise, halves_options(), halves, error)
+!>
+!> With the overlapping Allan variances of the first and of the last n/2 samples,
+!>
+!> $$ d_i = \ln\frac{\hat\sigma^2_2(\tau_i)}{\hat\sigma^2_1(\tau_i)} - (b_{2i} - b_{1i}), \quad
+!>    b = \psi(\nu/2) - \ln(\nu/2) $$
+!>
+!> has the expectation 0 if they are the same. Its covariance is the sum of those of the halves (which are independent but for
+!> their common border): the analytic covariance of the fitted mixture, [[mixture_covariances]], for n/2 samples, of
+!> logarithms (nu/2 psi'(nu/2) on the diagonal instead of 1), divided by the share of the terms that gaps left. One statistic
+!> for all averaging times is d' C^-1 d in the space of the eigenvectors that carry information
+!> ([[generalised_chi_square]]); it is chi-square. Averaging times with few degrees of freedom are left out.
+!>
+!> The ratio of the deviations, exp(d/2), says how large a change is: in a long record the least one is significant.
+module gyroakf_allan_halves
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
+   use gyroakf_kinds, only : dp, int8, int32, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_special, only : chi_square_survival, digamma, normal_quantile
+   use gyroakf_allan_covariance, only : covariance_basis_type, mixture_covariances, new_covariance_basis
+   use gyroakf_allan_fit_problem, only : trigamma
+   use gyroakf_allan_fit_uncertainty, only : generalised_chi_square
+   use gyroakf_allan_grid, only : averaging_factors
+   use gyroakf_allan_noise_fit, only : noise_type
+   use gyroakf_allan_noise_model, only : model_variance, noise_model_type, term_count, term_markov
+   use gyroakf_allan_phase, only : integrate_rate
+   use gyroakf_allan_segment, only : segment_variances
+   implicit none (type, external)
+   private
+   public :: halves_options, halves_type, compare_halves
+
+   !> What is compared
+   type :: halves_options
+      !> Averaging times, as in [[allan_options]]; "octave" also when unallocated
+      character(:), allocatable :: taus
+      !> Probability between the limits of each ratio, > 0, < 1; its complement is the level of the test
+      real(dp) :: confidence = 0.95_dp
+      !> Share of a window that must be present, > 0, <= 1
+      real(dp) :: min_coverage = 0.9_dp
+      !> Degrees of freedom that a variance of each half must have, >= 1
+      real(dp) :: least_edf = 10.0_dp
+   end type halves_options
+
+   !> The comparison; arrays have one element per averaging time, ascending
+   type :: halves_type
+      !> Chi-square of all averaging times together, its degrees of freedom, and the probability of a larger one
+      real(dp) :: statistic = 0.0_dp
+      integer :: freedom = 0
+      real(dp) :: p_value = 1.0_dp
+      !> Averaging times, s
+      real(dp), allocatable :: tau(:)
+      !> Deviation of the second half over that of the first, with limits
+      real(dp), allocatable :: ratio(:), lower(:), upper(:)
+      !> Logarithm of the ratio over its standard error
+      real(dp), allocatable :: score(:)
+      !> The curves differ: p_value is below 1 - confidence
+      logical :: changed = .false.
+      !> Averaging times at which they do, each at the level (1 - confidence)/k, k averaging times
+      logical, allocatable :: differs(:)
+      !> Probability between the limits of a ratio
+      real(dp) :: confidence = 0.95_dp
+   end type halves_type
+
+   !> Averaging times that enter the statistic at most
+   integer, parameter :: points_max = 80
+   !> A half whose variance is a smaller share of the other's is constant but for rounding
+   real(dp), parameter :: constant_share = 1e-20_dp
+
+contains
+
+   !> Compares the Allan curves of the two halves of a record.
+   !>
+   !> Cost: three passes for the integral, and what the Allan variances of the record cost; memory 8 bytes a sample, 12 where
+   !> some are missing.
+   subroutine compare_halves(rate, sample_interval, noise, options, halves, error, valid)
+      !> Rate samples, evenly spaced: [n], n >= 8; NaN and infinity count as missing
+      real(dp), intent(in), contiguous :: rate(:)
+      !> Seconds, > 0
+      real(dp), intent(in) :: sample_interval
+      !> Coefficients of the whole record, from [[fit_noise]]: they give the covariance of the variances
+      type(noise_type), intent(in) :: noise
+      !> Averaging times, confidence
+      type(halves_options), intent(in) :: options
+      !> The comparison
+      type(halves_type), intent(out) :: halves
+      !> invalid_argument, too_few_samples (no averaging time has the degrees of freedom), constant_input, no_memory
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]; all present if absent
+      integer(int8), intent(in), optional :: valid(:)
+
+      real(dp), allocatable :: phase(:), variance(:, :), complete(:, :)
+      integer(int32), allocatable :: missing(:)
+      integer(int64), allocatable :: m(:)
+      integer(int64) :: n, half
+
+      n = size(rate, kind=int64)
+      half = n/2
+      call check_arguments(half, sample_interval, noise, options, error)
+      if (.not. allocated(error)) call choose_factors(half, sample_interval, options, m, error)
+      if (.not. allocated(error)) call integrate_rate(rate, phase, missing, error, valid)
+      if (allocated(error)) return
+      allocate (variance(size(m), 2), complete(size(m), 2))
+      call variances_of_half(phase, missing, 1_int64, half, m, options%min_coverage, variance(:, 1), complete(:, 1), error)
+      if (.not. allocated(error)) call variances_of_half(phase, missing, n - half + 1, n, m, options%min_coverage, &
+         & variance(:, 2), complete(:, 2), error)
+      if (allocated(error)) return
+      halves%confidence = options%confidence
+      call compare_variances(half, sample_interval, m, variance, complete, model_in_samples(noise, sample_interval), options, &
+         & halves, error)
+   end subroutine compare_halves
+
+   !> Rejects what is out of range.
+   subroutine check_arguments(half, sample_interval, noise, options, error)
+      !> Samples of a half
+      integer(int64), intent(in) :: half
+      !> Seconds
+      real(dp), intent(in) :: sample_interval
+      !> Fitted
+      type(noise_type), intent(in) :: noise
+      !> Options
+      type(halves_options), intent(in) :: options
+      !> invalid_argument, too_few_samples
+      type(error_type), allocatable, intent(out) :: error
+
+      if (.not. between(sample_interval, 0.0_dp, huge(1.0_dp))) then
+         call fatal_error(error, status%invalid_argument, "the sample interval must be positive and finite")
+      else if (.not. between(options%confidence, 0.0_dp, 1.0_dp)) then
+         call fatal_error(error, status%invalid_argument, "the confidence must lie between 0 and 1")
+      else if (.not. between(options%min_coverage, 0.0_dp, 1.0_dp + epsilon(1.0_dp))) then
+         call fatal_error(error, status%invalid_argument, "the coverage of a window must be above 0 and at most 1")
+      else if (.not. between(options%least_edf, 1.0_dp - epsilon(1.0_dp), huge(1.0_dp))) then
+         call fatal_error(error, status%invalid_argument, "the least degrees of freedom must be 1 or more")
+      else if (.not. any(noise%coefficient%value > 0)) then
+         call fatal_error(error, status%invalid_argument, "the noise coefficients are not fitted: all of them are 0")
+      else if (half < 4) then
+         call fatal_error(error, status%too_few_samples, "two halves to be compared need at least 8 samples")
+      end if
+   end subroutine check_arguments
+
+   !> Between two numbers.
+   pure logical function between(x, low, high)
+      !> Any number, and the open interval
+      real(dp), intent(in) :: x, low, high
+
+      between = .false.
+      if (ieee_is_finite(x)) between = x > low .and. x < high
+   end function between
+
+   !> Averaging factors of a half.
+   subroutine choose_factors(half, sample_interval, options, m, error)
+      !> Samples
+      integer(int64), intent(in) :: half
+      !> Seconds
+      real(dp), intent(in) :: sample_interval
+      !> The grid
+      type(halves_options), intent(in) :: options
+      !> The factors; at most points_max
+      integer(int64), allocatable, intent(out) :: m(:)
+      !> invalid_argument, too_few_samples, no_memory
+      type(error_type), allocatable, intent(out) :: error
+
+      integer(int64), allocatable :: grid(:)
+
+      if (allocated(options%taus)) then
+         call averaging_factors(options%taus, half, sample_interval, grid, error)
+      else
+         call averaging_factors("octave", half, sample_interval, grid, error)
+      end if
+      if (allocated(error)) return
+      if (size(grid) > points_max) then
+         call fatal_error(error, status%invalid_argument, "the halves of a record are compared at no more than 80 averaging times")
+         return
+      end if
+      call move_alloc(grid, m)
+   end subroutine choose_factors
+
+   !> Variances of a half, and the share of their terms that gaps left.
+   subroutine variances_of_half(phase, missing, first, last, m, min_coverage, variance, complete, error)
+      !> Integral of the record: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> Missing samples so far: [0:n], unallocated when every sample is there
+      integer(int32), allocatable, intent(in) :: missing(:)
+      !> First and last sample
+      integer(int64), intent(in) :: first, last
+      !> Averaging factors
+      integer(int64), intent(in) :: m(:)
+      !> Share of a window that must be present
+      real(dp), intent(in) :: min_coverage
+      !> The variances and shares: [size(m)]
+      real(dp), intent(out) :: variance(:), complete(:)
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+
+      integer(int64) :: terms(size(m))
+
+      complete = 0
+      call segment_variances(phase, missing, first, last, m, min_coverage, variance, terms, error)
+      if (.not. allocated(error)) complete = real(terms, dp)/real(last - first + 2 - 2*m, dp)
+   end subroutine variances_of_half
+
+   !> The fitted mixture for a sample interval of 1.
+   pure function model_in_samples(noise, sample_interval) result(model)
+      !> In the unit of the rate and seconds
+      type(noise_type), intent(in) :: noise
+      !> Seconds
+      real(dp), intent(in) :: sample_interval
+      type(noise_model_type) :: model
+
+      real(dp), parameter :: power(term_count) = [1.0_dp, 0.5_dp, 0.0_dp, -0.5_dp, -1.0_dp]
+
+      model%squares(:term_count) = (noise%coefficient(:term_count)%value/sample_interval**power)**2
+   end function model_in_samples
+
+   !> The ratios, and the statistic of all of them.
+   subroutine compare_variances(half, sample_interval, m, variance, complete, model, options, halves, error)
+      !> Samples of a half
+      integer(int64), intent(in) :: half
+      !> Seconds
+      real(dp), intent(in) :: sample_interval
+      !> Averaging factors: [k]
+      integer(int64), intent(in) :: m(:)
+      !> Variances, and shares of the terms that are there: [k, 2]
+      real(dp), intent(in) :: variance(:, :), complete(:, :)
+      !> The mixture
+      type(noise_model_type), intent(in) :: model
+      !> Confidence, least degrees of freedom
+      type(halves_options), intent(in) :: options
+      !> The result
+      type(halves_type), intent(inout) :: halves
+      !> too_few_samples, constant_input
+      type(error_type), allocatable, intent(out) :: error
+
+      real(dp), dimension(size(m), 2) :: edf
+      real(dp) :: covariance(size(m), size(m))
+      real(dp), allocatable :: change(:), none(:, :), deviation(:), kept(:, :)
+      integer, allocatable :: place(:)
+      real(dp) :: wide
+      integer :: i
+
+      call relative_covariance(half, m, model, covariance)
+      do i = 1, size(m)
+         edf(i, :) = 2*complete(i, :)/covariance(i, i)
+      end do
+      place = pack([(i, i=1, size(m))], minval(edf, dim=2) >= options%least_edf)
+      if (size(place) == 0) then
+         call fatal_error(error, status%too_few_samples, "the halves of the record are too short, or lack too much, to be compared")
+         return
+      end if
+      if (any(minval(variance(place, :), dim=2) <= max(constant_share*maxval(variance(place, :), dim=2), tiny(1.0_dp)))) then
+         call fatal_error(error, status%constant_input, "an Allan deviation is zero: a half of the record does not vary")
+         return
+      end if
+      edf = edf/2
+      change = log(variance(place, 2)/variance(place, 1)) &
+         & - (digamma(edf(place, 2)) - log(edf(place, 2))) + (digamma(edf(place, 1)) - log(edf(place, 1)))
+      call add_halves(edf, complete, covariance)
+      allocate (none(size(place), 0))
+      kept = covariance(place, place)
+      call generalised_chi_square(change, none, kept, halves%statistic, halves%freedom)
+      if (halves%freedom > 0) halves%p_value = chi_square_survival(halves%statistic, real(halves%freedom, dp))
+      wide = normal_quantile((1 + options%confidence)/2)
+      halves%changed = halves%p_value < 1 - options%confidence
+      halves%tau = real(m(place), dp)*sample_interval
+      halves%ratio = exp(change/2)
+      deviation = [(sqrt(kept(i, i)), i=1, size(place))]
+      halves%score = change/deviation
+      halves%differs = halves%changed .and. abs(halves%score) > normal_quantile(1 - (1 - options%confidence)/(2*size(place)))
+      halves%lower = exp((change - wide*deviation)/2)
+      halves%upper = exp((change + wide*deviation)/2)
+   end subroutine compare_variances
+
+   !> Covariance of the variances of half a record, relative to the model.
+   subroutine relative_covariance(half, m, model, covariance)
+      !> Samples of a half
+      integer(int64), intent(in) :: half
+      !> Averaging factors: [k]
+      integer(int64), intent(in) :: m(:)
+      !> The mixture
+      type(noise_model_type), intent(in) :: model
+      !> The matrix: [k, k]
+      real(dp), intent(out) :: covariance(:, :)
+
+      type(covariance_basis_type) :: basis
+      real(dp) :: variance(size(m))
+      integer :: i
+
+      if (model%squares(term_markov) > 0) then
+         call new_covariance_basis(half, m, basis, model%correlation_time)
+      else
+         call new_covariance_basis(half, m, basis)
+      end if
+      call mixture_covariances(basis, model, covariance)
+      variance = [(model_variance(model, real(m(i), dp)), i=1, size(m))]
+      do i = 1, size(m)
+         covariance(:, i) = covariance(:, i)/(variance*variance(i))
+      end do
+   end subroutine relative_covariance
+
+   !> From the relative covariance of one half to that of the difference of the logarithms of both.
+   pure subroutine add_halves(freedom, complete, covariance)
+      !> Half the degrees of freedom, and shares of the terms that are there: [k, 2]; rows without terms are not used
+      real(dp), intent(in) :: freedom(:, :), complete(:, :)
+      !> The matrix: [k, k]
+      real(dp), intent(inout) :: covariance(:, :)
+
+      real(dp) :: factor(size(freedom, 1), 2), half
+      integer :: i, j
+
+      factor = 0
+      do j = 1, 2
+         do i = 1, size(factor, 1)
+            half = freedom(i, j)
+            if (half > 0) factor(i, j) = sqrt(half*trigamma(half)/complete(i, j))
+         end do
+      end do
+      do i = 1, size(factor, 1)
+         covariance(:, i) = covariance(:, i)*(factor(:, 1)*factor(i, 1) + factor(:, 2)*factor(i, 2))
+      end do
+   end subroutine add_halves
+
+end module gyroakf_allan_halves

@@ -1,0 +1,239 @@
+! SPDX-License-Identifier: MIT
+!> Tests of the comparison of a record's halves.
+module test_allan_halves
+   use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_special, only : chi_square_survival
+   use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
+   use gyroakf_allan_fit_problem, only : trigamma
+   use gyroakf_allan_halves, only : compare_halves, halves_options, halves_type
+   use gyroakf_allan_noise_fit, only : fit_noise, noise_options, noise_type
+   use allan_series, only : normal_series, walk_of
+   use testdrive, only : check, error_type, new_unittest, unittest_type
+   implicit none (type, external)
+   private
+   public :: collect_allan_halves
+
+contains
+
+   !> The tests of this suite.
+   subroutine collect_allan_halves(testsuite)
+      !> The tests
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         & new_unittest("single_tau", test_single_tau), &
+         & new_unittest("gain", test_gain), &
+         & new_unittest("curves_of_the_halves", test_curves), &
+         & new_unittest("reversal", test_reversal), &
+         & new_unittest("units", test_units), &
+         & new_unittest("uniform_p_values", test_uniform), &
+         & new_unittest("gaps", test_gaps), &
+         & new_unittest("failures", test_failures)]
+   end subroutine collect_allan_halves
+
+   !> White noise with N = n per sample.
+   subroutine white_model(n, noise)
+      real(dp), intent(in) :: n
+      type(noise_type), intent(out) :: noise
+
+      noise%coefficient(2)%value = n
+   end subroutine white_model
+
+   !> At a single averaging time the statistic is the square of the
+   !> logarithm of the ratio of the variances over 2 trigamma(nu/2). For a half of 500 white samples, by the sum of its lags,
+   !> R(0) = 2, R(1) = -1 for z = w2 - w1 (sum over 499 terms), so nu = 2 * 499^2 * 4/(2 (499*4 + 2*498*1)).
+   subroutine test_single_tau(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      type(noise_type) :: noise
+      type(halves_options) :: options
+      type(halves_type) :: halves
+      type(gyro_error), allocatable :: failed
+      real(dp) :: x(1000), change, nu
+
+      call white_model(1.0_dp, noise)
+      x = normal_series(1000_int64, 11_int64)
+      x(501:) = 1.1_dp*x(501:)
+      options%taus = "1"
+      call compare_halves(x, 1.0_dp, noise, options, halves, failed)
+      call check(error, .not. allocated(failed) .and. halves%freedom == 1 .and. size(halves%tau) == 1)
+      if (allocated(error)) return
+      change = log(sum((x(502:) - x(501:999))**2)/sum((x(2:500) - x(1:499))**2))
+      nu = 499.0_dp**2*4/(499*4 + 2*498*1)
+      call check(error, halves%ratio(1), exp(change/2), thr=1e-12_dp)
+      if (allocated(error)) return
+      call check(error, halves%statistic, change**2/(2*trigamma(nu/2)), thr=1e-8_dp)
+      if (allocated(error)) return
+      call check(error, halves%p_value, chi_square_survival(halves%statistic, 1.0_dp), thr=1e-14_dp)
+   end subroutine test_single_tau
+
+   !> The second half is the first times 1.25: that is the ratio at every averaging time, and it is far beyond chance.
+   subroutine test_gain(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      type(noise_type) :: noise
+      type(halves_type) :: halves
+      type(gyro_error), allocatable :: failed
+      real(dp) :: x(8192)
+
+      call white_model(1.0_dp, noise)
+      x(:4096) = normal_series(4096_int64, 3_int64)
+      x(4097:) = 1.25_dp*x(:4096) + 1e3_dp
+      call compare_halves(x, 1.0_dp, noise, halves_options(), halves, failed)
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      call check(error, maxval(abs(halves%ratio - 1.25_dp)), 0.0_dp, thr=1e-10_dp)
+      if (allocated(error)) return
+      call check(error, halves%changed .and. halves%differs(1) .and. halves%p_value < 1e-10_dp .and. halves%lower(1) > 1.15_dp)
+   end subroutine test_gain
+
+   !> The ratios are those of the curves of the halves by themselves; an odd sample in the middle belongs to none.
+   subroutine test_curves(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      type(noise_type) :: noise
+      type(halves_type) :: halves
+      type(allan_curve_type) :: first, second
+      type(gyro_error), allocatable :: failed
+      real(dp) :: x(4001)
+      integer :: k
+
+      call white_model(1.0_dp, noise)
+      x = normal_series(4001_int64, 21_int64) &
+         & + 0.05_dp*walk_of(normal_series(4001_int64, 22_int64), normal_series(4001_int64, 23_int64))
+      x(2001) = 1e9_dp
+      call compute_allan(x(:2000), 0.5_dp, allan_options(), first, failed)
+      call compute_allan(x(2002:), 0.5_dp, allan_options(), second, failed)
+      x(2001) = 0
+      call compare_halves(x, 0.5_dp, noise, halves_options(), halves, failed)
+      k = size(halves%tau)
+      call check(error, maxval(abs(halves%tau - first%tau(:k))), 0.0_dp, thr=1e-12_dp)
+      if (allocated(error)) return
+      call check(error, maxval(abs(halves%ratio - second%deviation(:k)/first%deviation(:k))), 0.0_dp, thr=1e-10_dp)
+   end subroutine test_curves
+
+   !> Backwards, the ratios are their reciprocals and the statistic is the same.
+   subroutine test_reversal(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      type(noise_type) :: noise
+      type(halves_type) :: halves, backwards
+      type(gyro_error), allocatable :: failed
+      real(dp) :: x(3000)
+
+      call white_model(1.0_dp, noise)
+      x = normal_series(3000_int64, 31_int64)
+      call compare_halves(x, 1.0_dp, noise, halves_options(), halves, failed)
+      call compare_halves(x(3000:1:-1), 1.0_dp, noise, halves_options(), backwards, failed)
+      call check(error, maxval(abs(halves%ratio*backwards%ratio - 1)), 0.0_dp, thr=1e-10_dp)
+      if (allocated(error)) return
+      call check(error, halves%statistic, backwards%statistic, thr=1e-9_dp)
+   end subroutine test_reversal
+
+   !> Neither the unit of the rate nor that of the time matters, when the coefficients are in the same.
+   subroutine test_units(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      type(allan_curve_type) :: curve
+      type(noise_type) :: noise
+      type(halves_type) :: halves, scaled
+      type(gyro_error), allocatable :: failed
+      real(dp) :: x(3000)
+
+      x = normal_series(3000_int64, 41_int64) &
+         & + 0.02_dp*walk_of(normal_series(3000_int64, 42_int64), normal_series(3000_int64, 43_int64))
+      call compute_allan(x, 1.0_dp, allan_options(), curve, failed)
+      call fit_noise(curve, noise_options(), noise, failed)
+      call compare_halves(x, 1.0_dp, noise, halves_options(), halves, failed)
+      call compute_allan(1e-3_dp*x, 0.01_dp, allan_options(), curve, failed)
+      call fit_noise(curve, noise_options(), noise, failed)
+      call compare_halves(1e-3_dp*x, 0.01_dp, noise, halves_options(), scaled, failed)
+      call check(error, scaled%statistic/halves%statistic, 1.0_dp, thr=1e-6_dp)
+      if (allocated(error)) return
+      call check(error, maxval(abs(scaled%lower/halves%lower - 1)), 0.0_dp, thr=1e-6_dp)
+   end subroutine test_units
+
+   !> Of 200 white records the p-values are uniform: mean 1/2 and share below 0.2 within three standard errors.
+   subroutine test_uniform(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      integer, parameter :: records = 200
+      type(noise_type) :: noise
+      type(halves_type) :: halves
+      type(gyro_error), allocatable :: failed
+      real(dp) :: p_value(records)
+      integer :: i
+
+      call white_model(1.0_dp, noise)
+      do i = 1, records
+         call compare_halves(normal_series(1024_int64, int(i*7919, int64)), 1.0_dp, noise, halves_options(), halves, failed)
+         p_value(i) = halves%p_value
+      end do
+      call check(error, sum(p_value)/records, 0.5_dp, thr=3*sqrt(1/(12.0_dp*records)))
+      if (allocated(error)) return
+      call check(error, real(count(p_value < 0.2_dp), dp)/records, 0.2_dp, thr=3*sqrt(0.16_dp/records))
+   end subroutine test_uniform
+
+   !> Missing samples, marked or not finite, do not count whatever stands there; fewer terms make wider limits.
+   subroutine test_gaps(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      type(noise_type) :: noise
+      type(halves_type) :: halves, marked, not_finite
+      type(gyro_error), allocatable :: failed
+      real(dp) :: x(6000)
+      integer(int8) :: valid(6000)
+
+      call white_model(1.0_dp, noise)
+      x = normal_series(6000_int64, 51_int64)
+      call compare_halves(x, 1.0_dp, noise, halves_options(), halves, failed)
+      valid = 1
+      valid(1000:1499) = 0
+      valid(4500:5000:7) = 0
+      x = merge(x, 1e6_dp, valid == 1)
+      call compare_halves(x, 1.0_dp, noise, halves_options(), marked, failed, valid)
+      x = merge(x, ieee_value(1.0_dp, ieee_quiet_nan), valid == 1)
+      call compare_halves(x, 1.0_dp, noise, halves_options(), not_finite, failed)
+      call check(error, maxval(abs(marked%ratio - not_finite%ratio)), 0.0_dp, thr=1e-14_dp)
+      if (allocated(error)) return
+      call check(error, all(abs(marked%ratio(:5) - halves%ratio(:5)) < halves%upper(:5) - halves%lower(:5)))
+      if (allocated(error)) return
+      call check(error, all(marked%upper(:5)/marked%lower(:5) > halves%upper(:5)/halves%lower(:5)) .and. marked%p_value > 1e-4_dp)
+   end subroutine test_gaps
+
+   subroutine test_failures(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      type(noise_type) :: noise, nothing
+      type(halves_options) :: options
+      type(halves_type) :: halves
+      type(gyro_error), allocatable :: failed
+      real(dp) :: x(1000)
+
+      call white_model(1.0_dp, noise)
+      x = normal_series(1000_int64, 61_int64)
+      call compare_halves(x, 1.0_dp, nothing, options, halves, failed)
+      call check(error, failed%code, status%invalid_argument)
+      if (allocated(error)) return
+      call compare_halves(x, 0.0_dp, noise, options, halves, failed)
+      call check(error, failed%code, status%invalid_argument)
+      if (allocated(error)) return
+      call compare_halves(x(:7), 1.0_dp, noise, options, halves, failed)
+      call check(error, failed%code, status%too_few_samples)
+      if (allocated(error)) return
+      options%taus = "all"
+      call compare_halves(x, 1.0_dp, noise, options, halves, failed)
+      call check(error, failed%code, status%invalid_argument)
+      if (allocated(error)) return
+      options%taus = "200"
+      call compare_halves(x, 1.0_dp, noise, options, halves, failed)
+      call check(error, failed%code, status%too_few_samples)
+      if (allocated(error)) return
+      x(:500) = 3
+      call compare_halves(x, 1.0_dp, noise, halves_options(), halves, failed)
+      call check(error, failed%code, status%constant_input)
+   end subroutine test_failures
+
+end module test_allan_halves
