@@ -23,6 +23,10 @@ module gyroakf
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type, compute_allan, compute_allan_from_phase
    use gyroakf_allan_stream, only : allan_stream_type, begin_allan_stream, feed_allan_stream, finish_allan_stream
    use gyroakf_allan_statistic, only : statistic_names, statistic_edf, longest_factor
+   use gyroakf_allan_phase, only : integrate_rate
+   use gyroakf_allan_noise_identification, only : identify_noise
+   use gyroakf_allan_covariance, only : allan_variance_covariances
+   use gyroakf_allan_noise_model, only : noise_model_type, model_variance
    use gyroakf_allan_noise_fit, only : noise_options, coefficient_type, noise_type, fit_noise
    use gyroakf_allan_read_off, only : read_off_options, read_off_type, read_off
    use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, sampling_efficiency, chi_square_limits
