@@ -11,6 +11,7 @@ program test_main
    use test_allan_deviation, only : collect_allan_deviation
    use test_allan_freedom, only : collect_allan_freedom
    use test_allan_gaps, only : collect_allan_gaps
+   use test_allan_mixture, only : collect_allan_mixture
    use test_allan_grid, only : collect_allan_grid
    use test_allan_halves, only : collect_allan_halves
    use test_allan_noise_fit, only : collect_allan_noise_fit
@@ -62,6 +63,7 @@ program test_main
    call add("allan_deviation", collect_allan_deviation)
    call add("allan_freedom", collect_allan_freedom)
    call add("allan_gaps", collect_allan_gaps)
+   call add("allan_mixture", collect_allan_mixture)
    call add("allan_grid", collect_allan_grid)
    call add("allan_halves", collect_allan_halves)
    call add("allan_noise_fit", collect_allan_noise_fit)

@@ -86,7 +86,8 @@ contains
    !> Deviation curve of a rate record with chi-square confidence limits.
    !>
    !> The degrees of freedom are those of the power-law noise identified at each averaging time (Greenhall &
-   !> Riley 2003), reduced by the share of terms lost to gaps; [[fit_noise]] replaces them by those of the fitted mixture.
+   !> Riley 2003), reduced by the share of terms lost to gaps; [[fit_noise]] and [[give_mixture_limits]] replace
+   !> them by those of the fitted mixture.
    !> Cost: three passes and O(n) per averaging time; memory 8 bytes a sample, 12 where some are missing.
    subroutine compute_allan(rate, sample_interval, options, curve, error, valid)
       !> Rate samples, evenly spaced: [n], n >= 2 (3 for the Hadamard deviations); NaN and infinity count as missing

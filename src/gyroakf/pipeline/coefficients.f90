@@ -6,6 +6,7 @@ module gyroakf_pipeline_coefficients
    use gyroakf_record, only : add_text
    use gyroakf_units, only : unit_type, coefficient_unit_type, coefficient_unit, density_unit, quantity
    use gyroakf_allan_deviations, only : allan_options, compute_allan
+   use gyroakf_allan_mixture_limits, only : give_mixture_limits
    use gyroakf_allan_noise_fit, only : noise_type, fit_noise
    use gyroakf_allan_read_off, only : read_off_options, read_off_type, read_off
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stated_noise_type, stated_read_off_type, stage, &
@@ -40,6 +41,7 @@ contains
       integer(int8), intent(in), optional :: valid(:)
 
       type(read_off_type) :: read
+      integer :: i
 
       call compute_allan(x, step, options%allan, channel%allan(which)%curve, error, valid)
       if (is_fatal(error)) return
@@ -55,6 +57,11 @@ contains
       channel%allan(which)%fitted = .not. allocated(error)
       call note_failure(channel, "noise coefficients ("//trim(stage_names(which))//")", error)
       if (.not. channel%allan(which)%fitted) return
+      if (allocated(channel%allan(which)%other)) then
+         do i = 1, size(channel%allan(which)%other)
+            call give_mixture_limits(channel%allan(which)%other(i), channel%allan(which)%noise)
+         end do
+      end if
       call state_noise(channel%allan(which)%noise, rate_known, unit, channel%allan(which)%stated)
       call read_off(channel%allan(which)%curve, read_off_options(), read, error)
       if (.not. allocated(error)) call state_read_off(read, rate_known, unit, channel%allan(which)%read_off)
