@@ -114,6 +114,8 @@ module gyroakf_app_option
                   "further kinds of deviation, separated by commas; the terms are fitted to oadev, which is always there"), &
       option_type("--taus", "octave|decade|log:N|all|LIST", "text", "run allan", "allan", &
                   "averaging times; log:N has N a decade, LIST is seconds separated by commas"), &
+      option_type("--dynamic", "SEGMENTS", "count", "allan", "allan", &
+                  "the deviation in so many segments that overlap by half, to see where the noise changes (dynamic.csv)"), &
       option_type("--confidence", "P", "share", "run allan", "allan", "of the limits (default 0.683)"), &
       option_type("--min-coverage", "P", "share", "run allan", "allan", &
                   "share of a window that must be present (default 0.9; 1: all of it)"), &

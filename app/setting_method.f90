@@ -15,6 +15,8 @@ module gyroakf_app_setting_method
 
    !> Largest AR order and number of lags that can be asked for
    integer(int64), parameter :: most_lags = 1000
+   !> Most segments of a dynamic Allan deviation
+   integer, parameter :: most_segments = 100000
 
 contains
 
@@ -112,6 +114,7 @@ contains
          pipeline%allan%confidence = value%number
          pipeline%noise%confidence = value%number
          if (value%number >= 1) call value_error(option, "limits that always hold are infinite", error)
+      case ("--dynamic"); call set_small(option, value%text, "", most_segments, pipeline%dynamic_segments, error)
       case ("--min-coverage"); pipeline%allan%min_coverage = value%number
       case ("--terms"); call set_terms(pipeline%noise, option, value%text, error)
       case ("--fit-tau-min"); pipeline%noise%tau_min = value%number

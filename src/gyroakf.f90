@@ -33,6 +33,7 @@ module gyroakf
    use gyroakf_allan_mixture_limits, only : give_mixture_limits
    use gyroakf_allan_read_off, only : read_off_options, read_off_type, read_off
    use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, sampling_efficiency, chi_square_limits
+   use gyroakf_allan_dynamic, only : dynamic_options, dynamic_type, dynamic_allan
    use gyroakf_allan_halves, only : halves_options, halves_type, compare_halves
    use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, chi_square_limits
    use gyroakf_io_number, only : parse_number

@@ -9,6 +9,7 @@ program test_main
    use test_adf, only : collect_adf
    use test_allan_covariance, only : collect_allan_covariance
    use test_allan_deviation, only : collect_allan_deviation
+   use test_allan_dynamic, only : collect_allan_dynamic
    use test_allan_freedom, only : collect_allan_freedom
    use test_allan_gaps, only : collect_allan_gaps
    use test_allan_mixture, only : collect_allan_mixture
@@ -61,6 +62,7 @@ program test_main
    call add("adf", collect_adf)
    call add("allan_covariance", collect_allan_covariance)
    call add("allan_deviation", collect_allan_deviation)
+   call add("allan_dynamic", collect_allan_dynamic)
    call add("allan_freedom", collect_allan_freedom)
    call add("allan_gaps", collect_allan_gaps)
    call add("allan_mixture", collect_allan_mixture)

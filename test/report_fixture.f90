@@ -101,6 +101,7 @@ contains
             call state_read_off(read, record%rate_known, record%unit, channel%allan(which)%read_off)
          end do
          call fill_halves(channel)
+         call fill_dynamic(channel)
          call compare_coefficients(channel)
          call add_text(channel%warnings, "2.5 % of the samples (3) were removed as outliers, at 0.2, 0.4 s")
          call add_text(channel%unavailable, "drift identification: too few samples")
@@ -123,6 +124,28 @@ contains
       channel%halves%score = [6.0_dp, 4.0_dp]
       channel%halves%differs = [.true., .true.]
    end subroutine fill_halves
+
+   !> 30 segments of 1 s at two averaging times; of the second segment nothing is left at the longer one.
+   subroutine fill_dynamic(channel)
+      type(channel_result_type), intent(inout) :: channel
+      integer :: j
+
+      channel%available%dynamic = .true.
+      associate (dynamic => channel%dynamic)
+         dynamic%segment = 1
+         dynamic%m = [1_int64, 2_int64]
+         dynamic%tau = [0.2_dp, 0.4_dp]
+         dynamic%start = [(0.5_dp*real(j, dp), j=0, 29)]
+         allocate (dynamic%deviation(2, 30), dynamic%terms(2, 30))
+         dynamic%deviation = 0.0201_dp
+         dynamic%terms = 4
+         dynamic%terms(2, 2) = 0
+         dynamic%deviation(2, 2) = 0
+         dynamic%lower = 0.9_dp*dynamic%deviation
+         dynamic%upper = 1.1_dp*dynamic%deviation
+         dynamic%edf = real(dynamic%terms, dp)
+      end associate
+   end subroutine fill_dynamic
 
    subroutine fill_series(channel)
       type(channel_result_type), intent(inout) :: channel
@@ -208,6 +231,7 @@ contains
       associate (allan => channel%allan(which))
          allan%available = .true.
          allan%fitted = .true.
+         allan%curve%m = [1_int64, 2_int64]
          allan%curve%tau = [0.2_dp, 0.4_dp]
          allan%curve%deviation = [0.02_dp, 0.0141_dp]*shrink(which)
          allan%curve%lower = 0.9_dp*allan%curve%deviation

@@ -13,7 +13,7 @@ module test_report
    use gyroakf_report_utf8, only : text_width
    use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_report_document, only : write_document
-   use gyroakf_report_csv, only : write_series, write_allan, write_coefficients
+   use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, write_dynamic
    use json_reader, only : json_item, read_json, json_text_at, json_real, check_schema, file_text
    use report_fixture, only : make_record, make_result, begin_text, end_text
    implicit none (type, external)
@@ -37,6 +37,7 @@ contains
          new_unittest("run-nothing-known", test_nothing_known), &
          new_unittest("width", test_width), &
          new_unittest("halves", test_halves), &
+         new_unittest("dynamic", test_dynamic), &
          new_unittest("single-commands", test_single_commands), &
          new_unittest("document-schema", test_document_schema), &
          new_unittest("document-inspect", test_document_inspect), &
@@ -253,6 +254,40 @@ contains
          if (allocated(error)) return
       end do
    end subroutine test_halves
+
+   !> The dynamic deviation: 24 of 30 segments in the table, all of them in the file and in the document.
+   subroutine test_dynamic(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: writer
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      type(json_item), allocatable :: items(:)
+      character(:), allocatable :: text, flat
+      logical :: valid
+
+      call make_record(record, .true.)
+      call make_result(record, result)
+      call begin_text(writer)
+      call write_report(writer, "allan", record, pipeline_options(), result)
+      call write_dynamic(writer, result)
+      call end_text(writer, text)
+      call unwrap(text, flat)
+      call check(error, index(flat, "oadev in deg/s of 30 segments of 1 s, by beginning") > 0 .and. index(flat, "24 of them") > 0)
+      if (allocated(error)) return
+      call check(error, index(text, lf//"         0.5  0.0201       -"//lf) > 0 .and. &
+                 index(text, lf//"        14.5  0.0201  0.0201"//lf//"         all    0.02  0.0141"//lf) > 0, "the table")
+      if (allocated(error)) return
+      call check(error, index(text, "channel,time,tau,deviation,lower,upper,edf,terms"//lf// &
+                              "gx,0,0.2,0.0201,0.01809,0.02211,4,4"//lf// &
+                              "gx,0,0.4,0.0201,0.01809,0.02211,4,4"//lf//"gx,0.5,0.2,") > 0)
+      if (allocated(error)) return
+      call check(error, index(text, lf//"gx,0.5,0.4,nan,nan,nan,0,0"//lf) > 0)
+      if (allocated(error)) return
+      call document(record, items, valid, result)
+      call check(error, json_real(items, "/channels/0/allan/dynamic/upper/29/1"), 0.02211_dp, thr=1e-12_dp)
+      if (allocated(error)) return
+      call check(error, json_text_at(items, "/channels/0/allan/dynamic/deviation/1/1"), "null")
+   end subroutine test_dynamic
 
    !> The shorter reports say their part and keep the width.
    subroutine test_single_commands(error)

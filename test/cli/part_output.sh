@@ -119,6 +119,14 @@ holds "the report says that the halves differ" "the second half has another Alla
 near "the ratio of the halves" "$(sed -n '/"halves"/,/}/p' loud.json | sed -nE 's/.*"ratio": *\[([0-9.]+),.*/\1/p')" 1.2 0.03
 good "halves that do not" allan quiet.txt
 holds "the report says that they do not" "no difference is found between the Allan curves" out
+good "the dynamic deviation" allan loud.txt --dynamic 9 --out dynamic --json dynamic.json
+is "dynamic.csv has segments times averaging times" "$(grep -c '^channel' dynamic/dynamic.csv) $(tail -n +2 dynamic/dynamic.csv | wc -l)" \
+   "1 $((9*11))"
+near "the last segment is louder" "$(awk -F, '$3 == 0.1 { if (!first) first = $4; last = $4 } END { print last/first }' \
+   dynamic/dynamic.csv)" 1.2 0.05
+holds "the report has the table" "of 9 segments of 400 s" out
+is "JSON has a row for each segment" "$(sed -n '/"dynamic"/,/^ *"lower"/p' dynamic.json | grep -c '^ *\[')" 9
+bad "dynamic without a number" 1 "--dynamic" allan loud.txt --dynamic x
 good "a list of averaging times" allan "$example" --taus 1,2,10,100
 good "ar with options" ar "$example" --outliers mad --outlier-threshold 4 --detrend 2 --order 2 --ar-criterion bic
 good "tests with options" tests "$example" --adf-regression ct --adf-lags 3 --detrend none

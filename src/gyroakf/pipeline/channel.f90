@@ -14,7 +14,7 @@ module gyroakf_pipeline_channel
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stage
    use gyroakf_pipeline_coefficients, only : run_allan, compare_coefficients
-   use gyroakf_pipeline_changes, only : run_halves
+   use gyroakf_pipeline_changes, only : run_halves, run_dynamic
    use gyroakf_pipeline_filters, only : run_filters
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_outliers, warn_model, warn_fit, warn_centred
    implicit none (type, external)
@@ -100,6 +100,7 @@ contains
          if (allocated(error)) return
          call warn_fit(channel)
          call run_halves(x, record%sample_interval, options, channel, error, valid)
+         if (.not. allocated(error)) call run_dynamic(x, record%sample_interval, options, channel, error, valid)
          if (allocated(error)) return
       end if
       if (options%do_filter .and. channel%available%ar) then

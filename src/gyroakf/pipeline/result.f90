@@ -17,6 +17,7 @@ module gyroakf_pipeline_result
    use gyroakf_filter_identification, only : drift_model_type
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type
    use gyroakf_allan_noise_fit, only : noise_options, noise_type
+   use gyroakf_allan_dynamic, only : dynamic_type
    use gyroakf_allan_halves, only : halves_type
    implicit none (type, external)
    private
@@ -62,6 +63,8 @@ module gyroakf_pipeline_result
       type(allan_options) :: allan
       !> Further kinds for the series as read and cleaned, separated by commas: "mdev,ohdev"
       character(:), allocatable :: other_kinds
+      !> Segments of the dynamic Allan deviation, overlapping by half; 0: it is not computed
+      integer :: dynamic_segments = 0
       !> Coefficients from the curves
       type(noise_options) :: noise
       !> Lags of the Ljung-Box test of the cleaned series
@@ -76,7 +79,7 @@ module gyroakf_pipeline_result
    type :: available_type
       logical :: preprocess = .false., adf = .false., jarque_bera = .false., ljung_box = .false., ar = .false.
       logical :: kf = .false., akf = .false., drift = .false., drift_kf = .false., drift_akf = .false.
-      logical :: halves = .false.
+      logical :: halves = .false., dynamic = .false.
    end type available_type
 
    !> One noise coefficient in the unit it is stated in
@@ -177,6 +180,8 @@ module gyroakf_pipeline_result
       type(allan_result_type) :: allan(4)
       !> Whether the curve of the record as read changed from its first to its second half
       type(halves_type) :: halves
+      !> Deviation of the record as read in segments, where it was asked for
+      type(dynamic_type) :: dynamic
       !> From cleaned to akf, Q N B K R, in percent; only where `reduction_known` (detected in both)
       real(dp) :: reduction_percent(5) = 0.0_dp
       logical :: reduction_known(5) = .false.

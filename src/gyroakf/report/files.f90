@@ -7,19 +7,19 @@ module gyroakf_report_files
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_report_text, only : write_report
    use gyroakf_report_document, only : write_document
-   use gyroakf_report_csv, only : write_series, write_allan, write_coefficients
+   use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, write_dynamic
    implicit none (type, external)
    private
    public :: write_results, result_files
 
    !> In the order in which they are written
-   character(16), parameter :: result_files(5) = [character(16) :: "series.csv", "allan.csv", "coefficients.csv", &
-                                                  "report.txt", "results.json"]
+   character(16), parameter :: result_files(6) = [character(16) :: "series.csv", "allan.csv", "coefficients.csv", &
+                                                  "dynamic.csv", "report.txt", "results.json"]
 
 contains
 
-   !> Writes series.csv (where the series were kept), allan.csv and coefficients.csv (where there are curves), report.txt
-   !> and results.json.
+   !> Writes series.csv (where the series were kept), allan.csv and coefficients.csv (where there are curves), dynamic.csv
+   !> (where it was asked for), report.txt and results.json.
    subroutine write_results(directory, command, record, options, result, error)
       !> Made where it does not exist
       character(*), intent(in) :: directory
@@ -39,7 +39,8 @@ contains
 
       call make_directory(directory, error)
       if (allocated(error)) return
-      wanted = [options%keep_series, options%do_allan, options%do_allan, .true., .true.]
+      wanted = [options%keep_series, options%do_allan, options%do_allan, options%do_allan .and. options%dynamic_segments > 0, &
+                .true., .true.]
       do i = 1, size(result_files)
          if (wanted(i)) call open_writer(writer(i), directory//"/"//trim(result_files(i)), error)
          if (allocated(error)) then
@@ -74,7 +75,8 @@ contains
       case (1); call write_series(writer, record, result)
       case (2); call write_allan(writer, result)
       case (3); call write_coefficients(writer, result)
-      case (4); call write_report(writer, command, record, options, result)
+      case (4); call write_dynamic(writer, result)
+      case (5); call write_report(writer, command, record, options, result)
       case default; call write_document(writer, record, result)
       end select
    end subroutine write_file

@@ -6,7 +6,7 @@ module gyroakf_report_document_stated
    use gyroakf_report_json, only : json_type, open_object, close_object, put_member, put_null
    implicit none (type, external)
    private
-   public :: put_stated, put_densities
+   public :: put_stated, put_densities, put_known
 
 contains
 
@@ -58,9 +58,13 @@ contains
 
    !> A number, or null.
    subroutine put_known(json, key, value, known)
+      !> The document
       type(json_type), intent(inout) :: json
+      !> Name of the member, "" in an array
       character(*), intent(in) :: key
+      !> The number
       real(dp), intent(in) :: value
+      !> False: null
       logical, intent(in) :: known
 
       if (known) then
