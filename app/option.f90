@@ -151,11 +151,12 @@ module gyroakf_app_option
                   "write N and K as Kalibr's imu.yaml: SI, the largest axis; needs rate and unit"), &
       option_type("--json", "FILE", "text", reading, "common", "write the results as JSON; - is standard output"), &
       option_type("--threads", "N", "count", every, "common", "number of threads (default: all)"), &
+      option_type("--memory", "SIZE", "text", reading, "common", &
+                  "memory that may be used, as 500MB or 2GB; allan streams a larger recording, the others refuse it"), &
       option_type("--quiet", "", "flag", reading, "common", "print no report"), &
       option_type("--help", "", "flag", every, "common", "this text, or that of a command"), &
       option_type("--version", "", "flag", every, "common", "the version"), &
       option_type("--citation", "", "flag", every, "common", "what to cite"), &
-      option_type("--memory", "SIZE", "later", none), &
       option_type("--progress", "auto|on|off", "later", none), &
       option_type("--config", "FILE", "later", none), &
       option_type("--truth", "FILE", "later", none)]

@@ -3,6 +3,7 @@
 module gyroakf_app_setting_input
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_reader, only : reader_options
    use gyroakf_units, only : unit_type, parse_unit, parse_units, quantity
    use gyroakf_app_config, only : cli_config, reading_config, analysis_config
@@ -14,6 +15,8 @@ module gyroakf_app_setting_input
 
    !> More threads than this are a slip of the finger
    integer(int64), parameter :: most_threads = 4096
+   !> The program itself, and one channel that is streamed
+   integer(int64), parameter :: least_memory = 28000000
 
 contains
 
@@ -136,6 +139,11 @@ contains
          type is (analysis_config)
             config%out = value%text
          end select
+      case ("--memory")
+         select type (config)
+         class is (reading_config)
+            call set_memory(config%reader, option, value%text, error)
+         end select
       case ("--kalibr")
          select type (config)
          type is (analysis_config)
@@ -145,5 +153,41 @@ contains
       case default; call not_wired(option, error)
       end select
    end subroutine set_common
+
+   !> 500MB, 2GB, 1.5G, 300MiB, or a number of bytes.
+   subroutine set_memory(reader, option, text, error)
+      !> Its memory is set
+      type(reader_options), intent(inout) :: reader
+      !> Row of the table
+      type(option_type), intent(in) :: option
+      !> The size as it was given
+      character(*), intent(in) :: text
+      !> usage
+      type(error_type), allocatable, intent(out) :: error
+      character(3), parameter :: units(14) = [character(3) :: "", "B", "k", "kB", "KiB", "M", "MB", "MiB", "G", "GB", "GiB", &
+                                             "T", "TB", "TiB"]
+      real(dp), parameter :: bytes(14) = [1.0_dp, 1.0_dp, 1e3_dp, 1e3_dp, 1024.0_dp, 1e6_dp, 1e6_dp, 1024.0_dp**2, 1e9_dp, 1e9_dp, &
+                                          1024.0_dp**3, 1e12_dp, 1e12_dp, 1024.0_dp**4]
+      real(dp) :: x
+      integer :: last, found, unit
+
+      last = scan(text, "0123456789.", back=.true.)
+      found = -1
+      unit = 0
+      if (last > 0) then
+         call parse_number(text(:last), x, found)
+         unit = findloc(units, text(last + 1:), dim=1)
+      end if
+      if (found /= number%ok .or. unit == 0) then
+         call value_error(option, "'"//text//"' is not a size such as 500MB or 2GB", error)
+         return
+      end if
+      x = x*bytes(unit)
+      if (x < real(least_memory, dp)) then
+         call value_error(option, "'"//text//"' is too small, at least 28MB", error)
+      else
+         reader%memory = int(min(x, 1.0e18_dp), int64)
+      end if
+   end subroutine set_memory
 
 end module gyroakf_app_setting_input

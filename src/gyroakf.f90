@@ -9,7 +9,7 @@ module gyroakf
    use gyroakf_release, only : release_major, release_minor, release_patch, release_string, release_number
    use gyroakf_units, only : unit_type, coefficient_unit_type, quantity, term_names, &
       parse_unit, parse_units, coefficient_unit, density_unit, angle_to_rate_unit, coefficient_definition
-   use gyroakf_record, only : record_type, audit_type, text_type, add_text, view_channel
+   use gyroakf_record, only : record_type, audit_type, text_type, add_text, sample_count, view_channel
    use gyroakf_special, only : normal_cdf, normal_quantile, chi_square_cdf, chi_square_survival, &
       & chi_square_quantile, digamma
    use gyroakf_fft, only : fft_plan_type, new_fft_plan, fft_forward, fft_backward, smooth_length, &
@@ -37,10 +37,12 @@ module gyroakf
    use gyroakf_allan_halves, only : halves_options, halves_type, compare_halves
    use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, chi_square_limits
    use gyroakf_io_number, only : parse_number
-   use gyroakf_io_reader, only : reader_options, read_record
+   use gyroakf_io_reader, only : reader_options, read_record, complete_record
+   use gyroakf_io_recording, only : recording_type, open_recording, hold_rows, close_recording, bytes_needed
+   use gyroakf_io_record_stream, only : record_stream_type, begin_record_stream, next_record_block, end_record_stream
    use gyroakf_io_writer, only : writer_type, open_writer, put, put_line, put_real, complete_writer, commit_writer, &
       discard_writer, format_real, make_directory
-   use gyroakf_series_moments, only : moments_type, compute_moments
+   use gyroakf_series_moments, only : moments_type, compute_moments, join_moments
    use gyroakf_series_normality, only : jarque_bera_type, test_jarque_bera
    use gyroakf_series_whiteness, only : ljung_box_type, test_ljung_box, ljung_box_of
    use gyroakf_ar_autocovariance, only : compute_autocovariance, residual_autocovariance
@@ -54,7 +56,7 @@ module gyroakf
    use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, design_drift_kf, design_drift_akf
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, channel_result_type, available_type, allan_result_type, &
       stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, stage, stage_names, apply_preset, &
-      run_pipeline, minimum_samples
+      run_pipeline, run_streamed, tell_memory, minimum_samples
    use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_report_files, only : write_results
    use gyroakf_report_kalibr, only : check_kalibr, write_kalibr

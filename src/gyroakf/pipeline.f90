@@ -15,11 +15,12 @@ module gyroakf_pipeline
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, available_type, &
       allan_result_type, stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, stage, stage_names
    use gyroakf_pipeline_channel, only : run_channel
+   use gyroakf_pipeline_streamed, only : run_streamed
    implicit none (type, external)
    private
    public :: pipeline_options, pipeline_result_type, channel_result_type, available_type, allan_result_type
    public :: stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, stage, stage_names
-   public :: apply_preset, run_pipeline, minimum_samples
+   public :: apply_preset, run_pipeline, run_streamed, tell_memory, minimum_samples
 
    !> A shorter record is an error
    integer(int64), parameter :: minimum_samples = 10_int64
@@ -58,6 +59,21 @@ contains
       end select
       options%preset = name
    end subroutine apply_preset
+
+   !> Bytes a sample that the job takes beside the record itself: for the channel that is worked on, and for every channel.
+   pure subroutine tell_memory(options, work_bytes, channel_bytes)
+      !> What to do
+      type(pipeline_options), intent(in) :: options
+      !> As `reader_options` has them
+      integer(int64), intent(out) :: work_bytes, channel_bytes
+
+      work_bytes = 0
+      if (options%clean%degree >= 0 .or. options%clean%method /= "none") work_bytes = 9      ! the cleaned series, its marks
+      if (options%do_filter) work_bytes = work_bytes + 8                                    ! the filtered series
+      if (options%do_allan) work_bytes = work_bytes + 12                                    ! integral, count of missing samples
+      channel_bytes = 0
+      if (options%keep_series) channel_bytes = 25
+   end subroutine tell_memory
 
    !> Does the whole job for every channel of a record.
    subroutine run_pipeline(record, options, result, error)

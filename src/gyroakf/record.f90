@@ -7,7 +7,7 @@ module gyroakf_record
    use gyroakf_units, only : unit_type
    implicit none (type, external)
    private
-   public :: record_type, audit_type, text_type, add_text, view_channel
+   public :: record_type, audit_type, text_type, add_text, sample_count, view_channel
 
    !> A string of its own length, for lists
    type :: text_type
@@ -72,6 +72,8 @@ module gyroakf_record
       character(:), allocatable :: unit_source
       !> What was found while reading
       type(audit_type) :: audit
+      !> The samples went by in blocks and are not in `value`; `audit%samples` tells how many there were
+      logical :: streamed = .false.
       !> For the user, one sentence each
       type(text_type), allocatable :: warnings(:)
    end type record_type
@@ -96,6 +98,16 @@ contains
       longer(n + 1)%text = text
       call move_alloc(longer, list)
    end subroutine add_text
+
+   !> Samples of each channel, missing ones included, also where they went by in blocks.
+   pure integer(int64) function sample_count(record)
+      !> Any
+      type(record_type), intent(in) :: record
+
+      sample_count = record%audit%samples
+      if (record%streamed .or. .not. allocated(record%value)) return
+      sample_count = size(record%value, 1, kind=int64)
+   end function sample_count
 
    !> One channel's record without its samples: rate, source and the unit that is the channel's.
    pure subroutine view_channel(record, channel, view)

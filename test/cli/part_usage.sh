@@ -60,7 +60,9 @@ averaging times are larger than 0 ; x.txt --taus 1,-2
 q, r, Q, R at most once ; x.txt --estimate q,r,Q,Q
 limits that always hold are infinite ; x.txt --confidence 1
 '1.5' is not larger than 0 and at most 1 ; x.txt --forgetting 1.5
-'--memory' is not available in this version ; x.txt --memory 1G
+option '--memory SIZE': 'lots' is not a size such as 500MB or 2GB ; x.txt --memory lots
+option '--memory SIZE': '2XB' is not a size such as 500MB or 2GB ; x.txt --memory 2XB
+option '--memory SIZE': '1MB' is too small, at least 28MB ; allan x.txt --memory 1MB
 '--progress' is not available in this version ; x.txt --progress=on
 '--config' is not available in this version ; x.txt --config f
 '--truth' is not available in this version ; x.txt --truth f

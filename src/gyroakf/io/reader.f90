@@ -4,7 +4,7 @@
 !> What the file says about rate, unit and columns is honoured, an option overrides it, and where nobody says anything
 !> nothing is assumed. Everything that was decided on the way is in the record: `rate_source`, `unit_source`, `warnings`.
 module gyroakf_io_reader
-   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_is_nan, ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_audit, only : audit_stamps, audit_values, gap_type
@@ -15,40 +15,19 @@ module gyroakf_io_reader
    use gyroakf_io_stamps, only : infer_scale, named_scale
    use gyroakf_io_shape, only : cut, fill_gaps, make_rates, mark_missing
    use gyroakf_io_store, only : take_columns
-   use gyroakf_io_table, only : read_table, table_options, table_type
+   use gyroakf_io_recording, only : close_recording, hold_rows, open_recording, reader_options, recording_type, too_large
+   use gyroakf_io_table, only : table_type
    use gyroakf_io_decimal, only : format_real
    use gyroakf_record, only : add_text, record_type
    implicit none (type, external)
    private
-   public :: reader_options, read_record
-
-   !> How a recording is to be read
-   type :: reader_options
-      !> Hz; 0: from the time stamps or the header
-      real(dp) :: rate_hz = 0.0_dp
-      !> Of the values after `scale`: "deg/s" for all channels, or one for each, separated by commas; unallocated: from the
-      !> header, or unknown
-      character(:), allocatable :: unit
-      !> "rate" (also where unallocated), "increment" (angle per sample) or "angle"
-      character(:), allocatable :: input
-      !> Every value is multiplied by it
-      real(dp) :: scale = 1.0_dp
-      !> Columns by number (from 1, all columns count) or name, as "2" or "gx,gy"; unallocated: all but the time column
-      character(:), allocatable :: columns
-      !> Number or name; "none" forbids; unallocated: found by its name
-      character(:), allocatable :: time_column
-      !> "auto" (also where unallocated), "text" or "csv"
-      character(:), allocatable :: format
-      !> Lines that cannot be read count as missing samples instead of being an error
-      logical :: bad_lines_missing = .false.
-      !> The part from <= time < to is kept; s from the start
-      real(dp) :: from = 0.0_dp, to = huge(1.0_dp)
-      !> Lines that are left out at the start of the file
-      integer(int64) :: skip = 0
-   end type reader_options
+   public :: reader_options, read_record, complete_record
+   public :: largest_value, drop_absurd, find_scale, set_rate, tell, time_warning
 
    !> A rate beyond it is an error: the fourth powers of the statistics would overflow
    real(dp), parameter :: largest_value = 1.0e60_dp
+   character(*), parameter :: time_warning = "column 1 rises from row to row and looks like time; it is read as a channel, "// &
+                                             "--time-column 1 takes it for the time"
 
 contains
 
@@ -61,77 +40,54 @@ contains
       !> The recording
       type(record_type), intent(out) :: record
       !> Allocated on failure: io, parse, invalid_argument, not_supported, too_few_samples, non_finite,
-      !> no_memory
+      !> no_memory (also where more than `options%memory` would be needed)
       type(error_type), allocatable, intent(out) :: error
-      type(table_type) :: table
-      type(table_options) :: wanted
+      type(recording_type) :: recording
+
+      call open_recording(path, options, recording, error)
+      if (.not. allocated(error)) call hold_rows(recording, error)
+      call close_recording(recording)
+      if (.not. allocated(error) .and. .not. recording%table%whole) then
+         call fatal_error(error, status%no_memory, too_large(recording)//new_line("a")//"give more memory; gyroakf allan "// &
+                          "streams a recording of any length")
+      end if
+      if (.not. allocated(error)) call complete_record(recording, record, error)
+   end subroutine read_record
+
+   !> Makes a record of the rows that are held.
+   subroutine complete_record(recording, record, error)
+      !> Whole; its rows are moved out
+      type(recording_type), intent(inout) :: recording
+      !> The recording
+      type(record_type), intent(out) :: record
+      !> Allocated on failure: parse, invalid_argument, too_few_samples, non_finite, no_memory
+      type(error_type), allocatable, intent(out) :: error
       type(gap_type) :: gaps
       real(dp), allocatable :: stamps(:)
       character(:), allocatable :: input, unit
 
-      call check_options(options, error)
-      if (allocated(error)) return
-      input = "rate"
-      if (allocated(options%input)) input = options%input
-      unit = ""
-      if (allocated(options%unit)) unit = options%unit
-      if (allocated(options%columns)) wanted%columns = options%columns
-      if (allocated(options%time_column)) wanted%time_column = options%time_column
-      wanted%bad_lines_missing = options%bad_lines_missing
-      wanted%skip = options%skip
-      call read_table(path, wanted, table, error)
-      if (allocated(error)) return
-      record%path = path
-      record%format = "text"
-      call move_alloc(table%warnings, record%warnings)
-      call take_values(table, record, stamps, error)
-      if (.not. allocated(error)) call warn_of_time(options, table, record)
-      if (.not. allocated(error)) call use_stamps(options, table, stamps, record, gaps)
-      if (.not. allocated(error)) call set_rate(options, table, record, error)
-      if (.not. allocated(error)) call fill_gaps(gaps, record, error)
-      if (.not. allocated(error)) call mark_missing(record, largest_value/max(1.0_dp, abs(options%scale)), error)
-      if (.not. allocated(error)) call set_units(unit, input, table, record, error)
-      if (.not. allocated(error)) call make_rates(record, input, options%scale, error)
-      if (.not. allocated(error)) call cut(record, options%from, options%to, error)
-      if (allocated(error)) return
-      call audit_values(record%value, record%present, record%audit)
-      call tell(table, record)
-   end subroutine read_record
-
-   !> Refuses options that make no sense, before the file is touched.
-   subroutine check_options(options, error)
-      type(reader_options), intent(in) :: options
-      type(error_type), allocatable, intent(out) :: error
-      logical :: known
-
-      if (ieee_is_nan(options%rate_hz)) then
-         call fatal_error(error, status%invalid_argument, "the rate is not a number")
-      else if (options%rate_hz < 0.0_dp .or. .not. ieee_is_finite(options%rate_hz)) then
-         call fatal_error(error, status%invalid_argument, "the rate has to be positive, not "// &
-                          format_real(options%rate_hz, 6)//" Hz")
-      else if (.not. ieee_is_finite(options%scale)) then
-         call fatal_error(error, status%invalid_argument, "the scale has to be finite")
-      else if (abs(options%scale) < tiny(1.0_dp)) then
-         call fatal_error(error, status%invalid_argument, "the scale must not be 0")
-      else if (options%from < 0.0_dp .or. options%from >= options%to) then
-         call fatal_error(error, status%invalid_argument, "the part from "//format_real(options%from, 6)//" s to "// &
-                          format_real(options%to, 6)//" s is empty")
-      else if (options%skip < 0) then
-         call fatal_error(error, status%invalid_argument, "the number of lines to skip must not be negative")
-      end if
-      if (allocated(error)) return
-      if (allocated(options%format)) then
-         known = any(options%format == [character(4) :: "auto", "text", "csv"])
-         if (.not. known) call fatal_error(error, status%not_supported, "the format '"//options%format// &
-                                           "' is not supported; known are auto, text, csv")
-      end if
-      if (allocated(error)) return
-      if (allocated(options%input)) then
-         known = any(options%input == [character(9) :: "rate", "increment", "angle"])
-         if (.not. known) call fatal_error(error, status%invalid_argument, "the input '"//options%input// &
-                                           "' is not known; known are rate, increment, angle")
-      end if
-   end subroutine check_options
+      associate (options => recording%options, table => recording%table)
+         input = "rate"
+         if (allocated(options%input)) input = options%input
+         unit = ""
+         if (allocated(options%unit)) unit = options%unit
+         record%path = recording%path
+         record%format = "text"
+         call move_alloc(table%warnings, record%warnings)
+         call take_values(table, record, stamps, error)
+         if (.not. allocated(error)) call warn_of_time(options, table, record)
+         if (.not. allocated(error)) call use_stamps(options, table, stamps, record, gaps)
+         if (.not. allocated(error)) call set_rate(options, table, record, error)
+         if (.not. allocated(error)) call fill_gaps(gaps, record, error)
+         if (.not. allocated(error)) call mark_missing(record, largest_value/max(1.0_dp, abs(options%scale)), error)
+         if (.not. allocated(error)) call set_units(unit, input, table, record, error)
+         if (.not. allocated(error)) call make_rates(record, input, options%scale, error)
+         if (.not. allocated(error)) call cut(record, options%from, options%to, error)
+         if (allocated(error)) return
+         call audit_values(record%value, record%present, record%audit)
+         call tell(table, record)
+      end associate
+   end subroutine complete_record
 
    !> Moves the columns that hold numbers into the record.
    subroutine take_values(table, record, stamps, error)
@@ -207,8 +163,7 @@ contains
          rises = .not. (ieee_is_nan(record%value(i, 1)) .or. ieee_is_nan(record%value(i - 1, 1)))
          if (rises) rises = record%value(i, 1) > record%value(i - 1, 1)
       end do
-      if (rises) call add_text(record%warnings, "column 1 rises from row to row and looks like time; it is read as a channel, "// &
-                               "--time-column 1 takes it for the time")
+      if (rises) call add_text(record%warnings, time_warning)
    end subroutine warn_of_time
 
    !> Turns the stamps into seconds from the first and audits them.
@@ -218,22 +173,37 @@ contains
       real(dp), intent(inout), contiguous :: stamps(:)
       type(record_type), intent(inout) :: record
       type(gap_type), intent(out) :: gaps
-      !> What is larger is no time, and its products would overflow
-      real(dp), parameter :: largest_stamp = 1.0e30_dp
-      real(dp) :: scale, origin, given, missing
-      logical :: sure
-      integer(int64) :: i
+      real(dp) :: scale, origin
 
       record%audit%bad_lines = table%bad_lines
       if (size(stamps) == 0) then
          call audit_stamps(stamps, record%audit, gaps)
          return
       end if
-      missing = ieee_value(missing, ieee_quiet_nan)
-      do i = 1, size(stamps, kind=int64)
-         if (ieee_is_nan(stamps(i))) cycle
-         if (abs(stamps(i)) > largest_stamp) stamps(i) = missing
-      end do
+      call find_scale(options, table, stamps, record, scale, origin)
+      stamps = (stamps - origin)*scale
+      call audit_stamps(stamps, record%audit, gaps)
+   end subroutine use_stamps
+
+   !> The unit of the stamps and the first of them; what is no time becomes missing.
+   subroutine find_scale(options, table, stamps, record, scale, origin)
+      !> For the rate
+      type(reader_options), intent(in) :: options
+      !> For names, units and the header's rate
+      type(table_type), intent(in) :: table
+      !> As read
+      real(dp), intent(inout), contiguous :: stamps(:)
+      !> Gets a warning where the unit is guessed
+      type(record_type), intent(inout) :: record
+      !> Seconds in the unit of the stamps
+      real(dp), intent(out) :: scale
+      !> The first stamp
+      real(dp), intent(out) :: origin
+      real(dp) :: given
+      logical :: sure
+      integer(int64) :: i
+
+      call drop_absurd(stamps)
       scale = 0.0_dp
       if (table%names%known) scale = named_scale(table%names%name(table%time)%text, table%names%unit(table%time)%text)
       if (scale <= 0.0_dp) then
@@ -248,9 +218,20 @@ contains
       end do
       origin = 0.0_dp
       if (i <= size(stamps, kind=int64)) origin = stamps(i)
-      stamps = (stamps - origin)*scale
-      call audit_stamps(stamps, record%audit, gaps)
-   end subroutine use_stamps
+   end subroutine find_scale
+
+   !> What is too large for a time, and for products of times, is missing.
+   pure subroutine drop_absurd(stamps)
+      !> As read
+      real(dp), intent(inout), contiguous :: stamps(:)
+      real(dp), parameter :: largest_stamp = 1.0e30_dp
+      integer(int64) :: i
+
+      do i = 1, size(stamps, kind=int64)
+         if (ieee_is_nan(stamps(i))) cycle
+         if (abs(stamps(i)) > largest_stamp) stamps(i) = ieee_value(1.0_dp, ieee_quiet_nan)
+      end do
+   end subroutine drop_absurd
 
    !> The word for a unit of time.
    pure function unit_word(scale) result(word)

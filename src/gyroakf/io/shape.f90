@@ -11,7 +11,7 @@ module gyroakf_io_shape
    use gyroakf_units, only : angle_to_rate_unit
    implicit none (type, external)
    private
-   public :: fill_gaps, mark_missing, make_rates, cut
+   public :: fill_gaps, mark_missing, make_rates, cut, keep_rows
 
 contains
 
@@ -51,22 +51,27 @@ contains
    end subroutine fill_gaps
 
    !> NaN becomes 0 and a mark in `present`, which exists only where something is missing.
-   subroutine mark_missing(record, largest, error)
+   subroutine mark_missing(record, largest, error, before)
       !> NaN marks what is missing
       type(record_type), intent(inout) :: record
       !> Larger values are an error
       real(dp), intent(in) :: largest
       !> Allocated on failure: no_memory, non_finite
       type(error_type), allocatable, intent(out) :: error
-      integer(int64) :: i
+      !> Samples before these, 0 if absent
+      integer(int64), intent(in), optional :: before
+      integer(int64) :: i, number
       integer :: j, failed
 
       do j = 1, size(record%value, 2)
          do i = 1, size(record%value, 1, kind=int64)
             if (.not. ieee_is_nan(record%value(i, j))) then
                if (abs(record%value(i, j)) <= largest) cycle
-               call fatal_error(error, status%non_finite, "sample "//integer_text(i)//" of '"//record%channel(j)%text//"' is "// &
-                                format_real(record%value(i, j), 6)//"; at most "//format_real(largest, 3)//" can be analysed")
+               number = i
+               if (present(before)) number = i + before
+               call fatal_error(error, status%non_finite, "sample "//integer_text(number)//" of '"//record%channel(j)%text// &
+                                "' is "//format_real(record%value(i, j), 6)//"; at most "//format_real(largest, 3)// &
+                                " can be analysed")
                return
             end if
             if (.not. allocated(record%present)) then

@@ -4,7 +4,7 @@ module gyroakf_io_store
    use gyroakf_kinds, only : dp, int8, int64
    implicit none (type, external)
    private
-   public :: chunk_type, store_type, next_chunk, count_rows, take_columns
+   public :: chunk_rows, chunk_type, store_type, next_chunk, count_rows, take_columns
 
    !> Rows of every chunk
    integer(int64), parameter :: chunk_rows = 65536
@@ -100,6 +100,7 @@ contains
          if (time_slot > 0) stamps(at + 1:at + rows) = store%chunk(i)%value(:rows, time_slot)
          at = at + rows
          deallocate (store%chunk(i)%value)
+         store%chunk(i)%rows = 0
       end do
       store%count = 0
    end subroutine take_columns

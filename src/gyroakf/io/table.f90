@@ -7,19 +7,19 @@ module gyroakf_io_table
    use gyroakf_io_columns, only : choose_columns, column_names_type, find_column, label_of, names_way, read_names
    use gyroakf_io_format, only : comma_advice, comma_found, decimal_comma, foreign_content
    use gyroakf_io_header, only : header_type, read_comment, time_scale
-   use gyroakf_io_lines, only : close_lines, line_end, line_map_type, next_line, lines_type, map_row, more_lines, open_lines
+   use gyroakf_io_lines, only : line_end, line_map_type, next_line, lines_type, map_row, more_lines, open_lines
    use gyroakf_io_number, only : is_missing_word
    use gyroakf_io_place, only : integer_text, place_error
    use gyroakf_io_rows, only : layout_type, parse_rows, problem_type, read_row
    use gyroakf_io_stamps, only : is_time_name
-   use gyroakf_io_store, only : next_chunk, store_type
+   use gyroakf_io_store, only : count_rows, next_chunk, store_type
    use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, split, split_line
    use gyroakf_record, only : add_text, text_type
    use gyroakf_spelling, only : lower
    use gyroakf_units, only : parse_unit, unit_type
    implicit none (type, external)
    private
-   public :: table_type, table_options, read_table
+   public :: table_type, table_options, begin_table, read_rows
 
    !> What is wanted of a table
    type :: table_options
@@ -48,8 +48,11 @@ module gyroakf_io_table
       integer :: time = 0
       !> True where the columns were asked for
       logical :: asked = .false.
-      !> The rows
+      !> The rows that are at hand
       type(store_type) :: store
+      !> How many were read so far, and whether these are all
+      integer(int64) :: rows = 0
+      logical :: whole = .false.
       !> Where the rows stood
       type(line_map_type) :: map
       !> Lines that could not be read
@@ -63,17 +66,18 @@ module gyroakf_io_table
 
 contains
 
-   !> Reads a table.
-   subroutine read_table(path, options, table, error)
+   !> Opens a table, reads what stands above its rows and decides on the columns.
+   subroutine begin_table(lines, path, options, table, error)
+      !> To be closed by [[close_lines]], after a failure too
+      type(lines_type), intent(out) :: lines
       !> A path; "-" is standard input
       character(*), intent(in) :: path
       !> What is wanted
       type(table_options), intent(in) :: options
-      !> What was read
+      !> All but the rows
       type(table_type), intent(out) :: table
       !> Allocated on failure: io, parse, invalid_argument, no_memory
       type(error_type), allocatable, intent(out) :: error
-      type(lines_type) :: lines
 
       call open_lines(lines, path, error)
       if (.not. allocated(error)) then
@@ -82,9 +86,8 @@ contains
       end if
       if (.not. allocated(error)) call read_preamble(lines, options, table, error)
       if (.not. allocated(error)) call lay_out(lines, options, table, error)
-      if (.not. allocated(error)) call read_body(lines, options, table, error)
-      call close_lines(lines)
-   end subroutine read_table
+      if (.not. allocated(error)) call map_row(table%map, 1_int64, lines%number)
+   end subroutine begin_table
 
    !> Refuses what is no text.
    subroutine check_content(lines, error)
@@ -322,46 +325,50 @@ contains
       table%layout%slot(table%time) = table%layout%stored
    end subroutine set_slots
 
-   !> Reads all rows.
-   subroutine read_body(lines, options, table, error)
+   !> Reads rows into the store until it has as many as wanted, or a few more, or there are no more.
+   subroutine read_rows(lines, options, most, table, error)
+      !> Of [[begin_table]]
       type(lines_type), intent(inout) :: lines
+      !> What is wanted
       type(table_options), intent(in) :: options
+      !> So many rows in the store are enough
+      integer(int64), intent(in) :: most
+      !> Its store grows
       type(table_type), intent(inout) :: table
+      !> Allocated on failure: io, parse, no_memory
       type(error_type), allocatable, intent(out) :: error
       type(fields_type) :: fields
-      integer(int64) :: rows, total
+      integer(int64) :: rows
       integer :: failed
       logical :: odd
 
-      total = 0
-      call map_row(table%map, 1_int64, lines%number)
-      do
+      do while (count_rows(table%store) < most)
          call more_lines(lines, error)
          if (allocated(error)) return
-         if (lines%at > lines%last) exit
+         table%whole = lines%at > lines%last
+         if (table%whole) exit
          call next_chunk(table%store, table%layout%stored, failed)
          if (failed /= 0) then
-            call fatal_error(error, status%no_memory, table%name//": no memory for more than "//integer_text(total)//" rows")
+            call fatal_error(error, status%no_memory, table%name//": no memory for more than "//integer_text(table%rows)//" rows")
             return
          end if
          associate (chunk => table%store%chunk(table%store%count))
             rows = chunk%rows
             call parse_rows(lines%bytes, lines%at, lines%last, table%layout, chunk%value, chunk%rows, odd)
             lines%number = lines%number + chunk%rows - rows
-            total = total + chunk%rows - rows
+            table%rows = table%rows + chunk%rows - rows
          end associate
-         if (odd) call take_odd_line(lines, options, table, fields, total, error)
+         if (odd) call take_odd_line(lines, options, table, fields, error)
          if (allocated(error)) return
       end do
-   end subroutine read_body
+   end subroutine read_rows
 
    !> Reads the line at hand, whatever it is.
-   subroutine take_odd_line(lines, options, table, fields, total, error)
+   subroutine take_odd_line(lines, options, table, fields, error)
       type(lines_type), intent(inout) :: lines
       type(table_options), intent(in) :: options
       type(table_type), intent(inout) :: table
       type(fields_type), intent(inout) :: fields
-      integer(int64), intent(inout) :: total
       type(error_type), allocatable, intent(out) :: error
       type(problem_type) :: problem
       real(dp) :: row(table%layout%stored)
@@ -369,7 +376,7 @@ contains
 
       last = line_end(lines)
       if (first_visible(lines%bytes, lines%at, last) > last .or. is_comment(lines%bytes, lines%at, last)) then
-         call map_row(table%map, total + 1, lines%number + 1)
+         call map_row(table%map, table%rows + 1, lines%number + 1)
       else
          call read_row(lines%bytes, lines%at, last, table%layout, fields, row, problem)
          if (problem%found .and. .not. options%bad_lines_missing) then
@@ -385,7 +392,7 @@ contains
             chunk%rows = chunk%rows + 1
             chunk%value(chunk%rows, :) = row
          end associate
-         total = total + 1
+         table%rows = table%rows + 1
       end if
       call next_line(lines)
    end subroutine take_odd_line

@@ -15,7 +15,7 @@ module gyroakf_pipeline_coefficients
    use gyroakf_pipeline_warnings, only : note_failure, is_fatal
    implicit none (type, external)
    private
-   public :: run_allan, state_noise, state_read_off, compare_coefficients
+   public :: run_allan, fit_curve, state_noise, state_read_off, compare_coefficients
 
 contains
 
@@ -40,9 +40,6 @@ contains
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
 
-      type(read_off_type) :: read
-      integer :: i
-
       call compute_allan(x, step, options%allan, channel%allan(which)%curve, error, valid)
       if (is_fatal(error)) return
       channel%allan(which)%available = .not. allocated(error)
@@ -52,6 +49,27 @@ contains
          call run_other_kinds(x, step, options, which, channel, error, valid)
          if (allocated(error)) return
       end if
+      call fit_curve(rate_known, unit, options, which, channel, error)
+   end subroutine run_allan
+
+   !> Fits the coefficients of a curve and states them. A failure is noted in the channel.
+   subroutine fit_curve(rate_known, unit, options, which, channel, error)
+      !> The sample interval is in seconds
+      logical, intent(in) :: rate_known
+      !> Unit of the series
+      type(unit_type), intent(in) :: unit
+      !> Options of the main job
+      type(pipeline_options), intent(in) :: options
+      !> Component of [[stage]]
+      integer, intent(in) :: which
+      !> The rest of `allan(which)` is filled
+      type(channel_result_type), intent(inout) :: channel
+      !> no_memory, cancelled, internal; everything else is noted in the channel
+      type(error_type), allocatable, intent(out) :: error
+
+      type(read_off_type) :: read
+      integer :: i
+
       call fit_noise(channel%allan(which)%curve, options%noise, channel%allan(which)%noise, error)
       if (is_fatal(error)) return
       channel%allan(which)%fitted = .not. allocated(error)
@@ -65,7 +83,7 @@ contains
       call state_noise(channel%allan(which)%noise, rate_known, unit, channel%allan(which)%stated)
       call read_off(channel%allan(which)%curve, read_off_options(), read, error)
       if (.not. allocated(error)) call state_read_off(read, rate_known, unit, channel%allan(which)%read_off)
-   end subroutine run_allan
+   end subroutine fit_curve
 
    !> Computes the curves of the further kinds. A failure is noted in the channel.
    subroutine run_other_kinds(x, step, options, which, channel, error, valid)

@@ -4,7 +4,7 @@
 !> Every key is always there. What was not asked for, what a room could not compute and what is not built yet is null.
 module gyroakf_report_document
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_record, only : record_type, text_type, add_text, view_channel
+   use gyroakf_record, only : record_type, text_type, add_text, view_channel, sample_count
    use gyroakf_release, only : release_string
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_result_type, channel_result_type
@@ -61,7 +61,7 @@ contains
       call open_object(json, "input")
       call put_text_or_null(json, "path", record%path)
       call put_text_or_null(json, "format", record%format)
-      call put_member(json, "samples", size(record%value, 1, kind=int64))
+      call put_member(json, "samples", sample_count(record))
       if (record%rate_known) then
          call put_member(json, "rate_hz", 1.0_dp/record%sample_interval)
       else

@@ -2,7 +2,7 @@
 !> What was read and what was assumed about it.
 module gyroakf_report_input
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_record, only : record_type
+   use gyroakf_record, only : record_type, sample_count
    use gyroakf_units, only : quantity
    use gyroakf_release, only : release_string
    use gyroakf_io_writer, only : writer_type, put_line
@@ -53,11 +53,11 @@ contains
             names = names//merge(": ", ", ", i == 1)//record%channel(i)%text
          end do
       end if
-      call put_item(writer, "Samples", count_text(size(record%value, 1, kind=int64))//" in "// &
+      call put_item(writer, "Samples", count_text(sample_count(record))//" in "// &
                     plural(size(record%value, 2, kind=int64), "channel")//names)
       if (record%rate_known) then
          call put_item(writer, "Rate", number(1.0_dp/record%sample_interval, 7)//" Hz"//source(record%rate_source)//"; "// &
-                       duration_text(real(size(record%value, 1, kind=int64), dp)*record%sample_interval))
+                       duration_text(real(sample_count(record), dp)*record%sample_interval))
       else
          call put_item(writer, "Rate", "not known: times are in samples, and results per sample; --rate HZ (or --dt S) "// &
                        "gives seconds and the usual units")
@@ -71,6 +71,9 @@ contains
                        "the usual ones")
       end if
       call put_missing(writer, record)
+      if (record%streamed) call put_item(writer, "Memory", "streamed, for the recording is larger than --memory allows: its "// &
+         "blocks were not kept, and at averaging times of m >= 64 samples every m/32-th term was taken (white noise keeps "// &
+         "99.9 % of its degrees of freedom)")
       call put_items(writer, "Warning", record%warnings)
    end subroutine put_input
 
@@ -101,8 +104,8 @@ contains
       character(:), allocatable :: text
 
       text = plural(record%audit%missing, "value")
-      if (record%audit%missing > 0) text = text//" of "//count_text(size(record%value, kind=int64))//" ("// &
-         number(100*real(record%audit%missing, dp)/real(size(record%value, kind=int64), dp), 3)//" %)"
+      if (record%audit%missing > 0) text = text//" of "//count_text(sample_count(record)*size(record%value, 2))//" ("// &
+         number(100*real(record%audit%missing, dp)/real(sample_count(record)*size(record%value, 2), dp), 3)//" %)"
       text = text//", "//plural(record%audit%gaps, "gap")
       if (record%audit%bad_lines > 0) text = text//", "//plural(record%audit%bad_lines, "line")//" that could not be read"
       call put_item(writer, "Missing", text)

@@ -8,7 +8,7 @@
 module gyroakf_report_kalibr
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_record, only : record_type
+   use gyroakf_record, only : record_type, sample_count
    use gyroakf_release, only : release_string
    use gyroakf_units, only : quantity, term_names
    use gyroakf_io_writer, only : writer_type, put_line
@@ -54,7 +54,7 @@ contains
       if (.not. allocated(error)) call check_coefficients(record, result, error)
       if (allocated(error)) return
       call put_line(writer, "# Noise of an inertial sensor for Kalibr (imu.yaml), by gyroakf "//release_string)
-      call put_line(writer, "# from "//plain(record%path)//": "//count_text(size(record%value, 1, kind=int64))//" samples, "// &
+      call put_line(writer, "# from "//plain(record%path)//": "//count_text(sample_count(record))//" samples, "// &
                     number(result%duration, 6)//" s")
       call put_line(writer, "#")
       call put_line(writer, "# SI units, continuous time. noise_density is N of the Allan variance N^2/tau, the root of the")

@@ -5,7 +5,7 @@ module gyroakf_series_moments
    use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last
    implicit none (type, external)
    private
-   public :: moments_type, compute_moments
+   public :: moments_type, compute_moments, join_moments
 
    !> Moments of a series in its unit u
    type :: moments_type
@@ -100,6 +100,36 @@ contains
          return
       end do
    end subroutine find_first
+
+   !> Moments of two series one behind the other, from those of each.
+   pure subroutine join_moments(moments, next)
+      !> Those of the first; afterwards of both
+      type(moments_type), intent(inout) :: moments
+      !> Those of the second
+      type(moments_type), intent(in) :: next
+      type(sums_type) :: both
+
+      if (next%count == 0) return
+      both = sums_of(next)
+      if (moments%count > 0) both = merged(sums_of(moments), both)
+      call finish(both, 0.0_dp, moments)
+   end subroutine join_moments
+
+   !> The sums that moments come from.
+   pure type(sums_type) function sums_of(moments) result(s)
+      !> At least one sample
+      type(moments_type), intent(in) :: moments
+      real(dp) :: m2
+
+      s%count = real(moments%count, dp)
+      s%mean = moments%mean
+      s%m2 = moments%variance*(s%count - 1.0_dp)
+      m2 = s%m2/s%count
+      s%m3 = moments%skewness*m2*sqrt(m2)*s%count
+      s%m4 = moments%kurtosis*m2*m2*s%count
+      s%low = moments%minimum
+      s%high = moments%maximum
+   end function sums_of
 
    !> Moments from the sums.
    pure subroutine finish(s, shift, moments)
