@@ -7,7 +7,7 @@ module test_allan_gaps
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
    use gyroakf_allan_gapped_average, only : sum_gapped_averages
    use gyroakf_allan_phase_average, only : sum_phase_averages
-   use gyroakf_allan_reflection, only : add_gapped_reflections, add_reflected_differences
+   use gyroakf_allan_reflection, only : add_gapped_reflections, add_reflected_differences, complete_weight
    use gyroakf_allan_second_difference, only : gap_sums_type, sum_gapped_differences, sum_second_differences
    use allan_series, only : normal_series, uniform_series, walk_of
    use testdrive, only : check, error_type, new_unittest, unittest_type
@@ -33,6 +33,7 @@ contains
          & new_unittest("nothing_missing", test_nothing_missing), &
          & new_unittest("white_noise", test_white), &
          & new_unittest("random_walk", test_walk), &
+         & new_unittest("long_gap", test_long_gap), &
          & new_unittest("strict", test_strict), &
          & new_unittest("time_deviation", test_time_deviation)]
    end subroutine collect_allan_gaps
@@ -96,6 +97,7 @@ contains
       all_there = weight(:, 2)/full(2) - weight(:, 1)/full(1)
       sums%squares = sums%squares + sum(there*rate)**2
       sums%terms = sums%terms + 1
+      sums%weight = sums%weight + sum(all_there**2)*full(1)/2
       white = white + sum(there**2) - sum(all_there**2)
    end subroutine add_difference
 
@@ -179,6 +181,8 @@ contains
             end do
             call compare(error, found(i), expected, white, "totdev")
             if (allocated(error)) return
+            call check(error, abs(found(i)%weight - expected%weight) <= exact*n, "totdev: expectations of complete terms")
+            if (allocated(error)) return
          end do
       end do
    end subroutine test_reflection_definition
@@ -194,6 +198,7 @@ contains
       real(dp), allocatable :: rate(:), phase(:)
       real(dp) :: plain(5)
       integer(int32), allocatable :: missing(:)
+      integer :: i
 
       allocate (rate, source=normal_series(int(n, int64), 4_int64))
       allocate (phase(0:n), missing(0:n))
@@ -211,6 +216,8 @@ contains
       call check(error, all(abs(found%squares*real(m, dp)**2/plain - 1) < 1.0e-12_dp), "totdev")
       if (allocated(error)) return
       call check(error, all(found%terms == n - 1), "totdev: terms")
+      if (allocated(error)) return
+      call check(error, all(abs([(complete_weight(int(n, int64), m(i)), i=1, 5)] - found%weight) < 1.0e-8_dp), "totdev: weight")
    end subroutine test_nothing_missing
 
    !> Mean ratio of the variances with gaps to those of the complete record, over some records.
@@ -296,6 +303,32 @@ contains
          end do
       end do
    end subroutine test_walk
+
+   subroutine test_long_gap(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! a gap of 10 % takes most terms of a long averaging time, and those near the ends have small expectations: unbiased all the
+      ! same in white noise (m = 1000: five standard errors of 200 records with four degrees of freedom), left out at m = 1500
+      integer, parameter :: n = 5000, runs = 200
+      type(allan_curve_type) :: curve
+      type(allan_options) :: options
+      type(gyro_error), allocatable :: failure
+      real(dp) :: rate(n), mean
+      integer :: run
+
+      options%kind = "totdev"
+      options%taus = "1000,1500"
+      mean = 0
+      do run = 1, runs
+         rate = normal_series(int(n, int64), int(313*run, int64))
+         where (presence(n, 3) == 0) rate = ieee_value(1.0_dp, ieee_quiet_nan)
+         call compute_allan(rate, 1.0_dp, options, curve, failure)
+         call check(error, size(curve%m) == 1, "there is a point at m = 1500")
+         if (allocated(error)) return
+         mean = mean + 1000*curve%deviation(1)**2/runs
+      end do
+      call check(error, abs(mean - 1) < 5*sqrt(2/(4.0_dp*runs)), "white noise with a long gap is biased")
+   end subroutine test_long_gap
 
    subroutine test_strict(error)
       type(error_type), allocatable, intent(out) :: error

@@ -112,6 +112,9 @@ for kind in mdev tdev totdev; do
    is "the report has a table of $kind with gaps" "$(grep -c "^As read: $kind in deg/s" gapped/report.txt)" 1
 done
 is "no warning of a kind" "$(grep -c "is not computed" out)" 0
+run allan "$example" --kinds totdev --out total
+edf_of() { awk -F , -v k="$1" '$2 == "input" && $3 == k && $4 == 0.2 { print $8 }' total/allan.csv; }
+near "degrees of freedom of totdev at one sample" "$(edf_of totdev)" "$(edf_of oadev)" 1
 good "a record that grows louder" simulate --samples 20000 --rate 10 --coefficients N=0.01 --seed 3 --output quiet.txt
 awk '/^#/ { print; next } { print (++n > 10000 ? 1.2*$1 : $1) }' quiet.txt >loud.txt
 good "halves that differ" allan loud.txt --json loud.json

@@ -9,12 +9,14 @@
 !>
 !> The reflection of the phase is a mirror image of the rate. With missing samples the mirror image lacks the same ones: the window
 !> that reaches over the end holds samples twice, and its mean is taken over those that are there, each as often as it occurs.
+!> A term near an end has another expectation than one in the middle, in white noise 3j/m times (j < m/2) or 2 - j/m times as much,
+!> which evens out over all j: where terms are lost the sum is divided by the sum of these weights, not by their number.
 module gyroakf_allan_reflection
    use gyroakf_kinds, only : dp, int32, int64
    use gyroakf_allan_second_difference, only : gap_sums_type
    implicit none (type, external)
    private
-   public :: add_reflected_differences, add_gapped_reflections
+   public :: add_reflected_differences, add_gapped_reflections, complete_weight
 
    !> Terms of a partial sum, and how many of these run in a batch
    integer(int64), parameter :: block_length = 16384, batch = 256
@@ -93,6 +95,7 @@ contains
       integer :: i
 
       do i = 1, size(m)
+         sums(i)%weight = real(sums(i)%terms, dp)
          blocks = (m(i) + block_length - 2)/block_length
          do first = 1, blocks, batch
             last = min(first + batch - 1, blocks)
@@ -106,9 +109,19 @@ contains
             sums(i)%squares = sums(i)%squares + sum(part(:last)%squares)
             sums(i)%inflation = sums(i)%inflation + sum(part(:last)%inflation)
             sums(i)%terms = sums(i)%terms + sum(part(:last)%terms)
+            sums(i)%weight = sums(i)%weight + sum(part(:last)%weight)
          end do
       end do
    end subroutine add_gapped_reflections
+
+   !> The weight of a complete record of n samples: n, less 1/m where m is odd.
+   pure real(dp) function complete_weight(n, m)
+      !> Samples, and averaging factor
+      integer(int64), intent(in) :: n, m
+
+      complete_weight = real(n, dp)
+      if (mod(m, 2_int64) == 1) complete_weight = complete_weight - 1/real(m, dp)
+   end function complete_weight
 
    !> Both ends: centres j and n - j.
    pure subroutine gapped_edges(phase, missing, m, min_coverage, first, last, sums)
@@ -152,20 +165,22 @@ contains
       !> Sums to add to
       type(gap_sums_type), intent(inout) :: sums
 
-      real(dp) :: c1, c2, white
+      real(dp) :: c1, c2, white, complete
 
       if (min(2*twice + once, whole) < least) return
       c1 = real(2*twice + once, dp)
       c2 = real(whole, dp)
       if (2*j >= m) then
-         white = real(4*twice + once, dp)/c1**2 + 1/c2 - real(4*m - 2*j, dp)/real(m, dp)**2
+         complete = real(4*m - 2*j, dp)/real(m, dp)**2
+         white = real(4*twice + once, dp)/c1**2 + 1/c2
       else                                                  ! what the outer window holds once is in the inner one too
-         white = 4*real(twice, dp)/c1**2 + real(once, dp)*(1/c1 - 1/c2)**2 + real(whole - once, dp)/c2**2 &
-            & - 6*real(j, dp)/real(m, dp)**2
+         complete = 6*real(j, dp)/real(m, dp)**2
+         white = 4*real(twice, dp)/c1**2 + real(once, dp)*(1/c1 - 1/c2)**2 + real(whole - once, dp)/c2**2
       end if
       sums%squares = sums%squares + (inner/c2 - outer/c1)**2
-      sums%inflation = sums%inflation + white
+      sums%inflation = sums%inflation + (white - complete)
       sums%terms = sums%terms + 1
+      sums%weight = sums%weight + complete*real(m, dp)/2
    end subroutine add_edge
 
 end module gyroakf_allan_reflection

@@ -27,6 +27,8 @@ module gyroakf_allan_second_difference
       real(dp) :: inflation = 0.0_dp
       !> Terms whose two windows are complete enough
       integer(int64) :: terms = 0
+      !> Total variance: their expectations in white noise, relative to that of a term that sees no end of the record
+      real(dp) :: weight = 0.0_dp
    end type gap_sums_type
 
 contains
