@@ -5,6 +5,7 @@
 !> the same series in rational arithmetic. PHASE.DAT: results of Stable32 1.60 for the integral of the same series.
 module test_allan_deviation
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan, ieee_positive_inf
+   use, intrinsic :: iso_fortran_env, only : qp => real128
    use omp_lib, only : omp_get_max_threads, omp_set_num_threads
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
@@ -38,6 +39,7 @@ contains
          & new_unittest("scale", test_scale), &
          & new_unittest("threads", test_threads), &
          & new_unittest("direct_sum", test_direct_sum), &
+         & new_unittest("quadruple", test_quadruple), &
          & new_unittest("octave_pairs", test_octave_pairs), &
          & new_unittest("gaps_direct_sum", test_gaps_direct_sum), &
          & new_unittest("gaps_white", test_gaps_white), &
@@ -359,6 +361,53 @@ contains
       if (allocated(error)) return
       call agree(error, octaves%deviation([2, 4, 6]), even%deviation, 1.0e-14_dp, "deviation")
    end subroutine test_octave_pairs
+
+   subroutine test_quadruple(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! an offset of a million standard deviations; short and long factors, alone, in twos, threes and fours of octaves
+      integer, parameter :: n = 560000
+      integer(int64), parameter :: m(13) = [integer(int64) :: 1, 2, 4, 8, 16, 32, 100, 3000, 33000, 66000, 132000, 264000, 280000]
+      character(*), parameter :: taus = "1,2,4,8,16,32,100,3000,33000,66000,132000,264000,280000"
+      type(allan_curve_type) :: curve
+      real(dp), allocatable :: rate(:), phase(:)
+      real(dp) :: expected
+      integer :: i
+
+      rate = normal_series(int(n, int64), 18_int64) + 1.0e6_dp
+      phase = exact_phase(rate)
+      call curve_of(error, rate, 1.0_dp, taus, curve)
+      if (allocated(error)) return
+      call check(error, all(curve%m == m), "factors")
+      do i = 1, size(m)
+         if (allocated(error)) return
+         associate (x => phase, last => n + 1 - 2*m(i))
+            expected = sum((x(1 + 2*m(i):) - 2*x(1 + m(i):last + m(i)) + x(:last))**2)/real(last, dp)
+         end associate
+         call agree(error, curve%deviation(i:i), [sqrt(expected/2)/m(i)], exact, "deviation")
+      end do
+   end subroutine test_quadruple
+
+   !> The integral of a rate less its mean, summed in quadruple precision.
+   pure function exact_phase(rate) result(phase)
+      real(dp), intent(in) :: rate(:)
+      real(dp) :: phase(size(rate) + 1)
+
+      real(qp) :: x, mean
+      integer :: i
+
+      mean = 0
+      do i = 1, size(rate)
+         mean = mean + rate(i)
+      end do
+      mean = mean/size(rate)
+      x = 0
+      phase(1) = 0
+      do i = 1, size(rate)
+         x = x + (rate(i) - mean)
+         phase(i + 1) = real(x, dp)
+      end do
+   end function exact_phase
 
    subroutine test_gaps_direct_sum(error)
       type(error_type), allocatable, intent(out) :: error

@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: MIT
 !> Sums of squared second differences of the phase: the work of the overlapping Allan variance.
 !>
-!> The loop over the record runs in blocks that stay in the cache while every averaging factor is
-!> applied to them, so that factors share what was fetched (of octaves, three in four streams). Partial sums
-!> belong to fixed stretches of the record: the result does not depend on the number of threads.
+!> The terms are taken in blocks. Short factors run over the record together: a block stays in the cache while each of
+!> them is applied to it. A long factor m visits the blocks k, k + m, k + 2m ... one after the other, so that the three phases
+!> of a term come from the memory once instead of three times. Factors that double, as octaves do, are taken four at a time.
+!> Partial sums belong to fixed parts of the record: the result does not depend on the number of threads.
 module gyroakf_allan_second_difference
    use gyroakf_kinds, only : dp, int32, int64
    implicit none (type, external)
@@ -12,8 +13,10 @@ module gyroakf_allan_second_difference
 
    !> Terms of one factor that are summed before the next factor has its turn
    integer(int64), parameter :: block_length = 2048
-   !> Stretches of the record at most
-   integer(int64), parameter :: stretches_max = 64
+   !> Longest factor of which a block and the phases 2m further on stay in the cache together
+   integer(int64), parameter :: short_max = 32768
+   !> Parts of the record at most
+   integer(int64), parameter :: parts_max = 64
    !> Averaging factors that are handled in one pass
    integer, parameter :: batch = 256
    !> Terms times factors below which one thread is quicker
@@ -42,122 +45,150 @@ contains
       !> The sums: [size(m)]
       real(dp), intent(out) :: sums(:)
 
-      real(dp) :: part(batch, stretches_max)
-      integer(int64) :: n, stretches, s
+      real(dp) :: part(batch, parts_max)
+      integer(int64) :: n, parts, s
       integer :: first, last, i
 
       n = ubound(phase, 1, kind=int64)
-      stretches = stretch_count(n)
+      parts = part_count(n)
       do first = 1, size(m), batch
          last = min(first + batch - 1, size(m))
          !$omp parallel do schedule(dynamic) if (n*(last - first + 1) >= parallel_from)
-         do s = 1, stretches
-            call one_stretch(phase, m(first:last), stretch_begin(s, stretches, n), stretch_begin(s + 1, stretches, n), part(:, s))
+         do s = 1, parts
+            call one_part(phase, m(first:last), s, parts, part(:last - first + 1, s))
          end do
          !$omp end parallel do
          do i = first, last
-            sums(i) = sum(part(i - first + 1, :stretches))
+            sums(i) = sum(part(i - first + 1, :parts))
          end do
       end do
    end subroutine sum_second_differences
 
-   !> All factors over one stretch of the record.
-   subroutine one_stretch(phase, m, begin, end_before, part)
+   !> All factors, over one part of the record.
+   pure subroutine one_part(phase, m, s, parts, sums)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Averaging factors
       integer(int64), intent(in) :: m(:)
-      !> First k of the stretch, and of the next one
-      integer(int64), intent(in) :: begin, end_before
-      !> Sums: [>= size(m)]
-      real(dp), intent(inout) :: part(:)
+      !> Number of the part, from 1, and how many there are
+      integer(int64), intent(in) :: s, parts
+      !> Sums: [size(m)]
+      real(dp), intent(out) :: sums(:)
 
-      integer(int64) :: n, k, terms, done
-      integer :: i, step
+      integer(int64) :: n, k, row, end_before
+      integer :: i, next
 
       n = ubound(phase, 1, kind=int64)
-      part = 0
-      do k = begin, end_before - 1, block_length
-         i = 1
-         do while (i <= size(m))
-            terms = min(end_before, k + block_length, n - 2*m(i) + 1) - k
-            done = 0
-            step = 1
-            if (i < size(m)) then
-               if (m(i + 1) == 2*m(i)) then                  ! an octave shares three of its four streams
-                  done = max(0_int64, min(end_before, k + block_length, n - 4*m(i) + 1) - k)
-                  call add_octave(phase(k:k + done - 1), phase(k + m(i):k + m(i) + done - 1), &
-                     & phase(k + 2*m(i):k + 2*m(i) + done - 1), phase(k + 4*m(i):k + 4*m(i) + done - 1), part(i), part(i + 1))
-                  step = 2
-               end if
-            end if
-            if (terms > done) part(i) = part(i) + squares(phase(k + done:k + terms - 1), &
-               & phase(k + m(i) + done:k + m(i) + terms - 1), phase(k + 2*m(i) + done:k + 2*m(i) + terms - 1))
-            i = i + step
+      sums = 0
+      next = count(m <= short_max) + 1
+      end_before = part_begin(s + 1, parts, n)
+      do k = part_begin(s, parts, n), end_before - 1, block_length
+         call one_block(phase, m(:next - 1), k, min(end_before, k + block_length) - 1, sums(:next - 1))
+      end do
+      do while (next <= size(m))
+         i = next
+         next = i + octave_count(m(i:), n)
+         end_before = part_begin(s + 1, parts, m(i))
+         do k = part_begin(s, parts, m(i)), end_before - 1, block_length
+            do row = 0, n - k, m(i)
+               call one_block(phase, m(i:next - 1), row + k, row + min(end_before, k + block_length) - 1, sums(i:next - 1))
+            end do
          end do
       end do
-   end subroutine one_stretch
+   end subroutine one_part
 
-   !> Adds the sums of (c - 2 b + a)**2 and (d - 2 c + a)**2, two chains each.
-   pure subroutine add_octave(a, b, c, d, sum1, sum2)
-      !> Phase at k, k + m, k + 2m, k + 4m: [terms]
-      real(dp), intent(in), contiguous :: a(:), b(:), c(:), d(:)
-      !> Sums of the factors m and 2m, to add to
-      real(dp), intent(inout) :: sum1, sum2
+   !> Adds the terms of one block for every factor.
+   pure subroutine one_block(phase, m, first, last, sums)
+      !> Phase: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> Averaging factors
+      integer(int64), intent(in) :: m(:)
+      !> First and last k; those of which a factor has no term are left out
+      integer(int64), intent(in) :: first, last
+      !> Sums to add to: [size(m)]
+      real(dp), intent(inout) :: sums(:)
 
-      integer(int64) :: i, n, q
-      real(dp) :: s1, s2, t1, t2, p, r, u, v
+      integer(int64) :: n, last_term
+      integer :: i, octaves
 
-      n = size(a, kind=int64)
-      q = n/2
+      n = ubound(phase, 1, kind=int64)
+      i = 1
+      do while (i <= size(m))
+         last_term = min(last, n - 2*m(i))
+         octaves = octave_count(m(i:), n - last_term)
+         if (octaves >= 3) then
+            call add_octaves(phase, first, last_term, m(i), sums(i:i + octaves - 1))
+         else
+            octaves = 1
+            sums(i) = sums(i) + squares(phase, first, last_term, m(i))
+         end if
+         i = i + octaves
+      end do
+   end subroutine one_block
+
+   !> Leading factors, four at most, of which each is twice the one before and spans no more than there is; at least one.
+   pure integer function octave_count(m, span_max)
+      !> Averaging factors: [>= 1]
+      integer(int64), intent(in) :: m(:)
+      !> Phases that follow the last term
+      integer(int64), intent(in) :: span_max
+
+      octave_count = 1
+      do while (octave_count < min(4, size(m)))
+         if (m(octave_count + 1) /= 2*m(octave_count) .or. 2*m(octave_count + 1) > span_max) exit
+         octave_count = octave_count + 1
+      end do
+   end function octave_count
+
+   !> Adds the sums over k = first .. last of (x(k+2j) - 2 x(k+j) + x(k))**2 for j = m, 2m, 4m and 8m.
+   !>
+   !> Four factors take six streams from the memory instead of twelve, and share the differences to x(k).
+   pure subroutine add_octaves(phase, first, last, m, sums)
+      !> Phase: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> First and last term, and the smallest factor
+      integer(int64), intent(in) :: first, last, m
+      !> Sums to add to: [3 or 4]
+      real(dp), intent(inout) :: sums(:)
+
+      integer(int64) :: k, m16
+      real(dp) :: p1, p2, p4, p8, p16, s1, s2, s4, s8
+
+      m16 = merge(16*m, 8*m, size(sums) == 4)
       s1 = 0
       s2 = 0
-      t1 = 0
-      t2 = 0
-      !$omp simd reduction(+:s1, s2, t1, t2) private(p, r, u, v)
-      do i = 1, q
-         p = b(i) - a(i)
-         r = c(i) - b(i)
-         s1 = s1 + (r - p)**2
-         t1 = t1 + ((d(i) - c(i)) - (r + p))**2
-         u = b(i + q) - a(i + q)
-         v = c(i + q) - b(i + q)
-         s2 = s2 + (v - u)**2
-         t2 = t2 + ((d(i + q) - c(i + q)) - (v + u))**2
-      end do
-      do i = 2*q + 1, n
-         s1 = s1 + ((c(i) - b(i)) - (b(i) - a(i)))**2
-         t1 = t1 + ((d(i) - c(i)) - (c(i) - a(i)))**2
-      end do
-      sum1 = sum1 + (s1 + s2)
-      sum2 = sum2 + (t1 + t2)
-   end subroutine add_octave
-
-   !> Sum of (c - 2 b + a)**2 in four chains.
-   pure real(dp) function squares(a, b, c)
-      !> Phase at k, k + m, k + 2m: [terms]
-      real(dp), intent(in), contiguous :: a(:), b(:), c(:)
-
-      integer(int64) :: i, n, q
-      real(dp) :: s1, s2, s3, s4
-
-      n = size(a, kind=int64)
-      q = n/4
-      s1 = 0
-      s2 = 0
-      s3 = 0
       s4 = 0
-      !$omp simd reduction(+:s1, s2, s3, s4)
-      do i = 1, q
-         s1 = s1 + ((c(i) - b(i)) - (b(i) - a(i)))**2
-         s2 = s2 + ((c(i + q) - b(i + q)) - (b(i + q) - a(i + q)))**2
-         s3 = s3 + ((c(i + 2*q) - b(i + 2*q)) - (b(i + 2*q) - a(i + 2*q)))**2
-         s4 = s4 + ((c(i + 3*q) - b(i + 3*q)) - (b(i + 3*q) - a(i + 3*q)))**2
+      s8 = 0
+      !$omp simd reduction(+:s1, s2, s4, s8) private(p1, p2, p4, p8, p16)
+      do k = first, last
+         p1 = phase(k + m) - phase(k)
+         p2 = phase(k + 2*m) - phase(k)
+         p4 = phase(k + 4*m) - phase(k)
+         p8 = phase(k + 8*m) - phase(k)
+         p16 = phase(k + m16) - phase(k)
+         s1 = s1 + (p2 - 2*p1)**2
+         s2 = s2 + (p4 - 2*p2)**2
+         s4 = s4 + (p8 - 2*p4)**2
+         s8 = s8 + (p16 - 2*p8)**2
       end do
-      do i = 4*q + 1, n
-         s1 = s1 + ((c(i) - b(i)) - (b(i) - a(i)))**2
+      sums(:3) = sums(:3) + [s1, s2, s4]
+      if (size(sums) == 4) sums(4) = sums(4) + s8
+   end subroutine add_octaves
+
+   !> The sum over k = first .. last of (x(k+2m) - 2 x(k+m) + x(k))**2, 0 without terms.
+   pure real(dp) function squares(phase, first, last, m)
+      !> Phase: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> First and last term, and the factor
+      integer(int64), intent(in) :: first, last, m
+
+      integer(int64) :: k
+
+      squares = 0
+      !$omp simd reduction(+:squares)
+      do k = first, last
+         squares = squares + ((phase(k + 2*m) - phase(k + m)) - (phase(k + m) - phase(k)))**2
       end do
-      squares = (s1 + s2) + (s3 + s4)
    end function squares
 
    !> The same for a record with missing samples: differences of the means of the present samples of two windows.
@@ -173,30 +204,30 @@ contains
       !> The sums: [size(m)]
       type(gap_sums_type), intent(out) :: sums(:)
 
-      type(gap_sums_type) :: part(batch, stretches_max)
-      integer(int64) :: n, stretches, s
+      type(gap_sums_type) :: part(batch, parts_max)
+      integer(int64) :: n, parts, s
       integer :: first, last, i
 
       n = ubound(phase, 1, kind=int64)
-      stretches = stretch_count(n)
+      parts = part_count(n)
       do first = 1, size(m), batch
          last = min(first + batch - 1, size(m))
          !$omp parallel do schedule(dynamic) if (n*(last - first + 1) >= parallel_from)
-         do s = 1, stretches
-            call one_gapped_stretch(phase, missing, m(first:last), min_coverage, stretch_begin(s, stretches, n), &
-               & stretch_begin(s + 1, stretches, n), part(:, s))
+         do s = 1, parts
+            call one_gapped_part(phase, missing, m(first:last), min_coverage, part_begin(s, parts, n), &
+               & part_begin(s + 1, parts, n), part(:, s))
          end do
          !$omp end parallel do
          do i = first, last
-            sums(i)%squares = sum(part(i - first + 1, :stretches)%squares)
-            sums(i)%inflation = sum(part(i - first + 1, :stretches)%inflation)
-            sums(i)%terms = sum(part(i - first + 1, :stretches)%terms)
+            sums(i)%squares = sum(part(i - first + 1, :parts)%squares)
+            sums(i)%inflation = sum(part(i - first + 1, :parts)%inflation)
+            sums(i)%terms = sum(part(i - first + 1, :parts)%terms)
          end do
       end do
    end subroutine sum_gapped_differences
 
-   !> All factors over one stretch of a record with gaps.
-   subroutine one_gapped_stretch(phase, missing, m, min_coverage, begin, end_before, part)
+   !> All factors over one part of a record with gaps.
+   subroutine one_gapped_part(phase, missing, m, min_coverage, begin, end_before, part)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n]
@@ -205,7 +236,7 @@ contains
       integer(int64), intent(in) :: m(:)
       !> Share of a window that must be present
       real(dp), intent(in) :: min_coverage
-      !> First k of the stretch, and of the next one
+      !> First k of the part, and of the next one
       integer(int64), intent(in) :: begin, end_before
       !> Sums: [>= size(m)]
       type(gap_sums_type), intent(inout) :: part(:)
@@ -229,7 +260,7 @@ contains
                & missing(k:k + last), missing(k1:k1 + last), missing(k2:k2 + last), part(i))
          end do
       end do
-   end subroutine one_gapped_stretch
+   end subroutine one_gapped_part
 
    !> Adds the terms whose two windows lack at most `allowed` samples each.
    pure subroutine gapped_squares(m, allowed, a, b, c, ga, gb, gc, sums)
@@ -270,27 +301,27 @@ contains
       sums%inflation = sums%inflation + (inverse - 2*real(terms, dp)/length)
    end subroutine gapped_squares
 
-   !> Stretches into which a record is cut.
-   pure integer(int64) function stretch_count(n)
+   !> Parts into which a record is cut.
+   pure integer(int64) function part_count(n)
       !> Samples
       integer(int64), intent(in) :: n
 
-      stretch_count = max(1_int64, min(stretches_max, n/(8*block_length)))
-   end function stretch_count
+      part_count = max(1_int64, min(parts_max, n/(8*block_length)))
+   end function part_count
 
-   !> First term of a stretch; of the one after the last: n.
-   pure integer(int64) function stretch_begin(s, stretches, n)
+   !> First term of a part; of the one after the last: n.
+   pure integer(int64) function part_begin(s, parts, n)
       !> Its number, from 1
       integer(int64), intent(in) :: s
       !> How many there are
-      integer(int64), intent(in) :: stretches
+      integer(int64), intent(in) :: parts
       !> Samples
       integer(int64), intent(in) :: n
 
       integer(int64) :: blocks
 
       blocks = (n + block_length - 1)/block_length
-      stretch_begin = min(n, block_length*((s - 1)*(blocks/stretches) + min(s - 1, mod(blocks, stretches))))
-   end function stretch_begin
+      part_begin = min(n, block_length*((s - 1)*(blocks/parts) + min(s - 1, mod(blocks, parts))))
+   end function part_begin
 
 end module gyroakf_allan_second_difference
