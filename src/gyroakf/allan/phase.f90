@@ -12,6 +12,7 @@ module gyroakf_allan_phase
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_large_pages, only : prefer_large_pages
    implicit none (type, external)
    private
    public :: integrate_rate, level_phase, present_sample, add_compensated
@@ -62,6 +63,7 @@ contains
          call fatal_error(error, status%no_memory, "no memory for the integral of the record")
          return
       end if
+      call prefer_large_pages(phase)
       call sum_blocks(rate, sums, absent, pilot, valid)
       total = sum(absent)
       if (total >= n) then
@@ -108,6 +110,7 @@ contains
          call fatal_error(error, status%no_memory, "no memory for the phases")
          return
       end if
+      call prefer_large_pages(phase)
       first = angle(1)
       slope = (angle(n + 1) - first)/real(n, dp)
       scale = 1/sample_interval
