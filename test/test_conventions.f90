@@ -169,7 +169,7 @@ contains
       call make_record(record, .true.)
       call make_result(record, result)
       call begin_text(writer)
-      call put_conventions(writer, result%channel(1)%allan(stage%akf))
+      call put_conventions(writer, result%channel(1)%allan(stage%akf), "As read")
       call end_text(writer, text)
       do i = 1, size(lines)
          call check(error, index(text, new_line("a")//trim(lines(i))//new_line("a")) > 0, text)
@@ -187,7 +187,7 @@ contains
       call make_record(record, .false.)
       call make_result(record, result)
       call begin_text(writer)
-      call put_conventions(writer, result%channel(1)%allan(stage%input))
+      call put_conventions(writer, result%channel(1)%allan(stage%input), "As read")
       call end_text(writer, text)
       call check(error, text, "")
    end subroutine test_text_nothing_known

@@ -185,8 +185,8 @@ contains
          call check(error, index(text, lf//trim(lines(i))//lf) > 0, "missing: "//trim(lines(i)))
          if (allocated(error)) return
       end do
-      call check(error, index(text, "0.0158 deg/s/sqrt(Hz) two-sided") > 0 .and. &
-                 index(text, "0.02234 deg/s/sqrt(Hz) one-sided") > 0)
+      call check(error, index(text, "  Two-sided       0.0158 deg/s/sqrt(Hz) = ") > 0 .and. &
+                 index(text, "  One-sided       0.02234 deg/s/sqrt(Hz) = ") > 0 .and. index(text, "As read in SI, and") > 0)
    end subroutine test_run_tables
 
    !> No rate, no unit: per sample and in input units, and which options would help.

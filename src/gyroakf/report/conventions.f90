@@ -12,18 +12,20 @@ module gyroakf_report_conventions
 
 contains
 
-   !> The second table of coefficients; nothing where rate or unit is not known.
-   subroutine put_conventions(writer, allan)
+   !> The table of coefficients in SI; nothing where rate or unit is not known.
+   subroutine put_conventions(writer, allan, series)
       !> The report
       type(writer_type), intent(inout) :: writer
       !> With the fit
       type(allan_result_type), intent(in) :: allan
+      !> Begins the heading: "As read", or "The same" below a table of the same series
+      character(*), intent(in) :: series
       type(table_type) :: table
       character(10), parameter :: head(6) = [character(10) :: "", "definition", "unit", "value", "std. error", "limit"]
       integer :: i
 
       if (.not. allan%fitted .or. .not. allan%stated%in_units) return
-      call put_heading(writer, "The same in SI, and what each number is the coefficient of (tau in s)")
+      call put_heading(writer, series//" in SI, and what each number is the coefficient of (tau in s)")
       call new_table(table, size(term_names) + 1, size(head))
       do i = 1, size(head)
          call set_cell(table, 1, i, trim(head(i)))

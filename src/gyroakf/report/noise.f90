@@ -116,7 +116,7 @@ contains
       call put_table(writer, table, 2)
       call put_item(writer, "Fit", fit_text(allan))
       call put_minimum(writer, record, allan)
-      call put_conventions(writer, allan)
+      call put_conventions(writer, allan, "The same")
    end subroutine put_coefficients
 
    !> A coefficient as it is read off its segment of the curve.
@@ -174,7 +174,7 @@ contains
          call put_line(writer, trim(first))
          call put_line(writer, trim(second))
       end do
-      call put_densities(writer, channel%allan(stage%input))
+      call put_conventions(writer, channel%allan(stage%input), "As read")
    end subroutine put_comparison
 
    !> Value above, uncertainty below.
@@ -205,17 +205,6 @@ contains
       text = "not detectable"
       if (stated%detected) text = number(stated%value, 4)
    end function value_text
-
-   !> N as the two densities that data sheets may mean.
-   subroutine put_densities(writer, allan)
-      type(writer_type), intent(inout) :: writer
-      type(allan_result_type), intent(in) :: allan
-
-      if (.not. allan%fitted .or. .not. allan%stated%in_units .or. .not. allan%stated%term(2)%detected) return
-      call put_item(writer, "N as a density", number(allan%stated%density_two_sided, 4)//" "//allan%stated%density_unit// &
-                    " two-sided (= N); "//number(allan%stated%density_one_sided, 4)//" "//allan%stated%density_unit// &
-                    " one-sided (sqrt(2) N, as some makers print it)")
-   end subroutine put_densities
 
    pure function fit_text(allan) result(text)
       type(allan_result_type), intent(in) :: allan
