@@ -29,6 +29,7 @@ contains
          & new_unittest("reversal", test_reversal), &
          & new_unittest("units", test_units), &
          & new_unittest("uniform_p_values", test_uniform), &
+         & new_unittest("outliers", test_outliers), &
          & new_unittest("gaps", test_gaps), &
          & new_unittest("failures", test_failures)]
    end subroutine collect_allan_halves
@@ -43,7 +44,8 @@ contains
 
    !> At a single averaging time the statistic is the square of the
    !> logarithm of the ratio of the variances over 2 trigamma(nu/2). For a half of 500 white samples, by the sum of its lags,
-   !> R(0) = 2, R(1) = -1 for z = w2 - w1 (sum over 499 terms), so nu = 2 * 499^2 * 4/(2 (499*4 + 2*498*1)).
+   !> R(0) = 2, R(1) = -1 for z = w2 - w1 (sum over 499 terms), so nu = (499*2)^2/(499*4 + 2*498*1);
+   !> excess kurtosis adds to 2/nu.
    subroutine test_single_tau(error)
       type(error_type), allocatable, intent(out) :: error
 
@@ -51,7 +53,7 @@ contains
       type(halves_options) :: options
       type(halves_type) :: halves
       type(gyro_error), allocatable :: failed
-      real(dp) :: x(1000), change, nu
+      real(dp) :: x(1000), change, nu, z1(499), z2(499), kurtosis
 
       call white_model(1.0_dp, noise)
       x = normal_series(1000_int64, 11_int64)
@@ -64,7 +66,10 @@ contains
       nu = 499.0_dp**2*4/(499*4 + 2*498*1)
       call check(error, halves%ratio(1), exp(change/2), thr=1e-12_dp)
       if (allocated(error)) return
-      call check(error, halves%statistic, change**2/(2*trigamma(nu/2)), thr=1e-8_dp)
+      z1 = x(2:500) - x(1:499)
+      z2 = x(502:) - x(501:999)
+      kurtosis = 499*sum(z1**4)/sum(z1**2)**2 + 499*sum(z2**4)/sum(z2**2)**2 - 6
+      call check(error, halves%statistic, change**2/(2*trigamma(1/(2/nu + kurtosis/500))), thr=1e-8_dp)
       if (allocated(error)) return
       call check(error, halves%p_value, chi_square_survival(halves%statistic, 1.0_dp), thr=1e-14_dp)
    end subroutine test_single_tau
@@ -175,6 +180,31 @@ contains
       if (allocated(error)) return
       call check(error, real(count(p_value < 0.2_dp), dp)/records, 0.2_dp, thr=3*sqrt(0.16_dp/records))
    end subroutine test_uniform
+
+   !> Eight outliers of 15 standard deviations in the second half, a fifth more variance, are no change of the noise; the same rise
+   !> spread over all samples is.
+   subroutine test_outliers(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      type(noise_type) :: noise
+      type(halves_type) :: halves
+      type(gyro_error), allocatable :: failed
+      real(dp) :: x(20000)
+      integer :: i
+
+      call white_model(1.0_dp, noise)
+      x = normal_series(20000_int64, 77_int64)
+      do i = 1, 8
+         x(10000 + 1001*i) = merge(15.0_dp, -15.0_dp, mod(i, 3) == 0)
+      end do
+      call compare_halves(x, 1.0_dp, noise, halves_options(), halves, failed)
+      call check(error, halves%ratio(1) > 1.06_dp .and. .not. halves%changed)
+      if (allocated(error)) return
+      x = normal_series(20000_int64, 77_int64)
+      x(10001:) = x(10001:)*halves%ratio(1)
+      call compare_halves(x, 1.0_dp, noise, halves_options(), halves, failed)
+      call check(error, halves%changed)
+   end subroutine test_outliers
 
    !> Missing samples, marked or not finite, do not count whatever stands there; fewer terms make wider limits.
    subroutine test_gaps(error)

@@ -16,6 +16,10 @@
 !> for all averaging times is d' C^-1 d in the space of the eigenvectors that carry information
 !> ([[generalised_chi_square]]); it is chi-square. Averaging times with few degrees of freedom are left out.
 !>
+!> Noise that is not Gaussian scatters otherwise: the innovations' excess kurtosis kappa adds kappa/(n/2) to the covariance of every
+!> two relative variances of a linear process (Bartlett's formula). It is taken as twice that of the second differences of the phase
+!> at one sample (the mean of both halves), which is exact for white noise of the rate or of the phase. Outliers in one half then do not pass for a change.
+!>
 !> The ratio of the deviations, exp(d/2), says how large a change is: in a long record the least one is significant.
 module gyroakf_allan_halves
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
@@ -68,6 +72,11 @@ module gyroakf_allan_halves
 
    !> Averaging times that enter the statistic at most
    integer, parameter :: points_max = 80
+   !> Stretches of the record whose sums do not depend on the threads, and from which length on threads are worth it
+   integer, parameter :: stretches = 64
+   integer(int64), parameter :: parallel_from = 200000
+   !> Excess kurtosis of uniform noise
+   real(dp), parameter :: kurtosis_least = -1.2_dp
    !> A half whose variance is a smaller share of the other's is constant but for rounding
    real(dp), parameter :: constant_share = 1e-20_dp
 
@@ -94,6 +103,7 @@ contains
       integer(int8), intent(in), optional :: valid(:)
 
       real(dp), allocatable :: phase(:), variance(:, :), complete(:, :)
+      real(dp) :: kurtosis(2)
       integer(int32), allocatable :: missing(:)
       integer(int64), allocatable :: m(:)
       integer(int64) :: n, half
@@ -109,9 +119,16 @@ contains
       if (.not. allocated(error)) call variances_of_half(phase, missing, n - half + 1, n, m, options%min_coverage, &
          & variance(:, 2), complete(:, 2), error)
       if (allocated(error)) return
+      if (any(minval(complete, dim=2) > 0 .and. &
+            & minval(variance, dim=2) <= max(constant_share*maxval(variance, dim=2), tiny(1.0_dp)))) then
+         call fatal_error(error, status%constant_input, "an Allan deviation is zero: a half of the record does not vary")
+         return
+      end if
       halves%confidence = options%confidence
-      call compare_variances(half, sample_interval, m, variance, complete, model_in_samples(noise, sample_interval), options, &
-         & halves, error)
+      call innovation_kurtosis(phase, missing, 0_int64, half, maxval(variance), kurtosis(1))
+      call innovation_kurtosis(phase, missing, n - half, n, maxval(variance), kurtosis(2))
+      call compare_variances(half, sample_interval, m, variance, complete, model_in_samples(noise, sample_interval), &
+         & sum(kurtosis)/2, options, halves, error)
    end subroutine compare_halves
 
    !> Rejects what is out of range.
@@ -203,6 +220,74 @@ contains
       if (.not. allocated(error)) complete = real(terms, dp)/real(last - first + 2 - 2*m, dp)
    end subroutine variances_of_half
 
+   !> Excess kurtosis of the innovations, from the second differences of the phase at one sample.
+   subroutine innovation_kurtosis(phase, missing, first, last, scale, kurtosis)
+      !> Integral of the record: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> Missing samples so far: [0:n], unallocated when every sample is there
+      integer(int32), allocatable, intent(in) :: missing(:)
+      !> First and last phase that count
+      integer(int64), intent(in) :: first, last
+      !> Keeps fourth powers in range: a variance of the record
+      real(dp), intent(in) :: scale
+      !> At least that of uniform noise; 0 where nothing varies
+      real(dp), intent(out) :: kurtosis
+
+      real(dp) :: part(3, stretches), total(3)
+      integer(int64) :: n
+      integer :: s
+
+      kurtosis = 0
+      if (scale <= tiny(1.0_dp)) return
+      n = last - first - 1
+      !$omp parallel do schedule(static) if (n > parallel_from)
+      do s = 1, stretches
+         call sum_powers(phase, missing, first + (s - 1)*n/stretches, first + s*n/stretches - 1, scale, part(:, s))
+      end do
+      !$omp end parallel do
+      total = sum(part, dim=2)
+      if (total(2) > 0) kurtosis = max(2*(total(1)*total(3)/total(2)**2 - 3), kurtosis_least)
+   end subroutine innovation_kurtosis
+
+   !> Number, sum of the squares and of the fourth powers of second differences.
+   pure subroutine sum_powers(phase, missing, first, last, scale, sums)
+      !> Integral of the record: [0:n]
+      real(dp), intent(in), contiguous :: phase(0:)
+      !> Missing samples so far: [0:n], unallocated when every sample is there
+      integer(int32), allocatable, intent(in) :: missing(:)
+      !> Differences of phases k, k + 1, k + 2 from k = first to k = last
+      integer(int64), intent(in) :: first, last
+      !> The squares are divided by it
+      real(dp), intent(in) :: scale
+      !> The three
+      real(dp), intent(out) :: sums(3)
+
+      real(dp) :: count, squares, fourths, u
+      integer(int64) :: k
+
+      count = 0
+      squares = 0
+      fourths = 0
+      if (allocated(missing)) then
+         do k = first, last
+            if (missing(k + 2) > missing(k)) cycle
+            u = ((phase(k + 2) - phase(k + 1)) - (phase(k + 1) - phase(k)))**2/scale
+            count = count + 1
+            squares = squares + u
+            fourths = fourths + u**2
+         end do
+      else
+         count = real(max(0_int64, last - first + 1), dp)
+         !$omp simd reduction(+:squares, fourths) private(u)
+         do k = first, last
+            u = ((phase(k + 2) - phase(k + 1)) - (phase(k + 1) - phase(k)))**2/scale
+            squares = squares + u
+            fourths = fourths + u**2
+         end do
+      end if
+      sums = [count, squares, fourths]
+   end subroutine sum_powers
+
    !> The fitted mixture for a sample interval of 1.
    pure function model_in_samples(noise, sample_interval) result(model)
       !> In the unit of the rate and seconds
@@ -217,7 +302,7 @@ contains
    end function model_in_samples
 
    !> The ratios, and the statistic of all of them.
-   subroutine compare_variances(half, sample_interval, m, variance, complete, model, options, halves, error)
+   subroutine compare_variances(half, sample_interval, m, variance, complete, model, kurtosis, options, halves, error)
       !> Samples of a half
       integer(int64), intent(in) :: half
       !> Seconds
@@ -228,11 +313,13 @@ contains
       real(dp), intent(in) :: variance(:, :), complete(:, :)
       !> The mixture
       type(noise_model_type), intent(in) :: model
+      !> Excess kurtosis of the innovations
+      real(dp), intent(in) :: kurtosis
       !> Confidence, least degrees of freedom
       type(halves_options), intent(in) :: options
       !> The result
       type(halves_type), intent(inout) :: halves
-      !> too_few_samples, constant_input
+      !> too_few_samples
       type(error_type), allocatable, intent(out) :: error
 
       real(dp), dimension(size(m), 2) :: edf
@@ -243,16 +330,13 @@ contains
       integer :: i
 
       call relative_covariance(half, m, model, covariance)
+      covariance = covariance + kurtosis/real(half, dp)
       do i = 1, size(m)
          edf(i, :) = 2*complete(i, :)/covariance(i, i)
       end do
       place = pack([(i, i=1, size(m))], minval(edf, dim=2) >= options%least_edf)
       if (size(place) == 0) then
          call fatal_error(error, status%too_few_samples, "the halves of the record are too short, or lack too much, to be compared")
-         return
-      end if
-      if (any(minval(variance(place, :), dim=2) <= max(constant_share*maxval(variance(place, :), dim=2), tiny(1.0_dp)))) then
-         call fatal_error(error, status%constant_input, "an Allan deviation is zero: a half of the record does not vary")
          return
       end if
       edf = edf/2
