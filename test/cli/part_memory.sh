@@ -39,6 +39,7 @@ holds "which command streams" "gyroakf allan streams" err
 bad "inspect needs" 2 "rows need 33" inspect large.txt --memory 30MB
 bad "all averaging times" 2 "without --taus all" allan large.txt --memory 30MB --taus all
 bad "cleaning" 2 "without --outliers" allan large.txt --memory 30MB --outliers auto
+bad "segments" 2 "without --dynamic" allan large.txt --memory 30MB --dynamic 4
 bad "further kinds" 2 "without --kinds" allan large.txt --memory 30MB --kinds mdev
 { head -n 900000 large.txt; echo x; } >broken.txt
 bad "bad line in a late block" 2 "broken.txt:900001:1:" allan broken.txt --memory 30MB

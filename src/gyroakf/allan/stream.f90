@@ -25,7 +25,7 @@ module gyroakf_allan_stream
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, assemble_curve, check_arguments
    use gyroakf_allan_gaps, only : correct_for_gaps
    use gyroakf_allan_grid, only : averaging_factors
-   use gyroakf_allan_phase, only : add_compensated, present_sample
+   use gyroakf_allan_phase, only : add_compensated, non_finite_count, present_sample
    use gyroakf_allan_second_difference, only : gap_sums_type
    use gyroakf_allan_stream_factor, only : add_all_terms, add_means, add_sampled_terms, begin_factor, block_type, factor_type, &
       & skip_means, tilt_factor
@@ -166,9 +166,12 @@ contains
       h = 0
       if (stream%short > 0) h = 2*stream%factor(stream%short)%m
       stream%history = h
-      allocate (stream%rate(1 - h:block_length), stream%there(1 - h:block_length), stat=stat)
-      if (stat == 0) allocate (stream%block%phase(block_length), stream%block%missing(block_length), &
-         & stream%block%near(-h:block_length), stream%block%near_missing(-h:block_length), stat=stat)
+      allocate (stream%rate(1 - h:block_length), stat=stat)
+      if (stat == 0) allocate (stream%there(1 - h:block_length), stat=stat)
+      if (stat == 0) allocate (stream%block%phase(block_length), stat=stat)
+      if (stat == 0) allocate (stream%block%missing(block_length), stat=stat)
+      if (stat == 0) allocate (stream%block%near(-h:block_length), stat=stat)
+      if (stat == 0) allocate (stream%block%near_missing(-h:block_length), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for a block of the record")
          return
@@ -187,7 +190,7 @@ contains
       !> 1 present, 0 missing: [as rate]; all present if absent
       integer(int8), intent(in), optional :: valid(:)
 
-      integer(int64) :: i, done, n
+      integer(int64) :: i, done, n, all_there
 
       if (present(valid)) then
          if (size(valid, kind=int64) /= size(rate, kind=int64)) then
@@ -202,7 +205,14 @@ contains
       done = 0
       do while (done < size(rate, kind=int64))
          n = min(block_length - stream%waiting, size(rate, kind=int64) - done)
-         do i = 1, n
+         if (is_complete(rate, done + 1, done + n, valid)) then
+            stream%rate(stream%waiting + 1:stream%waiting + n) = rate(done + 1:done + n)
+            stream%there(stream%waiting + 1:stream%waiting + n) = 1
+            all_there = n
+         else
+            all_there = 0
+         end if
+         do i = all_there + 1, n
             stream%rate(stream%waiting + i) = 0
             stream%there(stream%waiting + i) = 0
             if (.not. present_sample(rate, done + i, valid)) cycle
@@ -215,6 +225,19 @@ contains
          if (allocated(error)) return
       end do
    end subroutine feed_allan_stream
+
+   !> Whether every sample of a range is present and finite.
+   pure logical function is_complete(rate, first, last, valid)
+      !> The samples
+      real(dp), intent(in), contiguous :: rate(:)
+      !> The range
+      integer(int64), intent(in) :: first, last
+      !> 1 present, 0 missing
+      integer(int8), intent(in), optional :: valid(:)
+
+      is_complete = non_finite_count(rate(first:last)) == 0
+      if (present(valid) .and. is_complete) is_complete = all(valid(first:last) /= 0)
+   end function is_complete
 
    !> Works on the samples that wait.
    subroutine take_block(stream, error)
@@ -270,23 +293,38 @@ contains
             stream%first_mean = stream%mean
          end if
          block%shift = stream%mean - stream%first_mean
+         block%complete = all(stream%there(first:n) == 1_int8)
          total = 0
-         do i = 1, n
-            total = total + (stream%rate(i) - stream%mean)*stream%there(i)
-         end do
+         if (block%complete) then
+            !$omp simd reduction(+:total)
+            do i = 1, n
+               total = total + (stream%rate(i) - stream%mean)
+            end do
+         else
+            do i = 1, n
+               total = total + (stream%rate(i) - stream%mean)*stream%there(i)
+            end do
+         end if
          own = stream%mean + total/real(max(there, 1_int64), dp)
          tilt = own - stream%mean
          y = 0
          lost = 0
          block%near(first - 1) = 0
          block%near_missing(first - 1) = 0
-         do i = first, n
-            y = y + (stream%rate(i) - own)*stream%there(i)
-            lost = lost + (1 - stream%there(i))
-            block%near(i) = y
-            block%near_missing(i) = lost
-         end do
-         block%complete = lost == 0
+         if (block%complete) then
+            do i = first, n
+               y = y + (stream%rate(i) - own)
+               block%near(i) = y
+            end do
+            block%near_missing(first:n) = 0
+         else
+            do i = first, n
+               y = y + (stream%rate(i) - own)*stream%there(i)
+               lost = lost + (1 - stream%there(i))
+               block%near(i) = y
+               block%near_missing(i) = lost
+            end do
+         end if
          base = block%near(0)
          lost = block%near_missing(0)
          do i = 1, n

@@ -42,7 +42,7 @@ module gyroakf_allan_stream_factor
       real(dp) :: lost = 0.0_dp
       !> Terms so far: the next to be finished; phases at j s and j s + m that were met
       integer(int64) :: next = 0, met(0:1) = 0
-      !> Waiting phases, and missing samples up to there: [j modulo size]
+      !> Waiting phases, and missing samples up to there: [j modulo size, a power of two]
       real(dp), allocatable :: start(:), middle(:)
       integer(int64), allocatable :: start_missing(:), middle_missing(:)
       !> Means of adjacent windows: sums, windows so far, phase and missing samples at the end of the last
@@ -65,9 +65,14 @@ contains
       integer :: stat
 
       if (factor%stride == 1) return
-      n = factor%m/factor%stride + 2
-      allocate (factor%start(0:2*n - 1), factor%start_missing(0:2*n - 1), factor%middle(0:n - 1), factor%middle_missing(0:n - 1), &
-         & stat=stat)
+      n = 4                                             ! a power of two: j modulo n is quick
+      do while (n < factor%m/factor%stride + 2)
+         n = 2*n
+      end do
+      allocate (factor%start(0:2*n - 1), stat=stat)
+      if (stat == 0) allocate (factor%start_missing(0:2*n - 1), stat=stat)
+      if (stat == 0) allocate (factor%middle(0:n - 1), stat=stat)
+      if (stat == 0) allocate (factor%middle_missing(0:n - 1), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the waiting phases of an averaging time")
          return
@@ -112,23 +117,24 @@ contains
 
       type(gap_sums_type) :: part
       real(dp) :: x0, x1
-      integer(int64) :: j, at, last, g0, g1, rooms(0:1)
+      integer(int64) :: j, at, last, g0, g1, wrap0, wrap1
 
       last = block%begin + block%length
-      rooms = [size(factor%start, kind=int64), size(factor%middle, kind=int64)]
+      wrap0 = size(factor%start, kind=int64) - 1
+      wrap1 = size(factor%middle, kind=int64) - 1
       do j = factor%next, (last - 2*factor%m)/factor%stride
          at = j*factor%stride + 2*factor%m - block%begin
          if (at > block%length) exit
          if (j < factor%met(0)) then
-            x0 = factor%start(modulo(j, rooms(0)))
-            g0 = factor%start_missing(modulo(j, rooms(0)))
+            x0 = factor%start(iand(j, wrap0))
+            g0 = factor%start_missing(iand(j, wrap0))
          else
             x0 = block%phase(at - 2*factor%m)
             g0 = block%missing(at - 2*factor%m)
          end if
          if (j < factor%met(1)) then
-            x1 = factor%middle(modulo(j, rooms(1)))
-            g1 = factor%middle_missing(modulo(j, rooms(1)))
+            x1 = factor%middle(iand(j, wrap1))
+            g1 = factor%middle_missing(iand(j, wrap1))
          else
             x1 = block%phase(at - factor%m)
             g1 = block%missing(at - factor%m)
@@ -139,15 +145,15 @@ contains
       call add_part(factor, part)
       do j = max(factor%met(0), factor%next), last/factor%stride
          at = j*factor%stride - block%begin
-         factor%start(modulo(j, rooms(0))) = block%phase(at)
-         factor%start_missing(modulo(j, rooms(0))) = block%missing(at)
+         factor%start(iand(j, wrap0)) = block%phase(at)
+         factor%start_missing(iand(j, wrap0)) = block%missing(at)
       end do
       factor%met(0) = last/factor%stride + 1
       if (last < factor%m) return
       do j = max(factor%met(1), factor%next), (last - factor%m)/factor%stride
          at = j*factor%stride + factor%m - block%begin
-         factor%middle(modulo(j, rooms(1))) = block%phase(at)
-         factor%middle_missing(modulo(j, rooms(1))) = block%missing(at)
+         factor%middle(iand(j, wrap1)) = block%phase(at)
+         factor%middle_missing(iand(j, wrap1)) = block%missing(at)
       end do
       factor%met(1) = (last - factor%m)/factor%stride + 1
    end subroutine add_sampled_terms
@@ -205,11 +211,11 @@ contains
       if (factor%marked) factor%mark = factor%mark - slope*real(factor%windows*factor%m - factor%mark_missing, dp)
       if (factor%stride == 1) return
       do j = factor%next, factor%met(0) - 1
-         at = modulo(j, size(factor%start, kind=int64))
+         at = iand(j, size(factor%start, kind=int64) - 1)
          factor%start(at) = factor%start(at) - slope*real(j*factor%stride - factor%start_missing(at), dp)
       end do
       do j = factor%next, factor%met(1) - 1
-         at = modulo(j, size(factor%middle, kind=int64))
+         at = iand(j, size(factor%middle, kind=int64) - 1)
          factor%middle(at) = factor%middle(at) - slope*real(j*factor%stride + factor%m - factor%middle_missing(at), dp)
       end do
    end subroutine tilt_factor

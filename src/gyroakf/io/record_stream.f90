@@ -300,10 +300,12 @@ contains
       first = to + 1
       if (stamped .and. .not. ended) first = max(1_int64, to + 1 - context_rows)
       stream%context = to + 1 - first
-      rows = stream%rows(first:, :)
+      allocate (rows(size(stream%rows, 1, kind=int64) - first + 1, size(stream%rows, 2)))
+      rows(:, :) = stream%rows(first:, :)
       call move_alloc(rows, stream%rows)
       if (.not. stamped) return
-      stamps = stream%stamps(first:)
+      allocate (stamps(size(stream%stamps, kind=int64) - first + 1))
+      stamps(:) = stream%stamps(first:)
       call move_alloc(stamps, stream%stamps)
    end subroutine hold_back
 

@@ -62,6 +62,7 @@ contains
       if (options%clean%method /= "none") what = "--outliers"
       if (options%clean%degree >= 0) what = "--detrend"
       if (allocated(options%other_kinds)) what = "--kinds"
+      if (options%dynamic_segments > 0) what = "--dynamic"
       if (allocated(options%allan%taus)) then
          if (options%allan%taus == "all") what = "--taus all"
       end if
