@@ -162,7 +162,10 @@ contains
       call make_six(record, result)
       record%channel_unit(3) = unit_type()
       result%channel(3)%allan(stage%input)%fitted = .false.
+      result%channel(1)%allan(stage%input)%noise%misfit = 0.4_dp
       call written(record, result, text, code)
+      call check(error, index(text, lf//"# gx: the noise terms miss its Allan deviation by about 20 %; look") > 0, text)
+      if (allocated(error)) return
       call check(error, index(text, lf//"# not used: gz, its unit is not known"//lf) > 0, text)
       if (allocated(error)) return
       call check(error, index(text, lf//"gyroscope_noise_density: 3.4907e-02  # rad/s/sqrt(Hz), N of gy"//lf) > 0, text)

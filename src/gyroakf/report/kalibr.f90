@@ -20,6 +20,7 @@ module gyroakf_report_kalibr
 
    !> Places of N and K among Q N B K R
    integer, parameter :: white = 2, walk = 4
+   character(1), parameter :: lf = new_line("a")
 
 contains
 
@@ -67,7 +68,7 @@ contains
       call put_line(writer, "update_rate: "//rate_text(1.0_dp/record%sample_interval)//"  # Hz")
       call put_sensor(writer, record, result, quantity%acceleration, "accelerometer", "m/s^2", "m/s^3", "m/s^2 or g")
       call put_sensor(writer, record, result, quantity%angular_rate, "gyroscope", "rad/s", "rad/s^2", "rad/s or deg/s")
-      call put_unused(writer, record)
+      call put_remarks(writer, record, result)
    end subroutine write_kalibr
 
    !> Every channel that is used has N and K, or at least their limits.
@@ -168,18 +169,26 @@ contains
       strength = merge(stated%value_si, stated%upper_limit_si, stated%detected)
    end function strength
 
-   !> Channels whose unit is not known are named.
-   subroutine put_unused(writer, record)
+   !> Channels whose unit is not known, and those whose Allan deviation the terms do not describe.
+   subroutine put_remarks(writer, record, result)
       type(writer_type), intent(inout) :: writer
       type(record_type), intent(in) :: record
+      type(pipeline_result_type), intent(in) :: result
+      character(:), allocatable :: name
       integer :: c
 
-      do c = 1, size(record%channel)
-         if (quantity_of(record, c) /= quantity%unknown) cycle
-         call put_line(writer, "")
-         call put_line(writer, "# not used: "//plain(record%channel(c)%text)//", its unit is not known")
+      do c = 1, size(result%channel)
+         name = plain(result%channel(c)%name)
+         associate (misfit => result%channel(c)%allan(stage%input)%noise%misfit)
+            if (quantity_of(record, c) == quantity%unknown) then
+               call put_line(writer, lf//"# not used: "//name//", its unit is not known")
+            else if (misfit > 0.0_dp) then
+               call put_line(writer, lf//"# "//name//": the noise terms miss its Allan deviation by about "// &
+                             number(50*misfit, 2)//" %; look at the report")
+            end if
+         end associate
       end do
-   end subroutine put_unused
+   end subroutine put_remarks
 
    !> What a channel measures.
    pure integer function quantity_of(record, channel)
