@@ -31,6 +31,7 @@ contains
          new_unittest("units-of-names", test_units_of_names), &
          new_unittest("header-rate", test_header_rate), &
          new_unittest("header-unit", test_header_unit), &
+         new_unittest("names-in-comment", test_names_in_comment), &
          new_unittest("channel-units", test_channel_units), &
          new_unittest("channel-increments", test_channel_increments), &
          new_unittest("header-columns", test_header_columns), &
@@ -248,6 +249,32 @@ contains
       values = shown("# unit: deg/h"//nl//"1", options, record)
       call check(error, record%unit%name//" "//record%unit_source, "rad/s option")
    end subroutine test_header_unit
+
+   !> A comment whose words are as many as the columns names them: rostopic's and numpy's files have such a line.
+   subroutine test_names_in_comment(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      character(36), parameter :: line(8) = [character(36) :: "%time,field.x,field.y", "# t gx gy", &
+         "# t [ms]; gx [dps]; gy [dps]", "# table, at rest", "# made by hand", "# 2024, table, at rest", &
+         "# gx gy gz", "# rate_hz: 50, warm, at rest"]
+      character(24), parameter :: expected(8) = [character(24) :: "field.x field.y", "gx gy", "gx gy", "column1 column2 column3", &
+         "column1 column2 column3", "column1 column2 column3", "column1 column2 column3", "column1 column2 column3"]
+      character(:), allocatable :: values
+      integer :: i
+
+      do i = 1, size(line)
+         values = shown(trim(line(i))//nl//"0,1,5"//nl//"10,2,4"//nl//"20,3,5"//nl, reader_options(), record)
+         call check(error, trim(channels(record)), trim(expected(i)), more=line(i))
+         if (allocated(error)) return
+         call check(error, (index(warned(record), "taken from the comment in line 1|") > 0) .eqv. i <= 3, warned(record))
+         if (allocated(error)) return
+      end do
+      values = shown("# t [ms]; gx [dps]; gy [dps]"//nl//"0;1;5"//nl//"10;2;4"//nl, reader_options(), record)
+      call check(error, record%unit%name//" "//format_real(record%sample_interval, 9), "deg/s 0.01")
+      if (allocated(error)) return
+      values = shown("# a,b,c"//nl//"t,gx,gy"//nl//"0,1,5"//nl//"10,2,4"//nl, reader_options(), record)
+      call check(error, channels(record), "gx gy ", more="a line of names goes before a comment")
+   end subroutine test_names_in_comment
 
    !> The units of the channels, with blanks between: "deg/s m/s^2 "; "? " where a channel's is not known.
    function units_of(record) result(text)

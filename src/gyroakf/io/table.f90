@@ -5,6 +5,7 @@ module gyroakf_io_table
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_columns, only : choose_columns, column_names_type, find_column, label_of, names_way, read_names
+   use gyroakf_io_comment_names, only : suppose_names
    use gyroakf_io_format, only : comma_advice, comma_found, decimal_comma, foreign_content
    use gyroakf_io_header, only : header_type, read_comment, time_scale
    use gyroakf_io_lines, only : line_end, line_map_type, next_line, lines_type, map_row, more_lines, open_lines
@@ -41,6 +42,8 @@ module gyroakf_io_table
       type(header_type) :: header
       !> Names of all columns
       type(column_names_type) :: names
+      !> The last comment that may be names: it is where its words are as many as the columns
+      type(column_names_type) :: supposed
       !> All columns of the file, and which are kept
       type(layout_type) :: layout
       !> The columns that hold the record, in the order wanted; and the one that holds the time, 0 where there is none
@@ -129,6 +132,7 @@ contains
             continue
          else if (is_comment(lines%bytes, lines%at, last)) then
             call read_comment(lines%bytes, lines%at, last, lines%number, table%header, table%warnings)
+            call suppose_names(lines%bytes, lines%at, last, lines%number, table%supposed)
          else if (first_visible(lines%bytes, lines%at, last) <= last) then
             if (.not. only_words(lines, last)) return
             if (lower(bytes_text(lines%bytes, lines%at, min(last, lines%at + 3))) == "sep=") then
@@ -211,6 +215,7 @@ contains
       if (named /= fields%count) call refuse_decimal_commas(lines, table, error)
       if (allocated(error)) return
       if (table%header%names%known .and. .not. table%names%known) call take_header_names(fields, table, named)
+      if (table%supposed%known .and. .not. table%names%known) call take_supposed_names(fields, table, named)
       if (named > 0 .and. .not. fits_names(fields, named)) call split_line(lines%bytes, lines%at, last, split%tabs, fields)
       if (named > 0 .and. .not. fits_names(fields, named)) then
          call split_line(lines%bytes, lines%at, last, split%mixed, fields)
@@ -248,6 +253,19 @@ contains
             integer_text(int(fields%count, int64))//"; the names are ignored")
       end if
    end subroutine take_header_names
+
+   !> Takes the words of a comment for names where their number is right, and says so.
+   subroutine take_supposed_names(fields, table, named)
+      type(fields_type), intent(in) :: fields
+      type(table_type), intent(inout) :: table
+      integer, intent(inout) :: named
+
+      if (.not. fits_names(fields, size(table%supposed%name))) return
+      table%names = table%supposed
+      named = size(table%names%name)
+      call add_text(table%warnings, "the names of the columns are taken from the comment in line "// &
+                    integer_text(table%names%line))
+   end subroutine take_supposed_names
 
    !> Looks at the first lines for decimal commas, which would be taken for separators.
    subroutine refuse_decimal_commas(lines, table, error)
