@@ -17,8 +17,9 @@
 !> ([[generalised_chi_square]]); it is chi-square. Averaging times with few degrees of freedom are left out.
 !>
 !> Noise that is not Gaussian scatters otherwise: the innovations' excess kurtosis kappa adds kappa/(n/2) to the covariance of every
-!> two relative variances of a linear process (Bartlett's formula). It is taken as twice that of the second differences of the phase
-!> at one sample (the mean of both halves), which is exact for white noise of the rate or of the phase. Outliers in one half then do not pass for a change.
+!> two relative variances of a linear process (Bartlett's formula). It is taken as twice that of the second differences of the
+!> phase at one sample (the mean of both halves), which is exact for white noise of the rate or of the phase. Outliers in one
+!> half then do not pass for a change.
 !>
 !> The ratio of the deviations, exp(d/2), says how large a change is: in a long record the least one is significant.
 module gyroakf_allan_halves
