@@ -229,9 +229,9 @@ contains
    !> A change of the noise in words: where, by how much; nothing where it is not significant; small where it is.
    subroutine test_halves(error)
       type(error_type), allocatable, intent(out) :: error
-      character(120), parameter :: fragments(4) = [character(120) :: &
+      character(120), parameter :: fragments(5) = [character(120) :: "tau = 0.2 s rose to 2.5 times (95 %", &
          "chi-square 60 with 2 degrees of freedom, p = 1e-13; the deviation at tau = 0.2 s rose by 12 % (95 % limits of the", &
-         "limits of the ratio 1.08 and 1.16); at tau = 0.4 s by +8 %. The coefficients are those of a mean of both", &
+         "limits of the ratio 1.08 and 1.16); at tau = 0.4 s it rose by 8 %. The coefficients are those of a mean of both", &
          "A small change, seen because the record is long", "no difference is found between the Allan curves of the first"]
       type(writer_type) :: writer
       type(record_type) :: record
@@ -244,6 +244,8 @@ contains
       call begin_text(writer)
       call write_report(writer, "allan", record, pipeline_options(), result)
       result%channel(1)%halves%ratio = [1.01_dp, 0.99_dp]
+      call write_report(writer, "allan", record, pipeline_options(), result)
+      result%channel(1)%halves%ratio = [2.5_dp, 0.5_dp]
       call write_report(writer, "allan", record, pipeline_options(), result)
       result%channel(1)%halves%changed = .false.
       call write_report(writer, "run", record, pipeline_options(), result)

@@ -156,7 +156,7 @@ contains
       end if
    end function halves_text
 
-   !> "the deviation at tau = 2 s rose by 12 % (95 % limits 8 and 16 %)".
+   !> "the deviation at tau = 2 s rose by 12 % (95 % limits of the ratio 1.08 and 1.16)".
    pure function change_text(halves, i, time, complete) result(text)
       !> The comparison
       type(halves_type), intent(in) :: halves
@@ -168,24 +168,25 @@ contains
       logical, intent(in) :: complete
       character(:), allocatable :: text
 
-      text = "at tau = "//number(halves%tau(i), 4)//time//" by "
-      if (complete) text = "the deviation at tau = "//number(halves%tau(i), 4)//time//" "// &
-                           trim(merge("rose by", "fell by", halves%ratio(i) > 1))//" "
-      if (.not. complete .and. halves%ratio(i) > 1) text = text//"+"
-      text = text//number(percent(halves%ratio(i), complete), 2)//" %"
-      if (complete) text = text//" ("//number(100*halves%confidence, 3)//" % limits of the ratio "// &
+      text = "at tau = "//number(halves%tau(i), 4)//time//" it "//amount_text(halves%ratio(i))
+      if (complete) text = "the deviation at tau = "//number(halves%tau(i), 4)//time//" "//amount_text(halves%ratio(i))// &
+                           " ("//number(100*halves%confidence, 3)//" % limits of the ratio "// &
                            number(halves%lower(i), 3)//" and "//number(halves%upper(i), 3)//")"
    end function change_text
 
-   !> Change in percent; its size where the words say the direction.
-   pure real(dp) function percent(ratio, size_only)
-      !> Second over first
+   !> "rose by 12 %", "rose to 2.5 times", "fell by 99.7 %".
+   pure function amount_text(ratio) result(text)
+      !> Second over first, > 0
       real(dp), intent(in) :: ratio
-      !> Without sign
-      logical, intent(in) :: size_only
+      character(:), allocatable :: text
 
-      percent = 100*(ratio - 1)
-      if (size_only) percent = abs(percent)
-   end function percent
+      if (ratio >= 1.995_dp) then
+         text = "rose to "//number(ratio, 3)//" times"
+      else if (ratio > 1) then
+         text = "rose by "//number(100*(ratio - 1), 2)//" %"
+      else
+         text = "fell by "//number(100*(1 - ratio), merge(4, 2, ratio < 0.005_dp))//" %"
+      end if
+   end function amount_text
 
 end module gyroakf_report_changes
