@@ -19,11 +19,13 @@ module gyroakf_allan_noise_identification
    integer(int64), parameter :: means_max = 16384
    !> Differences at most, if not told (Allan variance)
    integer, parameter :: differences_usual = 2
+   !> Records shorter than this are not worth a second thread
+   integer(int64), parameter :: parallel_from = 200000
 
 contains
 
    !> Noise exponent alpha (spectrum of the rate ~ f**alpha, 2 .. -2, -4 with three differences) for each averaging factor.
-   pure subroutine identify_noise(phase, m, min_coverage, alpha, missing, differences)
+   subroutine identify_noise(phase, m, min_coverage, alpha, missing, differences)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Averaging factors, ascending
@@ -37,19 +39,25 @@ contains
       !> Differences at most: 2 (if absent) or 3
       integer, intent(in), optional :: differences
 
-      integer :: i, last, most
+      logical :: found(size(m))
+      integer :: i, most
 
-      last = 0
       most = differences_usual
       if (present(differences)) most = differences
+      !$omp parallel do schedule(dynamic) if (ubound(phase, 1, kind=int64) >= parallel_from)
       do i = 1, size(m)
-         call identify_one(phase, m(i), min_coverage, most, last, missing)
-         alpha(i) = last
+         call identify_one(phase, m(i), min_coverage, most, alpha(i), found(i), missing)
+      end do
+      !$omp end parallel do
+      do i = 1, size(m)
+         if (found(i)) cycle
+         alpha(i) = 0
+         if (i > 1) alpha(i) = alpha(i - 1)
       end do
    end subroutine identify_noise
 
    !> The exponent for one averaging factor.
-   pure subroutine identify_one(phase, m, min_coverage, differences_max, alpha, missing)
+   pure subroutine identify_one(phase, m, min_coverage, differences_max, alpha, found, missing)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Averaging factor
@@ -58,8 +66,10 @@ contains
       real(dp), intent(in) :: min_coverage
       !> Differences at most
       integer, intent(in) :: differences_max
-      !> The exponent; left alone where there are too few windows or nothing varies
-      integer, intent(inout) :: alpha
+      !> The exponent
+      integer, intent(out) :: alpha
+      !> False where there are too few windows or nothing varies
+      logical, intent(out) :: found
       !> Missing samples so far: [0:n]
       integer(int32), intent(in), optional :: missing(0:)
 
@@ -69,6 +79,8 @@ contains
       integer(int64) :: means, d, j
       logical :: varies
 
+      alpha = 0
+      found = .false.
       means = min(ubound(phase, 1, kind=int64)/m, means_max)
       if (means < means_min) return
       rho = 0
@@ -87,6 +99,7 @@ contains
             use_it(j) = use_it(j) .and. use_it(j + 1)
          end do
       end do
+      found = .true.
       alpha = min(max(-nint(2*rho) - 2*int(d), 2 - 2*differences_max), 2)
    end subroutine identify_one
 
