@@ -27,13 +27,17 @@ for kind in kinds:
     theirs = sorted(times)[len(times) // 2]
     print(f"{kind}, {samples} samples, allantools {allantools.__version__}: {theirs:.3f} s")
     for line in runs:
-        name, threads, seconds, one_pass, *found = line.split()
+        name, threads, *figures = line.split()
         if name != kind:
             continue
-        seconds, one_pass = float(seconds), float(one_pass)
-        difference = max(abs(float(a) / b - 1) for a, b in zip(found, deviation))
+        seconds, pass_of_one, pass_of_two, *found = map(float, figures)
+        difference = max(abs(a / b - 1) for a, b in zip(found, deviation))
         print(
             f"  gyroakf, {threads} thread(s): {seconds:.4f} s, {theirs / seconds:.1f} times faster, "
-            f"{seconds / one_pass:.1f} read passes, largest difference {difference:.1e}"
+            f"largest difference {difference:.1e}"
+        )
+        print(
+            f"    = {seconds / pass_of_one:.1f} read passes of one thread ({1e3 * pass_of_one:.2f} ms), "
+            f"{seconds / pass_of_two:.1f} of two ({1e3 * pass_of_two:.2f} ms)"
         )
 print(f"peak memory of the whole program: {int(memory) / samples:.1f} bytes a sample")
