@@ -40,7 +40,7 @@ contains
       integer, intent(in), optional :: differences
 
       logical :: found(size(m))
-      integer :: i, most
+      integer :: i, most, last
 
       most = differences_usual
       if (present(differences)) most = differences
@@ -49,10 +49,10 @@ contains
          call identify_one(phase, m(i), min_coverage, most, alpha(i), found(i), missing)
       end do
       !$omp end parallel do
+      last = 0
       do i = 1, size(m)
-         if (found(i)) cycle
-         alpha(i) = 0
-         if (i > 1) alpha(i) = alpha(i - 1)
+         if (.not. found(i)) alpha(i) = last
+         last = alpha(i)
       end do
    end subroutine identify_noise
 

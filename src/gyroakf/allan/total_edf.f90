@@ -154,9 +154,11 @@ contains
       integer, intent(in) :: k
       type(term_type) :: term
 
+      !> So that sums of two places fit into an integer
+      integer(int64), parameter :: longest = 2_int64**30 - 1
       integer :: j, n
 
-      n = int(min(c%n, int(huge(n)/2, int64)))
+      n = int(min(c%n, longest))
       term%mean = real(c%m, dp)**2
       if (k >= c%m .and. k <= n - c%m) then
          term%place(:3) = [k - c%m, k, k + c%m]
