@@ -68,9 +68,14 @@ contains
       integer(int64), intent(out) :: work_bytes, channel_bytes
 
       work_bytes = 0
-      if (options%clean%degree >= 0 .or. options%clean%method /= "none") work_bytes = 9      ! the cleaned series, its marks
-      if (options%do_filter) work_bytes = work_bytes + 8                                    ! the filtered series
-      if (options%do_allan) work_bytes = work_bytes + 12                                    ! integral, count of missing samples
+      if (options%do_filter) work_bytes = 8                             ! part of the series, for the drift
+      if (options%do_allan) work_bytes = 12                             ! integral, count of missing samples; not at the same time
+      if (options%clean%degree >= 0 .or. options%clean%method /= "none") then
+         work_bytes = work_bytes + 9                                    ! the cleaned series, its marks
+      else if (options%do_filter) then
+         work_bytes = work_bytes + 8                                    ! the series without its mean
+      end if
+      if (options%do_filter) work_bytes = work_bytes + 8                ! the filtered series
       channel_bytes = 0
       if (options%keep_series) channel_bytes = 25
    end subroutine tell_memory

@@ -57,6 +57,9 @@ module gyroakf_io_record_stream
       !> Rows that were delivered, lost samples that were filled in, time from the first stamp to the last delivered
       integer(int64) :: counted = 0, filled = 0
       real(dp) :: elapsed = 0.0_dp
+      !> Gaps of a single sample: how many, the row of the last, smallest and largest distance; and whether all gaps are such
+      integer(int64) :: singles = 0, last_single = 0, nearest = huge(1_int64), farthest = 0
+      logical :: only_singles = .true.
       !> Unit of the stamps and the first of them
       real(dp) :: scale = 1.0_dp, origin = 0.0_dp
       !> Part of the samples that is wanted
@@ -209,6 +212,7 @@ contains
          if (gaps%before(k) > to) exit
          if (gaps%before(k) < from .or. gaps%before(k) < 2) cycle
          if (stream%summary%audit%line_of_first(3) == 0) stream%summary%audit%line_of_first(3) = before + gaps%before(k)
+         call note_single(stream, before + gaps%before(k), gaps%length(k))
          kept = kept + 1
          gaps%length(kept) = gaps%length(k)
          gaps%before(kept) = gaps%before(k) - (from - 1)
@@ -226,6 +230,34 @@ contains
          if (.not. stream%begun) audit%stamp_rate = part%stamp_rate
       end associate
    end subroutine audit_window
+
+   !> Notes the distance of a gap from the one before.
+   pure subroutine note_single(stream, row, length)
+      type(record_stream_type), intent(inout) :: stream
+      !> The row behind the gap, and how many samples it lacks
+      integer(int64), intent(in) :: row, length
+
+      stream%only_singles = stream%only_singles .and. length == 1
+      stream%singles = stream%singles + 1
+      if (stream%singles > 1) then
+         stream%nearest = min(stream%nearest, row - stream%last_single)
+         stream%farthest = max(stream%farthest, row - stream%last_single)
+      end if
+      stream%last_single = row
+   end subroutine note_single
+
+   !> Single samples lost at even distances may be the beat of the samples with a coarse clock: [[audit_stamps]] of the whole
+   !> recording would not fill them in.
+   subroutine warn_of_beat(stream, record)
+      type(record_stream_type), intent(in) :: stream
+      type(record_type), intent(inout) :: record
+
+      if (stream%singles < 4 .or. .not. stream%only_singles) return
+      if (stream%farthest - stream%nearest > max(4_int64, stream%nearest/5)) return
+      call add_text(record%warnings, "the gaps are single samples at even distances: a clock too coarse for the rate, or lost "// &
+                    "samples; each was filled with a missing sample, --time-column none with --rate takes the rows as evenly "// &
+                    "spaced")
+   end subroutine warn_of_beat
 
    !> Counts equal and backward stamps.
    pure subroutine count_steps(t, before, audit)
@@ -422,6 +454,7 @@ contains
          if (stream%input /= "rate") call make_rates(record, "increment", 1.0_dp, error)
          if (allocated(error)) return
          call tell(table, record)
+         call warn_of_beat(stream, record)
       end associate
    end subroutine end_record_stream
 
