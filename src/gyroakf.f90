@@ -28,7 +28,7 @@ module gyroakf
    use gyroakf_allan_covariance, only : allan_variance_covariances
    use gyroakf_allan_noise_model, only : noise_model_type, model_variance
    use gyroakf_allan_noise_fit, only : noise_options, coefficient_type, noise_type, fit_noise
-   use gyroakf_allan_noise_model, only : noise_model_type
+   use gyroakf_allan_record_length, only : record_to_see
    use gyroakf_allan_mixture_edf, only : mixture_degrees_of_freedom
    use gyroakf_allan_mixture_limits, only : give_mixture_limits
    use gyroakf_allan_read_off, only : read_off_options, read_off_type, read_off

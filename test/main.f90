@@ -16,6 +16,7 @@ program test_main
    use test_allan_grid, only : collect_allan_grid
    use test_allan_halves, only : collect_allan_halves
    use test_allan_noise_fit, only : collect_allan_noise_fit
+   use test_allan_terms, only : collect_allan_terms
    use test_allan_read_off, only : collect_allan_read_off
    use test_allan_statistics, only : collect_allan_statistics
    use test_allan_stream, only : collect_allan_stream
@@ -70,6 +71,7 @@ program test_main
    call add("allan_grid", collect_allan_grid)
    call add("allan_halves", collect_allan_halves)
    call add("allan_noise_fit", collect_allan_noise_fit)
+   call add("allan_terms", collect_allan_terms)
    call add("allan_read_off", collect_allan_read_off)
    call add("allan_statistics", collect_allan_statistics)
    call add("allan_stream", collect_allan_stream)

@@ -438,7 +438,7 @@ contains
       call fitted(error, "mdev", "all", curve, other, noise)
       if (allocated(error)) return
       call give_mixture_limits(other, noise)
-      model%squares(:5) = (noise%coefficient(:5)%value*[1.0e2_dp, 1.0e1_dp, 1.0_dp, 1.0e-1_dp, 1.0e-2_dp])**2
+      model = noise%mixture
       do i = 1, size(other%m), 411
          call agree(error, other%edf(i), mixture_degrees_of_freedom("mdev", 20000_int64, other%m(i), model), 0.01_dp, "mdev", i)
          if (allocated(error)) return

@@ -53,7 +53,8 @@ module gyroakf_allan_covariance
    type :: covariance_basis_type
       !> Rate samples in the record
       integer(int64) :: samples = 0
-      !> Correlation time of the Markov process that is in it, in samples
+      !> There is a Markov process in it, of this correlation time in samples
+      logical :: markov = .false.
       real(dp) :: correlation_time = 1.0_dp
       !> Averaging factors
       integer(int64), allocatable :: m(:)
@@ -84,6 +85,7 @@ contains
 
       wanted = .true.
       wanted(process_markov) = present(correlation_time)
+      basis%markov = present(correlation_time)
       if (present(correlation_time)) basis%correlation_time = correlation_time
       basis%samples = samples
       basis%m = m

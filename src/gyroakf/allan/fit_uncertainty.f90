@@ -1,16 +1,86 @@
 ! SPDX-License-Identifier: MIT
 !> How uncertain a weighted fit to correlated points is, and whether it fits.
 module gyroakf_allan_fit_uncertainty
-   use gyroakf_kinds, only : dp
-   use gyroakf_lapack, only : dgels, dsyev
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_lapack, only : dgels, dposv, dsyev
+   use gyroakf_allan_nonnegative, only : solve_nonnegative
+   use gyroakf_simulate_random, only : fill_normal, random_type, seed_random
    implicit none (type, external)
    private
-   public :: sandwich_covariance, generalised_chi_square
+   public :: sandwich_covariance, generalised_chi_square, draw_estimates
 
    !> Eigenvalues of a correlation matrix below this share of the largest one carry no information
    real(dp), parameter :: eigenvalue_share = 1e-3_dp
 
+   !> Pairs of draws, of opposite sign
+   integer, parameter :: pairs = 250
+
 contains
+
+   !> Estimates as they would come from other records of the same noise.
+   !>
+   !> The weighted fit is a projection of the points with H = X'WX and the covariance S = X'WCWX of X'We. Draws g of N(0, S)
+   !> give estimates that minimise (x - c)' H (x - c)/2 - g'(x - c), x >= 0, around the true unknowns c; how they scatter is what
+   !> the estimates are uncertain by, however often an unknown comes out as zero. The draws are the same in every call.
+   subroutine draw_estimates(design, weight, covariance, centre, signed, estimates, unbounded)
+      !> X: [points, unknowns], columns of length about 1
+      real(dp), intent(in) :: design(:, :)
+      !> Diagonal of W, > 0: [points]
+      real(dp), intent(in) :: weight(:)
+      !> C: [points, points]
+      real(dp), intent(in) :: covariance(:, :)
+      !> True unknowns: [unknowns]
+      real(dp), intent(in) :: centre(:)
+      !> How many unknowns, the last ones, may be negative
+      integer, intent(in) :: signed
+      !> With the bounds, and the same without them: [unknowns, draws]; no draws where the columns are not independent
+      real(dp), allocatable, intent(out) :: estimates(:, :), unbounded(:, :)
+
+      real(dp), dimension(size(centre), size(centre)) :: square, root, inverse
+      real(dp) :: weighted(size(design, 1), size(centre)), value(size(centre)), work(64*size(centre) + 64), x(size(centre))
+      real(dp) :: normal(size(centre)), bounded(size(centre), size(centre) + signed), y(size(centre) + signed), target(size(centre))
+      type(random_type) :: random
+      integer :: i, j, p, info
+      logical :: converged
+
+      p = size(centre)
+      do j = 1, p
+         weighted(:, j) = weight*design(:, j)
+      end do
+      square = matmul(transpose(design), weighted)
+      root = matmul(transpose(weighted), matmul(covariance, weighted))
+      call dsyev("V", "U", p, root, p, value, work, size(work), info)
+      allocate (estimates(p, 0), unbounded(p, 0))
+      if (info /= 0) return
+      do j = 1, p
+         root(:, j) = root(:, j)*sqrt(max(value(j), 0.0_dp))
+      end do
+      inverse = root
+      bounded(:, :p) = square                               ! from here on S^(1/2) becomes H^(-1) S^(1/2)
+      call dposv("U", p, p, bounded(:, :p), p, inverse, p, info)
+      if (info /= 0) return
+      do j = 1, p                                           ! the factor U of H = U'U
+         bounded(j + 1:, j) = 0
+      end do
+      bounded(:, p + 1:) = -bounded(:, p - signed + 1:p)
+      deallocate (estimates, unbounded)
+      allocate (estimates(p, 2*pairs), unbounded(p, 2*pairs))
+      call seed_random(random, 1_int64)
+      do i = 1, pairs
+         call fill_normal(random, normal)
+         do j = 0, 1
+            x = centre + (1 - 2*j)*matmul(inverse, normal)
+            unbounded(:, 2*i - 1 + j) = x
+            if (any(x(:p - signed) < 0)) then
+               target = matmul(bounded(:, :p), x)
+               call solve_nonnegative(bounded, target, y, converged)
+               if (converged) x = y(:p)
+               if (converged) x(p - signed + 1:) = y(p - signed + 1:p) - y(p + 1:)
+            end if
+            estimates(:, 2*i - 1 + j) = x
+         end do
+      end do
+   end subroutine draw_estimates
 
    !> Covariance of the unknowns of a weighted least-squares fit whose points are correlated.
    !>

@@ -32,7 +32,7 @@ module gyroakf_allan_halves
    use gyroakf_allan_fit_uncertainty, only : generalised_chi_square
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_allan_noise_fit, only : noise_type
-   use gyroakf_allan_noise_model, only : model_variance, noise_model_type, term_count, term_markov
+   use gyroakf_allan_noise_model, only : model_variance, noise_model_type, term_markov
    use gyroakf_allan_phase, only : integrate_rate
    use gyroakf_allan_segment, only : segment_variances
    implicit none (type, external)
@@ -128,8 +128,7 @@ contains
       halves%confidence = options%confidence
       call innovation_kurtosis(phase, missing, 0_int64, half, maxval(variance), kurtosis(1))
       call innovation_kurtosis(phase, missing, n - half, n, maxval(variance), kurtosis(2))
-      call compare_variances(half, sample_interval, m, variance, complete, model_in_samples(noise, sample_interval), &
-         & sum(kurtosis)/2, options, halves, error)
+      call compare_variances(half, sample_interval, m, variance, complete, noise%mixture, sum(kurtosis)/2, options, halves, error)
    end subroutine compare_halves
 
    !> Rejects what is out of range.
@@ -153,7 +152,7 @@ contains
          call fatal_error(error, status%invalid_argument, "the coverage of a window must be above 0 and at most 1")
       else if (.not. between(options%least_edf, 1.0_dp - epsilon(1.0_dp), huge(1.0_dp))) then
          call fatal_error(error, status%invalid_argument, "the least degrees of freedom must be 1 or more")
-      else if (.not. any(noise%coefficient%value > 0)) then
+      else if (.not. any(noise%mixture%squares > 0)) then
          call fatal_error(error, status%invalid_argument, "the noise coefficients are not fitted: all of them are 0")
       else if (half < 4) then
          call fatal_error(error, status%too_few_samples, "two halves to be compared need at least 8 samples")
@@ -288,19 +287,6 @@ contains
       end if
       sums = [count, squares, fourths]
    end subroutine sum_powers
-
-   !> The fitted mixture for a sample interval of 1.
-   pure function model_in_samples(noise, sample_interval) result(model)
-      !> In the unit of the rate and seconds
-      type(noise_type), intent(in) :: noise
-      !> Seconds
-      real(dp), intent(in) :: sample_interval
-      type(noise_model_type) :: model
-
-      real(dp), parameter :: power(term_count) = [1.0_dp, 0.5_dp, 0.0_dp, -0.5_dp, -1.0_dp]
-
-      model%squares(:term_count) = (noise%coefficient(:term_count)%value/sample_interval**power)**2
-   end function model_in_samples
 
    !> The ratios, and the statistic of all of them.
    subroutine compare_variances(half, sample_interval, m, variance, complete, model, kurtosis, options, halves, error)

@@ -14,7 +14,7 @@ module gyroakf_allan_mixture_limits
    use gyroakf_allan_deviations, only : allan_curve_type, terms_share
    use gyroakf_allan_mixture_edf, only : mixture_degrees_of_freedom
    use gyroakf_allan_noise_fit, only : noise_type
-   use gyroakf_allan_noise_model, only : noise_model_type, term_count
+   use gyroakf_allan_noise_model, only : noise_model_type
    implicit none (type, external)
    private
    public :: give_mixture_limits
@@ -36,12 +36,7 @@ contains
       !> From [[fit_noise]], in the same units
       type(noise_type), intent(in) :: noise
 
-      real(dp), parameter :: power(term_count) = [1.0_dp, 0.5_dp, 0.0_dp, -0.5_dp, -1.0_dp]
-      type(noise_model_type) :: model
-
-      if (.not. allocated(curve%m)) return
-      model%squares(:term_count) = (noise%coefficient(:term_count)%value/curve%sample_interval**power)**2
-      call limits_of_model(curve, model, noise%misfit > 0)
+      if (allocated(curve%m)) call limits_of_model(curve, noise%mixture, noise%misfit > 0)
    end subroutine limits_of_noise
 
    !> The same from a mixture.

@@ -1,0 +1,298 @@
+! SPDX-License-Identifier: MIT
+!> Tests of the choice of noise terms: what white noise must not show, what must be kept, Markov process, sinusoid, first
+!> points left out, limits, record length.
+module test_allan_terms
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
+   use gyroakf_allan_noise_fit, only : fit_noise, noise_options, noise_type
+   use gyroakf_allan_noise_model, only : model_variance, noise_model_type
+   use gyroakf_allan_record_length, only : never, record_to_see
+   use gyroakf_record, only : record_type
+   use gyroakf_simulate_record, only : simulate_options, simulate_record
+   use allan_series, only : normal_series
+   use testdrive, only : check, error_type, new_unittest, unittest_type
+   implicit none (type, external)
+   private
+   public :: collect_allan_terms
+
+contains
+
+   !> The tests of this suite.
+   subroutine collect_allan_terms(testsuite)
+      !> The tests
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         & new_unittest("white_noise_alone", test_white), &
+         & new_unittest("true_terms_kept", test_kept), &
+         & new_unittest("markov_curve", test_markov_curve), &
+         & new_unittest("sinusoid_curve", test_sinusoid_curve), &
+         & new_unittest("markov_record", test_markov_record), &
+         & new_unittest("sinusoid_record", test_sinusoid_record), &
+         & new_unittest("filtered_record", test_filtered), &
+         & new_unittest("limit_is_a_quantile", test_limit), &
+         & new_unittest("record_length", test_record_length), &
+         & new_unittest("letters", test_letters)]
+   end subroutine collect_allan_terms
+
+   !> Curve and fit of a record.
+   subroutine fit_record(rate, options, curve, noise, failure)
+      real(dp), intent(in) :: rate(:)
+      type(noise_options), intent(in) :: options
+      type(allan_curve_type), intent(out) :: curve
+      type(noise_type), intent(out) :: noise
+      type(gyro_error), allocatable, intent(out) :: failure
+
+      call compute_allan(rate, 1.0_dp, allan_options(), curve, failure)
+      if (.not. allocated(failure)) call fit_noise(curve, options, noise, failure)
+   end subroutine fit_record
+
+   !> A curve that is the expectation itself, octaves.
+   subroutine exact_curve(model, samples, curve)
+      type(noise_model_type), intent(in) :: model
+      integer(int64), intent(in) :: samples
+      type(allan_curve_type), intent(out) :: curve
+      integer :: i, octaves
+
+      octaves = int(log(real(samples, dp)/2)/log(2.0_dp))
+      curve%samples = samples
+      curve%m = [(2_int64**i, i=0, octaves)]
+      curve%terms = samples - 2*curve%m + 1
+      curve%tau = real(curve%m, dp)
+      curve%deviation = [(sqrt(model_variance(model, curve%tau(i))), i=1, size(curve%m))]
+      curve%edf = samples/curve%tau
+      curve%lower = curve%deviation
+      curve%upper = curve%deviation
+   end subroutine exact_curve
+
+   subroutine test_white(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! 2 % of white records show another term: of 60 seldom more than 4 (P < 0.01)
+      type(allan_curve_type) :: curve
+      type(noise_type) :: noise
+      type(gyro_error), allocatable :: failure
+      integer :: i, spurious
+
+      spurious = 0
+      do i = 1, 60
+         call fit_record(normal_series(3000_int64, int(40 + i, int64)), noise_options(), curve, noise, failure)
+         call check(error, .not. allocated(failure) .and. noise%coefficient(2)%detected, "N")
+         if (allocated(error)) return
+         if (any(noise%coefficient([1, 3, 4, 5])%detected)) spurious = spurious + 1
+      end do
+      call check(error, spurious <= 4, "spurious terms")
+   end subroutine test_white
+
+   subroutine test_kept(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! N, B and K all far above their errors; neither Q nor R
+      type(allan_curve_type) :: curve
+      type(noise_type) :: noise
+      type(gyro_error), allocatable :: failure
+      type(simulate_options) :: options
+      type(record_type) :: record
+
+      options%samples = 65536
+      options%rate_hz = 1
+      options%seed = 5
+      options%coefficient = [0.0_dp, 1.0_dp, 0.1_dp, 0.01_dp, 0.0_dp]
+      call simulate_record(options, record, failure)
+      if (.not. allocated(failure)) call fit_record(record%value(:, 1), noise_options(), curve, noise, failure)
+      call check(error, .not. allocated(failure), "the fit failed")
+      if (allocated(error)) return
+      call check(error, all(noise%coefficient%detected .eqv. [.false., .true., .true., .true., .false.]), "the terms")
+      if (allocated(error)) return
+      call check(error, all(abs(noise%coefficient(2:4)%value - [1.0_dp, 0.1_dp, 0.01_dp]) < 3*noise%coefficient(2:4)%std_error), &
+         & "the values")
+      if (allocated(error)) return
+      call check(error, noise%left_out == 0 .and. .not. noise%markov%fitted .and. .not. noise%sinusoid%fitted, "nothing else")
+   end subroutine test_kept
+
+   subroutine test_markov_curve(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! without noise the parameters come back: q_c = sqrt(2 s^2/T)
+      type(noise_model_type) :: model
+      type(allan_curve_type) :: curve
+      type(noise_type) :: noise
+      type(gyro_error), allocatable :: failure
+
+      model%squares(2) = 1
+      model%squares(6) = 0.04_dp
+      model%correlation_time = 150
+      call exact_curve(model, 200000_int64, curve)
+      call fit_noise(curve, noise_options(terms="NM", method="linear"), noise, failure)
+      call check(error, .not. allocated(failure), "the fit failed")
+      if (allocated(error)) return
+      call check(error, noise%correlation_time, 150.0_dp, thr=1.0e-3_dp, rel=.true.)
+      if (allocated(error)) return
+      call check(error, noise%markov%value, sqrt(0.08_dp/150), thr=1.0e-3_dp, rel=.true.)
+      if (allocated(error)) return
+      call check(error, noise%coefficient(2)%value, 1.0_dp, thr=1.0e-4_dp)
+   end subroutine test_markov_curve
+
+   subroutine test_sinusoid_curve(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      type(noise_model_type) :: model
+      type(allan_curve_type) :: curve
+      type(noise_type) :: noise
+      type(gyro_error), allocatable :: failure
+
+      model%squares(2) = 1
+      model%squares(7) = 0.25_dp
+      model%frequency = 0.0123_dp
+      call exact_curve(model, 200000_int64, curve)
+      call fit_noise(curve, noise_options(terms="NS", method="linear"), noise, failure)
+      call check(error, .not. allocated(failure), "the fit failed")
+      if (allocated(error)) return
+      call check(error, noise%frequency, 0.0123_dp, thr=1.0e-4_dp, rel=.true.)
+      if (allocated(error)) return
+      call check(error, noise%sinusoid%value, 0.5_dp, thr=1.0e-4_dp)
+      if (allocated(error)) return
+      call check(error, noise%coefficient(2)%value, 1.0_dp, thr=1.0e-4_dp)
+   end subroutine test_sinusoid_curve
+
+   subroutine test_markov_record(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! found without being asked for
+      type(allan_curve_type) :: curve
+      type(noise_type) :: noise
+      type(gyro_error), allocatable :: failure
+      real(dp) :: rate(100000), drive(100000), phi
+      integer :: i
+
+      phi = exp(-1/100.0_dp)
+      drive = 0.3_dp*sqrt(1 - phi**2)*normal_series(100000_int64, 21_int64)
+      do i = 2, size(drive)
+         drive(i) = phi*drive(i - 1) + drive(i)
+      end do
+      rate = drive + normal_series(100000_int64, 22_int64)
+      call fit_record(rate, noise_options(), curve, noise, failure)
+      call check(error, .not. allocated(failure) .and. noise%markov%detected .and. noise%left_out == 0, "the Markov process")
+      if (allocated(error)) return
+      call check(error, abs(noise%correlation_time - 100) < 3*noise%correlation_time_error, "its time")
+      if (allocated(error)) return
+      call check(error, abs(noise%markov%value - 0.3_dp*sqrt(0.02_dp)) < 3*noise%markov%std_error, "its strength")
+      if (allocated(error)) return
+      call check(error, noise%misfit <= 0 .and. .not. noise%coefficient(4)%detected, "and no random walk")
+   end subroutine test_markov_record
+
+   subroutine test_sinusoid_record(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      type(allan_curve_type) :: curve
+      type(noise_type) :: noise
+      type(gyro_error), allocatable :: failure
+      real(dp) :: rate(50000)
+      integer :: i
+
+      rate = normal_series(50000_int64, 31_int64) + [(0.4_dp*sin(6.283185307179586_dp*0.021_dp*i), i=1, 50000)]
+      call fit_record(rate, noise_options(), curve, noise, failure)
+      call check(error, .not. allocated(failure) .and. noise%sinusoid%detected, "the sinusoid")
+      if (allocated(error)) return
+      call check(error, abs(noise%frequency - 0.021_dp) < 3*noise%frequency_error, "its frequency")
+      if (allocated(error)) return
+      call check(error, abs(noise%sinusoid%value - 0.4_dp) < 3*noise%sinusoid%std_error, "its amplitude")
+   end subroutine test_sinusoid_record
+
+   subroutine test_filtered(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! an AR(1) with phi = 0.5 is white of N = 1/(1 - phi) = 2 to long times; the first points are bent down
+      type(allan_curve_type) :: curve
+      type(noise_type) :: noise
+      type(gyro_error), allocatable :: failure
+      real(dp) :: rate(50000)
+      integer :: i
+
+      rate = normal_series(50000_int64, 8_int64)
+      do i = 2, size(rate)
+         rate(i) = 0.5_dp*rate(i - 1) + rate(i)
+      end do
+      call fit_record(rate, noise_options(), curve, noise, failure)
+      call check(error, .not. allocated(failure) .and. noise%left_out > 0 .and. .not. noise%markov%fitted, "points left out")
+      if (allocated(error)) return
+      call check(error, noise%tau_first, real(2**noise%left_out, dp), thr=1.0e-12_dp)
+      if (allocated(error)) return
+      call check(error, abs(noise%coefficient(2)%value - 2) < 3*noise%coefficient(2)%std_error, "N of long times")
+      if (allocated(error)) return
+      call check(error, .not. any(noise%coefficient([1, 3, 4, 5])%detected), "no other term")
+   end subroutine test_filtered
+
+   subroutine test_limit(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! a single averaging time, one term: the limit is the variance over the 5 % quantile of chi-square(nu)/nu, of which the
+      ! cube-root transform knows the quantile to 1 % at nu = 10
+      type(noise_model_type) :: model
+      type(allan_curve_type) :: curve
+      type(noise_options) :: options
+      type(noise_type) :: noise
+      type(gyro_error), allocatable :: failure
+      real(dp), parameter :: quantile_10 = 3.9402991361190605_dp, nu = 10
+
+      model%squares(2) = 1
+      call exact_curve(model, 1000_int64, curve)
+      options%terms = "N"
+      options%tau_min = 128
+      options%tau_max = 128
+      call fit_noise(curve, options, noise, failure)
+      call check(error, .not. allocated(failure), "the fit failed")
+      if (allocated(error)) return
+      ! 1000 samples at m = 128 have nu = 9.8 (Greenhall & Riley): compared through the ratio for nu of the curve
+      call check(error, abs(curve%edf(8) - 9.8_dp) < 0.4_dp, "degrees of freedom")
+      if (allocated(error)) return
+      call check(error, (noise%coefficient(2)%upper_limit)**2, nu/quantile_10, thr=0.03_dp, rel=.true.)
+   end subroutine test_limit
+
+   subroutine test_record_length(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! Q^2 over white noise has the standard error sqrt(10/n) N^2/10 ... of the Cramer-Rao bound, 1/sqrt(n): seen at 3.88 of them
+      type(noise_model_type) :: model
+      type(allan_curve_type) :: curve
+      type(noise_type) :: noise
+      type(gyro_error), allocatable :: failure
+      real(dp) :: times, longer
+
+      model%squares(2) = 1
+      call exact_curve(model, 10000_int64, curve)
+      call fit_noise(curve, noise_options(method="linear"), noise, failure)
+      call check(error, .not. allocated(failure), "the fit failed")
+      if (allocated(error)) return
+      call record_to_see(noise, 10000_int64, 1, 0.003_dp, times)
+      call check(error, times, (3.881_dp/0.003_dp)**2*1.0e-4_dp, thr=0.05_dp, rel=.true.)
+      if (allocated(error)) return
+      call record_to_see(noise, 10000_int64, 4, 1.0e-9_dp, times)
+      call record_to_see(noise, 10000_int64, 4, 1.0e-10_dp, longer)
+      call check(error, times > 1 .and. longer > times .and. longer < never, "a smaller walk needs a longer record")
+      if (allocated(error)) return
+      call record_to_see(noise, 10000_int64, 1, 1.0e-6_dp, times)
+      call check(error, times, never)
+   end subroutine test_record_length
+
+   subroutine test_letters(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      type(noise_model_type) :: model
+      type(allan_curve_type) :: curve
+      type(noise_type) :: noise
+      type(gyro_error), allocatable :: failure
+
+      model%squares(2) = 1
+      call exact_curve(model, 10000_int64, curve)
+      call fit_noise(curve, noise_options(terms="NX"), noise, failure)
+      call check(error, allocated(failure), "NX")
+      if (allocated(error)) return
+      call check(error, failure%code, status%invalid_argument)
+      if (allocated(error)) return
+      call fit_noise(curve, noise_options(terms="autoN"), noise, failure)
+      call check(error, allocated(failure), "autoN")
+   end subroutine test_letters
+
+end module test_allan_terms
