@@ -119,8 +119,9 @@ module gyroakf_app_option
       option_type("--confidence", "P", "share", "run allan", "allan", "of the limits (default 0.683)"), &
       option_type("--min-coverage", "P", "share", "run allan", "allan", &
                   "share of a window that must be present (default 0.9; 1: all of it)"), &
-      option_type("--terms", "auto|QNBKR", "text", "run allan", "allan", &
-                  "terms that are fitted, e.g. NBK (default: all five, none of them negative)"), &
+      option_type("--terms", "auto|QNBKRMS", "text", "run allan", "allan", &
+                  "terms that are fitted, e.g. NBK; M Markov process, S sinusoid (default auto: QNBKR; M, S, or a fit "// &
+                  "without the first points where these do not describe the curve)"), &
       option_type("--fit-tau-min", "S", "positive", "run allan", "allan", "the fit begins at this averaging time"), &
       option_type("--fit-tau-max", "S", "positive", "run allan", "allan", "the fit ends at this averaging time")]
 

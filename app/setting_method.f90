@@ -6,7 +6,6 @@ module gyroakf_app_setting_method
    use gyroakf_allan_noise_fit, only : noise_options
    use gyroakf_filter_design, only : design_options
    use gyroakf_pipeline, only : pipeline_options
-   use gyroakf_units, only : term_names
    use gyroakf_app_option, only : option_type
    use gyroakf_app_value, only : value_type, value_error, not_wired, convert_list, is_word
    implicit none (type, external)
@@ -183,21 +182,24 @@ contains
       end do
    end subroutine set_estimate
 
-   !> Some of Q N B K R, in that order whatever the order of the letters.
+   !> auto, or some of Q N B K R M S, in that order whatever the order of the letters.
    subroutine set_terms(noise, option, text, error)
       type(noise_options), intent(inout) :: noise
       type(option_type), intent(in) :: option
       character(*), intent(in) :: text
       type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: letters = "QNBKRMS"
       integer :: i
 
-      noise%terms = ""
-      if (text /= "auto" .and. verify(text, "QNBKR") /= 0) then
-         call value_error(option, "'"//text//"' has other letters than Q N B K R", error)
+      noise%terms = "auto"
+      if (text == "auto") return
+      if (verify(text, letters) /= 0) then
+         call value_error(option, "'"//text//"' has other letters than Q N B K R M S", error)
          return
       end if
-      do i = 1, size(term_names)
-         if (text == "auto" .or. index(text, term_names(i)) > 0) noise%terms = trim(noise%terms)//term_names(i)
+      noise%terms = ""
+      do i = 1, len(letters)
+         if (index(text, letters(i:i)) > 0) noise%terms = trim(noise%terms)//letters(i:i)
       end do
    end subroutine set_terms
 

@@ -7,10 +7,11 @@ module gyroakf_pipeline_coefficients
    use gyroakf_units, only : unit_type, coefficient_unit_type, coefficient_unit, density_unit, quantity
    use gyroakf_allan_deviations, only : allan_options, compute_allan
    use gyroakf_allan_mixture_limits, only : give_mixture_limits
-   use gyroakf_allan_noise_fit, only : noise_type, fit_noise
+   use gyroakf_allan_noise_fit, only : coefficient_type, noise_options, noise_type, fit_noise
+   use gyroakf_allan_record_length, only : never, record_to_see
    use gyroakf_allan_read_off, only : read_off_options, read_off_type, read_off
-   use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stated_noise_type, stated_read_off_type, stage, &
-      & stage_names
+   use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, allan_result_type, stated_coefficient_type, &
+      & stated_noise_type, stated_read_off_type, stage, stage_names
    use gyroakf_pipeline_conventions, only : state_conventions
    use gyroakf_pipeline_warnings, only : note_failure, is_fatal
    implicit none (type, external)
@@ -68,9 +69,12 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       type(read_off_type) :: read
+      type(noise_options) :: noise_of_stage
       integer :: i
 
-      call fit_noise(channel%allan(which)%curve, options%noise, channel%allan(which)%noise, error)
+      noise_of_stage = options%noise                        ! what a filter leaves is a filtered curve, not a further process
+      noise_of_stage%further_terms = any(which == [stage%input, stage%cleaned])
+      call fit_noise(channel%allan(which)%curve, noise_of_stage, channel%allan(which)%noise, error)
       if (is_fatal(error)) return
       channel%allan(which)%fitted = .not. allocated(error)
       call note_failure(channel, "noise coefficients ("//trim(stage_names(which))//")", error)
@@ -81,6 +85,7 @@ contains
          end do
       end if
       call state_noise(channel%allan(which)%noise, rate_known, unit, channel%allan(which)%stated)
+      if (which == stage%input) call state_visible(channel%allan(which))
       call read_off(channel%allan(which)%curve, read_off_options(), read, error)
       if (.not. allocated(error)) call state_read_off(read, rate_known, unit, channel%allan(which)%read_off)
    end subroutine fit_curve
@@ -136,22 +141,14 @@ contains
       !> Value, error and limit of each term
       type(stated_noise_type), intent(out) :: stated
       type(coefficient_unit_type) :: target_unit
-      real(dp) :: factor
       integer :: term
 
       stated%in_units = rate_known .and. unit%quantity /= quantity%unknown
       do term = 1, 5
-         target_unit = coefficient_unit(unit, term, per_sample=.not. rate_known)
-         factor = unit%to_si*target_unit%from_si
-         stated%term(term)%unit = target_unit%name
-         associate (from => noise%coefficient(term), to => stated%term(term))
-            to%value = factor*from%value
-            to%std_error = factor*from%std_error
-            to%upper_limit = factor*from%upper_limit
-            to%detected = from%detected
-            to%fitted = from%fitted
-         end associate
+         call state_one(noise%coefficient(term), term, rate_known, unit, stated%term(term))
       end do
+      call state_one(noise%markov, 4, rate_known, unit, stated%markov)
+      call state_one(noise%sinusoid, 3, rate_known, unit, stated%sinusoid)
       call state_conventions(noise, unit, stated)
       if (.not. stated%in_units) return
       target_unit = density_unit(unit)
@@ -159,6 +156,52 @@ contains
       stated%density_two_sided = noise%coefficient(2)%value*unit%to_si*target_unit%from_si
       stated%density_one_sided = sqrt(2.0_dp)*stated%density_two_sided
    end subroutine state_noise
+
+   !> One coefficient in the unit of a term.
+   subroutine state_one(from, term, rate_known, unit, to)
+      !> In units of the series and s (samples)
+      type(coefficient_type), intent(in) :: from
+      !> 1 .. 5 for the unit of Q N B K R
+      integer, intent(in) :: term
+      !> The time unit is the second
+      logical, intent(in) :: rate_known
+      !> Unit of the series
+      type(unit_type), intent(in) :: unit
+      !> As stated
+      type(stated_coefficient_type), intent(inout) :: to
+      type(coefficient_unit_type) :: target_unit
+      real(dp) :: factor
+
+      target_unit = coefficient_unit(unit, term, per_sample=.not. rate_known)
+      factor = unit%to_si*target_unit%from_si
+      to%unit = target_unit%name
+      to%value = factor*from%value
+      to%std_error = factor*from%std_error
+      to%upper_limit = factor*from%upper_limit
+      to%detected = from%detected
+      to%fitted = from%fitted
+   end subroutine state_one
+
+   !> For what was not detected: how long a record would show half its limit.
+   subroutine state_visible(allan)
+      !> Fitted and stated
+      type(allan_result_type), intent(inout) :: allan
+      real(dp), parameter :: power(5) = [1.0_dp, 0.5_dp, 0.0_dp, -0.5_dp, -1.0_dp]
+      real(dp) :: half, times, step
+      integer :: term
+
+      step = allan%curve%sample_interval
+      do term = 1, 5
+         associate (to => allan%stated%term(term), from => allan%noise%coefficient(term))
+            if (.not. from%fitted .or. from%detected .or. from%upper_limit <= 0.0_dp) cycle
+            half = 0.5_dp*from%upper_limit/step**power(term)
+            call record_to_see(allan%noise, allan%curve%samples, term, half**2, times)
+            to%visible_value = 0.5_dp*to%upper_limit
+            to%visible_duration = huge(1.0_dp)
+            if (times < never) to%visible_duration = times*real(allan%curve%samples, dp)*step
+         end associate
+      end do
+   end subroutine state_visible
 
    !> States what was read off the curve in the units of the coefficients, the minimum in that of B.
    subroutine state_read_off(read, rate_known, unit, stated)

@@ -86,7 +86,7 @@ module gyroakf_pipeline_result
    type :: stated_coefficient_type
       !> Value, its standard error and the one-sided 95 % limit; NaN-free, 0 where the term was not fitted
       real(dp) :: value = 0.0_dp, std_error = 0.0_dp, upper_limit = 0.0_dp
-      !> Larger than two standard errors
+      !> The curve asks for the term
       logical :: detected = .false.
       !> The term was part of the fit
       logical :: fitted = .false.
@@ -98,12 +98,17 @@ module gyroakf_pipeline_result
       character(:), allocatable :: unit_si
       !> What it is the coefficient of: "sigma^2 = N^2/tau, two-sided density N^2"
       character(:), allocatable :: definition
+      !> Not detected in the record as read: half the limit, and the length of a record that would show a value as large in s;
+      !> 0 where not asked, `huge` where 1e4 times this record does not
+      real(dp) :: visible_value = 0.0_dp, visible_duration = 0.0_dp
    end type stated_coefficient_type
 
    !> The five coefficients as they are stated
    type :: stated_noise_type
       !> Q N B K R
       type(stated_coefficient_type) :: term(5)
+      !> Strength of the driving noise of a Markov process, amplitude of a sinusoid; not fitted unless the curve needed it
+      type(stated_coefficient_type) :: markov, sinusoid
       !> The unit and the rate are known: `density` and the angle units mean something
       logical :: in_units = .false.
       !> N as a density: two-sided, as N is defined, and one-sided, sqrt(2) N

@@ -97,12 +97,17 @@ contains
       end associate
    end subroutine warn_model
 
-   !> Curves that the five terms do not describe: Q, N, B, K, R are then wrong by more than the statistics of the curve tell.
+   !> Curves that the terms do not describe as they are: points were left out, or the coefficients are wrong by more than
+   !> the statistics of the curve tell.
    pure subroutine warn_fit(channel)
       !> Its Allan curves of the record as read and cleaned are fitted as far as possible; gets a warning
       type(channel_result_type), intent(inout) :: channel
       real(dp) :: misfit
 
+      associate (noise => channel%allan(stage%input)%noise)
+         if (noise%left_out > 0) call add_text(channel%warnings, "a filter in the sensor, or correlated noise, "// &
+            "bends the Allan curve at its first "//decimal(int(noise%left_out, int64))//" points: they were left out of the fit")
+      end associate
       misfit = max(channel%allan(stage%input)%noise%misfit, channel%allan(stage%cleaned)%noise%misfit)
       if (misfit > 0.0_dp) call add_text(channel%warnings, "the Allan deviation is not a sum of Q, N, B, K and R: "// &
          "it departs from the fit by about "//format_real(50*misfit, 2)//" %; correlated noise, vibration "// &

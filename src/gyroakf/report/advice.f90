@@ -104,7 +104,7 @@ contains
       end do
       if (len(names) == 0) return
       call put_point(writer, "This record does not resolve "//names(3:)//": the limits in Table III hold with 95 % "// &
-                     "confidence. A longer record lowers those of B, K and R.")
+                     "confidence. How long a record would have to be stands below that table.")
    end subroutine put_unresolved
 
    !> " (phi^2)" for an AR(1).

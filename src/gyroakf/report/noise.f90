@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Allan curve and Table III (noise coefficients before and after) of a report.
 module gyroakf_report_noise
-   use gyroakf_kinds, only : dp, int64
+   use gyroakf_kinds, only : dp
    use gyroakf_record, only : record_type
    use gyroakf_units, only : term_names, quantity
    use gyroakf_io_writer, only : writer_type, put_line
@@ -10,6 +10,7 @@ module gyroakf_report_noise
    use gyroakf_report_conventions, only : put_conventions
    use gyroakf_report_layout, only : put_heading, put_item, pad_left, pad_right, number, count_text
    use gyroakf_report_table, only : table_type, new_table, set_cell, put_table
+   use gyroakf_report_fit, only : put_fit, put_visible
    use gyroakf_report_input, only : unit_name
    implicit none (type, external)
    private
@@ -114,7 +115,8 @@ contains
          end associate
       end do
       call put_table(writer, table, 2)
-      call put_item(writer, "Fit", fit_text(allan))
+      call put_fit(writer, record, allan)
+      call put_visible(writer, record, allan)
       call put_minimum(writer, record, allan)
       call put_conventions(writer, allan, "The same")
    end subroutine put_coefficients
@@ -174,6 +176,8 @@ contains
          call put_line(writer, trim(first))
          call put_line(writer, trim(second))
       end do
+      call put_fit(writer, record, channel%allan(stage%input))
+      call put_visible(writer, record, channel%allan(stage%input))
       call put_conventions(writer, channel%allan(stage%input), "As read")
    end subroutine put_comparison
 
@@ -205,14 +209,6 @@ contains
       text = "not detectable"
       if (stated%detected) text = number(stated%value, 4)
    end function value_text
-
-   pure function fit_text(allan) result(text)
-      type(allan_result_type), intent(in) :: allan
-      character(:), allocatable :: text
-
-      text = count_text(int(allan%noise%points, int64))//" points, chi2 per degree of freedom "// &
-             number(allan%noise%chi2_reduced, 3)
-   end function fit_text
 
    !> Unit of a term, from the first series that has one.
    pure function coefficient_unit_name(channel, term) result(name)

@@ -12,7 +12,7 @@ module gyroakf_report_document_parts
    use gyroakf_allan_dynamic, only : dynamic_type
    use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stated_read_off_type, stage, stage_names
    use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, flush_json
-   use gyroakf_report_document_stated, only : put_stated, put_densities, put_known
+   use gyroakf_report_document_stated, only : put_stated, put_densities, put_known, put_description
    implicit none (type, external)
    private
    public :: put_preprocess, put_tests, put_ar, put_filters, put_allan, put_coefficients
@@ -403,6 +403,7 @@ contains
       call put_member(json, "chi2_reduced", allan%noise%chi2_reduced)
       call put_read_off(json, allan%read_off)
       call put_densities(json, allan%stated)
+      call put_description(json, allan%stated, allan%noise)
       call close_object(json)
    end subroutine put_noise
 
