@@ -261,7 +261,8 @@ contains
    subroutine test_white(error)
       type(error_type), allocatable, intent(out) :: error
 
-      ! unbiased: four standard errors of the ratio, whose squared deviation is about the lost share of 2/edf; without the correction
+      ! unbiased: four standard errors of the ratio, whose squared deviation is about the lost share of 2/edf; without the
+      ! correction
       ! 5 % at random would add 5 %
       character(6), parameter :: kinds(2) = ["mdev  ", "totdev"]
       real(dp), parameter :: lost(patterns) = [0.02_dp, 0.10_dp, 0.12_dp]

@@ -151,7 +151,8 @@ contains
    subroutine test_definition(error)
       type(error_type), allocatable, intent(out) :: error
 
-      ! every kind, every term: exact (but for lags above 40 m) beside the flicker noise of mdev at few samples (0.6 %) and its tail in totdev (0.01 %)
+      ! every kind, every term: exact (but for lags above 40 m) beside the flicker noise of mdev at few samples (0.6 %) and its
+      ! tail in totdev (0.01 %)
       integer, parameter :: n = 150, m(5) = [1, 2, 7, 32, 50]
       type(noise_model_type) :: model
       integer :: i, kind, case

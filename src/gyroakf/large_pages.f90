@@ -20,6 +20,7 @@ module gyroakf_large_pages
       !> 4.3BSD and all its heirs; 0 if the advice is taken
       function c_madvise(address, length, advice) result(failed) bind(C, name="madvise")
          import :: c_int, c_ptr, c_size_t
+         implicit none (type, external)
          type(c_ptr), value :: address
          integer(c_size_t), value :: length
          integer(c_int), value :: advice

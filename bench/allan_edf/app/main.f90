@@ -4,7 +4,8 @@
 !>
 !>     ./run.sh [RECORDS [SAMPLES [Q N B K R [LOST [GAP]]]]]
 !>
-!> Defaults: 400 records of 5000 samples, sample interval 1, Q N B K R = 0 1 0.1 0.005 0; of the records with missing samples a share
+!> Defaults: 400 records of 5000 samples, sample interval 1, Q N B K R = 0 1 0.1 0.005 0; of the records with missing samples a
+!> share
 !> LOST = 0.05 is lost at random and a stretch of GAP = 0.1 of the record from 40 % on. The columns: degrees of freedom of
 !> the true mixture, those of the scatter of the variances, their ratio, share of the 68.3 % limits that hold the mean; with missing
 !> samples the mean variance against that of complete records, and the same columns.

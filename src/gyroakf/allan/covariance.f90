@@ -7,8 +7,10 @@
 !>    \sum_{i,j} \left( 2 R_{mn}(j-i)^2 + 4 \mu_m(i) \mu_n(j) R_{mn}(j-i) \right) $$
 !>
 !> where R_mn is the covariance of z_m and z_n ([[gyroakf_allan_lag_covariance]]; quantisation noise adds a spike at each kink) and
-!> mu_m the mean of z_m: R m^2 of the ramp, an oscillation of the sinusoid, for which the sum is the noise's spectrum at its frequency.
-!> As a function of the distance u of the centres R is even, and smooth between the kinks 0, n - m, m, n, n + m. The sum over the lags
+!> mu_m the mean of z_m: R m^2 of the ramp, an oscillation of the sinusoid, for which the sum is the noise's spectrum at its
+!> frequency.
+!> As a function of the distance u of the centres R is even, and smooth between the kinks 0, n - m, m, n, n + m. The sum over
+!> the lags
 !> is Gauss quadrature between the kinks, or term by term where they are close: its cost does not depend on
 !> the length of the record. R is linear in the squared coefficients: the sums of the products of two processes are
 !> computed once ([[new_covariance_basis]]), and every mixture's covariance is a sum over them.

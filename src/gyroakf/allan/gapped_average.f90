@@ -65,7 +65,9 @@ contains
       do i = 1, size(m)
          total = total + (term_count(phase, m(i)) - 1)/chain_length(m(i)) + 1
       end do
-      allocate (part(total), begin(total), factor(total), stat=stat)
+      allocate (part(total), stat=stat)
+      if (stat == 0) allocate (begin(total), stat=stat)
+      if (stat == 0) allocate (factor(total), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the partial sums of the modified Allan variance")
          return

@@ -11,10 +11,12 @@
 !>
 !> and three (Hadamard), with 6 instead of 2 and 1/c_1 + 4/c_2 + 1/c_3 - 6/m. In general the bracket is the variance of a term
 !> in white noise of variance 1, less that of a complete record: for the modified variance see
-!> [[gyroakf_allan_gapped_average]], for the total variance [[gyroakf_allan_reflection]]. White noise stays unbiased; drift hardly varies
+!> [[gyroakf_allan_gapped_average]], for the total variance [[gyroakf_allan_reflection]]. White noise stays unbiased; drift
+!> hardly varies
 !> within a window and is not touched. The total variance alone loses some of a random walk to a gap, whose terms weigh more than
 !> those near the ends: 2 % of the variance at T/16, 17 % at T/5 where a gap of a tenth takes half of the terms. An averaging
-!> time is left out of it where less than half of the weight remains. S_m^2 follows from the overlapping Allan variances of the octaves below m: for m = 2^J
+!> time is left out of it where less than half of the weight remains. S_m^2 follows from the overlapping Allan variances of the
+!> octaves below m: for m = 2^J
 !> it is the sum over j < J of sigma^2(2^j) times m/(2(m - 1)).
 module gyroakf_allan_gaps
    use gyroakf_kinds, only : dp, int32, int64

@@ -287,7 +287,8 @@ contains
 
    !> One-sided 95 % limit of a square: the value that the curve undercuts in one of twenty records.
    !>
-   !> For a value h the others are fitted, and the covariance is that of this mixture; z(h) is what the curve asks h to be larger by,
+   !> For a value h the others are fitted, and the covariance is that of this mixture; z(h) is what the curve asks h to be
+   !> larger by,
    !> in standard errors. The limit is where z = -1.645; for a term that was not chosen it is not below what one standard error of
    !> bad luck would give (a chance low is no better knowledge).
    real(dp) function upper_limit_of(problem, model, term, step) result(limit)
