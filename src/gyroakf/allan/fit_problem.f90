@@ -44,6 +44,8 @@ module gyroakf_allan_fit_problem
    real(dp), parameter :: precision_goal = 1e-11_dp
    !> Share by which the sum of squares must fall in a step for another one to be worth while
    real(dp), parameter :: gain_least = 1e-10_dp
+   !> Least relative variance of a point: a ramp alone has none
+   real(dp), parameter :: variance_least = 2e-15_dp
    !> Least degrees of freedom of a weight
    real(dp), parameter :: edf_least = 0.5_dp
    !> Step of the derivatives by the logarithm of a parameter, and largest move of such a logarithm at once
@@ -79,17 +81,17 @@ contains
       type(problem_type) :: rest
 
       rest%samples = problem%samples
-      rest%m = problem%m(left_out + 1:)
-      rest%variance = problem%variance(left_out + 1:)
-      rest%edf = problem%edf(left_out + 1:)
-      rest%complete = problem%complete(left_out + 1:)
+      allocate (rest%m, source=problem%m(left_out + 1:))
+      allocate (rest%variance, source=problem%variance(left_out + 1:))
+      allocate (rest%edf, source=problem%edf(left_out + 1:))
+      allocate (rest%complete, source=problem%complete(left_out + 1:))
       rest%scale = problem%scale
       rest%offered = problem%offered
       rest%basis%samples = problem%samples
       rest%basis%markov = problem%basis%markov
       rest%basis%correlation_time = problem%basis%correlation_time
-      rest%basis%m = rest%m
-      rest%basis%pair = problem%basis%pair(left_out + 1:, left_out + 1:)
+      allocate (rest%basis%m, source=rest%m)
+      allocate (rest%basis%pair, source=problem%basis%pair(left_out + 1:, left_out + 1:))
    end function without_first
 
    !> Squares to start from: weights from the degrees of freedom known before and the variances themselves.
@@ -180,7 +182,8 @@ contains
       logical, intent(out) :: converged
 
       type(noise_model_type) :: before, full
-      integer, allocatable :: term(:), tangent(:)
+      integer :: term(count(problem%offered))
+      integer, allocatable :: tangent(:)
       real(dp), allocatable :: columns(:, :), design(:, :), length(:), x(:)
       real(dp) :: merit, at_start
       integer :: j, n, p, halving
@@ -272,6 +275,7 @@ contains
       do j = 1, size(factor)
          covariance(:, j) = covariance(:, j)*factor*factor(j) &
             & + problem%misfit*exp(-abs(log(real(problem%m, dp)/real(problem%m(j), dp))))
+         covariance(j, j) = max(covariance(j, j), variance_least)
       end do
    end subroutine relative_covariance
 

@@ -111,6 +111,7 @@ contains
       !> Its misfit is set, its choice renewed
       type(description_type), intent(inout) :: description
 
+      type(noise_model_type) :: start
       real(dp), dimension(size(description%problem%m)) :: model, half
       real(dp) :: before
       integer :: round
@@ -122,7 +123,8 @@ contains
             before = problem%misfit
             problem%misfit = extra_variance(log(problem%variance/model) - digamma(half) + log(half), 1/half, &
                & count(selection%chosen))
-            call select_terms(problem, selection%model, selection)
+            start = selection%model
+            call select_terms(problem, start, selection)
             if (abs(problem%misfit - before) <= 1e-2_dp*problem%misfit) exit
          end do
       end associate

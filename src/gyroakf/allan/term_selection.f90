@@ -62,6 +62,8 @@ module gyroakf_allan_term_selection
    real(dp), parameter :: chance_least = 1e-3_dp
    !> Standard normal quantile of 95 %, and what of it remains of a limit that a chance low may not undercut (one standard error)
    real(dp), parameter :: normal_95 = 1.6448536269514722_dp, sensitivity = 0.6448536269514722_dp
+   !> How often the limit is looked for at twice the value
+   integer, parameter :: doublings = 30
    !> Relative precision of a limit
    real(dp), parameter :: limit_precision = 1e-3_dp
 
@@ -313,13 +315,15 @@ contains
       limit = max(low, least)
       if (z_low <= -normal_95) return
       high = low + max(step, error)
-      do round = 1, 60
+      do round = 1, doublings
          call score(problem, term, high, mixture, z_high, error)
          if (z_high < -normal_95) exit
          low = high
          z_low = z_high
          high = 2*high
       end do
+      limit = low
+      if (z_high >= -normal_95) return                      ! one degree of freedom or less: the curve sets no limit
       do round = 1, 40                                      ! regula falsi (Illinois)
          if (high - low <= limit_precision*high) exit
          limit = low + (high - low)*(z_low + normal_95)/(z_low - z_high)
