@@ -15,7 +15,8 @@ module gyroakf_allan_fit_statement
 
    !> A coefficient, in units of the curve and seconds (Q: u s, N: u sqrt(s), B: u, K: u/sqrt(s), R: u/s)
    type :: coefficient_type
-      !> The estimate, >= 0, and its standard error
+      !> The estimate, >= 0, and its standard error; of a term that is not detected the root of the error of its square,
+      !> every square free to be negative
       real(dp) :: value = 0.0_dp, std_error = 0.0_dp
       !> One-sided limit: the true value is below it with 95 % confidence
       real(dp) :: upper_limit = 0.0_dp

@@ -6,7 +6,7 @@ module gyroakf_report_csv
    use gyroakf_units, only : term_names
    use gyroakf_io_writer, only : writer_type, put, put_line, put_real
    use gyroakf_allan_deviations, only : allan_curve_type
-   use gyroakf_pipeline_result, only : pipeline_result_type, channel_result_type, stage, stage_names
+   use gyroakf_pipeline_result, only : pipeline_result_type, channel_result_type, stated_coefficient_type, stage, stage_names
    use gyroakf_report_layout, only : count_text
    implicit none (type, external)
    private
@@ -163,7 +163,8 @@ contains
       end do
    end subroutine write_curve
 
-   !> coefficients.csv: a line per channel, series and term; the reduction stands with akf.
+   !> coefficients.csv: a line per channel, series and term; the reduction stands with akf. M (Markov process, q_c) and S (sinusoid,
+   !> amplitude) have lines where they were fitted, with their correlation time in s or frequency in Hz in the last columns.
    subroutine write_coefficients(writer, result)
       !> Open
       type(writer_type), intent(inout) :: writer
@@ -172,31 +173,74 @@ contains
       integer :: c, which, term
 
       call put_line(writer, "channel,series,term,value,std_error,upper_limit_95,detected,unit,reduction_percent,read_off,"// &
-                    "value_si,std_error_si,upper_limit_95_si,unit_si,definition")
+                    "value_si,std_error_si,upper_limit_95_si,unit_si,definition,parameter,parameter_std_error")
       do c = 1, size(result%channel)
          do which = stage%input, stage%akf
             associate (channel => result%channel(c), allan => result%channel(c)%allan(which))
                if (.not. allan%fitted) cycle
                do term = 1, 5
-                  associate (stated => allan%stated%term(term))
-                     call put(writer, quoted(channel%name)//","//trim(stage_names(which))//","//term_names(term))
-                     call put_value(writer, stated%value, stated%fitted)
-                     call put_value(writer, stated%std_error, stated%fitted)
-                     call put_value(writer, stated%upper_limit, stated%fitted)
-                     call put(writer, ","//trim(merge("true ", "false", stated%detected))//","//quoted(stated%unit))
-                     call put_value(writer, channel%reduction_percent(term), &
-                                    which == stage%akf .and. channel%reduction_known(term))
-                     call put_value(writer, allan%read_off%value(term), allan%read_off%found(term))
-                     call put_value(writer, stated%value_si, stated%fitted .and. allan%stated%in_units)
-                     call put_value(writer, stated%std_error_si, stated%fitted .and. allan%stated%in_units)
-                     call put_value(writer, stated%upper_limit_si, stated%fitted .and. allan%stated%in_units)
-                     call put_line(writer, ","//quoted(stated%unit_si)//","//quoted(stated%definition))
-                  end associate
+                  call put_coefficient(writer, channel, which, term_names(term), allan%stated%term(term), term)
+                  call put_line(writer, ",,")
                end do
+               call put_further(writer, channel, which, "M", allan%stated%markov, &
+                  & [allan%noise%correlation_time, allan%noise%correlation_time_error])
+               call put_further(writer, channel, which, "S", allan%stated%sinusoid, &
+                  & [allan%noise%frequency, allan%noise%frequency_error])
             end associate
          end do
       end do
    end subroutine write_coefficients
+
+   !> The columns of a coefficient.
+   subroutine put_coefficient(writer, channel, which, name, stated, term)
+      type(writer_type), intent(inout) :: writer
+      type(channel_result_type), intent(in) :: channel
+      !> Component of [[stage]]
+      integer, intent(in) :: which
+      !> Letter of the term
+      character(*), intent(in) :: name
+      type(stated_coefficient_type), intent(in) :: stated
+      !> 1 .. 5; 0 for a further term, which is neither reduced nor read off
+      integer, intent(in) :: term
+      logical :: reduced, read
+
+      associate (allan => channel%allan(which))
+         reduced = .false.
+         read = .false.
+         if (term > 0) reduced = which == stage%akf .and. channel%reduction_known(term)
+         if (term > 0) read = allan%read_off%found(term)
+         call put(writer, quoted(channel%name)//","//trim(stage_names(which))//","//name)
+         call put_value(writer, stated%value, stated%fitted)
+         call put_value(writer, stated%std_error, stated%fitted)
+         call put_value(writer, stated%upper_limit, stated%fitted)
+         call put(writer, ","//trim(merge("true ", "false", stated%detected))//","//quoted(stated%unit))
+         call put_value(writer, channel%reduction_percent(max(1, term)), reduced)
+         call put_value(writer, allan%read_off%value(max(1, term)), read)
+         call put_value(writer, stated%value_si, stated%fitted .and. allan%stated%in_units)
+         call put_value(writer, stated%std_error_si, stated%fitted .and. allan%stated%in_units)
+         call put_value(writer, stated%upper_limit_si, stated%fitted .and. allan%stated%in_units)
+         call put(writer, ","//quoted(stated%unit_si)//","//quoted(stated%definition))
+      end associate
+   end subroutine put_coefficient
+
+   !> The line of a Markov process or a sinusoid that was fitted.
+   subroutine put_further(writer, channel, which, name, stated, parameter)
+      type(writer_type), intent(inout) :: writer
+      type(channel_result_type), intent(in) :: channel
+      !> Component of [[stage]]
+      integer, intent(in) :: which
+      !> Letter of the term
+      character(*), intent(in) :: name
+      type(stated_coefficient_type), intent(in) :: stated
+      !> Its time or frequency, and the standard error
+      real(dp), intent(in) :: parameter(2)
+
+      if (.not. stated%fitted) return
+      call put_coefficient(writer, channel, which, name, stated, 0)
+      call put_value(writer, parameter(1), .true.)
+      call put_value(writer, parameter(2), .true.)
+      call put_line(writer, "")
+   end subroutine put_further
 
    !> dynamic.csv: a line per channel, segment and tau; time is that of the segment's beginning, deviations are in the unit of the
    !> input, nan where too much is missing.

@@ -118,15 +118,15 @@ contains
       character(:), allocatable :: text
 
       if (.not. record%rate_known) then
-         text = number(duration, 2)//" samples"
+         text = number(duration, 3)//" samples"
       else if (duration < 120) then
-         text = number(duration, 2)//" s"
+         text = number(duration, 3)//" s"
       else if (duration < 7200) then
-         text = number(duration/60, 2)//" min"
+         text = number(duration/60, 3)//" min"
       else if (duration < 172800) then
-         text = number(duration/3600, 2)//" h"
+         text = number(duration/3600, 3)//" h"
       else
-         text = number(duration/86400, 2)//" days"
+         text = number(duration/86400, 3)//" days"
       end if
    end function duration_text
 
