@@ -162,7 +162,7 @@ contains
          write (output_unit, "(a4, es11.3, f8.2, f6.2, f8.2, f13.2, f19.2, f19.1, f12.1, f18.1)") letter(j), truth, &
             & (mean - truth)/unit, spread/unit/sqrt(real(n, dp)), sqrt(sum((outcome%value(j) - truth)**2)/n)/unit, &
             & sqrt(sum((merge(outcome%value(j), 0.0_dp, outcome%detected(j)) - truth)**2)/n)/unit, &
-            & sqrt(sum(outcome%error(j)**2)/n)/spread, percent(abs(outcome%value(j) - truth) <= 2*outcome%error(j)), &
+            & stated_error(outcome, j)/spread, percent(abs(outcome%value(j) - truth) <= 2*outcome%error(j)), &
             & percent(outcome%detected(j)), percent(outcome%limit(j) >= truth)
       end do
       write (output_unit, "(a, f5.1, a, f5.1, a, f5.2, a, f5.1, a, f5.1)") "not in truth: Q or R ", &
@@ -173,6 +173,17 @@ contains
          call print_further(further(j), further_truth(mix, j), outcome%further(j), outcome%further_error(j))
       end do
    end subroutine print_table
+
+   !> Root of the mean square of the stated errors, of the records that detect the term where most do.
+   pure real(dp) function stated_error(outcome, j)
+      type(outcome_type), intent(in) :: outcome(:)
+      integer, intent(in) :: j
+      logical :: counts(size(outcome))
+
+      counts = outcome%detected(j)
+      if (2*count(counts) < size(counts)) counts = .true.
+      stated_error = sqrt(sum(outcome%error(j)**2, mask=counts)/count(counts))
+   end function stated_error
 
    !> A line of a parameter of a Markov process or a sinusoid.
    subroutine print_further(name, truth, value, error)

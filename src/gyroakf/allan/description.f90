@@ -35,6 +35,8 @@ module gyroakf_allan_description
    real(dp), parameter :: chance_after = 0.05_dp, bend_felt = 0.5_dp
    !> Correlation time, in samples, below which a Markov process is a filter
    real(dp), parameter :: filter_time = 3.0_dp
+   !> What a further term, found by a search for its parameter, must lower chi-square by
+   real(dp), parameter :: price_further = 16.0_dp
    !> A further term that does not make the description acceptable must lower chi-square by this factor to be kept
    real(dp), parameter :: worth = 3.0_dp
    !> Least cycles of a sinusoid in the longest averaging time: slower ones look like a ramp
@@ -68,7 +70,7 @@ contains
          markov%problem%offered(term_markov) = .true.
          call attempt(markov, error)
          if (allocated(error)) return
-         if (holds(markov, term_markov) .and. markov%selection%model%correlation_time >= filter_time) then
+         if (holds(markov, term_markov, description) .and. markov%selection%model%correlation_time >= filter_time) then
             description = markov
             return
          end if
@@ -78,8 +80,10 @@ contains
          sinusoid%problem%offered(term_sinusoid) = .true.
          call attempt(sinusoid, error)
          if (allocated(error)) return
-         if (holds(sinusoid, term_sinusoid)) description = sinusoid
-         if (holds(sinusoid, term_sinusoid)) return
+         if (holds(sinusoid, term_sinusoid, description)) then
+            description = sinusoid
+            return
+         end if
       end if
       call leave_out_points(description, other)
       if (other%left_out > 0) description = other
@@ -94,14 +98,17 @@ contains
       call keep_better(other, term_sinusoid, description)
    end subroutine describe_curve
 
-   !> Whether a description with a further term is acceptable and has that term.
-   pure logical function holds(description, term)
+   !> Whether a description with a further term is acceptable, has that term and is much better than without.
+   pure logical function holds(description, term, without)
       !> The description
       type(description_type), intent(in) :: description
       !> The term
       integer, intent(in) :: term
+      !> The description without the term
+      type(description_type), intent(in) :: without
 
-      holds = acceptable(description%selection) .and. has(description, term)
+      holds = acceptable(description%selection) .and. has(description, term) .and. &
+         & description%selection%chi_square < without%selection%chi_square - price_further
    end function holds
 
    !> Whether a further term was chosen, with a parameter that the curve can show.

@@ -59,7 +59,7 @@ module gyroakf_allan_term_selection
    integer, parameter :: rounds_max = 12
    real(dp), parameter :: agreed = 1e-4_dp
    !> A model is wrong where chi-square is as large by chance in fewer than one of so many records
-   real(dp), parameter :: chance_least = 1e-3_dp
+   real(dp), parameter :: chance_least = 1e-4_dp
    !> Standard normal quantile of 95 %, and what of it remains of a limit that a chance low may not undercut (one standard error)
    real(dp), parameter :: normal_95 = 1.6448536269514722_dp, sensitivity = 0.6448536269514722_dp
    !> How often the limit is looked for at twice the value
