@@ -29,9 +29,11 @@ contains
          & new_unittest("markov_curve", test_markov_curve), &
          & new_unittest("sinusoid_curve", test_sinusoid_curve), &
          & new_unittest("markov_record", test_markov_record), &
+         & new_unittest("markov_alone", test_markov_alone), &
          & new_unittest("sinusoid_record", test_sinusoid_record), &
          & new_unittest("filtered_record", test_filtered), &
          & new_unittest("limit_is_a_quantile", test_limit), &
+         & new_unittest("limit_above_value", test_limit_above_value), &
          & new_unittest("record_length", test_record_length), &
          & new_unittest("letters", test_letters)]
    end subroutine collect_allan_terms
@@ -182,6 +184,29 @@ contains
       call check(error, noise%misfit <= 0 .and. .not. noise%coefficient(4)%detected, "and no random walk")
    end subroutine test_markov_record
 
+   subroutine test_markov_alone(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! without other terms the start is scanned too: a time of 200 is found from 0.5 on, and the curve is described
+      type(allan_curve_type) :: curve
+      type(noise_type) :: noise
+      type(gyro_error), allocatable :: failure
+      real(dp) :: rate(100000), phi
+      integer :: i
+
+      phi = exp(-1/200.0_dp)
+      rate = sqrt(1 - phi**2)*normal_series(100000_int64, 23_int64)
+      do i = 2, size(rate)
+         rate(i) = phi*rate(i - 1) + rate(i)
+      end do
+      call fit_record(rate, noise_options(terms="M"), curve, noise, failure)
+      call check(error, .not. allocated(failure) .and. noise%markov%detected, "the Markov process")
+      if (allocated(error)) return
+      call check(error, abs(noise%correlation_time - 200) < 3*noise%correlation_time_error, "its time")
+      if (allocated(error)) return
+      call check(error, noise%misfit <= 0 .and. noise%chi2_probability > 1e-3_dp, "the description")
+   end subroutine test_markov_alone
+
    subroutine test_sinusoid_record(error)
       type(error_type), allocatable, intent(out) :: error
 
@@ -204,7 +229,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       ! an AR(1) with phi = 0.5 is white of N = 1/(1 - phi) = 2 to long times; the first points are bent down
-      type(allan_curve_type) :: curve
+      type(allan_curve_type) :: before, curve
       type(noise_type) :: noise
       type(gyro_error), allocatable :: failure
       real(dp) :: rate(50000)
@@ -214,8 +239,14 @@ contains
       do i = 2, size(rate)
          rate(i) = 0.5_dp*rate(i - 1) + rate(i)
       end do
-      call fit_record(rate, noise_options(), curve, noise, failure)
+      call compute_allan(rate, 1.0_dp, allan_options(), before, failure)
+      call check(error, .not. allocated(failure), "the curve")
+      if (allocated(error)) return
+      curve = before
+      call fit_noise(curve, noise_options(), noise, failure)
       call check(error, .not. allocated(failure) .and. noise%left_out > 0 .and. .not. noise%markov%fitted, "points left out")
+      if (allocated(error)) return
+      call check(error, all(curve%edf(:noise%left_out) <= before%edf(:noise%left_out)), "no narrower limits where left out")
       if (allocated(error)) return
       call check(error, noise%tau_first, real(2**noise%left_out, dp), thr=1.0e-12_dp)
       if (allocated(error)) return
@@ -250,6 +281,29 @@ contains
       call check(error, (noise%coefficient(2)%upper_limit)**2, nu/quantile_10, thr=0.03_dp, rel=.true.)
    end subroutine test_limit
 
+   subroutine test_limit_above_value(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! a disturbed ring laser, of which the test that sets the limit holds a smaller Q for likely than the fit
+      type(allan_curve_type) :: curve
+      type(noise_type) :: noise
+      type(gyro_error), allocatable :: failure
+      integer :: i
+
+      curve%samples = 184718
+      curve%m = [(2_int64**i, i=10, 16)]
+      curve%terms = curve%samples - 2*curve%m + 1
+      curve%tau = real(curve%m, dp)
+      curve%deviation = [1.4596_dp, 0.888301_dp, 0.545549_dp, 0.294351_dp, 0.163158_dp, 0.0688543_dp, 0.0341439_dp]
+      curve%edf = curve%samples/curve%tau
+      curve%lower = curve%deviation
+      curve%upper = curve%deviation
+      call fit_noise(curve, noise_options(terms="QN"), noise, failure)
+      call check(error, .not. allocated(failure) .and. noise%coefficient(1)%detected, "Q")
+      if (allocated(error)) return
+      call check(error, noise%coefficient(1)%upper_limit >= noise%coefficient(1)%value, "the limit")
+   end subroutine test_limit_above_value
+
    subroutine test_record_length(error)
       type(error_type), allocatable, intent(out) :: error
 
@@ -274,6 +328,10 @@ contains
       if (allocated(error)) return
       call record_to_see(noise, 10000_int64, 1, 1.0e-6_dp, times)
       call check(error, times, never)
+      if (allocated(error)) return
+      noise%tau_first = 8                                   ! only one averaging time: nu is about 2 in 20 samples
+      call record_to_see(noise, 20_int64, 2, 1.0_dp, times)
+      call check(error, times > 2 .and. times < never, "one averaging time")
    end subroutine test_record_length
 
    subroutine test_letters(error)

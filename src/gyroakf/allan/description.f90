@@ -226,8 +226,9 @@ contains
       end do
       best = values(1)
       if (p >= n) return
-      call dgels("N", n, p, size(values) + 1, design, n, right, n, work, size(work), info)
-      if (info /= 0) return
+      info = 0
+      if (p > 0) call dgels("N", n, p, size(values) + 1, design, n, right, n, work, size(work), info)
+      if (info /= 0) return                                 ! (without columns dgels would clear what is right of them)
       do i = 1, size(values)                                ! the last rows are what is orthogonal to the columns
          product = dot_product(right(p + 1:, 1), right(p + 1:, i + 1))
          gain(i) = sign(product**2, product)/max(sum(right(p + 1:, i + 1)**2), 1e-20_dp)

@@ -105,6 +105,7 @@ contains
                c%std_error = unit*sqrt(free_errors(term))
                if (c%detected) c%std_error = unit*errors(term)
                c%upper_limit = unit*sqrt(upper_limit_of(problem, chosen, term, 2*free_errors(term)))
+               if (c%detected) c%upper_limit = max(c%upper_limit, c%value)      ! the test is of another fit than the value
             end associate
          end do
          unit = sqrt(problem%scale)

@@ -51,7 +51,8 @@ contains
 
    !> Fits the terms, and gives the curve the degrees of freedom and limits of the fitted mixture.
    subroutine fit_noise(curve, options, noise, error)
-      !> From [[compute_allan]], kind oadev; edf, lower and upper are replaced (by larger limits only, where the model does not fit)
+      !> From [[compute_allan]], kind oadev; edf, lower and upper are replaced (by larger limits only where the
+      !> model does not fit, and at points left out)
       type(allan_curve_type), intent(inout) :: curve
       !> Terms, range of averaging times, method
       type(noise_options), intent(in) :: options
@@ -170,9 +171,12 @@ contains
 
       real(dp), allocatable :: known(:), lag(:)
       real(dp) :: share(size(curve%m)), edf
+      integer(int64) :: first
       integer, allocatable :: place(:)
       integer :: i
 
+      first = 0                                             ! the mixture says nothing of points that were left out before it
+      if (description%left_out > 0) first = description%problem%m(1)
       share = terms_share(curve)
       allocate (noise%model(size(curve%m)))
       place = [(i, i=1, size(curve%m))]
@@ -185,7 +189,7 @@ contains
       do i = 1, size(curve%m)
          noise%model(i) = sqrt(description%problem%scale*model_variance(fitted, real(curve%m(i), dp)))
          edf = share(i)*exp(between(lag, known, log(real(curve%m(i), dp))))
-         if (noise%misfit > 0) edf = min(edf, curve%edf(i))
+         if (noise%misfit > 0 .or. curve%m(i) < first) edf = min(edf, curve%edf(i))
          curve%edf(i) = edf
       end do
       call chi_square_limits(curve%deviation, curve%edf, curve%confidence, curve%lower, curve%upper)

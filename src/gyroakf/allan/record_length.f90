@@ -94,7 +94,7 @@ contains
       type(problem_type) :: problem
       integer :: i, octaves
 
-      octaves = max(1, int(log(real(samples, dp)/real(3*first, dp))/log(2.0_dp)))
+      octaves = max(0, int(log(real(samples, dp)/real(3*first, dp))/log(2.0_dp)))
       problem%samples = samples
       problem%m = [(first*2_int64**i, i=0, octaves)]
       allocate (problem%complete(octaves + 1))
