@@ -115,6 +115,11 @@ is "no warning of a kind" "$(grep -c "is not computed" out)" 0
 run allan "$example" --kinds totdev --out total
 edf_of() { awk -F , -v k="$1" '$2 == "input" && $3 == k && $4 == 0.2 { print $8 }' total/allan.csv; }
 near "degrees of freedom of totdev at one sample" "$(edf_of totdev)" "$(edf_of oadev)" 1
+good "a record with a Markov process" simulate --samples 200000 --rate 10 --coefficients N=0.005 --ar 0.99 --ar-variance 1e-4 \
+   --seed 5 --output markov.txt
+good "the Markov process" allan markov.txt --taus log:10
+holds "the report states it" "Markov process  driving noise q_c" out
+is "lengths of records stand in plain digits" "$(grep -c 'To see' out) $(grep 'To see' out | grep -c 'record of [^ ]*e')" "4 0"
 good "a record that grows louder" simulate --samples 20000 --rate 10 --coefficients N=0.01 --seed 3 --output quiet.txt
 awk '/^#/ { print; next } { print (++n > 10000 ? 1.2*$1 : $1) }' quiet.txt >loud.txt
 good "halves that differ" allan loud.txt --json loud.json

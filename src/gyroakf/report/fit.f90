@@ -111,24 +111,35 @@ contains
       text = number(stated%value, 4)//" +/- "//number(stated%std_error, 2)//" "//stated%unit
    end function value_and_error
 
-   !> Seconds, minutes, hours or days.
+   !> Seconds, minutes, hours, days or years.
    pure function duration_text(record, duration) result(text)
       type(record_type), intent(in) :: record
       real(dp), intent(in) :: duration
       character(:), allocatable :: text
 
       if (.not. record%rate_known) then
-         text = number(duration, 3)//" samples"
+         text = rounded(duration)//" samples"
       else if (duration < 120) then
-         text = number(duration, 3)//" s"
+         text = rounded(duration)//" s"
       else if (duration < 7200) then
-         text = number(duration/60, 3)//" min"
+         text = rounded(duration/60)//" min"
       else if (duration < 172800) then
-         text = number(duration/3600, 3)//" h"
+         text = rounded(duration/3600)//" h"
+      else if (duration < 730*86400.0_dp) then
+         text = rounded(duration/86400)//" days"
       else
-         text = number(duration/86400, 3)//" days"
+         text = rounded(duration/(365.25_dp*86400))//" years"
       end if
    end function duration_text
+
+   !> Two digits, those before the point all: 4.3, 110, never 1.1e+02.
+   pure function rounded(x) result(text)
+      real(dp), intent(in) :: x
+      character(:), allocatable :: text
+
+      text = number(x, 2)
+      if (x >= 99.5_dp .and. x < 1e15_dp) text = number(anint(x, dp), 15)
+   end function rounded
 
    !> " s" or " samples".
    pure function unit_of_time(record) result(text)
