@@ -13,7 +13,7 @@ module gyroakf_app_help
    integer, parameter :: first_column = 31, last_column = 98
 
    !> Commands and examples of them
-   character(92), parameter :: examples(2, 17) = reshape([character(92) :: &
+   character(92), parameter :: examples(2, 20) = reshape([character(92) :: &
       "run", "gyroakf log.csv --rate 100 --unit deg/s", &
       "run", "gyroakf run log.csv --column gx,gy,gz --time-column t --unit deg/s --out results", &
       "run", "gyroakf run mems.txt --preset paper --json - > results.json", &
@@ -22,6 +22,8 @@ module gyroakf_app_help
       "allan", "gyroakf allan log.csv --rate 100 --unit deg/s", &
       "allan", "zcat log.gz | gyroakf allan - --rate 200 --unit rad/s --taus log:20 --json -", &
       "allan", "gyroakf allan log.csv --terms NBK --fit-tau-min 0.1 --fit-tau-max 1000 --out results", &
+      "allan", "gyroakf allan log.csv --kinds mdev,ohdev --dynamic 8 --out results", &
+      "allan", "zcat huge.csv.gz | gyroakf allan - --rate 1000 --unit deg/s --memory 200MB", &
       "allan", "gyroakf allan imu.csv --unit rad/s,rad/s,rad/s,m/s^2,m/s^2,m/s^2 --kalibr imu.yaml", &
       "tests", "gyroakf tests log.csv --outliers auto --detrend 3", &
       "tests", "gyroakf tests log.csv --adf-regression ct --adf-lags 4", &
@@ -30,7 +32,8 @@ module gyroakf_app_help
       "filter", "gyroakf filter log.csv --akf robust --forgetting 0.995", &
       "simulate", "gyroakf simulate --preset paper --output mems.txt", &
       "simulate", "gyroakf simulate --samples 360000 --rate 100 --coefficients N=0.005,B=0.001 --seed 7", &
-      "simulate", "gyroakf simulate --ar 0.7,-0.2 --ar-variance 1e-4 --missing 0.003 | gyroakf run -"], [2, 17])
+      "simulate", "gyroakf simulate --rate 10 --coefficients N=0.005 --ar 0.99 --ar-variance 1e-4", &
+      "simulate", "gyroakf simulate --ar 0.7,-0.2 --ar-variance 1e-4 --missing 0.003 | gyroakf run -"], [2, 20])
 
 contains
 

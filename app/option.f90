@@ -40,7 +40,7 @@ module gyroakf_app_option
    type(command_type), parameter :: commands(*) = [ &
       command_type("run", "the whole chain: clean, test, model, filter, Allan analysis before and after (default)"), &
       command_type("inspect", "what was read: format, columns, rate, gaps, jitter, duplicates, range, quantisation"), &
-      command_type("allan", "deviation curve with confidence limits, and the coefficients Q N B K R"), &
+      command_type("allan", "deviation with limits, coefficients Q N B K R with errors, change during the record"), &
       command_type("tests", "stationarity (ADF), normality (Jarque-Bera) and whiteness (Ljung-Box)"), &
       command_type("ar", "order table by every criterion, coefficients with standard errors, residuals"), &
       command_type("filter", "Kalman filter and adaptive Kalman filter: filtered series and diagnostics"), &
@@ -66,7 +66,7 @@ module gyroakf_app_option
                   "unit of the values: rad/s, deg/s, deg/h, mdps, m/s^2, g, mg, ...; of the angle (rad, deg, "// &
                   "arcsec) with --input increment or angle; a list has one unit for each channel"), &
       option_type("--input", "rate|increment|angle", "choice", reading, "input", &
-                  "what the values are: rates, angle increments per sample, or accumulated angles"), &
+                  "what the values are: rates (default), angle increments per sample, or accumulated angles"), &
       option_type("--scale", "F", "real", reading, "input", "multiply every value by F"), &
       option_type("--column", "N|NAME[,...]", "text", reading, "input", "columns to read (default: all but the time)"), &
       option_type("--time-column", "N|NAME|none", "text", reading, "input", &
@@ -77,7 +77,7 @@ module gyroakf_app_option
       option_type("--from", "S", "real", reading, "input", "begin S seconds after the first sample"), &
       option_type("--to", "S", "positive", reading, "input", "end S seconds after the first sample"), &
       option_type("--bad-lines", "error|missing", "choice", reading, "input", &
-                  "a line that cannot be read is an error, or marked missing and counted")]
+                  "a line that cannot be read is an error (default), or marked missing and counted")]
 
    type(option_type), parameter :: series_options(*) = [ &
       option_type("--preset", "paper", "choice", "run", "preset", &
@@ -91,8 +91,8 @@ module gyroakf_app_option
                   "remove a polynomial trend of degree 0 to 9 (default: 3 in run, else none)"), &
       option_type("--adf-regression", "n|c|ct|ctt", "choice", "run tests", "tests", &
                   "terms of the ADF regression: none, constant (default), trend, quadratic trend"), &
-      option_type("--adf-lags", "auto|N", "text", "run tests", "tests", "lags of the ADF regression"), &
-      option_type("--adf-criterion", "aic|bic|t", "choice", "run tests", "tests", "what chooses the lags"), &
+      option_type("--adf-lags", "auto|N", "text", "run tests", "tests", "lags of the ADF regression (default auto: chosen)"), &
+      option_type("--adf-criterion", "aic|bic|t", "choice", "run tests", "tests", "what chooses the lags (default aic)"), &
       option_type("--ar-method", "yw", "choice", "run ar filter", "ar", "yw: Yule-Walker by the Levinson recursion", &
                   "burg|ols"), &
       option_type("--ar-criterion", "aic|aicc|bic|hqic|fpe", "choice", "run ar filter", "ar", &
@@ -101,7 +101,7 @@ module gyroakf_app_option
                   "largest order compared (default: 12 in ar, else 3)"), &
       option_type("--order", "N", "natural", "run ar filter", "ar", "take this order"), &
       option_type("--akf", "paper|robust", "choice", "run filter", "filter", &
-                  "the adaptive filter: the paper's Sage-Husa on Q and R, or on R only in residual form"), &
+                  "the adaptive filter: the paper's Sage-Husa on Q and R (default), or on R only in residual form"), &
       option_type("--forgetting", "B", "share", "run filter", "filter", &
                   "forgetting factor b of the adaptive filters (default 0.98; 0.995 for that of the drift)"), &
       option_type("--estimate", "q,r,Q,R", "text", "run filter", "filter", &
@@ -113,17 +113,20 @@ module gyroakf_app_option
       option_type("--kinds", "oadev|adev|mdev|tdev|hdev|ohdev|totdev", "choices", "run allan", "allan", &
                   "further kinds of deviation, separated by commas; the terms are fitted to oadev, which is always there"), &
       option_type("--taus", "octave|decade|log:N|all|LIST", "text", "run allan", "allan", &
-                  "averaging times; log:N has N a decade, LIST is seconds separated by commas"), &
+                  "averaging times (default octave); log:N has N a decade, LIST is seconds separated by commas"), &
       option_type("--dynamic", "SEGMENTS", "count", "allan", "allan", &
                   "the deviation in so many segments that overlap by half, to see where the noise changes (dynamic.csv)"), &
-      option_type("--confidence", "P", "share", "run allan", "allan", "of the limits (default 0.683)"), &
+      option_type("--confidence", "P", "share", "run allan", "allan", &
+                  "probability between the limits of the deviations (default 0.683)"), &
       option_type("--min-coverage", "P", "share", "run allan", "allan", &
-                  "share of a window that must be present (default 0.9; 1: all of it)"), &
+                  "share of a window that must be present where samples are missing (default 0.9; 1: all of it)"), &
       option_type("--terms", "auto|QNBKRMS", "text", "run allan", "allan", &
-                  "terms that are fitted, e.g. NBK; M Markov process, S sinusoid (default auto: QNBKR; M, S, or a fit "// &
-                  "without the first points where these do not describe the curve)"), &
-      option_type("--fit-tau-min", "S", "positive", "run allan", "allan", "the fit begins at this averaging time"), &
-      option_type("--fit-tau-max", "S", "positive", "run allan", "allan", "the fit ends at this averaging time")]
+                  "terms of the fit, e.g. NBK, tested for being there; M Markov process, S sinusoid (default auto: QNBKR; "// &
+                  "where these do not describe the curve M, S, or without the first points)"), &
+      option_type("--fit-tau-min", "S", "positive", "run allan", "allan", &
+                  "the fit begins at this averaging time (default: the first)"), &
+      option_type("--fit-tau-max", "S", "positive", "run allan", "allan", &
+                  "the fit ends at this averaging time (default: the last)")]
 
    type(option_type), parameter :: record_options(*) = [ &
       option_type("--preset", "paper", "choice", "simulate", "record", &
@@ -136,7 +139,8 @@ module gyroakf_app_option
       option_type("--coefficients", "Q=..,N=..,B=..,K=..,R=..", "text", "simulate", "record", &
                   "noise terms in the output unit u and seconds: Q in u s, N in u sqrt(s), B in u, K in u/sqrt(s), "// &
                   "R in u/s"), &
-      option_type("--ar", "PHI[,...]", "text", "simulate", "record", "coefficients of an AR(p) term"), &
+      option_type("--ar", "PHI[,...]", "text", "simulate", "record", &
+                  "coefficients of an AR(p) term; exp(-dt/T) is a Markov process of correlation time T"), &
       option_type("--ar-variance", "V", "positive", "simulate", "record", "variance of the AR(p) term"), &
       option_type("--trend", "C0[,C1,...]", "text", "simulate", "record", "trend, in powers of the sample index 0, 1, ..."), &
       option_type("--offset", "X", "real", "simulate", "record", "constant rate"), &
@@ -149,11 +153,12 @@ module gyroakf_app_option
    type(option_type), parameter :: common_options(*) = [ &
       option_type("--out", "DIR", "text", analysing, "common", "write the result files into DIR"), &
       option_type("--kalibr", "FILE", "text", "run allan", "common", &
-                  "write N and K as Kalibr's imu.yaml: SI, the largest axis; needs rate and unit"), &
+                  "write N and K as Kalibr's imu.yaml: SI, of each sensor the largest axis; needs rate and unit"), &
       option_type("--json", "FILE", "text", reading, "common", "write the results as JSON; - is standard output"), &
       option_type("--threads", "N", "count", every, "common", "number of threads (default: all)"), &
       option_type("--memory", "SIZE", "text", reading, "common", &
-                  "memory that may be used, as 500MB or 2GB; allan streams a larger recording, the others refuse it"), &
+                  "memory that may be used, 28MB or more, as 500MB or 2GB (default: no bound); "// &
+                  "allan streams a larger recording, the others refuse it"), &
       option_type("--quiet", "", "flag", reading, "common", "print no report"), &
       option_type("--help", "", "flag", every, "common", "this text, or that of a command"), &
       option_type("--version", "", "flag", every, "common", "the version"), &
