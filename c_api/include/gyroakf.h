@@ -83,7 +83,7 @@ typedef struct gyroakf_allan gyroakf_allan;
 
 typedef struct gyroakf_allan_options {
   size_t struct_size;
-  const char *kind;    /* "oadev", the overlapping Allan deviation */
+  const char *kind;    /* "oadev" (default, overlapping Allan), "adev", "mdev", "tdev", "hdev", "ohdev", "totdev" */
   const char *taus;    /* "octave" (default), "decade", "log:N" (N per decade), "all", or "0.5,1,2" in s */
   double confidence;   /* probability between the limits, 0 < c < 1; 0.683 */
   double min_coverage; /* share of a window that must be present, 0 < s <= 1; 0.9 */
@@ -107,10 +107,11 @@ GYROAKF_API int64_t gyroakf_allan_size(const gyroakf_allan *a);
 
 /* Arrays of gyroakf_allan_size values, ascending in tau; they live as long as the curve. NULL for NULL. */
 GYROAKF_API const double *gyroakf_allan_tau(const gyroakf_allan *a);       /* averaging time, s */
-GYROAKF_API const double *gyroakf_allan_deviation(const gyroakf_allan *a); /* unit u */
-GYROAKF_API const double *gyroakf_allan_lower(const gyroakf_allan *a);     /* lower confidence limit, u */
-GYROAKF_API const double *gyroakf_allan_upper(const gyroakf_allan *a);     /* upper confidence limit, u */
-GYROAKF_API const double *gyroakf_allan_edf(const gyroakf_allan *a);       /* equivalent degrees of freedom */
+GYROAKF_API const double *gyroakf_allan_deviation(const gyroakf_allan *a); /* unit u; tdev: u s */
+GYROAKF_API const double *gyroakf_allan_lower(const gyroakf_allan *a);     /* lower confidence limit */
+GYROAKF_API const double *gyroakf_allan_upper(const gyroakf_allan *a);     /* upper confidence limit */
+GYROAKF_API const double *gyroakf_allan_edf(const gyroakf_allan *a);       /* equivalent degrees of freedom, of the noise type
+                                                                              identified at each averaging time */
 
 GYROAKF_API void gyroakf_allan_free(gyroakf_allan *a);
 
@@ -118,7 +119,7 @@ GYROAKF_API void gyroakf_allan_free(gyroakf_allan *a);
 
 typedef struct gyroakf_fit_options {
   size_t struct_size;
-  const char *terms;  /* which of "QNBKR" (default) the model has */
+  const char *terms;  /* "auto" (default), or letters of "QNBKRMS", M Markov process, S sinusoid */
   double tau_min;     /* s, points below are left out; 0 */
   double tau_max;     /* s, points above are left out; DBL_MAX */
   const char *method; /* "log" (default): logarithms of the variances, bias removed; "linear": the variances */
@@ -130,7 +131,8 @@ typedef struct gyroakf_coefficient {
   double value;       /* never negative */
   double std_error;   /* standard error */
   double upper_limit; /* one-sided, 95 % */
-  int32_t detected;   /* 1: the square is above two of its standard errors; otherwise state the upper limit */
+  int32_t detected;   /* 1: the curve asks for the term (chance finds another term in about 3 % of records of white
+                         noise); otherwise state the upper limit, not the value */
   int32_t fitted;     /* 1: the term was in the fit */
 } gyroakf_coefficient;
 
@@ -142,11 +144,15 @@ typedef struct gyroakf_noise {
   gyroakf_coefficient b; /* bias instability, rad/s */
   gyroakf_coefficient k; /* rate random walk, rad/s^1.5 */
   gyroakf_coefficient r; /* ramp, rad/s^2 */
-  double chi2_reduced;   /* about 1 where the model describes the curve */
-  int32_t points;        /* of the curve that were used */
+  double chi2_reduced;   /* of the terms that were detected; about 1 where they describe the curve */
+  int32_t points;        /* of the curve that were used: fewer than it has where "auto" left out the first ones */
 } gyroakf_noise;
 
-/* Noise coefficients of a curve: weighted fit with non-negative terms. The curve is not changed. */
+/*
+ * Noise coefficients of a curve of kind "oadev": weighted fit with non-negative terms. The curve is not changed.
+ * "auto" fits q n b k r. Where these do not describe the curve it adds a first-order Markov process or a sinusoid, or leaves
+ * out the first points, which a low-pass filter in the sensor bends; out then holds the five terms of that fit.
+ */
 GYROAKF_API int gyroakf_noise_fit(const gyroakf_allan *a, const gyroakf_fit_options *opt, gyroakf_noise *out,
                                   gyroakf_error *err);
 
