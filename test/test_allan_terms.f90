@@ -35,6 +35,7 @@ contains
          & new_unittest("limit_is_a_quantile", test_limit), &
          & new_unittest("limit_above_value", test_limit_above_value), &
          & new_unittest("record_length", test_record_length), &
+         & new_unittest("terms_that_miss", test_terms_that_miss), &
          & new_unittest("letters", test_letters)]
    end subroutine collect_allan_terms
 
@@ -329,10 +330,46 @@ contains
       call record_to_see(noise, 10000_int64, 1, 1.0e-6_dp, times)
       call check(error, times, never)
       if (allocated(error)) return
+      noise%misfit = 0.3_dp                                 ! points that miss the mixture do so in a longer record too
+      call record_to_see(noise, 10000_int64, 1, 0.1_dp, times)
+      call check(error, times, never)
+      if (allocated(error)) return
+      noise%misfit = 0
       noise%tau_first = 8                                   ! only one averaging time: nu is about 2 in 20 samples
       call record_to_see(noise, 20_int64, 2, 1.0_dp, times)
       call check(error, times > 2 .and. times < never, "one averaging time")
    end subroutine test_record_length
+
+   subroutine test_terms_that_miss(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! each power of tau by each other term alone: a result or an error, no trap, and never a better one than the truth
+      character(1), parameter :: letter(7) = ["Q", "N", "B", "K", "R", "M", "S"]
+      type(noise_model_type) :: model
+      type(allan_curve_type) :: curve
+      type(noise_type) :: noise
+      type(gyro_error), allocatable :: failure
+      integer :: truth, term
+
+      do truth = 1, 5
+         model%squares = 0
+         model%squares(truth) = 1
+         do term = 1, 7
+            call exact_curve(model, 20000_int64, curve)
+            call fit_noise(curve, noise_options(terms=letter(term)), noise, failure)
+            if (term == truth) then
+               call check(error, .not. allocated(failure) .and. noise%coefficient(term)%detected, "the truth: "//letter(term))
+            else if (allocated(failure)) then
+               call check(error, failure%code, status%not_converged)
+            else if (term <= 5) then
+               call check(error, noise%misfit > 0, letter(term)//" for "//letter(truth))
+            end if
+            if (allocated(error)) return
+         end do
+         call exact_curve(model, 20000_int64, curve)
+         call fit_noise(curve, noise_options(terms="KM"), noise, failure)
+      end do
+   end subroutine test_terms_that_miss
 
    subroutine test_letters(error)
       type(error_type), allocatable, intent(out) :: error

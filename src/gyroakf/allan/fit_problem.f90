@@ -46,6 +46,8 @@ module gyroakf_allan_fit_problem
    real(dp), parameter :: gain_least = 1e-10_dp
    !> Least relative variance of a point: a ramp alone has none
    real(dp), parameter :: variance_least = 2e-15_dp
+   !> Least variance of a model, where a sinusoid has its zeros: the square of its reciprocal does not overflow
+   real(dp), parameter :: model_least = 1e-100_dp
    !> Least degrees of freedom of a weight
    real(dp), parameter :: edf_least = 0.5_dp
    !> Step of the derivatives by the logarithm of a parameter, and largest move of such a logarithm at once
@@ -243,7 +245,7 @@ contains
       integer :: i
 
       do i = 1, size(variance)
-         variance(i) = max(model_variance(model, real(problem%m(i), dp)), tiny(1.0_dp))
+         variance(i) = max(model_variance(model, real(problem%m(i), dp)), model_least)
       end do
    end function model_at
 

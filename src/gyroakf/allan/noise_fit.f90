@@ -26,7 +26,7 @@
 !> s^2 exp(-|ln tau_i/tau_j|). The standard errors grow with it.
 module gyroakf_allan_noise_fit
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : error_type
+   use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_allan_covariance, only : allan_covariance
    use gyroakf_allan_degrees_of_freedom, only : chi_square_limits
    use gyroakf_allan_description, only : description_type, describe_curve
@@ -75,6 +75,10 @@ contains
       noise%misfit = sqrt(description%problem%misfit)
       fitted = description%selection%model
       description%problem%offered(term_markov:) = description%selection%chosen(term_markov:)
+      if (.not. any(description%problem%offered)) then
+         call fatal_error(error, status%not_converged, "the curve has none of the noise terms that were asked for")
+         return
+      end if
       call minimise(description%problem, options%method == "linear", half_freedom(description%problem, fitted), fitted, error)
       if (.not. allocated(error)) then
          call state_coefficients(description, options%method == "linear", fitted, curve%sample_interval, noise, error)

@@ -77,19 +77,21 @@ contains
       real(dp) function lack(length)
          real(dp), intent(in) :: length
 
-         lack = log(detection_size*error_at(nint(exp(length)*real(samples, dp), int64), first, model, term)/square)
+         lack = log(detection_size*error_at(nint(exp(length)*real(samples, dp), int64), first, model, term, noise%misfit**2)/square)
       end function lack
 
    end subroutine record_to_see
 
    !> Standard error of a square among those of a mixture in a record of some length.
-   real(dp) function error_at(samples, first, model, term) result(error)
+   real(dp) function error_at(samples, first, model, term, misfit) result(error)
       !> Samples, and the first averaging factor that is fitted
       integer(int64), intent(in) :: samples, first
       !> The mixture
       type(noise_model_type), intent(in) :: model
       !> The term
       integer, intent(in) :: term
+      !> Relative variance by which the points miss the mixture, in a longer record too
+      real(dp), intent(in) :: misfit
 
       type(problem_type) :: problem
       integer :: i, octaves
@@ -99,6 +101,7 @@ contains
       problem%m = [(first*2_int64**i, i=0, octaves)]
       allocate (problem%complete(octaves + 1))
       problem%complete = 1
+      problem%misfit = misfit
       problem%offered = model%squares > 0
       problem%variance = model_at(problem, model)
       call prepare_basis(problem, model)
