@@ -40,6 +40,8 @@ module gyroakf_allan_covariance
       & 0.23395696728634552_dp, 0.18038078652406930_dp, 0.085662246189585178_dp]
    !> Kinks and further ends of segments at most
    integer, parameter :: ends_max = 40
+   !> Lags in all segments at most
+   integer, parameter :: lags_max = (ends_max - 1)*(nint(direct_max) + 1)
 
    !> Two averaging factors and the sums over their lags
    type :: pair_type
@@ -232,8 +234,8 @@ contains
       real(dp), intent(in) :: correlation_time
       type(pair_type) :: pair
 
-      real(dp) :: ends(ends_max), last
-      integer :: i, count
+      real(dp) :: ends(ends_max), last, u(lags_max), pairs(lags_max)
+      integer :: i, count, lags
 
       pair%lag = new_lag(real(m1, dp), real(m2, dp), wanted, correlation_time)
       pair%terms = real(samples - 2*max(m1, m2) + 1, dp)
@@ -241,10 +243,12 @@ contains
       if (any(wanted)) then
          call segment_ends(pair%lag, ends, count)
          last = pair%terms + (pair%lag%n - pair%lag%m)
+         lags = 0
          do i = 1, count - 1
             if (ends(i) >= last) exit
-            call add_segment(pair, ends(i), min(ends(i + 1), last))
+            call append_segment(ends(i), min(ends(i + 1), last), u, pairs, lags)
          end do
+         call add_lags(pair, u(:lags), pairs(:lags))
       end if
       if (quantised) call add_quantisation(pair)
    end function summed_pair
@@ -302,51 +306,64 @@ contains
       end do
    end subroutine sort
 
-   !> Adds both signs of the lags between two places (half the terms at the places themselves).
-   pure subroutine add_segment(pair, first, last)
-      !> Its sums are added to
-      type(pair_type), intent(inout) :: pair
+   !> Appends both signs of the lags between two places (half the terms at the places themselves).
+   pure subroutine append_segment(first, last, u, factor, lags)
       !> The places, whole numbers
       real(dp), intent(in) :: first, last
+      !> Lags, how often each is to be taken, and how many there are
+      real(dp), intent(inout) :: u(:), factor(:)
+      integer, intent(inout) :: lags
 
       real(dp) :: length
-      integer :: i
+      integer :: i, steps
 
       length = last - first
       if (length <= 0) return
       if (length <= direct_max) then
-         do i = 0, nint(length)
-            call add_lag(pair, first + i, merge(1.0_dp, 2.0_dp, i == 0 .or. i == nint(length)))
-         end do
+         steps = nint(length)
+         u(lags + 1:lags + steps + 1) = [(first + i, i=0, steps)]
+         factor(lags + 1:lags + steps + 1) = 2
+         factor([lags + 1, lags + steps + 1]) = 1
+         lags = lags + steps + 1
       else
-         do i = 1, node_count
-            call add_lag(pair, first + node(i)*length, 2*weight(i)*length)
-         end do
+         u(lags + 1:lags + node_count) = first + node*length
+         factor(lags + 1:lags + node_count) = 2*weight*length
+         lags = lags + node_count
       end if
-   end subroutine add_segment
+   end subroutine append_segment
 
-   !> Adds what the pairs of terms at one distance give.
-   pure subroutine add_lag(pair, u, factor)
+   !> Adds what the pairs of terms at some distances give.
+   pure subroutine add_lags(pair, u, factor)
       !> Its sums are added to
       type(pair_type), intent(inout) :: pair
-      !> Distance, >= 0
-      real(dp), intent(in) :: u
-      !> Multiplies the number of pairs
-      real(dp), intent(in) :: factor
+      !> Distances, >= 0
+      real(dp), intent(in) :: u(:)
+      !> Multiply the numbers of pairs
+      real(dp), intent(in) :: factor(:)
 
-      real(dp) :: r(process_count), pairs
-      integer :: j
+      real(dp) :: r(size(u), process_count), pairs(size(u)), total
+      integer :: i, j, k
 
-      pairs = factor*lag_count(pair, u)
       r = lag_covariances(pair%lag, u)
+      pairs = factor*lag_count(pair, u)
       do j = 1, process_count
-         pair%product(2:, j + 1) = pair%product(2:, j + 1) + pairs*r(j)*r
+         if (.not. pair%lag%wanted(j)) cycle
+         pair%plain(j + 1) = dot_product(pairs, r(:, j))
+         do i = 1, j
+            if (.not. pair%lag%wanted(i)) cycle
+            total = 0
+            !$omp simd reduction(+:total)
+            do k = 1, size(u)
+               total = total + pairs(k)*r(k, i)*r(k, j)
+            end do
+            pair%product(i + 1, j + 1) = total
+            pair%product(j + 1, i + 1) = total
+         end do
       end do
-      pair%plain(2:) = pair%plain(2:) + pairs*r
-   end subroutine add_lag
+   end subroutine add_lags
 
    !> Number of pairs of terms whose centres are u apart (one sign).
-   pure real(dp) function lag_count(pair, u)
+   elemental real(dp) function lag_count(pair, u)
       !> Factors
       type(pair_type), intent(in) :: pair
       !> Distance, >= 0
@@ -361,10 +378,11 @@ contains
       type(pair_type), intent(inout) :: pair
 
       real(dp), parameter :: height(5) = [4.0_dp, 1.0_dp, -2.0_dp, -2.0_dp, 1.0_dp]
-      real(dp) :: place(5), spike, r(process_count), factor
+      real(dp) :: place(5), spike, r(5, process_count), factor
       integer :: i
 
       place = [0.0_dp, pair%lag%n - pair%lag%m, pair%lag%m, pair%lag%n, pair%lag%m + pair%lag%n]
+      r = lag_covariances(pair%lag, place)
       do i = 1, 5
          if (any(same_place(place(:i - 1), place(i)))) cycle
          spike = sum(height, mask=same_place(place, place(i)))
@@ -373,9 +391,8 @@ contains
             factor = lag_count(pair, place(i))
             if (same_place(pair%lag%n, pair%lag%m)) spike = 6
          end if
-         r = lag_covariances(pair%lag, place(i))
          pair%product(1, 1) = pair%product(1, 1) + factor*spike**2
-         pair%product(2:, 1) = pair%product(2:, 1) + factor*spike*r
+         pair%product(2:, 1) = pair%product(2:, 1) + factor*spike*r(i, :)
          pair%product(1, 2:) = pair%product(2:, 1)
          pair%plain(1) = pair%plain(1) + factor*spike
       end do

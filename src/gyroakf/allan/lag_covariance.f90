@@ -29,8 +29,8 @@ module gyroakf_allan_lag_covariance
       real(dp) :: m = 1.0_dp, n = 1.0_dp
       !> Which processes are wanted
       logical :: wanted(process_count) = .false.
-      !> Of the Markov process: correlation time, constants of its generalised autocovariance
-      real(dp) :: time = 1.0_dp, slope = 0.0_dp, level = 0.0_dp
+      !> Of the Markov process: correlation time, constants of its generalised autocovariance, its difference at lag m
+      real(dp) :: time = 1.0_dp, slope = 0.0_dp, level = 0.0_dp, far = 0.0_dp
    end type lag_type
 
 contains
@@ -50,77 +50,82 @@ contains
       lag%wanted = wanted
       lag%time = time
       call markov_levels(time, lag%slope, lag%level)
+      lag%far = -lag%level*(1 - exp(-min(lag%m/time, 700.0_dp)))**2
    end function new_lag
 
-   !> The covariances at a distance of the centres.
+   !> The covariances at distances of the centres.
    pure function lag_covariances(lag, u) result(r)
       !> Steps and processes
       type(lag_type), intent(in) :: lag
-      !> Distance, >= 0
-      real(dp), intent(in) :: u
-      !> One per process, 0 where it is not wanted
-      real(dp) :: r(process_count)
+      !> Distances, >= 0
+      real(dp), intent(in) :: u(:)
+      !> One per process, 0 where it is not wanted: [distances, processes]
+      real(dp) :: r(size(u), process_count)
 
-      r = inner_differences(lag, u + lag%n) - 2*inner_differences(lag, u) + inner_differences(lag, abs(u - lag%n))
+      r = 0
+      call add_inner_differences(lag, 1.0_dp, u, lag%n, r)
+      call add_inner_differences(lag, -2.0_dp, u, 0.0_dp, r)
+      call add_inner_differences(lag, 1.0_dp, u, -lag%n, r)
    end function lag_covariances
 
-   !> Second differences of step m of the generalised autocovariances, up to a constant.
-   pure function inner_differences(lag, t) result(d)
+   !> Adds second differences of step m of the generalised autocovariances, up to a constant.
+   pure subroutine add_inner_differences(lag, factor, u, shift, r)
       !> Steps and processes
       type(lag_type), intent(in) :: lag
-      !> Lag, >= 0
-      real(dp), intent(in) :: t
-      real(dp) :: d(process_count)
+      !> Multiplies them
+      real(dp), intent(in) :: factor
+      !> The lags are |u + shift|
+      real(dp), intent(in) :: u(:), shift
+      !> Added to: [lags, processes]
+      real(dp), intent(inout) :: r(:, :)
 
-      real(dp) :: m
+      real(dp) :: t(size(u)), m
+      integer :: i
 
       m = lag%m
-      d = 0
-      if (t < m) then
-         d(process_white) = t - m
-         d(process_walk) = (m**3 + t**2*(3*m - t))/6
-      else
-         d(process_walk) = m**2*t/2
+      t = abs(u + shift)
+      if (lag%wanted(process_white)) r(:, process_white) = r(:, process_white) + factor*min(0.0_dp, t - m)
+      if (lag%wanted(process_flicker)) then
+         r(:, process_flicker) = r(:, process_flicker) + factor*per_two_pi*m**2*flicker_differences(t, m)
       end if
-      if (lag%wanted(process_flicker)) d(process_flicker) = per_two_pi*m**2*flicker_difference(t/m)
-      if (lag%wanted(process_markov)) d(process_markov) = markov_difference(lag, t)
-      d = merge(d, 0.0_dp, lag%wanted)
-   end function inner_differences
-
-   !> (s+1)^2 ln(s+1) + (s-1)^2 ln|s-1| - 2 s^2 ln s without cancellation at large s.
-   pure real(dp) function flicker_difference(s) result(g)
-      !> Lag over step, >= 0
-      real(dp), intent(in) :: s
-
-      real(dp) :: q
-
-      if (s > 8) then
-         q = 1/s**2
-         g = 2*log(s) + 3 - q*(1/6.0_dp + q*(1/30.0_dp + q*(1/84.0_dp + q/180.0_dp)))
-      else
-         g = (s + 1)**2*log(s + 1)
-         if (abs(s - 1) > 0) g = g + (s - 1)**2*log(abs(s - 1))
-         if (s > 0) g = g - 2*s**2*log(s)
+      if (lag%wanted(process_walk)) then
+         r(:, process_walk) = r(:, process_walk) + factor*(m**2*t/2 + max(0.0_dp, m - t)**3/6)
       end if
-   end function flicker_difference
+      if (.not. lag%wanted(process_markov)) return
+      ! p^t (2 cosh x - 2), in a form that cannot overflow
+      r(:, process_markov) = r(:, process_markov) + factor*lag%far*exp(-max(0.0_dp, min((t - m)/lag%time, 700.0_dp)))
+      do i = 1, size(t)
+         if (t(i) < m) r(i, process_markov) = r(i, process_markov) + factor*(near_markov_difference(lag, t(i)) - lag%far)
+      end do
+   end subroutine add_inner_differences
 
-   !> The same of the Markov process.
-   pure real(dp) function markov_difference(lag, t) result(d)
+   !> (s+1)^2 ln(s+1) + (s-1)^2 ln|s-1| - 2 s^2 ln s, s = t/m, without cancellation at large s.
+   pure function flicker_differences(t, m) result(g)
+      !> Lags, >= 0, and step
+      real(dp), intent(in) :: t(:), m
+      real(dp) :: g(size(t))
+
+      real(dp), dimension(size(t)) :: s, q, logarithm
+
+      s = t/m
+      logarithm = log(max(s, tiny(1.0_dp)))
+      g = (s + 1)**2*log(s + 1) + (s - 1)**2*log(max(abs(s - 1), tiny(1.0_dp))) - 2*s**2*logarithm
+      q = 1/max(s, 1.0_dp)**2
+      where (s > 8) g = 2*logarithm + 3 - q*(1/6.0_dp + q*(1/30.0_dp + q*(1/84.0_dp + q/180.0_dp)))
+   end function flicker_differences
+
+   !> The same of the Markov process, at lags below the step.
+   pure real(dp) function near_markov_difference(lag, t) result(d)
       !> Steps, constants of the process
       type(lag_type), intent(in) :: lag
-      !> Lag, >= 0
+      !> Lag, 0 <= t < m
       real(dp), intent(in) :: t
 
       real(dp) :: x, c
 
       x = lag%m/lag%time
       c = t/lag%time
-      if (t < lag%m) then
-         d = -lag%level*(markov_remainder(x + c) + markov_remainder(x - c) - 2*markov_remainder(c)) - 2*lag%slope*(lag%m - t)
-      else
-         ! p^t (2 cosh x - 2), in a form that cannot overflow
-         d = -lag%level*exp(-min(c - x, 700.0_dp))*(1 - exp(-min(x, 700.0_dp)))**2
-      end if
-   end function markov_difference
+      d = -lag%level*(markov_remainder(x + c) + markov_remainder(x - c) - 2*markov_remainder(c)) - 2*lag%slope*(lag%m - t)
+   end function near_markov_difference
 
 end module gyroakf_allan_lag_covariance

@@ -120,17 +120,16 @@ contains
       real(dp), intent(in) :: x
 
       integer :: k
-      real(dp) :: term
+      real(dp), parameter :: reciprocal(16) = [(1.0_dp/k, k=1, 16)]
 
       if (x > 0.5_dp) then
          markov_remainder = exp(-min(x, 700.0_dp)) - 1 + x
       else
-         markov_remainder = 0
-         term = -x
-         do k = 2, 16
-            term = -term*x/k
-            markov_remainder = markov_remainder + term
+         markov_remainder = 1
+         do k = 16, 3, -1
+            markov_remainder = 1 - x*reciprocal(k)*markov_remainder
          end do
+         markov_remainder = x**2/2*markov_remainder
       end if
    end function markov_remainder
 
