@@ -8,7 +8,7 @@ module gyroakf_lapack
    use gyroakf_kinds, only : dp
    implicit none (type, external)
    private
-   public :: dpotrf, dpotrs, dposv, dpotri, dgels, dtrtrs, dsyev, dsyrk, dgesv
+   public :: dpotrf, dpotrs, dposv, dpotri, dgels, dtrtri, dtrtrs, dsyev, dsyrk, dgesv
 
    interface
 
@@ -52,6 +52,16 @@ module gyroakf_lapack
          real(dp), intent(inout) :: a(lda, *)
          integer, intent(out) :: info
       end subroutine dpotri
+
+      !> Inverse of a triangular matrix
+      subroutine dtrtri(uplo, diag, n, a, lda, info)
+         import :: dp
+         implicit none (type, external)
+         character(1), intent(in) :: uplo, diag
+         integer, intent(in) :: n, lda
+         real(dp), intent(inout) :: a(lda, *)
+         integer, intent(out) :: info
+      end subroutine dtrtri
 
       !> Least squares by QR or LQ, A of full rank
       subroutine dgels(trans, m, n, nrhs, a, lda, b, ldb, work, lwork, info)

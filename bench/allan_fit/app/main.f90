@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Monte Carlo of the noise fit: bias, RMSE, stated against true standard errors, which terms are found, what the limits cover.
+!> Monte Carlo of the noise fit: bias, RMSE, stated against true standard errors, which terms are found, what the limits cover; time
+!> per fit.
 !>
 !>     ./run.sh [MIX [RECORDS [TAUS [METHOD [TERMS]]]]]
 !>
@@ -23,7 +24,7 @@ program allan_fit
 
    !> What a fit gives: value, error, limit of each term; Markov q_c and T_c, sinusoid amplitude and frequency with errors
    type :: outcome_type
-      real(dp) :: value(5), error(5), limit(5), further(4), further_error(4), chi2
+      real(dp) :: value(5), error(5), limit(5), further(4), further_error(4), chi2, seconds
       logical :: detected(5), left_out, misfit
    end type outcome_type
 
@@ -99,6 +100,7 @@ contains
       type(allan_curve_type) :: curve
       type(noise_type) :: noise
       type(error_type), allocatable :: failure
+      integer(int64) :: begin, finish, rate
       integer :: k
 
       options%samples = mix%samples
@@ -121,7 +123,9 @@ contains
             call compute_allan(record%value(:, 1), 1.0_dp, grid, curve, failure)
          end if
       end if
+      call system_clock(begin)
       if (.not. allocated(failure)) call fit_noise(curve, fit, noise, failure)
+      call system_clock(finish, rate)
       if (allocated(failure)) then
          write (error_unit, "(2a, i0, 2a)") trim(mix%name), ", record ", number, ": ", failure%message
          error stop
@@ -134,6 +138,7 @@ contains
       outcome%further_error = [noise%markov%std_error, noise%correlation_time_error, noise%sinusoid%std_error, &
          & noise%frequency_error]
       outcome%chi2 = noise%chi2_reduced
+      outcome%seconds = real(finish - begin, dp)/real(rate, dp)
       outcome%left_out = noise%left_out > 0
       outcome%misfit = noise%misfit > 0
    end subroutine one_record
@@ -169,6 +174,8 @@ contains
          & percent((outcome%detected(1) .and. mix%coefficient(1) <= 0) .or. (outcome%detected(5) .and. mix%coefficient(5) <= 0)), &
          & " %, any ", percent(spurious(mix, outcome)), " %; chi2_reduced ", sum(outcome%chi2)/n, "; points left out ", &
          & percent(outcome%left_out), " %, misfit ", percent(outcome%misfit)
+      write (output_unit, "(a, f8.2, a, f8.2)") "milliseconds per fit: mean ", 1e3_dp*sum(outcome%seconds)/n, ", least ", &
+         & 1e3_dp*minval(outcome%seconds)
       do j = 1, 4
          call print_further(further(j), further_truth(mix, j), outcome%further(j), outcome%further_error(j))
       end do

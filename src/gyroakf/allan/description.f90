@@ -76,7 +76,7 @@ contains
          end if
       end if
       if (extended) then
-         sinusoid%problem = problem
+         sinusoid%problem = description%problem            ! with its basis
          sinusoid%problem%offered(term_sinusoid) = .true.
          call attempt(sinusoid, error)
          if (allocated(error)) return

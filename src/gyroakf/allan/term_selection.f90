@@ -16,7 +16,7 @@
 module gyroakf_allan_term_selection
    use gyroakf_kinds, only : dp
    use gyroakf_special, only : chi_square_survival
-   use gyroakf_lapack, only : dposv, dsyev
+   use gyroakf_lapack, only : dposv, dpotrf, dsyev, dtrtri
    use gyroakf_allan_fit_problem, only : model_at, move_parameters, offered_terms, prepare_basis, problem_type, &
       & relative_columns, relative_covariance, tangents_of
    use gyroakf_allan_noise_model, only : column_count, noise_model_type
@@ -173,6 +173,10 @@ contains
    end subroutine normal_equations
 
    !> Combinations of the points that are independent and of variance 1.
+   !>
+   !> Where every eigenvalue of the correlation matrix R = U'U is above the share of the largest one, any root serves, and
+   !> U'^(-1) is had at once. That is so where 1/trace(R^(-1)), a lower bound of the least one, is above the share of the
+   !> largest sum of a row.
    subroutine whitening(covariance, axes)
       !> Covariance of the points, positive diagonal
       real(dp), intent(in) :: covariance(:, :)
@@ -180,7 +184,8 @@ contains
       real(dp), allocatable, intent(out) :: axes(:, :)
 
       real(dp), dimension(size(covariance, 1)) :: deviation, value
-      real(dp) :: vector(size(covariance, 1), size(covariance, 1)), work(64*size(covariance, 1) + 64)
+      real(dp), dimension(size(covariance, 1), size(covariance, 1)) :: correlation, vector
+      real(dp) :: work(64*size(covariance, 1) + 64)
       integer :: i, n, kept, info
 
       n = size(deviation)
@@ -188,8 +193,24 @@ contains
          deviation(i) = sqrt(covariance(i, i))
       end do
       do i = 1, n
-         vector(:, i) = covariance(:, i)/(deviation*deviation(i))
+         correlation(:, i) = covariance(:, i)/(deviation*deviation(i))
       end do
+      vector = correlation
+      call dpotrf("U", n, vector, n, info)
+      if (info == 0) call dtrtri("U", "N", n, vector, n, info)
+      if (info == 0) then
+         do i = 1, n
+            vector(i + 1:, i) = 0
+         end do
+         if (sum(vector**2)*maxval(sum(abs(correlation), dim=1))*eigenvalue_share < 1) then
+            allocate (axes(n, n))
+            do i = 1, n
+               axes(:, i) = vector(i, :)/deviation(i)
+            end do
+            return
+         end if
+      end if
+      vector = correlation
       call dsyev("V", "U", n, vector, n, value, work, size(work), info)
       kept = 0
       if (info == 0) kept = count(value > eigenvalue_share*value(n))
