@@ -11,7 +11,8 @@ module gyroakf_allan_description
    use gyroakf_lapack, only : dgels
    use gyroakf_allan_fit_problem, only : first_guess, half_freedom, model_at, prepare_basis, problem_type, set_parameter, &
       & without_first
-   use gyroakf_allan_noise_model, only : column_count, model_shape, noise_model_type, term_markov, term_sinusoid
+   use gyroakf_allan_noise_model, only : column_count, model_shape, noise_model_type, term_markov, term_quantisation, &
+      & term_sinusoid, term_white
    use gyroakf_allan_term_selection, only : acceptable, select_terms, selection_type
    implicit none (type, external)
    private
@@ -29,10 +30,12 @@ module gyroakf_allan_description
 
    !> Longest averaging factor that may be left out, and points that remain at least
    integer(int64), parameter :: left_out_max = 4096
-   integer, parameter :: remaining_min = 7
+   integer, parameter :: remaining_min = 6
    !> Chance of chi-square at least where points are left out, and what of its standard deviation the first point that stays may
    !> be bent by
    real(dp), parameter :: chance_after = 0.05_dp, bend_felt = 0.5_dp
+   !> Shortfalls below this need not be in order
+   real(dp), parameter :: shortfall_scatter = 0.1_dp
    !> Correlation time, in samples, below which a Markov process is a filter
    real(dp), parameter :: filter_time = 3.0_dp
    !> What a further term, found by a search for its parameter, must lower chi-square by
@@ -64,39 +67,56 @@ contains
       description%problem = problem
       call attempt(description, error)
       if (allocated(error) .or. .not. automatic .or. acceptable(description%selection)) return
-      markov%selection%probability = 0
-      if (extended) then
-         markov%problem = problem
-         markov%problem%offered(term_markov) = .true.
-         call attempt(markov, error)
-         if (allocated(error)) return
-         if (holds(markov, term_markov, description) .and. markov%selection%model%correlation_time >= filter_time) then
-            description = markov
-            return
-         end if
+      call attempt_with(problem, [term_markov], markov, error)
+      if (allocated(error)) return
+      if (extended .and. holds(markov, term_markov, description) .and. .not. filters(markov)) then
+         description = markov
+         return
       end if
       if (extended) then
-         sinusoid%problem = description%problem            ! with its basis
-         sinusoid%problem%offered(term_sinusoid) = .true.
-         call attempt(sinusoid, error)
+         call attempt_with(description%problem, [term_sinusoid], sinusoid, error)      ! with its basis
          if (allocated(error)) return
          if (holds(sinusoid, term_sinusoid, description)) then
             description = sinusoid
             return
          end if
       end if
-      call leave_out_points(description, other)
+      if (holds(markov, term_markov, description) .and. filters(markov)) then
+         call leave_out_bend(description, markov%selection%model, other)
+      end if
+      if (other%left_out == 0) call leave_out_points(description, other)
       if (other%left_out > 0) description = other
       if (other%left_out > 0 .or. .not. extended) return
       call keep_better(markov, term_markov, description)
       call keep_better(sinusoid, term_sinusoid, description)
       if (acceptable(description%selection)) return
-      other%problem = problem
-      other%problem%offered([term_markov, term_sinusoid]) = .true.
-      call attempt(other, error)
-      if (allocated(error)) return
-      call keep_better(other, term_sinusoid, description)
+      call attempt_with(problem, [term_markov, term_sinusoid], other, error)
+      if (.not. allocated(error)) call keep_better(other, term_sinusoid, description)
    end subroutine describe_curve
+
+   !> Whether a Markov process is so fast that it is a filter of white noise.
+   pure logical function filters(description)
+      !> The description
+      type(description_type), intent(in) :: description
+
+      filters = description%selection%model%correlation_time < filter_time
+   end function filters
+
+   !> Chooses among the offered terms and further ones.
+   subroutine attempt_with(problem, further, description, error)
+      !> Points and terms
+      type(problem_type), intent(in) :: problem
+      !> Further terms
+      integer, intent(in) :: further(:)
+      !> The description
+      type(description_type), intent(out) :: description
+      !> not_converged
+      type(error_type), allocatable, intent(out) :: error
+
+      description%problem = problem
+      description%problem%offered(further) = .true.
+      call attempt(description, error)
+   end subroutine attempt_with
 
    !> Whether a description with a further term is acceptable, has that term and is much better than without.
    pure logical function holds(description, term, without)
@@ -236,6 +256,51 @@ contains
       best = values(maxloc(gain, dim=1))
    end function best_of
 
+   !> Leaves out the points that a filter bends, a Markov process faster than three samples that describes the curve.
+   subroutine leave_out_bend(whole, filter, description)
+      !> The description that does not hold
+      type(description_type), intent(in) :: whole
+      !> The mixture with the Markov process
+      type(noise_model_type), intent(in) :: filter
+      !> With `left_out` > 0 where the rest is described
+      type(description_type), intent(out) :: description
+
+      type(description_type) :: trial
+      type(noise_model_type) :: unbent
+      type(error_type), allocatable :: error
+      real(dp), dimension(size(whole%problem%m)) :: shortfall
+      real(dp) :: p
+      integer :: left_out
+
+      p = exp(-1/filter%correlation_time)
+      unbent = filter                                       ! to long times the process is white
+      unbent%squares(term_markov) = 0
+      unbent%squares(term_white) = filter%squares(term_white) + filter%squares(term_markov)*(1 + p)/(1 - p)
+      shortfall = 1 - model_at(whole%problem, filter)/model_at(whole%problem, unbent)
+      left_out = count(shortfall >= bend_felt/sqrt(half_freedom(whole%problem, unbent)))
+      left_out = min(left_out, size(shortfall) - remaining_min)
+      if (left_out < 1) return
+      call attempt_without(whole, left_out, trial, error)
+      if (.not. allocated(error) .and. acceptable(trial%selection)) description = trial
+   end subroutine leave_out_bend
+
+   !> Chooses among the terms without the first points; quantisation noise, which lives there, is not offered.
+   subroutine attempt_without(whole, left_out, description, error)
+      !> With all points
+      type(description_type), intent(in) :: whole
+      !> Points that are left out
+      integer, intent(in) :: left_out
+      !> Without them
+      type(description_type), intent(out) :: description
+      !> not_converged
+      type(error_type), allocatable, intent(out) :: error
+
+      description%problem = without_first(whole%problem, left_out)
+      description%problem%offered(term_quantisation) = .false.
+      description%left_out = left_out
+      call attempt(description, error)
+   end subroutine attempt_without
+
    !> Leaves out the first points as long as the rest is no sum of the terms, or still feels the bend.
    !>
    !> What a filter takes from the variance falls as 1/m of it (its memory is finite): the share c/m is read off the points left
@@ -253,18 +318,28 @@ contains
 
       do left_out = 1, size(whole%problem%m) - remaining_min
          if (whole%problem%m(left_out) > left_out_max) exit
-         trial%problem = without_first(whole%problem, left_out)
-         call attempt(trial, error)
+         call attempt_without(whole, left_out, trial, error)
          if (allocated(error)) exit
          if (trial%selection%probability < chance_after .or. trial%selection%freedom < 2) cycle
          shortfall = 1 - whole%problem%variance/model_at(whole%problem, trial%selection%model)
-         if (any(shortfall(:left_out) <= 0)) cycle
-         trial%left_out = left_out
+         if (.not. bent_by_filter(shortfall(:left_out))) cycle
          description = trial
          half(left_out + 1:) = half_freedom(trial%problem, trial%selection%model)
          if (maxval(shortfall(:left_out)*whole%problem%m(:left_out))/whole%problem%m(left_out + 1) &
             & < bend_felt/sqrt(half(left_out + 1))) exit
       end do
    end subroutine leave_out_points
+
+   !> Whether points fall short of a model as behind a low-pass filter: all of them, less and less, at last by less than half.
+   pure logical function bent_by_filter(shortfall)
+      !> Share that each point lacks, from the shortest averaging time on
+      real(dp), intent(in) :: shortfall(:)
+
+      integer :: n
+
+      n = size(shortfall)
+      bent_by_filter = all(shortfall > 0) .and. shortfall(n) < 0.5_dp &
+         & .and. all(shortfall(2:) < max(shortfall(:n - 1), shortfall_scatter))
+   end function bent_by_filter
 
 end module gyroakf_allan_description

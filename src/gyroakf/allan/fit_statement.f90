@@ -21,7 +21,7 @@ module gyroakf_allan_fit_statement
       !> One-sided limit: the true value is below it with 95 % confidence
       real(dp) :: upper_limit = 0.0_dp
       !> The curve asks for the term (without it chi-square is larger by more than 5, which chance does in one of eighty
-      !> records), and the square is above its standard error
+      !> records), and the square is above half its standard error, the coefficient thus above its own
       logical :: detected = .false.
       !> The term was in the fit
       logical :: fitted = .false.
@@ -61,6 +61,8 @@ module gyroakf_allan_fit_statement
       type(noise_model_type) :: mixture
    end type noise_type
 
+   !> Standard errors that the square of a detected term is above at least
+   real(dp), parameter :: least_size = 0.5_dp
    !> Standard normal quantile of 95 %
    real(dp), parameter :: normal_95 = 1.6448536269514722_dp
 
@@ -101,7 +103,7 @@ contains
             associate (c => noise%coefficient(term))
                c%fitted = .true.
                c%value = unit*sqrt(fitted%squares(term))
-               c%detected = description%selection%chosen(term) .and. fitted%squares(term) > free_errors(term)
+               c%detected = description%selection%chosen(term) .and. fitted%squares(term) > least_size*free_errors(term)
                c%std_error = unit*sqrt(free_errors(term))
                if (c%detected) c%std_error = unit*errors(term)
                c%upper_limit = unit*sqrt(upper_limit_of(problem, chosen, term, 2*free_errors(term)))
