@@ -38,6 +38,8 @@ module gyroakf_allan_description
    real(dp), parameter :: shortfall_scatter = 0.1_dp
    !> Correlation time, in samples, below which a Markov process is a filter
    real(dp), parameter :: filter_time = 3.0_dp
+   !> What a term must lower chi-square by where points are left out: how many was found by looking at the curve, too
+   real(dp), parameter :: price_after = 8.0_dp
    !> What a further term, found by a search for its parameter, must lower chi-square by
    real(dp), parameter :: price_further = 16.0_dp
    !> A further term that does not make the description acceptable must lower chi-square by this factor to be kept
@@ -297,6 +299,7 @@ contains
 
       description%problem = without_first(whole%problem, left_out)
       description%problem%offered(term_quantisation) = .false.
+      description%problem%price = price_after
       description%left_out = left_out
       call attempt(description, error)
    end subroutine attempt_without

@@ -70,7 +70,7 @@ contains
 
       real(dp), allocatable :: share(:)
       integer, allocatable :: place(:)
-      integer :: i
+      integer :: i, unknowns
       character(160) :: text
 
       if (curve%kind /= "oadev") then
@@ -84,9 +84,10 @@ contains
       if (allocated(error)) return
       place = pack([(i, i=1, size(curve%m))], curve%tau >= options%tau_min*(1 - 1e-9_dp) &
          & .and. curve%tau <= options%tau_max)
-      if (size(place) < count(problem%offered)) then
-         write (text, "(a, i0, a, i0)") "a fit of ", count(problem%offered), &
-            & " noise terms needs as many averaging times, there are ", size(place)
+      unknowns = count(problem%offered) + count(problem%offered(term_count + 1:))
+      if (size(place) < unknowns) then
+         write (text, "(a, i0, a, i0)") "a fit of ", unknowns, &
+            & " unknowns needs as many averaging times, there are ", size(place)
          call fatal_error(error, status%too_few_samples, trim(text))
          return
       end if
@@ -124,6 +125,7 @@ contains
          kept(count) = place(i)
          next = max(next + step, log(real(m(place(i)), dp)) + 0.5_dp*step)
       end do
+      kept(count) = place(size(place))                      ! the longest one stays
       place = kept(:count)
    end subroutine thin
 

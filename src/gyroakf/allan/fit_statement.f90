@@ -21,7 +21,8 @@ module gyroakf_allan_fit_statement
       !> One-sided limit: the true value is below it with 95 % confidence
       real(dp) :: upper_limit = 0.0_dp
       !> The curve asks for the term (without it chi-square is larger by more than 5, which chance does in one of eighty
-      !> records), and the square is above half its standard error, the coefficient thus above its own
+      !> records), and the square is above half its standard error, the coefficient thus above its own (where points were left out:
+      !> by more than 8, and above the whole)
       logical :: detected = .false.
       !> The term was in the fit
       logical :: fitted = .false.
@@ -61,8 +62,8 @@ module gyroakf_allan_fit_statement
       type(noise_model_type) :: mixture
    end type noise_type
 
-   !> Standard errors that the square of a detected term is above at least
-   real(dp), parameter :: least_size = 0.5_dp
+   !> Standard errors that the square of a detected term is above at least: of all points, and where points were left out
+   real(dp), parameter :: least_sizes(2) = [0.5_dp, 1.0_dp]
    !> Standard normal quantile of 95 %
    real(dp), parameter :: normal_95 = 1.6448536269514722_dp
 
@@ -84,7 +85,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       real(dp), parameter :: power(term_count) = [1.0_dp, 0.5_dp, 0.0_dp, -0.5_dp, -1.0_dp]
-      real(dp) :: errors(column_count), free_errors(column_count), parameter_errors(column_count), unit
+      real(dp) :: errors(column_count), free_errors(column_count), parameter_errors(column_count), unit, least_size
       integer :: term
       logical :: converged
 
@@ -95,6 +96,7 @@ contains
             return
          end if
          noise%sample_interval = sample_interval
+         least_size = least_sizes(merge(1, 2, description%left_out == 0))
          noise%mixture = chosen
          noise%mixture%squares = chosen%squares*problem%scale
          do term = 1, term_count

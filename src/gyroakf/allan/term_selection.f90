@@ -48,10 +48,7 @@ module gyroakf_allan_term_selection
       integer :: kept = 0
    end type normal_type
 
-   !> What a term must lower chi-square by. In records of white noise, 1e4 and 2e5 samples, some other term is then
-   !> found in 4 %, Q or R in 2 % (bench/allan_terms)
-   real(dp), parameter :: price = 5.0_dp
-   !> Standard errors that a square must have to be chosen in 95 % of records: sqrt(price) + 1.645
+   !> Standard errors that a square must have to be chosen in 95 % of records: the root of 5 + 1.645
    real(dp), parameter :: detection_size = 3.881_dp
    !> Eigenvalues of the correlation matrix below this share of the largest one carry no information
    real(dp), parameter :: eigenvalue_share = 1e-3_dp
@@ -89,7 +86,7 @@ contains
          call prepare_basis(problem, before)
          call normal_equations(problem, before, normal)
          same = .true.
-         call choose_set(normal, before, selection, same)
+         call choose_set(problem, normal, before, selection, same)
          if (same .and. maxval(abs(model_at(problem, selection%model)/model_at(problem, before) - 1)) < agreed) exit
       end do
       selection%probability = 1
@@ -221,7 +218,9 @@ contains
    end subroutine whitening
 
    !> The set of terms that is worth its price, and its mixture.
-   subroutine choose_set(normal, before, selection, same)
+   subroutine choose_set(problem, normal, before, selection, same)
+      !> For the price
+      type(problem_type), intent(in) :: problem
       !> Normal equations
       type(normal_type), intent(in) :: normal
       !> The mixture at which they hold
@@ -244,8 +243,8 @@ contains
          call solve_set(normal, used, x, cost, fits)
          if (.not. fits) cycle
          if (any(x(:n) <= 0 .and. used(:n))) cycle         ! the best without the negative one is another set
-         if (cost + price*count(used) >= least) cycle
-         least = cost + price*count(used)
+         if (cost + problem%price*count(used) >= least) cycle
+         least = cost + problem%price*count(used)
          selection%chi_square = max(cost, 0.0_dp)
          selection%freedom = normal%kept - count(used)
          selection%chosen = .false.
@@ -255,7 +254,11 @@ contains
          call move_parameters(selection%model, normal%tangent, x(n + 1:)/normal%length(n + 1:), before)
       end do
       same = all(chosen .eqv. selection%chosen)
-      if (least >= huge(1.0_dp)) selection%model = before
+      if (least < huge(1.0_dp)) return
+      selection%model = before                              ! every set has a negative square: nothing describes the curve
+      selection%chosen = .false.
+      selection%chi_square = normal%total
+      selection%freedom = normal%kept
    end subroutine choose_set
 
    !> Columns of a set of terms: with a term its tangent.
