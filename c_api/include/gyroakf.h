@@ -144,14 +144,24 @@ typedef struct gyroakf_noise {
   gyroakf_coefficient b; /* bias instability, rad/s */
   gyroakf_coefficient k; /* rate random walk, rad/s^1.5 */
   gyroakf_coefficient r; /* ramp, rad/s^2 */
-  double chi2_reduced;   /* of the terms that were detected; about 1 where they describe the curve */
-  int32_t points;        /* of the curve that were used: fewer than it has where "auto" left out the first ones */
+  double chi2_reduced;   /* of the chosen terms; about 1 where they describe the curve */
+  int32_t points;        /* of the curve that were used */
+  int32_t left_out;      /* first points that "auto" left out because a filter bends them */
+  double tau_first;      /* first averaging time that was used, s */
+  double chi2_probability; /* chance of a chi-square as large or larger */
+  double misfit;         /* relative standard deviation of the variances beyond their own scatter, 0 where the terms fit */
+  gyroakf_coefficient markov;    /* strength q_c of a first-order Markov process, rad/s^1.5; fitted 0 where none was needed */
+  double correlation_time;       /* its T_c, s */
+  double correlation_time_error; /* one standard error */
+  gyroakf_coefficient sinusoid;  /* amplitude of a sinusoid, rad/s; fitted 0 where none was needed */
+  double frequency;              /* Hz */
+  double frequency_error;        /* one standard error */
 } gyroakf_noise;
 
 /*
  * Noise coefficients of a curve of kind "oadev": weighted fit with non-negative terms. The curve is not changed.
  * "auto" fits q n b k r. Where these do not describe the curve it adds a first-order Markov process or a sinusoid, or leaves
- * out the first points, which a low-pass filter in the sensor bends; out then holds the five terms of that fit.
+ * out the first points, which a low-pass filter in the sensor bends; markov, sinusoid and left_out say so.
  */
 GYROAKF_API int gyroakf_noise_fit(const gyroakf_allan *a, const gyroakf_fit_options *opt, gyroakf_noise *out,
                                   gyroakf_error *err);

@@ -241,6 +241,9 @@ static void test_noise(void) {
   gyroakf_fit_options_init(&opt);
   opt.terms = "N";
   opt.tau_max = 100.0;
+  check(noise.left_out == 0 && noise.tau_first == 1.0 && noise.misfit == 0, "every point was used");
+  check(noise.chi2_probability > 1e-4 && noise.chi2_probability <= 1, "chance of chi-square");
+  check(noise.markov.fitted == 0 && noise.sinusoid.fitted == 0 && noise.frequency == 0, "no further terms");
   check_success(gyroakf_noise_fit(a, &opt, &noise, &err), "fit of one term");
   check(noise.n.fitted == 1 && noise.q.fitted == 0 && noise.k.fitted == 0, "only N was fitted");
   gyroakf_allan_free(a);

@@ -30,7 +30,12 @@ module gyroakf_c_api_noise
    type, bind(C) :: noise_c
       type(coefficient_c) :: coefficient(5)
       real(c_double) :: chi2_reduced
-      integer(c_int32_t) :: points
+      integer(c_int32_t) :: points, left_out
+      real(c_double) :: tau_first, chi2_probability, misfit
+      type(coefficient_c) :: markov
+      real(c_double) :: correlation_time, correlation_time_error
+      type(coefficient_c) :: sinusoid
+      real(c_double) :: frequency, frequency_error
    end type noise_c
 
 contains
@@ -110,6 +115,16 @@ contains
       end do
       out%chi2_reduced = noise%chi2_reduced
       out%points = noise%points
+      out%left_out = noise%left_out
+      out%tau_first = noise%tau_first
+      out%chi2_probability = noise%chi2_probability
+      out%misfit = noise%misfit
+      out%markov = coefficient_of(noise%markov)
+      out%correlation_time = noise%correlation_time
+      out%correlation_time_error = noise%correlation_time_error
+      out%sinusoid = coefficient_of(noise%sinusoid)
+      out%frequency = noise%frequency
+      out%frequency_error = noise%frequency_error
    end subroutine write_noise
 
    !> One coefficient in C's struct.
