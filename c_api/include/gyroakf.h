@@ -131,7 +131,7 @@ typedef struct gyroakf_coefficient {
   double value;       /* never negative */
   double std_error;   /* standard error */
   double upper_limit; /* one-sided, 95 % */
-  int32_t detected;   /* 1: the curve asks for the term (chance finds another term in about 3 % of records of white
+  int32_t detected;   /* 1: the curve asks for the term (chance finds another term in about 2 % of records of white
                          noise); otherwise state the upper limit, not the value */
   int32_t fitted;     /* 1: the term was in the fit */
 } gyroakf_coefficient;
