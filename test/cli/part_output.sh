@@ -58,7 +58,13 @@ for stage in "input", "cleaned", "kf", "akf":
         check(stage + " " + term, value is None or (math.isfinite(value) and (value >= 0 or term == "R")))
 noise = channel["coefficients"]["input"]
 for term, degrees in zip("QNBKR", (3600, 60, 3600, 216000, 12960000)):   # arcsec, deg/sqrt(h), deg/h, ... of one in deg and s
+    if noise[term]["value"] is None: continue        # Q where the first points are left out
     check(term + " in SI", math.isclose(noise[term]["value"], math.degrees(noise[term]["value_si"])*degrees, rel_tol=1e-14))
+for stage in "input", "cleaned":                     # the AR(1) is white of N = 0.9495 deg/sqrt(h) to long times, and nothing else
+    n, b = channel["coefficients"][stage]["N"], channel["coefficients"][stage]["B"]
+    check(stage + " N %g" % n["value"], abs(n["value"] - 0.9495) < 2*n["std_error"])
+    check(stage + " B", not b["detected"] and b["upper_limit"] > 0)
+    check(stage + " left out", channel["coefficients"][stage]["fit"]["left_out"] > 0)
 check("two-sided density", math.isclose(noise["density"]["two_sided"]["value"]*60, noise["N"]["value"], rel_tol=1e-14))
 check("one-sided density", math.isclose(noise["density"]["one_sided"]["value_si"], noise["N"]["value_si"]*2**0.5, rel_tol=1e-14))
 PYTHON

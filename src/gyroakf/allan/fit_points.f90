@@ -9,7 +9,7 @@ module gyroakf_allan_fit_points
    use gyroakf_allan_noise_model, only : column_count, term_count, term_letters
    implicit none (type, external)
    private
-   public :: noise_options, choose_terms, choose_points, thin
+   public :: noise_options, choose_terms, choose_points
 
    !> What to fit
    type :: noise_options

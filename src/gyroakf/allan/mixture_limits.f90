@@ -13,7 +13,7 @@ module gyroakf_allan_mixture_limits
    use gyroakf_allan_degrees_of_freedom, only : chi_square_limits
    use gyroakf_allan_deviations, only : allan_curve_type, terms_share
    use gyroakf_allan_mixture_edf, only : mixture_degrees_of_freedom
-   use gyroakf_allan_noise_fit, only : noise_type
+   use gyroakf_allan_fit_statement, only : noise_type
    use gyroakf_allan_noise_model, only : noise_model_type
    implicit none (type, external)
    private
@@ -36,17 +36,22 @@ contains
       !> From [[fit_noise]], in the same units
       type(noise_type), intent(in) :: noise
 
-      if (allocated(curve%m)) call limits_of_model(curve, noise%mixture, noise%misfit > 0)
+      integer(int64) :: first
+
+      first = 0
+      if (noise%left_out > 0) first = nint(noise%tau_first/noise%sample_interval, int64)
+      if (noise%misfit > 0) first = huge(first)
+      if (allocated(curve%m)) call limits_of_model(curve, noise%mixture, first)
    end subroutine limits_of_noise
 
    !> The same from a mixture.
-   subroutine limits_of_model(curve, model, misfit)
+   subroutine limits_of_model(curve, model, first)
       !> From [[compute_allan]], of any kind; nothing is done to an empty one
       type(allan_curve_type), intent(inout) :: curve
       !> For a sample interval of 1; without any noise nothing is done
       type(noise_model_type), intent(in) :: model
-      !> The mixture does not describe the record: degrees of freedom may only fall
-      logical, intent(in), optional :: misfit
+      !> Averaging factor from which on the mixture describes the record; degrees of freedom may only fall before it
+      integer(int64), intent(in), optional :: first
 
       real(dp), allocatable :: lag(:), known(:), share(:)
       real(dp) :: edf
@@ -63,8 +68,8 @@ contains
       share = terms_share(curve)
       do i = 1, size(curve%m)
          edf = exp(between(lag, known, log(real(curve%m(i), dp))))*share(i)
-         if (present(misfit)) then
-            if (misfit) edf = min(edf, curve%edf(i))
+         if (present(first)) then
+            if (curve%m(i) < first) edf = min(edf, curve%edf(i))
          end if
          curve%edf(i) = edf
       end do

@@ -25,15 +25,14 @@
 !> variance s^2 of their own, the same for all and as large as they ask for: w_i = 1/(2/nu_i + s^2), C_ij +
 !> s^2 exp(-|ln tau_i/tau_j|). The standard errors grow with it.
 module gyroakf_allan_noise_fit
-   use gyroakf_kinds, only : dp, int64
+   use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_allan_covariance, only : allan_covariance
-   use gyroakf_allan_degrees_of_freedom, only : chi_square_limits
    use gyroakf_allan_description, only : description_type, describe_curve
-   use gyroakf_allan_deviations, only : allan_curve_type, terms_share
-   use gyroakf_allan_fit_points, only : choose_points, choose_terms, noise_options, thin
+   use gyroakf_allan_deviations, only : allan_curve_type
+   use gyroakf_allan_fit_points, only : choose_points, choose_terms, noise_options
    use gyroakf_allan_fit_problem, only : half_freedom, minimise, model_at, problem_type
    use gyroakf_allan_fit_statement, only : coefficient_type, noise_type, state_coefficients
+   use gyroakf_allan_mixture_limits, only : give_mixture_limits
    use gyroakf_allan_noise_model, only : model_variance, noise_model_type, term_markov
    use gyroakf_allan_term_selection, only : normal_residuals, select_terms
    use gyroakf_special, only : digamma
@@ -65,6 +64,7 @@ contains
       type(description_type) :: description
       type(noise_model_type) :: fitted
       logical :: automatic
+      integer :: i
 
       call choose_terms(options, problem%offered, automatic, error)
       if (.not. allocated(error)) call choose_points(curve, options, problem, error)
@@ -84,7 +84,8 @@ contains
          call state_coefficients(description, options%method == "linear", fitted, curve%sample_interval, noise, error)
       end if
       if (allocated(error)) return
-      call renew_limits(description, fitted, curve, noise)
+      noise%model = [(sqrt(description%problem%scale*model_variance(fitted, real(curve%m(i), dp))), i=1, size(curve%m))]
+      call give_mixture_limits(curve, noise)
    end subroutine fit_noise
 
    !> Goodness of the description, and the points that spoil it.
@@ -161,77 +162,5 @@ contains
          end if
       end do
    end function extra_variance
-
-   !> Model, degrees of freedom and limits at every averaging time of the curve.
-   subroutine renew_limits(description, fitted, curve, noise)
-      !> The chosen mixture, for the degrees of freedom
-      type(description_type), intent(in) :: description
-      !> The fitted mixture
-      type(noise_model_type), intent(in) :: fitted
-      !> The curve
-      type(allan_curve_type), intent(inout) :: curve
-      !> Its model is set
-      type(noise_type), intent(inout) :: noise
-
-      real(dp), allocatable :: known(:), lag(:)
-      real(dp) :: share(size(curve%m)), edf
-      integer(int64) :: first
-      integer, allocatable :: place(:)
-      integer :: i
-
-      first = 0                                             ! the mixture says nothing of points that were left out before it
-      if (description%left_out > 0) first = description%problem%m(1)
-      share = terms_share(curve)
-      allocate (noise%model(size(curve%m)))
-      place = [(i, i=1, size(curve%m))]
-      call thin(curve%m, place)
-      allocate (known(size(place)), lag(size(place)))
-      do i = 1, size(place)
-         lag(i) = log(real(curve%m(place(i)), dp))
-         known(i) = log(freedom_of(curve%samples, curve%m(place(i)), description%selection%model))
-      end do
-      do i = 1, size(curve%m)
-         noise%model(i) = sqrt(description%problem%scale*model_variance(fitted, real(curve%m(i), dp)))
-         edf = share(i)*exp(between(lag, known, log(real(curve%m(i), dp))))
-         if (noise%misfit > 0 .or. curve%m(i) < first) edf = min(edf, curve%edf(i))
-         curve%edf(i) = edf
-      end do
-      call chi_square_limits(curve%deviation, curve%edf, curve%confidence, curve%lower, curve%upper)
-   end subroutine renew_limits
-
-   !> Degrees of freedom of a variance of a mixture.
-   pure real(dp) function freedom_of(samples, m, model) result(freedom)
-      !> Samples of the record
-      integer(int64), intent(in) :: samples
-      !> Averaging factor
-      integer(int64), intent(in) :: m
-      !> The mixture
-      type(noise_model_type), intent(in) :: model
-
-      real(dp) :: variance
-
-      variance = allan_covariance(samples, m, m, model)
-      freedom = 1e15_dp
-      if (variance > 0) freedom = min(freedom, 2*model_variance(model, real(m, dp))**2/variance)
-   end function freedom_of
-
-   !> Linear interpolation, constant outside.
-   pure real(dp) function between(x, y, at)
-      !> Ascending places and values there
-      real(dp), intent(in) :: x(:), y(:)
-      !> Where
-      real(dp), intent(in) :: at
-
-      integer :: i
-
-      i = count(x <= at)
-      if (i == 0) then
-         between = y(1)
-      else if (i == size(x)) then
-         between = y(i)
-      else
-         between = y(i) + (at - x(i))/(x(i + 1) - x(i))*(y(i + 1) - y(i))
-      end if
-   end function between
 
 end module gyroakf_allan_noise_fit
