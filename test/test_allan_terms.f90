@@ -323,6 +323,11 @@ contains
       call record_to_see(noise, 10000_int64, 1, 0.003_dp, times)
       call check(error, times, (3.881_dp/0.003_dp)**2*1.0e-4_dp, thr=0.05_dp, rel=.true.)
       if (allocated(error)) return
+      noise%share = 0.5_dp                                   ! half the terms lost: twice as long
+      call record_to_see(noise, 10000_int64, 1, 0.003_dp, longer)
+      call check(error, longer, 2*times, thr=0.05_dp, rel=.true.)
+      if (allocated(error)) return
+      noise%share = 1
       call record_to_see(noise, 10000_int64, 4, 1.0e-9_dp, times)
       call record_to_see(noise, 10000_int64, 4, 1.0e-10_dp, longer)
       call check(error, times > 1 .and. longer > times .and. longer < never, "a smaller walk needs a longer record")

@@ -103,6 +103,8 @@ contains
          noise%points = size(description%problem%m)
          noise%left_out = description%left_out
          noise%tau_first = curve%sample_interval*real(description%problem%m(1), dp)
+         noise%tau_last = curve%sample_interval*real(description%problem%m(noise%points), dp)
+         noise%share = sum(description%problem%complete)/noise%points
          noise%chi2_freedom = selection%freedom
          noise%chi2_probability = selection%probability
          if (selection%freedom > 0) noise%chi2_reduced = selection%chi_square/selection%freedom

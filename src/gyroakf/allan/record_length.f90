@@ -38,13 +38,11 @@ contains
       real(dp), intent(out) :: times_as_long
 
       type(noise_model_type) :: model
-      integer(int64) :: first
       real(dp) :: low, middle, high, at_low, at_middle, at_high
       integer :: round
 
       model = noise%mixture
       model%squares(term) = square
-      first = max(1_int64, nint(noise%tau_first/noise%sample_interval, int64))
       low = 0                                               ! logarithms of lengths, and of sizes in standard errors there
       at_low = lack(low)
       times_as_long = 1
@@ -77,31 +75,40 @@ contains
       real(dp) function lack(length)
          real(dp), intent(in) :: length
 
-         lack = log(detection_size*error_at(nint(exp(length)*real(samples, dp), int64), first, model, term, noise%misfit**2)/square)
+         lack = log(detection_size*error_at(noise, exp(length), samples, model, term)/square)
       end function lack
 
    end subroutine record_to_see
 
-   !> Standard error of a square among those of a mixture in a record of some length.
-   real(dp) function error_at(samples, first, model, term, misfit) result(error)
-      !> Samples, and the first averaging factor that is fitted
-      integer(int64), intent(in) :: samples, first
+   !> Standard error of a square among those of a mixture in a longer record.
+   !>
+   !> It lacks as large a share of its terms as the record, its fit begins at the same averaging time and ends at the same share of
+   !> its length, and misses the mixture by as much.
+   real(dp) function error_at(noise, times, samples, model, term) result(error)
+      !> The fit of the record
+      type(noise_type), intent(in) :: noise
+      !> How many times as long
+      real(dp), intent(in) :: times
+      !> Samples of the record
+      integer(int64), intent(in) :: samples
       !> The mixture
       type(noise_model_type), intent(in) :: model
       !> The term
       integer, intent(in) :: term
-      !> Relative variance by which the points miss the mixture, in a longer record too
-      real(dp), intent(in) :: misfit
 
       type(problem_type) :: problem
+      integer(int64) :: first
+      real(dp) :: longest
       integer :: i, octaves
 
-      octaves = max(0, int(log(real(samples, dp)/real(3*first, dp))/log(2.0_dp)))
-      problem%samples = samples
+      first = max(1_int64, nint(noise%tau_first/noise%sample_interval, int64))
+      longest = times*min(noise%tau_last/noise%sample_interval, real(samples, dp)/3)
+      octaves = max(0, int(log(max(1.0_dp, longest/real(first, dp)))/log(2.0_dp)))
+      problem%samples = nint(times*real(samples, dp), int64)
       problem%m = [(first*2_int64**i, i=0, octaves)]
       allocate (problem%complete(octaves + 1))
-      problem%complete = 1
-      problem%misfit = misfit
+      problem%complete = noise%share
+      problem%misfit = noise%misfit**2
       problem%offered = model%squares > 0
       problem%variance = model_at(problem, model)
       call prepare_basis(problem, model)
