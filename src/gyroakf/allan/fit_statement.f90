@@ -47,7 +47,8 @@ module gyroakf_allan_fit_statement
       real(dp) :: chi2_probability = 1.0_dp
       !> Of the curve, s
       real(dp) :: sample_interval = 1.0_dp
-      !> Averaging times that were fitted; first points left out because a filter bends them; first and last averaging time fitted, s
+      !> Averaging times that were fitted; first points left out because a filter bends them; first and last averaging
+      !> time fitted, s
       integer :: points = 0, left_out = 0
       real(dp) :: tau_first = 0.0_dp, tau_last = 0.0_dp
       !> Mean share of their terms that gaps left
