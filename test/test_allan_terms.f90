@@ -36,6 +36,7 @@ contains
          & new_unittest("limit_above_value", test_limit_above_value), &
          & new_unittest("record_length", test_record_length), &
          & new_unittest("terms_that_miss", test_terms_that_miss), &
+         & new_unittest("oscillating_steps", test_oscillating), &
          & new_unittest("letters", test_letters)]
    end subroutine collect_allan_terms
 
@@ -375,6 +376,36 @@ contains
          call fit_noise(curve, noise_options(terms="KM"), noise, failure)
       end do
    end subroutine test_terms_that_miss
+
+   subroutine test_oscillating(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! records with large residuals at long times, where full steps of Gauss and Newton swing about the minimum for ever
+      type(simulate_options) :: options
+      type(record_type) :: record
+      type(allan_curve_type) :: curve
+      type(noise_type) :: noise
+      type(gyro_error), allocatable :: failure
+      integer, parameter :: seed(4) = [65, 311, 618, 630]
+      integer :: i
+
+      options%samples = 20000
+      options%rate_hz = 10
+      options%unit = "deg/h"
+      options%coefficient = [0.0_dp, 18.0_dp, 6.0_dp, 0.3_dp, 0.0_dp]
+      options%missing = 0.1_dp
+      do i = 1, size(seed)
+         options%seed = seed(i)
+         call simulate_record(options, record, failure)
+         if (.not. allocated(failure)) call compute_allan(record%value(:, 1), 0.1_dp, allan_options(), curve, failure, &
+            & record%present(:, 1))
+         if (.not. allocated(failure)) call fit_noise(curve, noise_options(), noise, failure)
+         call check(error, .not. allocated(failure), "the fit converges")
+         if (allocated(error)) return
+         call check(error, abs(noise%coefficient(2)%value - 18) < 4*noise%coefficient(2)%std_error, "N")
+         if (allocated(error)) return
+      end do
+   end subroutine test_oscillating
 
    subroutine test_letters(error)
       type(error_type), allocatable, intent(out) :: error

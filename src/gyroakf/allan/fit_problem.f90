@@ -168,7 +168,7 @@ contains
       call fatal_error(error, status%not_converged, "the fit of the noise coefficients did not converge")
    end subroutine fail_to_converge
 
-   !> One non-negative step; of logarithms it is shortened until the sum of squares falls.
+   !> One non-negative step, shortened until the sum of squares falls most: where residuals are large full steps overshoot.
    subroutine weighted_step(problem, linear, reference, weight, target, bias, model, change, gain, converged)
       !> Points and terms
       type(problem_type), intent(in) :: problem
@@ -187,11 +187,11 @@ contains
       !> False if a matrix was singular
       logical, intent(out) :: converged
 
-      type(noise_model_type) :: before, full
+      type(noise_model_type) :: before, full, trial
       integer :: term(count(problem%offered))
       integer, allocatable :: tangent(:)
       real(dp), allocatable :: columns(:, :), design(:, :), length(:), x(:)
-      real(dp) :: merit, at_start
+      real(dp) :: merit, trial_merit, at_start
       integer :: j, n, p, halving
 
       term = offered_terms(problem)
@@ -211,13 +211,16 @@ contains
       full%squares(term) = x(:n)/length(:n)
       call move_parameters(full, tangent, (x(n + 1:n + p) - x(n + p + 1:))/length(n + 1:), before)
       at_start = misfit_of(before)
-      do halving = 0, 30
-         model = full
-         model%squares = before%squares + (full%squares - before%squares)*0.5_dp**halving
-         model%correlation_time = before%correlation_time*(full%correlation_time/before%correlation_time)**(0.5_dp**halving)
-         model%frequency = before%frequency*(full%frequency/before%frequency)**(0.5_dp**halving)
-         merit = misfit_of(model)
-         if (merit <= at_start*(1 + 1e-12_dp)) exit
+      merit = huge(1.0_dp)
+      do halving = 0, 30                                    ! as long as a shorter step is better, or needed
+         trial = before
+         trial%squares = before%squares + (full%squares - before%squares)*0.5_dp**halving
+         trial%correlation_time = before%correlation_time*(full%correlation_time/before%correlation_time)**(0.5_dp**halving)
+         trial%frequency = before%frequency*(full%frequency/before%frequency)**(0.5_dp**halving)
+         trial_merit = misfit_of(trial)
+         if (trial_merit >= merit .and. merit <= at_start*(1 + 1e-12_dp)) exit
+         model = trial
+         merit = trial_merit
       end do
       gain = (at_start - merit)/max(at_start, tiny(1.0_dp))
       change = maxval(abs(model%squares(term) - before%squares(term))*length(:n))/norm2(sqrt(weight)) &
