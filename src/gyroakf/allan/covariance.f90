@@ -20,6 +20,7 @@ module gyroakf_allan_covariance
    use gyroakf_allan_lag_covariance, only : lag_covariances, lag_type, new_lag, process_count, process_flicker, process_markov
    use gyroakf_allan_noise_model, only : model_variance, noise_model_type, term_count, term_flicker, term_markov, &
       & term_quantisation, term_ramp, term_sinusoid, term_walk, term_white
+   use gyroakf_allan_quadrature, only : node, node_count, weight
    implicit none (type, external)
    private
    public :: allan_covariance, allan_variance_covariances
@@ -32,12 +33,6 @@ module gyroakf_allan_covariance
    real(dp), parameter :: pi = 3.141592653589793_dp
    !> Segments up to this length are summed term by term
    real(dp), parameter :: direct_max = 24.0_dp
-   !> Nodes and weights of Gauss and Legendre on 0 .. 1
-   integer, parameter :: node_count = 6
-   real(dp), parameter :: node(node_count) = [0.033765242898423986_dp, 0.16939530676686776_dp, 0.38069040695840156_dp, &
-      & 0.61930959304159844_dp, 0.83060469323313224_dp, 0.96623475710157601_dp]
-   real(dp), parameter :: weight(node_count) = [0.085662246189585178_dp, 0.18038078652406930_dp, 0.23395696728634552_dp, &
-      & 0.23395696728634552_dp, 0.18038078652406930_dp, 0.085662246189585178_dp]
    !> Kinks and further ends of segments at most
    integer, parameter :: ends_max = 40
    !> Lags in all segments at most

@@ -35,7 +35,7 @@ module gyroakf_allan_fit_problem
       !> Covariances of the variances of any mixture; with a Markov process of `basis%correlation_time` where one is offered
       type(covariance_basis_type) :: basis
       !> What a term must lower chi-square by to be chosen. In records of white noise, 1e4 and 2e5 samples, 5 lets some other term
-      !> be found in 2 %, Q or R in 2 % (bench/allan_fit)
+      !> be found in 2 %, Q or R in 1 % (bench/allan_fit)
       real(dp) :: price = 5.0_dp
       !> Relative variance by which the points miss the model beyond their own scatter
       real(dp) :: misfit = 0.0_dp

@@ -45,12 +45,16 @@ module gyroakf_allan_fit_statement
       !> Degrees of freedom, and the chance of a chi-square as large
       integer :: chi2_freedom = 0
       real(dp) :: chi2_probability = 1.0_dp
+      !> Chance may explain it: the probability is above 1e-4
+      logical :: acceptable = .true.
       !> Of the curve, s
       real(dp) :: sample_interval = 1.0_dp
       !> Averaging times that were fitted; first points left out because a filter bends them; first and last averaging
       !> time fitted, s
       integer :: points = 0, left_out = 0
       real(dp) :: tau_first = 0.0_dp, tau_last = 0.0_dp
+      !> What a term had to lower chi-square by to be chosen
+      real(dp) :: price = 5.0_dp
       !> Mean share of their terms that gaps left
       real(dp) :: share = 1.0_dp
       !> Averaging times in the range of the fit, s; distance of the curve from the chosen terms there in standard

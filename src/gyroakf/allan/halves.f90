@@ -14,7 +14,7 @@
 !> their common border): the analytic covariance of the fitted mixture, [[mixture_covariances]], for n/2 samples, of
 !> logarithms (nu/2 psi'(nu/2) on the diagonal instead of 1), divided by the share of the terms that gaps left. One statistic
 !> for all averaging times is d' C^-1 d in the space of the eigenvectors that carry information
-!> ([[generalised_chi_square]]); it is chi-square. Averaging times with few degrees of freedom are left out.
+!> ([[whitening]]); it is chi-square. Averaging times with few degrees of freedom are left out.
 !>
 !> Noise that is not Gaussian scatters otherwise: the innovations' excess kurtosis kappa adds kappa/(n/2) to the covariance of every
 !> two relative variances of a linear process (Bartlett's formula). It is taken as twice that of the second differences of the
@@ -29,7 +29,7 @@ module gyroakf_allan_halves
    use gyroakf_special, only : chi_square_survival, digamma, normal_quantile
    use gyroakf_allan_covariance, only : covariance_basis_type, mixture_covariances, new_covariance_basis
    use gyroakf_allan_fit_problem, only : trigamma
-   use gyroakf_allan_fit_uncertainty, only : generalised_chi_square
+   use gyroakf_allan_whitening, only : whitening
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_allan_noise_fit, only : noise_type
    use gyroakf_allan_noise_model, only : model_variance, noise_model_type, term_markov
@@ -311,7 +311,7 @@ contains
 
       real(dp), dimension(size(m), 2) :: edf
       real(dp) :: covariance(size(m), size(m))
-      real(dp), allocatable :: change(:), none(:, :), deviation(:), kept(:, :)
+      real(dp), allocatable :: change(:), axes(:, :), deviation(:), kept(:, :)
       integer, allocatable :: place(:)
       real(dp) :: wide
       integer :: i
@@ -330,9 +330,10 @@ contains
       change = log(variance(place, 2)/variance(place, 1)) &
          & - (digamma(edf(place, 2)) - log(edf(place, 2))) + (digamma(edf(place, 1)) - log(edf(place, 1)))
       call add_halves(edf, complete, covariance)
-      allocate (none(size(place), 0))
       kept = covariance(place, place)
-      call generalised_chi_square(change, none, kept, halves%statistic, halves%freedom)
+      call whitening(kept, axes)
+      halves%freedom = size(axes, 1)
+      halves%statistic = sum(matmul(axes, change)**2)
       if (halves%freedom > 0) halves%p_value = chi_square_survival(halves%statistic, real(halves%freedom, dp))
       wide = normal_quantile((1 + options%confidence)/2)
       halves%changed = halves%p_value < 1 - options%confidence

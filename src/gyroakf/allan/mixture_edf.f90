@@ -20,6 +20,7 @@ module gyroakf_allan_mixture_edf
    use gyroakf_allan_phase_covariance, only : phase_covariance, sum_covariance
    use gyroakf_allan_statistic, only : difference_order, term_count
    use gyroakf_allan_total_edf, only : total_degrees_of_freedom
+   use gyroakf_allan_quadrature, only : node, node_count, weight
    implicit none (type, external)
    private
    public :: mixture_degrees_of_freedom
@@ -28,12 +29,6 @@ module gyroakf_allan_mixture_edf
    integer(int64), parameter :: direct_max = 3072
    !> Lags of windows that do not overlap
    integer(int64), parameter :: separate_max = 64
-   !> Nodes and weights of Gauss and Legendre on 0 .. 1
-   integer, parameter :: node_count = 6
-   real(dp), parameter :: node(node_count) = [0.033765242898423986_dp, 0.16939530676686776_dp, 0.38069040695840156_dp, &
-      & 0.61930959304159844_dp, 0.83060469323313224_dp, 0.96623475710157601_dp]
-   real(dp), parameter :: weight(node_count) = [0.085662246189585178_dp, 0.18038078652406930_dp, 0.23395696728634552_dp, &
-      & 0.23395696728634552_dp, 0.18038078652406930_dp, 0.085662246189585178_dp]
    !> Ends of the parts of a segment of length m, and of the tail, in units of m and of the longest lag with a kink
    real(dp), parameter :: part(0:6) = [0.0_dp, 0.0625_dp, 0.25_dp, 0.5_dp, 0.75_dp, 0.9375_dp, 1.0_dp]
    real(dp), parameter :: tail(0:6) = [1.0_dp, 1.0625_dp, 1.25_dp, 2.0_dp, 4.0_dp, 8.0_dp, 20.0_dp]

@@ -34,7 +34,7 @@ module gyroakf_allan_noise_fit
    use gyroakf_allan_fit_statement, only : coefficient_type, noise_type, state_coefficients
    use gyroakf_allan_mixture_limits, only : give_mixture_limits
    use gyroakf_allan_noise_model, only : model_variance, noise_model_type, term_markov
-   use gyroakf_allan_term_selection, only : normal_residuals, select_terms
+   use gyroakf_allan_term_selection, only : acceptable, normal_residuals, select_terms
    use gyroakf_special, only : digamma
    implicit none (type, external)
    private
@@ -104,9 +104,11 @@ contains
          noise%left_out = description%left_out
          noise%tau_first = curve%sample_interval*real(description%problem%m(1), dp)
          noise%tau_last = curve%sample_interval*real(description%problem%m(noise%points), dp)
+         noise%price = description%problem%price
          noise%share = sum(description%problem%complete)/noise%points
          noise%chi2_freedom = selection%freedom
          noise%chi2_probability = selection%probability
+         noise%acceptable = acceptable(selection)
          if (selection%freedom > 0) noise%chi2_reduced = selection%chi_square/selection%freedom
          noise%tau = curve%sample_interval*real(problem%m, dp)
          noise%residual = [spread(0.0_dp, 1, description%left_out), normal_residuals(description%problem, selection%model)]

@@ -3,7 +3,7 @@
 !>
 !>     call record_to_see(noise, curve%samples, 4, (0.5_dp*limit)**2, times_as_long)
 !>
-!> A term is chosen in 95 % of records where its square is 3.88 standard errors of the generalised fit
+!> A term is chosen in 95 % of records where its square is so many standard errors ([[detection_size]]) of the generalised fit
 !> ([[gyroakf_allan_term_selection]]). The error at another length follows from the analytic covariance of the
 !> fitted mixture with the term in it; no record is simulated.
 module gyroakf_allan_record_length
@@ -75,7 +75,7 @@ contains
       real(dp) function lack(length)
          real(dp), intent(in) :: length
 
-         lack = log(detection_size*error_at(noise, exp(length), samples, model, term)/square)
+         lack = log(detection_size(noise%price)*error_at(noise, exp(length), samples, model, term)/square)
       end function lack
 
    end subroutine record_to_see

@@ -16,10 +16,11 @@
 module gyroakf_allan_term_selection
    use gyroakf_kinds, only : dp
    use gyroakf_special, only : chi_square_survival
-   use gyroakf_lapack, only : dposv, dpotrf, dsyev, dtrtri
+   use gyroakf_lapack, only : dposv
    use gyroakf_allan_fit_problem, only : model_at, move_parameters, offered_terms, prepare_basis, problem_type, &
       & relative_columns, relative_covariance, tangents_of
    use gyroakf_allan_noise_model, only : column_count, noise_model_type
+   use gyroakf_allan_whitening, only : whitening
    implicit none (type, external)
    private
    public :: selection_type, select_terms, upper_limit_of, acceptable, normal_residuals, error_among, detection_size
@@ -48,10 +49,6 @@ module gyroakf_allan_term_selection
       integer :: kept = 0
    end type normal_type
 
-   !> Standard errors that a square must have to be chosen in 95 % of records: the root of 5 + 1.645
-   real(dp), parameter :: detection_size = 3.881_dp
-   !> Eigenvalues of the correlation matrix below this share of the largest one carry no information
-   real(dp), parameter :: eigenvalue_share = 1e-3_dp
    !> Rounds of choice and covariance, and relative change of the model at which they agree
    integer, parameter :: rounds_max = 12
    real(dp), parameter :: agreed = 1e-4_dp
@@ -94,6 +91,14 @@ contains
          selection%probability = chi_square_survival(selection%chi_square, real(selection%freedom, dp))
       end if
    end subroutine select_terms
+
+   !> Standard errors that a square must have to be chosen in 95 % of records.
+   pure real(dp) function detection_size(price)
+      !> What a term must lower chi-square by
+      real(dp), intent(in) :: price
+
+      detection_size = sqrt(price) + normal_95
+   end function detection_size
 
    !> Whether a chi-square may be chance.
    pure logical function acceptable(selection)
@@ -168,54 +173,6 @@ contains
       end do
       normal%total = sum(target(:normal%kept)**2)
    end subroutine normal_equations
-
-   !> Combinations of the points that are independent and of variance 1.
-   !>
-   !> Where every eigenvalue of the correlation matrix R = U'U is above the share of the largest one, any root serves, and
-   !> U'^(-1) is had at once. That is so where 1/trace(R^(-1)), a lower bound of the least one, is above the share of the
-   !> largest sum of a row.
-   subroutine whitening(covariance, axes)
-      !> Covariance of the points, positive diagonal
-      real(dp), intent(in) :: covariance(:, :)
-      !> One in each row: [kept, points]
-      real(dp), allocatable, intent(out) :: axes(:, :)
-
-      real(dp), dimension(size(covariance, 1)) :: deviation, value
-      real(dp), dimension(size(covariance, 1), size(covariance, 1)) :: correlation, vector
-      real(dp) :: work(64*size(covariance, 1) + 64)
-      integer :: i, n, kept, info
-
-      n = size(deviation)
-      do i = 1, n
-         deviation(i) = sqrt(covariance(i, i))
-      end do
-      do i = 1, n
-         correlation(:, i) = covariance(:, i)/(deviation*deviation(i))
-      end do
-      vector = correlation
-      call dpotrf("U", n, vector, n, info)
-      if (info == 0) call dtrtri("U", "N", n, vector, n, info)
-      if (info == 0) then
-         do i = 1, n
-            vector(i + 1:, i) = 0
-         end do
-         if (sum(vector**2)*maxval(sum(abs(correlation), dim=1))*eigenvalue_share < 1) then
-            allocate (axes(n, n))
-            do i = 1, n
-               axes(:, i) = vector(i, :)/deviation(i)
-            end do
-            return
-         end if
-      end if
-      vector = correlation
-      call dsyev("V", "U", n, vector, n, value, work, size(work), info)
-      kept = 0
-      if (info == 0) kept = count(value > eigenvalue_share*value(n))
-      allocate (axes(kept, n))
-      do i = 1, kept                                        ! the last ones: dsyev sorts upwards
-         axes(i, :) = vector(:, n - kept + i)/(deviation*sqrt(value(n - kept + i)))
-      end do
-   end subroutine whitening
 
    !> The set of terms that is worth its price, and its mixture.
    subroutine choose_set(problem, normal, before, selection, same)

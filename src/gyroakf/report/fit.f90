@@ -10,9 +10,6 @@ module gyroakf_report_fit
    private
    public :: put_fit, put_visible
 
-   !> Chance of chi-square below which a fit is called bad
-   real(dp), parameter :: chance_least = 1e-4_dp
-
 contains
 
    !> The lines below a table of coefficients.
@@ -42,7 +39,7 @@ contains
          if (noise%misfit > 0) call put_item(writer, "Misfit", "the curve is not a sum of these terms: it departs by about "// &
             & number(50*noise%misfit, 2)//" %, most at tau = "//conspicuous_text(allan)//unit_of_time(record)// &
             & "; errors and limits allow for it")
-         if (noise%misfit <= 0 .and. noise%chi2_probability < chance_least) call put_item(writer, "Misfit", &
+         if (noise%misfit <= 0 .and. .not. noise%acceptable) call put_item(writer, "Misfit", &
             & "chance does not explain how the curve departs from these terms, most at tau = "//conspicuous_text(allan)// &
             & unit_of_time(record)//"; the errors do not allow for it")
       end associate
