@@ -7,19 +7,18 @@ module gyroakf_app_driver
    use omp_lib, only : omp_set_num_threads
    use gyroakf_error, only : error_type, fatal_error, exit_code, status
    use gyroakf_io_record_writer, only : write_record
-   use gyroakf_io_reader, only : complete_record, read_record, reader_options
-   use gyroakf_io_recording, only : close_recording, hold_rows, open_recording, recording_type
    use gyroakf_io_writer, only : writer_type, open_writer, put, complete_writer, commit_writer, discard_writer
-   use gyroakf_pipeline, only : pipeline_result_type, channel_result_type, run_pipeline, run_streamed, tell_memory
+   use gyroakf_pipeline, only : pipeline_result_type, channel_result_type
    use gyroakf_record, only : record_type, text_type
    use gyroakf_report_document, only : write_document
    use gyroakf_report_files, only : write_results
-   use gyroakf_report_kalibr, only : check_kalibr, write_kalibr
+   use gyroakf_report_kalibr, only : write_kalibr
    use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_simulate_record, only : simulate_record
    use gyroakf_app_argument, only : argument_list, process_source, read_arguments
    use gyroakf_app_cli, only : get_config
    use gyroakf_app_config, only : cli_config, text_config, inspect_config, analysis_config, simulate_config
+   use gyroakf_app_reading, only : read_and_look, read_and_run
    implicit none (type, external)
    private
    public :: run_program
@@ -76,7 +75,7 @@ contains
       type(record_type) :: record
       type(writer_type) :: writer
 
-      call read_record(config%path, config%reader, record, error)
+      call read_and_look(config, record, error)
       if (allocated(error)) return
       if (allocated(config%json)) then
          call begin_document(config%json, record, writer, error)
@@ -120,33 +119,6 @@ contains
       if (.not. allocated(error) .and. allocated(config%kalibr)) call commit_writer(kalibr, error)
       if (.not. allocated(error)) call print_result(config, json == "-", record, result, error)
    end subroutine analyse
-
-   !> Reads the recording and works on it; allan streams what is larger than the memory.
-   subroutine read_and_run(config, record, result, error)
-      type(analysis_config), intent(in) :: config
-      type(record_type), intent(out) :: record
-      type(pipeline_result_type), intent(out) :: result
-      type(error_type), allocatable, intent(out) :: error
-      type(reader_options) :: reader
-      type(recording_type) :: recording
-
-      reader = config%reader
-      call tell_memory(config%pipeline, reader%work_bytes, reader%channel_bytes)
-      if (config%command == "allan" .and. reader%memory > 0) then
-         call open_recording(config%path, reader, recording, error)
-         if (.not. allocated(error)) call hold_rows(recording, error)
-         if (.not. allocated(error) .and. .not. recording%table%whole) then
-            call run_streamed(recording, config%pipeline, record, result, error)
-         else if (.not. allocated(error)) then
-            call complete_record(recording, record, error)
-         end if
-         call close_recording(recording)
-      else
-         call read_record(config%path, reader, record, error)
-      end if
-      if (.not. allocated(error) .and. allocated(config%kalibr)) call check_kalibr(record, error)
-      if (.not. allocated(error) .and. .not. record%streamed) call run_pipeline(record, config%pipeline, result, error)
-   end subroutine read_and_run
 
    !> Where not one channel gives what the command is for, there is nothing to report: an error of the data.
    subroutine check_result(config, result, error)

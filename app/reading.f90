@@ -1,0 +1,60 @@
+! SPDX-License-Identifier: MIT
+!> Reads a recording within the memory that is allowed, and works on it: whole, or in blocks as it goes by.
+module gyroakf_app_reading
+   use gyroakf_error, only : error_type
+   use gyroakf_io_reader, only : complete_record, read_record, reader_options
+   use gyroakf_io_recording, only : close_recording, hold_rows, open_recording, recording_type
+   use gyroakf_pipeline, only : pipeline_result_type, run_pipeline, run_streamed, tell_memory
+   use gyroakf_record, only : record_type
+   use gyroakf_report_kalibr, only : check_kalibr
+   use gyroakf_app_config, only : analysis_config, inspect_config
+   implicit none (type, external)
+   private
+   public :: read_and_look, read_and_run
+
+contains
+
+   !> inspect: what was read.
+   subroutine read_and_look(config, record, error)
+      !> The file and how it is read
+      type(inspect_config), intent(in) :: config
+      !> What was read
+      type(record_type), intent(out) :: record
+      !> As of [[read_record]]
+      type(error_type), allocatable, intent(out) :: error
+
+      call read_record(config%path, config%reader, record, error)
+   end subroutine read_and_look
+
+   !> run, allan, tests, ar, filter: what was read, and what came out; allan streams what is larger than the memory.
+   subroutine read_and_run(config, record, result, error)
+      !> The file, how it is read and what is computed
+      type(analysis_config), intent(in) :: config
+      !> What was read
+      type(record_type), intent(out) :: record
+      !> What came out
+      type(pipeline_result_type), intent(out) :: result
+      !> As of [[read_record]] and [[run_pipeline]]
+      type(error_type), allocatable, intent(out) :: error
+      type(reader_options) :: reader
+      type(recording_type) :: recording
+
+      reader = config%reader
+      call tell_memory(config%pipeline, reader%work_bytes, reader%channel_bytes)
+      if (config%command == "allan" .and. reader%memory > 0) then
+         call open_recording(config%path, reader, recording, error)
+         if (.not. allocated(error)) call hold_rows(recording, error)
+         if (.not. allocated(error) .and. .not. recording%table%whole) then
+            call run_streamed(recording, config%pipeline, record, result, error)
+         else if (.not. allocated(error)) then
+            call complete_record(recording, record, error)
+         end if
+         call close_recording(recording)
+      else
+         call read_record(config%path, reader, record, error)
+      end if
+      if (.not. allocated(error) .and. allocated(config%kalibr)) call check_kalibr(record, error)
+      if (.not. allocated(error) .and. .not. record%streamed) call run_pipeline(record, config%pipeline, result, error)
+   end subroutine read_and_run
+
+end module gyroakf_app_reading
