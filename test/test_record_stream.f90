@@ -7,7 +7,7 @@ module test_record_stream
    use gyroakf_io_reader, only : read_record
    use gyroakf_io_record_stream, only : begin_record_stream, end_record_stream, next_record_block, record_stream_type
    use gyroakf_io_recording, only : base_bytes, bytes_needed, close_recording, hold_rows, open_recording, reader_options, &
-      recording_type
+      next_rows, recording_type
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, run_pipeline, run_streamed
    use gyroakf_record, only : record_type, sample_count
    use scratch_file, only : remove_file, scratch_path
@@ -35,6 +35,7 @@ contains
          new_unittest("part", test_part), &
          new_unittest("blank-column", test_blank), &
          new_unittest("rows-held-before", test_held), &
+         new_unittest("rows-in-parts", test_parts), &
          new_unittest("memory", test_memory), &
          new_unittest("one-row", test_one_row), &
          new_unittest("analysis", test_analysis), &
@@ -328,6 +329,27 @@ contains
       call write_rows("t,gx", 1, "stamps", 1)
       call compare(error, reader_options(rate_hz=1.0_dp), whole, streamed)
    end subroutine test_one_row
+
+   !> Rows are read until there are enough of them, and at the end `whole` tells.
+   subroutine test_parts(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(recording_type) :: recording
+      type(gyro_error), allocatable :: failed
+
+      call write_rows("# rate_hz: 10", 1, "none", rows)
+      call open_recording(scratch_path("stream.txt"), reader_options(), recording, failed)
+      if (.not. allocated(failed)) call next_rows(recording, 10_int64, failed)
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      call check(error, recording%table%rows >= 10 .and. recording%table%rows < rows .and. .not. recording%table%whole)
+      if (allocated(error)) return
+      call next_rows(recording, huge(1_int64), failed)
+      call check(error, .not. allocated(failed) .and. recording%table%whole)
+      if (allocated(error)) return
+      call check(error, recording%table%rows, int(rows, int64))
+      call close_recording(recording)
+      call remove_file(scratch_path("stream.txt"))
+   end subroutine test_parts
 
    !> The analysis of the file in blocks.
    subroutine analyse_file(options, record, result, failed)

@@ -72,7 +72,7 @@ contains
          unit = ""
          if (allocated(options%unit)) unit = options%unit
          record%path = recording%path
-         record%format = "text"
+         record%format = recording%format
          call move_alloc(table%warnings, record%warnings)
          call take_values(table, record, stamps, error)
          if (.not. allocated(error)) call warn_of_time(options, table, record)

@@ -22,10 +22,9 @@ module gyroakf_io_record_stream
    use gyroakf_io_lines, only : line_of
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_reader, only : drop_absurd, find_scale, largest_value, set_rate, tell, time_warning
-   use gyroakf_io_recording, only : recording_type
+   use gyroakf_io_recording, only : next_rows, recording_type
    use gyroakf_io_store, only : chunk_rows
    use gyroakf_io_shape, only : fill_gaps, keep_rows, make_rates, mark_missing
-   use gyroakf_io_table, only : read_rows
    use gyroakf_record, only : add_text, audit_type, record_type
    implicit none (type, external)
    private
@@ -154,7 +153,7 @@ contains
          if (stream%chunk > table%store%count) then
             table%store%count = 0
             stream%chunk = 1
-            if (.not. table%whole) call read_rows(recording%lines, recording%wanted, chunk_rows, table, error)
+            if (.not. table%whole) call next_rows(recording, chunk_rows, error)
             if (allocated(error)) return
          end if
          if (stream%chunk > table%store%count) return
@@ -428,7 +427,7 @@ contains
 
       record = stream%summary
       record%path = recording%path
-      record%format = "text"
+      record%format = recording%format
       record%streamed = .true.
       associate (table => recording%table, options => recording%options)
          if (allocated(table%warnings)) then

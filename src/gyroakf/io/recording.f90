@@ -10,7 +10,7 @@ module gyroakf_io_recording
    use gyroakf_io_table, only : begin_table, read_rows, table_options, table_type
    implicit none (type, external)
    private
-   public :: reader_options, recording_type, open_recording, hold_rows, close_recording
+   public :: reader_options, recording_type, open_recording, next_rows, hold_rows, close_recording
    public :: bytes_needed, bytes_text, too_large, base_bytes
 
    !> How a recording is to be read
@@ -44,6 +44,8 @@ module gyroakf_io_recording
    !> An open recording
    type :: recording_type
       character(:), allocatable :: path
+      !> What it turned out to be, as in "text"
+      character(:), allocatable :: format
       type(reader_options) :: options
       type(table_options) :: wanted
       type(lines_type) :: lines
@@ -73,6 +75,7 @@ contains
       call check_options(options, error)
       if (allocated(error)) return
       recording%path = path
+      recording%format = "text"
       recording%options = options
       if (allocated(options%columns)) recording%wanted%columns = options%columns
       if (allocated(options%time_column)) recording%wanted%time_column = options%time_column
@@ -96,8 +99,22 @@ contains
          if (recording%expected_rows > most) return
          most = most + 1
       end if
-      call read_rows(recording%lines, recording%wanted, most, recording%table, error)
+      call next_rows(recording, most, error)
    end subroutine hold_rows
+
+   !> Reads rows into `table%store` until it has as many as wanted, or a few more, or there are no more: `table%whole` tells.
+   !>
+   !> The one place that reads rows, whatever the format.
+   subroutine next_rows(recording, most, error)
+      !> Open; its store grows, and may be emptied between calls
+      type(recording_type), intent(inout) :: recording
+      !> So many rows in the store are enough
+      integer(int64), intent(in) :: most
+      !> Allocated on failure: io, parse, no_memory
+      type(error_type), allocatable, intent(out) :: error
+
+      call read_rows(recording%lines, recording%wanted, most, recording%table, error)
+   end subroutine next_rows
 
    !> Closes the file.
    subroutine close_recording(recording)

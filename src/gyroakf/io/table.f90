@@ -60,6 +60,9 @@ module gyroakf_io_table
       type(line_map_type) :: map
       !> Lines that could not be read
       integer(int64) :: bad_lines = 0, first_bad_line = 0
+      !> The stored integer type of every value: 8, 16, 32 or 64 bits; 0 for text and floating point
+      integer :: integer_bits = 0
+      logical :: integer_signed = .false.
       !> What the user should know
       type(text_type), allocatable :: warnings(:)
    end type table_type
