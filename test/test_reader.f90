@@ -2,7 +2,7 @@
 !> Reading recordings: every feature of the text format.
 module test_reader
    use testdrive, only : new_unittest, unittest_type, error_type, check, test_failed
-   use gyroakf_kinds, only : dp, int64
+   use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_reader, only : reader_options, read_record
@@ -44,6 +44,7 @@ contains
          new_unittest("part", test_part), &
          new_unittest("skip-bad-lines", test_bad_lines), &
          new_unittest("audit-of-values", test_audit_values), &
+         new_unittest("from-memory", test_memory), &
          new_unittest("long-line", test_long_line), &
          new_unittest("many-rows", test_many_rows)]
    end subroutine collect_reader
@@ -513,6 +514,30 @@ contains
 
       call check(error, shown(content, reader_options(), record), "1.5 2 / 3 4 / 5 6 ")
    end subroutine test_long_line
+
+   !> Bytes in memory are read as a file of that content is; messages use the name that was given.
+   subroutine test_memory(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(reader_options) :: options
+      type(record_type) :: record
+      type(gyro_error), allocatable :: failed
+      integer(int8), allocatable, target :: bytes(:)
+
+      bytes = transfer("# rate_hz = 50"//nl//"1 2"//nl//"3 4", [0_int8])
+      options%bytes => bytes
+      call read_record("log", options, record, failed)
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      call check(error, abs(record%value(2, 2) - 4) + abs(record%sample_interval - 0.02_dp) <= 0.0_dp)
+      if (allocated(error)) return
+      bytes(18) = iachar("x", int8)
+      call read_record("log", options, record, failed)
+      call check(error, index(failed%message, "log:2:3: ") == 1)
+      if (allocated(error)) return
+      options%bytes => bytes(:0)
+      call read_record("log", options, record, failed)
+      call check(error, index(failed%message, "log:1:1: the file is empty") == 1)
+   end subroutine test_memory
 
    !> More rows than a chunk has, more bytes than a block has.
    subroutine test_many_rows(error)

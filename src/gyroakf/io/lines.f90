@@ -42,18 +42,23 @@ module gyroakf_io_lines
 contains
 
    !> Opens the source and reads the first block; a byte-order mark is left out.
-   subroutine open_lines(lines, path, error)
+   subroutine open_lines(lines, path, error, bytes)
       !> To be closed by [[close_lines]]
       type(lines_type), intent(out) :: lines
       !> A path; "-" is standard input
       character(*), intent(in) :: path
       !> Allocated where it cannot be opened or read: io, no_memory
       type(error_type), allocatable, intent(out) :: error
+      !> Where associated they are the content, and the path is a name for messages
+      integer(int8), pointer, contiguous, intent(in), optional :: bytes(:)
+      integer(int64) :: room
       integer :: failed
 
-      call open_source(lines%source, path, error)
+      call open_source(lines%source, path, error, bytes)
       if (allocated(error)) return
-      allocate (lines%bytes(block_size + digits_ahead), stat=failed)
+      room = block_size
+      if (lines%source%length > 0 .or. associated(lines%source%bytes)) room = min(room, lines%source%length + 64)
+      allocate (lines%bytes(room + digits_ahead), stat=failed)
       if (failed /= 0) then
          call fatal_error(error, status%no_memory, "no memory for a block of "//path)
          return

@@ -2,7 +2,7 @@
 !> A recording that is open: what stands above its rows is known, the rows are read as far as the memory allows.
 module gyroakf_io_recording
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_is_nan
-   use gyroakf_kinds, only : dp, int64
+   use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_lines, only : close_lines, lines_type
@@ -39,6 +39,8 @@ module gyroakf_io_recording
       !> Bytes that the process may use, 0 for no limit; and what the caller needs of them per sample, beside the record itself:
       !> for the channel that is worked on, and for every channel
       integer(int64) :: memory = 0, work_bytes = 0, channel_bytes = 0
+      !> Where associated they are read instead of a file, and the path is a name for messages; they have to stay until the end
+      integer(int8), pointer, contiguous :: bytes(:) => null()
    end type reader_options
 
    !> An open recording
@@ -81,6 +83,7 @@ contains
       if (allocated(options%time_column)) recording%wanted%time_column = options%time_column
       recording%wanted%bad_lines_missing = options%bad_lines_missing
       recording%wanted%skip = options%skip
+      recording%wanted%bytes => options%bytes
       call begin_table(recording%lines, path, recording%wanted, recording%table, error)
       if (.not. allocated(error)) recording%expected_rows = rows_by_size(recording%lines)
    end subroutine open_recording

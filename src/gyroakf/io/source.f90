@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Bytes of a file, of standard input or of a FIFO, in blocks.
+!> Bytes of a file, of standard input, of a FIFO or of the caller's memory, in blocks.
 !>
 !> Regular files are read by stream access. Anything that may deliver in pieces (`-`, FIFOs, devices) is read by the system's
 !> `read`, again and again until it says that there is no more.
@@ -19,7 +19,9 @@ module gyroakf_io_source
       integer :: unit = -1
       !> Of the system's calls, -1 where it is closed
       integer(c_int) :: descriptor = -1
-      !> Bytes of a regular file, 0 where that is not known
+      !> Of the caller, where there is no file
+      integer(int8), pointer, contiguous :: bytes(:) => null()
+      !> Bytes of a regular file or of the caller's, 0 where that is not known
       integer(int64) :: length = 0
       !> Bytes delivered so far
       integer(int64) :: delivered = 0
@@ -98,18 +100,25 @@ contains
    end function is_directory
 
    !> Opens a source.
-   subroutine open_source(source, path, error)
+   subroutine open_source(source, path, error, bytes)
       !> To be closed by [[close_source]]
       type(source_type), intent(out) :: source
       !> A path; "-" is standard input
       character(*), intent(in) :: path
       !> Allocated where it cannot be opened: io
       type(error_type), allocatable, intent(out) :: error
+      !> Where associated they are the content, and the path is a name for messages; they have to stay until the source is closed
+      integer(int8), pointer, contiguous, intent(in), optional :: bytes(:)
       character(len(path) + 256) :: reason
       integer :: failed
       logical :: exists
 
       source%name = path
+      if (present(bytes)) source%bytes => bytes
+      if (associated(source%bytes)) then
+         source%length = size(source%bytes, kind=int64)
+         return
+      end if
       if (path == "-") then
          source%name = "<stdin>"
          source%descriptor = 0
@@ -153,7 +162,10 @@ contains
       !> Allocated where reading fails: io
       type(error_type), allocatable, intent(out) :: error
 
-      if (source%unit /= -1) then
+      if (associated(source%bytes)) then
+         got = min(size(room, kind=int64), source%length - source%delivered)
+         room(:got) = source%bytes(source%delivered + 1:source%delivered + got)
+      else if (source%unit /= -1) then
          call read_stream(source, room, got, error)
       else
          call read_pieces(source, room, got, error)
@@ -222,6 +234,7 @@ contains
       if (source%descriptor > 0) ignored = c_close(source%descriptor)
       source%unit = -1
       source%descriptor = -1
+      nullify (source%bytes)
    end subroutine close_source
 
 end module gyroakf_io_source

@@ -32,6 +32,8 @@ module gyroakf_io_table
       logical :: bad_lines_missing = .false.
       !> Lines that are left out at the start
       integer(int64) :: skip = 0
+      !> Where associated they are the content, and the path is a name for messages
+      integer(int8), pointer, contiguous :: bytes(:) => null()
    end type table_options
 
    !> A table as it was read
@@ -85,7 +87,7 @@ contains
       !> Allocated on failure: io, parse, invalid_argument, no_memory
       type(error_type), allocatable, intent(out) :: error
 
-      call open_lines(lines, path, error)
+      call open_lines(lines, path, error, options%bytes)
       if (.not. allocated(error)) then
          table%name = lines%source%name
          call check_content(lines, error)
