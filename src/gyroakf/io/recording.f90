@@ -7,7 +7,8 @@ module gyroakf_io_recording
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_lines, only : close_lines, lines_type
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_table, only : begin_table, read_rows, table_options, table_type
+   use gyroakf_io_table, only : begin_table, table_options, table_type
+   use gyroakf_io_text_rows, only : read_rows
    implicit none (type, external)
    private
    public :: reader_options, recording_type, open_recording, next_rows, hold_rows, close_recording

@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> A table of numbers in text: header, names, rows. What the numbers mean is the reader's business.
 module gyroakf_io_table
-   use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_columns, only : choose_columns, column_names_type, find_column, label_of, names_way, read_names
@@ -11,16 +10,16 @@ module gyroakf_io_table
    use gyroakf_io_lines, only : line_end, line_map_type, next_line, lines_type, map_row, more_lines, open_lines
    use gyroakf_io_number, only : is_missing_word
    use gyroakf_io_place, only : integer_text, place_error
-   use gyroakf_io_rows, only : layout_type, parse_rows, problem_type, read_row
+   use gyroakf_io_rows, only : layout_type
    use gyroakf_io_stamps, only : is_time_name
-   use gyroakf_io_store, only : count_rows, next_chunk, store_type
+   use gyroakf_io_store, only : store_type
    use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, split, split_line
    use gyroakf_record, only : add_text, text_type
    use gyroakf_spelling, only : lower
    use gyroakf_units, only : parse_unit, unit_type
    implicit none (type, external)
    private
-   public :: table_type, table_options, begin_table, read_rows
+   public :: table_type, table_options, begin_table
 
    !> What is wanted of a table
    type :: table_options
@@ -347,77 +346,5 @@ contains
       table%layout%stored = table%layout%stored + 1
       table%layout%slot(table%time) = table%layout%stored
    end subroutine set_slots
-
-   !> Reads rows into the store until it has as many as wanted, or a few more, or there are no more.
-   subroutine read_rows(lines, options, most, table, error)
-      !> Of [[begin_table]]
-      type(lines_type), intent(inout) :: lines
-      !> What is wanted
-      type(table_options), intent(in) :: options
-      !> So many rows in the store are enough
-      integer(int64), intent(in) :: most
-      !> Its store grows
-      type(table_type), intent(inout) :: table
-      !> Allocated on failure: io, parse, no_memory
-      type(error_type), allocatable, intent(out) :: error
-      type(fields_type) :: fields
-      integer(int64) :: rows
-      integer :: failed
-      logical :: odd
-
-      do while (count_rows(table%store) < most)
-         call more_lines(lines, error)
-         if (allocated(error)) return
-         table%whole = lines%at > lines%last
-         if (table%whole) exit
-         call next_chunk(table%store, table%layout%stored, failed)
-         if (failed /= 0) then
-            call fatal_error(error, status%no_memory, table%name//": no memory for more than "//integer_text(table%rows)//" rows")
-            return
-         end if
-         associate (chunk => table%store%chunk(table%store%count))
-            rows = chunk%rows
-            call parse_rows(lines%bytes, lines%at, lines%last, table%layout, chunk%value, chunk%rows, odd)
-            lines%number = lines%number + chunk%rows - rows
-            table%rows = table%rows + chunk%rows - rows
-         end associate
-         if (odd) call take_odd_line(lines, options, table, fields, error)
-         if (allocated(error)) return
-      end do
-   end subroutine read_rows
-
-   !> Reads the line at hand, whatever it is.
-   subroutine take_odd_line(lines, options, table, fields, error)
-      type(lines_type), intent(inout) :: lines
-      type(table_options), intent(in) :: options
-      type(table_type), intent(inout) :: table
-      type(fields_type), intent(inout) :: fields
-      type(error_type), allocatable, intent(out) :: error
-      type(problem_type) :: problem
-      real(dp) :: row(table%layout%stored)
-      integer(int64) :: last
-
-      last = line_end(lines)
-      if (first_visible(lines%bytes, lines%at, last) > last .or. is_comment(lines%bytes, lines%at, last)) then
-         call map_row(table%map, table%rows + 1, lines%number + 1)
-      else
-         call read_row(lines%bytes, lines%at, last, table%layout, fields, row, problem)
-         if (problem%found .and. .not. options%bad_lines_missing) then
-            call place_error(error, table%name, lines%number, lines%bytes, lines%at, last, problem%at, problem%what, problem%advice)
-            return
-         end if
-         if (problem%found) then
-            row = ieee_value(1.0_dp, ieee_quiet_nan)
-            table%bad_lines = table%bad_lines + 1
-            if (table%first_bad_line == 0) table%first_bad_line = lines%number
-         end if
-         associate (chunk => table%store%chunk(table%store%count))
-            chunk%rows = chunk%rows + 1
-            chunk%value(chunk%rows, :) = row
-         end associate
-         table%rows = table%rows + 1
-      end if
-      call next_line(lines)
-   end subroutine take_odd_line
 
 end module gyroakf_io_table
