@@ -157,8 +157,8 @@ module gyroakf_app_option
       option_type("--json", "FILE", "text", reading, "common", "write the results as JSON; - is standard output"), &
       option_type("--threads", "N", "count", every, "common", "number of threads (default: all)"), &
       option_type("--memory", "SIZE", "text", reading, "common", &
-                  "memory that may be used, 28MB or more, as 500MB or 2GB (default: no bound); "// &
-                  "allan streams a larger recording, the others refuse it"), &
+                  "memory that may be used, 28MB or more, as 500MB or 2GB (default: what is free); "// &
+                  "allan and inspect stream a larger recording, the others refuse it"), &
       option_type("--quiet", "", "flag", reading, "common", "print no report"), &
       option_type("--help", "", "flag", every, "common", "this text, or that of a command"), &
       option_type("--version", "", "flag", every, "common", "the version"), &

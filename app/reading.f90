@@ -1,9 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> Reads a recording within the memory that is allowed, and works on it: whole, or in blocks as it goes by.
 module gyroakf_app_reading
+   use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type
+   use gyroakf_io_machine_memory, only : free_memory
    use gyroakf_io_reader, only : complete_record, read_record, reader_options
-   use gyroakf_io_recording, only : close_recording, hold_rows, open_recording, recording_type
+   use gyroakf_io_record_summary, only : summarise_record
+   use gyroakf_io_recording, only : base_bytes, close_recording, hold_rows, open_recording, recording_type
    use gyroakf_pipeline, only : pipeline_result_type, run_pipeline, run_streamed, tell_memory
    use gyroakf_record, only : record_type
    use gyroakf_report_kalibr, only : check_kalibr
@@ -12,7 +15,23 @@ module gyroakf_app_reading
    private
    public :: read_and_look, read_and_run
 
+   !> Share of the memory that can be had which a recording may take
+   real(dp), parameter :: usable_share = 0.95_dp
+
 contains
+
+   !> Where nobody gave a bound of the memory it is what the machine, the container and the shell leave.
+   subroutine find_bound(reader)
+      !> Its `memory` is set
+      type(reader_options), intent(inout) :: reader
+      integer(int64) :: bytes
+
+      if (reader%memory > 0) return
+      bytes = free_memory()
+      if (bytes <= 0) return
+      reader%memory = max(2*base_bytes, int(usable_share*real(bytes, dp), int64))
+      reader%memory_found = .true.
+   end subroutine find_bound
 
    !> inspect: what was read.
    subroutine read_and_look(config, record, error)
@@ -22,8 +41,11 @@ contains
       type(record_type), intent(out) :: record
       !> As of [[read_record]]
       type(error_type), allocatable, intent(out) :: error
+      type(reader_options) :: reader
 
-      call read_record(config%path, config%reader, record, error)
+      reader = config%reader
+      call find_bound(reader)
+      call summarise_record(config%path, reader, record, error)
    end subroutine read_and_look
 
    !> run, allan, tests, ar, filter: what was read, and what came out; allan streams what is larger than the memory.
@@ -41,7 +63,8 @@ contains
 
       reader = config%reader
       call tell_memory(config%pipeline, reader%work_bytes, reader%channel_bytes)
-      if (config%command == "allan" .and. reader%memory > 0) then
+      call find_bound(reader)
+      if (config%command == "allan") then
          call open_recording(config%path, reader, recording, error)
          if (.not. allocated(error)) call hold_rows(recording, error)
          if (.not. allocated(error) .and. .not. recording%table%whole) then

@@ -34,6 +34,7 @@ program test_main
    use test_json, only : collect_json
    use test_kalman, only : collect_kalman
    use test_levinson, only : collect_levinson
+   use test_machine_memory, only : collect_machine_memory
    use test_moments, only : collect_moments
    use test_normality, only : collect_normality
    use test_number, only : collect_number
@@ -90,6 +91,7 @@ program test_main
    call add("json", collect_json)
    call add("kalman", collect_kalman)
    call add("levinson", collect_levinson)
+   call add("machine_memory", collect_machine_memory)
    call add("moments", collect_moments)
    call add("normality", collect_normality)
    call add("number", collect_number)

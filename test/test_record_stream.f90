@@ -6,6 +6,7 @@ module test_record_stream
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_io_reader, only : read_record
    use gyroakf_io_record_stream, only : begin_record_stream, end_record_stream, next_record_block, record_stream_type
+   use gyroakf_io_record_summary, only : summarise_record
    use gyroakf_io_recording, only : base_bytes, bytes_needed, close_recording, hold_rows, open_recording, reader_options, &
       next_rows, recording_type
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, run_pipeline, run_streamed
@@ -37,6 +38,9 @@ contains
          new_unittest("rows-held-before", test_held), &
          new_unittest("rows-in-parts", test_parts), &
          new_unittest("memory", test_memory), &
+         new_unittest("memory-advice", test_advice), &
+         new_unittest("step-at-the-border", test_border), &
+         new_unittest("summary", test_summary), &
          new_unittest("one-row", test_one_row), &
          new_unittest("analysis", test_analysis), &
          new_unittest("analysis-refused", test_refused)]
@@ -185,6 +189,9 @@ contains
       call check(error, all(abs(streamed%audit%minimum - whole%audit%minimum) <= 1.0e-9_dp) .and. &
          all(abs(streamed%audit%maximum - whole%audit%maximum) <= 1.0e-9_dp), "extremes")
       if (allocated(error)) return
+      call check(error, all(abs(streamed%audit%quantisation - whole%audit%quantisation) <= &
+                            1.0e-12_dp*whole%audit%quantisation), "smallest step")
+      if (allocated(error)) return
       call check(error, size(streamed%channel), size(whole%channel), "channels")
       if (allocated(error)) return
       call check(error, allocated(streamed%warnings) .eqv. allocated(whole%warnings), "warnings")
@@ -321,6 +328,61 @@ contains
       if (allocated(error)) return
       call check(error, bytes_needed(recording, 1000_int64), base_bytes + 30000)
    end subroutine test_memory
+
+   subroutine test_advice(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(reader_options) :: options
+      type(record_type) :: record
+      type(gyro_error), allocatable :: failed
+
+      call write_rows("gx,gy", 2, "none", 5000)
+      options%memory = base_bytes + 1000
+      options%memory_found = .true.
+      call read_record(scratch_path("stream.txt"), options, record, failed)
+      call remove_file(scratch_path("stream.txt"))
+      call check(error, allocated(failed), "read although it does not fit")
+      if (allocated(error)) return
+      call check(error, index(failed%message, "24 MB of memory can be had") > 0, failed%message)
+      if (allocated(error)) return
+      call check(error, index(failed%message, "insist with --memory SIZE; take one channel at a time with --column") > 0, &
+                 failed%message)
+   end subroutine test_advice
+
+   subroutine test_border(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: whole, streamed
+      integer :: unit, i
+
+      ! the smallest step lies between two blocks
+      open (newunit=unit, file=scratch_path("stream.txt"), status="replace", action="write")
+      do i = 1, 70000
+         write (unit, "(f0.2)") real(i, dp) - merge(0.75_dp, 0.0_dp, i == 65537)
+      end do
+      close (unit)
+      call compare(error, reader_options(), whole, streamed)
+      if (allocated(error)) return
+      call check(error, abs(streamed%audit%quantisation(1) - 0.25_dp) <= 1.0e-9_dp)
+   end subroutine test_border
+
+   subroutine test_summary(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: whole, streamed
+      type(reader_options) :: options
+      type(gyro_error), allocatable :: failed
+
+      ! where the samples fit they are there; where they do not, only what was found
+      call write_rows("time_s,gx", 1, "lost", rows)
+      call summarise_record(scratch_path("stream.txt"), options, whole, failed)
+      options%memory = base_bytes + 1000
+      if (.not. allocated(failed)) call summarise_record(scratch_path("stream.txt"), options, streamed, failed)
+      call remove_file(scratch_path("stream.txt"))
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      call check(error, size(whole%value, 1) > rows - 100 .and. .not. whole%streamed)
+      if (allocated(error)) return
+      call check(error, size(streamed%value, 1) == 0 .and. streamed%streamed)
+      if (.not. allocated(error)) call check_summary(error, streamed, whole)
+   end subroutine test_summary
 
    subroutine test_one_row(error)
       type(error_type), allocatable, intent(out) :: error

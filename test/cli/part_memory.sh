@@ -35,8 +35,15 @@ is "result files" "$(cd streamed_results && ls | tr '\n' ' ')" "allan.csv coeffi
 good "large enough" allan large.txt --memory 1.5GiB --json - --taus 1,10
 is "mode where it fits" "$(grep -c '"mode": "exact"' out)" 2
 bad "run needs" 2 "rows need 62" run large.txt --memory 30MB
-holds "which command streams" "gyroakf allan streams" err
-bad "inspect needs" 2 "rows need 33" inspect large.txt --memory 30MB
+holds "which commands stream" "gyroakf allan, inspect and filter stream" err
+good "inspect streamed" inspect large.txt --memory 30MB
+grep -v '^ *\(Memory\|blocks were\|kept\)' out >streamed.txt
+holds "inspect says streamed" "streamed, for the recording is larger" out
+good "inspect in memory" inspect large.txt
+if [ "$(diff out streamed.txt | grep -c '^[<>]')" = 0 ]; then pass; else fail "inspect streamed: $(diff out streamed.txt | head -n 5)"; fi
+good "inspect as JSON" inspect large.txt --json whole.json --quiet
+good "inspect streamed as JSON" inspect large.txt --memory 30MB --json streamed_inspect.json --quiet
+if cmp -s whole.json streamed_inspect.json; then pass; else fail "inspect's JSON: $(diff whole.json streamed_inspect.json | head -n 3)"; fi
 bad "all averaging times" 2 "without --taus all" allan large.txt --memory 30MB --taus all
 bad "cleaning" 2 "without --outliers" allan large.txt --memory 30MB --outliers auto
 bad "segments" 2 "without --dynamic" allan large.txt --memory 30MB --dynamic 4

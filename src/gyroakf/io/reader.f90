@@ -15,7 +15,8 @@ module gyroakf_io_reader
    use gyroakf_io_stamps, only : infer_scale, named_scale
    use gyroakf_io_shape, only : cut, fill_gaps, make_rates, mark_missing
    use gyroakf_io_store, only : take_columns
-   use gyroakf_io_recording, only : close_recording, hold_rows, open_recording, reader_options, recording_type, too_large
+   use gyroakf_io_recording, only : close_recording, hold_rows, memory_advice, open_recording, reader_options, &
+      recording_type, too_large
    use gyroakf_io_table, only : table_type
    use gyroakf_io_decimal, only : format_real
    use gyroakf_record, only : add_text, record_type
@@ -48,8 +49,7 @@ contains
       if (.not. allocated(error)) call hold_rows(recording, error)
       call close_recording(recording)
       if (.not. allocated(error) .and. .not. recording%table%whole) then
-         call fatal_error(error, status%no_memory, too_large(recording)//new_line("a")//"give more memory; gyroakf allan "// &
-                          "streams a recording of any length")
+         call fatal_error(error, status%no_memory, too_large(recording)//new_line("a")//memory_advice(recording))
       end if
       if (.not. allocated(error)) call complete_record(recording, record, error)
    end subroutine read_record

@@ -25,7 +25,8 @@ module gyroakf_io_record_stream
    use gyroakf_io_recording, only : next_rows, recording_type
    use gyroakf_io_store, only : chunk_rows
    use gyroakf_io_shape, only : fill_gaps, keep_rows, make_rates, mark_missing
-   use gyroakf_record, only : add_text, audit_type, record_type
+   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_record, only : add_text, audit_type, record_type, text_type
    implicit none (type, external)
    private
    public :: record_stream_type, begin_record_stream, next_record_block, end_record_stream
@@ -65,6 +66,13 @@ module gyroakf_io_record_stream
       integer(int64) :: first = 1, last = huge(1_int64)
       !> The last row, for the differences of angles: [1, channel]
       real(dp), allocatable :: angle(:, :)
+      !> The interval was given at the beginning
+      logical :: settled = .false.
+      !> What is told of the progress
+      character(:), allocatable :: stage
+      !> The last sample of every channel, and whether it was there: [channel]
+      real(dp), allocatable :: edge(:)
+      logical, allocatable :: edge_there(:)
       !> The first column rises so far, its last value
       logical :: rises = .true.
       real(dp) :: risen = -huge(1.0_dp)
@@ -73,18 +81,29 @@ module gyroakf_io_record_stream
 contains
 
    !> Prepares for the blocks.
-   subroutine begin_record_stream(recording, stream)
+   subroutine begin_record_stream(recording, stream, interval, stage)
       !> Open; rows may be held already
       type(recording_type), intent(inout) :: recording
       !> Fresh afterwards
       type(record_stream_type), intent(out) :: stream
+      !> s; where it is known from an earlier pass: blocks are then those of the record in memory, whatever the first window
+      !> says of the rate
+      real(dp), intent(in), optional :: interval
+      !> What is told of the progress; "reading" if absent
+      character(*), intent(in), optional :: stage
       integer :: channels, j
 
       channels = size(recording%table%chosen)
+      stream%settled = present(interval)
+      if (present(interval)) stream%interval = interval
+      stream%stage = "reading"
+      if (present(stage)) stream%stage = stage
       stream%input = "rate"
       if (allocated(recording%options%input)) stream%input = recording%options%input
       allocate (stream%holds(channels), stream%rows(0, channels), stream%stamps(0), stream%summary%channel(channels))
+      allocate (stream%edge(channels), stream%edge_there(channels))
       stream%holds = .false.
+      stream%edge_there = .false.
       do j = 1, channels
          stream%summary%channel(j)%text = name_of(recording%table%names, recording%table%chosen(j))
       end do
@@ -101,15 +120,17 @@ contains
    end subroutine begin_record_stream
 
    !> The next samples, as [[read_record]] would have them.
-   subroutine next_record_block(recording, stream, block, error)
+   subroutine next_record_block(recording, stream, block, error, progress)
       !> Of the beginning
       type(recording_type), intent(inout) :: recording
       !> Of the beginning
       type(record_stream_type), intent(inout) :: stream
       !> `value` [sample, channel], which may be empty, and `present` where something is missing
       type(record_type), intent(out) :: block
-      !> io, parse, invalid_argument, non_finite, no_memory
+      !> io, parse, invalid_argument, non_finite, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Is told the bytes that were read
+      class(progress_type), intent(inout), optional :: progress
       type(gap_type) :: gaps
       integer(int64) :: n, from, to
       logical :: ended
@@ -134,6 +155,8 @@ contains
       call hold_back(stream, ended, recording%table%time > 0, to)
       if (recording%table%time > 0) call fill_gaps(gaps, block, error)
       if (.not. allocated(error)) call finish_block(recording, stream, block, error)
+      if (allocated(error) .or. .not. present(progress)) return
+      call tell_progress(stream%stage, recording%lines%source%delivered, recording%lines%source%length, error, progress)
    end subroutine next_record_block
 
    !> Appends the next chunk of rows to those that wait.
@@ -291,7 +314,7 @@ contains
       probe%audit%stamp_rate = stream%summary%audit%stamp_rate
       call set_rate(recording%options, recording%table, probe, error)
       if (allocated(error)) return
-      stream%interval = probe%sample_interval
+      if (.not. stream%settled) stream%interval = probe%sample_interval
       if (recording%options%from > 0.0_dp) stream%first = 1 + ceiling(recording%options%from/stream%interval - 1.0e-6_dp, int64)
       if (recording%options%to < 1.0e15_dp*stream%interval) then
          stream%last = ceiling(recording%options%to/stream%interval - 1.0e-6_dp, int64)
@@ -372,7 +395,7 @@ contains
       if (first > 1 .or. last < n) call keep_rows(block, first, last, error)
       if (allocated(error)) return
       call audit_values(block%value, block%present, block%audit)
-      call join_audit(stream%summary%audit, block)
+      call join_audit(stream, block)
       stream%delivered = stream%delivered + (last - first + 1)
    end subroutine finish_block
 
@@ -395,22 +418,50 @@ contains
    end subroutine join_angles
 
    !> Adds what a block shows.
-   subroutine join_audit(audit, block)
-      type(audit_type), intent(inout) :: audit
+   subroutine join_audit(stream, block)
+      type(record_stream_type), intent(inout) :: stream
       type(record_type), intent(in) :: block
+      integer(int64) :: n
       integer :: j
       logical :: any_there
 
-      audit%missing = audit%missing + block%audit%missing
-      do j = 1, size(block%value, 2)
-         any_there = .true.
-         if (allocated(block%present)) any_there = any(block%present(:, j) == 1)
-         if (.not. any_there) cycle
-         audit%minimum(j) = min(audit%minimum(j), block%audit%minimum(j))
-         audit%maximum(j) = max(audit%maximum(j), block%audit%maximum(j))
-         if (block%audit%quantisation(j) > 0.0_dp) audit%quantisation(j) = min(audit%quantisation(j), block%audit%quantisation(j))
-      end do
+      n = size(block%value, 1, kind=int64)
+      associate (audit => stream%summary%audit)
+         audit%missing = audit%missing + block%audit%missing
+         do j = 1, size(block%value, 2)
+            any_there = .true.
+            if (allocated(block%present)) any_there = any(block%present(:, j) == 1)
+            if (any_there) then
+               audit%minimum(j) = min(audit%minimum(j), block%audit%minimum(j))
+               audit%maximum(j) = max(audit%maximum(j), block%audit%maximum(j))
+               call join_step(block%audit%quantisation(j), audit%quantisation(j))
+            end if
+            if (stream%edge_there(j) .and. is_there(block, 1_int64, j)) then
+               call join_step(abs(block%value(1, j) - stream%edge(j)), audit%quantisation(j))
+            end if
+            stream%edge(j) = block%value(n, j)
+            stream%edge_there(j) = is_there(block, n, j)
+         end do
+      end associate
    end subroutine join_audit
+
+   !> The smaller of two steps, of which 0 is none.
+   pure subroutine join_step(step, smallest)
+      real(dp), intent(in) :: step
+      real(dp), intent(inout) :: smallest
+
+      if (step > 0.0_dp) smallest = min(smallest, step)
+   end subroutine join_step
+
+   !> True where a sample is present.
+   pure logical function is_there(block, i, j)
+      type(record_type), intent(in) :: block
+      integer(int64), intent(in) :: i
+      integer, intent(in) :: j
+
+      is_there = .true.
+      if (allocated(block%present)) is_there = block%present(i, j) == 1
+   end function is_there
 
    !> The record without its samples: rate, units, what was found.
    subroutine end_record_stream(recording, stream, record, error)
@@ -422,22 +473,20 @@ contains
       type(record_type), intent(out) :: record
       !> parse (no number), invalid_argument, too_few_samples
       type(error_type), allocatable, intent(out) :: error
+      type(text_type), allocatable :: found(:)
       character(:), allocatable :: unit
-      integer :: j
 
       record = stream%summary
+      call move_alloc(record%warnings, found)
       record%path = recording%path
       record%format = recording%format
       record%streamed = .true.
       associate (table => recording%table, options => recording%options)
-         if (allocated(table%warnings)) then
-            do j = 1, size(table%warnings)
-               call add_text(record%warnings, table%warnings(j)%text)
-            end do
-         end if
+         call add_list(table%warnings, record%warnings)
          call check_numbers(recording, stream, record, error)
          if (allocated(error)) return
          if (stream%rises .and. stream%counted > 2) call add_text(record%warnings, time_warning)
+         call add_list(found, record%warnings)
          record%audit%bad_lines = table%bad_lines
          record%audit%samples = stream%delivered
          record%audit%stamp_rate = 0.0_dp
@@ -452,10 +501,36 @@ contains
          if (allocated(error)) return
          if (stream%input /= "rate") call make_rates(record, "increment", 1.0_dp, error)
          if (allocated(error)) return
+         call scale_ranges(stream, record)
          call tell(table, record)
          call warn_of_beat(stream, record)
       end associate
    end subroutine end_record_stream
+
+   !> Appends a list, which may be unallocated, to a list.
+   subroutine add_list(list, longer)
+      type(text_type), allocatable, intent(in) :: list(:)
+      type(text_type), allocatable, intent(inout) :: longer(:)
+      integer :: i
+
+      if (.not. allocated(list)) return
+      do i = 1, size(list)
+         call add_text(longer, list(i)%text)
+      end do
+   end subroutine add_list
+
+   !> Rates were made with the interval of the first window: the ranges are those with the mean one.
+   pure subroutine scale_ranges(stream, record)
+      type(record_stream_type), intent(in) :: stream
+      type(record_type), intent(inout) :: record
+      real(dp) :: factor
+
+      if (stream%input == "rate") return
+      factor = stream%interval/record%sample_interval
+      record%audit%minimum = factor*record%audit%minimum
+      record%audit%maximum = factor*record%audit%maximum
+      record%audit%quantisation = factor*record%audit%quantisation
+   end subroutine scale_ranges
 
    !> Leaves out columns without a number, as [[read_record]] does.
    subroutine check_numbers(recording, stream, record, error)

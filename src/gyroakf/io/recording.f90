@@ -12,7 +12,7 @@ module gyroakf_io_recording
    implicit none (type, external)
    private
    public :: reader_options, recording_type, open_recording, next_rows, hold_rows, close_recording
-   public :: bytes_needed, bytes_text, too_large, base_bytes
+   public :: bytes_needed, bytes_text, too_large, memory_advice, base_bytes
 
    !> How a recording is to be read
    type :: reader_options
@@ -40,6 +40,8 @@ module gyroakf_io_recording
       !> Bytes that the process may use, 0 for no limit; and what the caller needs of them per sample, beside the record itself:
       !> for the channel that is worked on, and for every channel
       integer(int64) :: memory = 0, work_bytes = 0, channel_bytes = 0
+      !> `memory` is what the machine has left, nobody gave it
+      logical :: memory_found = .false.
       !> Where associated they are read instead of a file, and the path is a name for messages; they have to stay until the end
       integer(int8), pointer, contiguous :: bytes(:) => null()
    end type reader_options
@@ -155,7 +157,7 @@ contains
       if (rows < (huge(bytes) - base_bytes)/row_bytes) bytes = base_bytes + rows*row_bytes
    end function bytes_needed
 
-   !> "FILE: about 12000000 rows need 276 MB, and --memory allows 100 MB".
+   !> "FILE: about 12000000 rows need 276 MB (276000000 bytes), --memory allows 100 MB".
    function too_large(recording) result(text)
       !> Not whole
       type(recording_type), intent(in) :: recording
@@ -169,8 +171,25 @@ contains
          text = "more than "//integer_text(rows)//" rows need more than "
       end if
       text = recording%table%name//": "//text//bytes_text(bytes_needed(recording, rows))//" ("// &
-             integer_text(bytes_needed(recording, rows))//" bytes), --memory allows "//bytes_text(recording%options%memory)
+             integer_text(bytes_needed(recording, rows))//" bytes), "
+      if (recording%options%memory_found) then
+         text = text//bytes_text(recording%options%memory)//" of memory can be had"
+      else
+         text = text//"--memory allows "//bytes_text(recording%options%memory)
+      end if
    end function too_large
+
+   !> What to do about it, for a command that needs the whole record.
+   function memory_advice(recording) result(text)
+      !> Not whole
+      type(recording_type), intent(in) :: recording
+      character(:), allocatable :: text
+
+      text = "give more memory"
+      if (recording%options%memory_found) text = "use a machine with more memory, or insist with --memory SIZE"
+      if (size(recording%table%chosen) > 1) text = text//"; take one channel at a time with --column"
+      text = text//"; gyroakf allan, inspect and filter stream a recording of any length"
+   end function memory_advice
 
    !> "276 MB".
    pure function bytes_text(bytes) result(text)

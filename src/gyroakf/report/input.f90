@@ -71,9 +71,8 @@ contains
                        "the usual ones")
       end if
       call put_missing(writer, record)
-      if (record%streamed) call put_item(writer, "Memory", "streamed, for the recording is larger than --memory allows: its "// &
-         "blocks were not kept, and at averaging times of m >= 64 samples every m/32-th term was taken (white noise keeps "// &
-         "99.9 % of its degrees of freedom)")
+      if (record%streamed) call put_item(writer, "Memory", "streamed, for the recording is larger than the memory allows: its "// &
+         "blocks were not kept")
       call put_items(writer, "Warning", record%warnings)
    end subroutine put_input
 

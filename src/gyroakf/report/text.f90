@@ -4,7 +4,7 @@ module gyroakf_report_text
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_io_writer, only : writer_type, put_line
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, stage
-   use gyroakf_report_layout, only : put_heading
+   use gyroakf_report_layout, only : put_heading, put_item
    use gyroakf_report_input, only : put_title, put_input, report_inspect
    use gyroakf_report_sections, only : put_removed, put_tests
    use gyroakf_report_models, only : put_ar_table, put_filter_table, put_filter_details
@@ -88,6 +88,8 @@ contains
       type(channel_result_type), intent(in) :: channel
 
       call put_curves_of(writer, record, channel%allan(stage%input), "As read")
+      if (channel%allan(stage%input)%curve%streamed) call put_item(writer, "", "streamed: at averaging times of m >= 64 "// &
+         "samples every m/32-th term was taken (white noise keeps 99.9 % of its degrees of freedom)")
       call put_coefficients(writer, record, channel%allan(stage%input))
       if (channel%available%preprocess .and. options%clean%degree >= 0) then
          call put_curves_of(writer, record, channel%allan(stage%cleaned), "Cleaned")

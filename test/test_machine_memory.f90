@@ -1,0 +1,70 @@
+! SPDX-License-Identifier: MIT
+!> Tests of gyroakf_io_machine_memory.
+module test_machine_memory
+   use testdrive, only : check, error_type, new_unittest, unittest_type
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_io_machine_memory, only : free_memory, least_limit, memory_of
+   use scratch_file, only : remove_file, scratch_path
+   implicit none (type, external)
+   private
+   public :: collect_machine_memory
+
+contains
+
+   !> Names the tests.
+   subroutine collect_machine_memory(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         new_unittest("line", test_line), &
+         new_unittest("limits", test_limits), &
+         new_unittest("here", test_here)]
+   end subroutine collect_machine_memory
+
+   !> Writes a file of one text.
+   subroutine write_text(name, text)
+      character(*), intent(in) :: name, text
+      integer :: unit
+
+      open (newunit=unit, file=scratch_path(name), status="replace", action="write")
+      write (unit, "(a)") text
+      close (unit)
+   end subroutine write_text
+
+   subroutine test_line(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(1), parameter :: feed = new_line("a")
+
+      call write_text("meminfo", "MemTotal:       24684116 kB"//feed//"MemAvailable:   1000 kB"//feed//"Odd: max")
+      call check(error, abs(memory_of(scratch_path("meminfo"), "MemAvailable:") - 1024000.0_dp) < 0.5_dp)
+      if (.not. allocated(error)) call check(error, memory_of(scratch_path("meminfo"), "Odd:") < 0.0_dp, "no number")
+      if (.not. allocated(error)) call check(error, memory_of(scratch_path("meminfo"), "MemFree:") < 0.0_dp, "no line")
+      call remove_file(scratch_path("meminfo"))
+      if (.not. allocated(error)) call check(error, memory_of(scratch_path("meminfo"), "MemTotal:") < 0.0_dp, "no file")
+   end subroutine test_line
+
+   subroutine test_limits(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: path
+      integer :: cut
+
+      ! the nearest directory sets no limit, the one above it does; a missing one says nothing
+      call write_text("memory.max", "2000000")
+      path = scratch_path("memory.max")
+      cut = index(path, "/", back=.true.)
+      call check(error, abs(least_limit(path(:max(0, cut - 1)), "/none/such", path(cut + 1:)) - 2000000.0_dp) < 0.5_dp)
+      call write_text("memory.max", "max")
+      if (.not. allocated(error)) call check(error, least_limit(path(:max(0, cut - 1)), "/", path(cut + 1:)) < 0.0_dp)
+      call remove_file(path)
+   end subroutine test_limits
+
+   subroutine test_here(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: bytes
+
+      ! nothing is known (0), or more than a megabyte and less than an exabyte
+      bytes = free_memory()
+      call check(error, bytes == 0 .or. (bytes > 1000000_int64 .and. bytes < 10_int64**18))
+   end subroutine test_here
+
+end module test_machine_memory
