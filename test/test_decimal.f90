@@ -6,9 +6,14 @@ module test_decimal
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_decimal, only : format_real
+   use gyroakf_io_shortest, only : shortest_digits
+   use gyroakf_io_wide_power, only : int128, least_power, most_power, power_scale, wide_power
    implicit none (type, external)
    private
    public :: collect_decimal
+
+   !> Limbs of 30 bits, the lowest first
+   integer, parameter :: limbs = 48
 
 contains
 
@@ -20,7 +25,10 @@ contains
          new_unittest("written-numbers", test_numbers), &
          new_unittest("not-finite", test_not_finite), &
          new_unittest("random-against-library", test_library), &
-         new_unittest("shortest-reads-back", test_shortest)]
+         new_unittest("shortest-reads-back", test_shortest), &
+         new_unittest("shortest-is-nearest", test_nearest), &
+         new_unittest("known-shortest", test_known_shortest), &
+         new_unittest("wide-powers", test_wide_powers)]
    end subroutine collect_decimal
 
    subroutine test_numbers(error)
@@ -124,5 +132,118 @@ contains
          return
       end do
    end subroutine test_shortest
+
+   !> No number of fewer digits reads back, and of those with as many none is nearer.
+   subroutine test_nearest(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: state, whole
+      integer :: i, exponent, found, used
+      real(dp) :: x, back
+      character(24) :: digit
+      character(40) :: text
+      character(12) :: form
+
+      state = 5
+      do i = 1, 20000
+         x = abs(draw(state, i))
+         if (x <= 0.0_dp) cycle
+         call shortest_digits(x, whole, exponent)
+         write (digit, "(i0)") whole
+         used = max(1, verify(trim(digit), "0", back=.true.))
+         write (form, "(a, i0, a)") "(es32.", used - 1, "e4)"
+         write (text, form) x
+         text = adjustl(text)
+         call check(error, text(1:1)//trim(text(3:index(text, "E") - 1)), digit(:used))
+         if (allocated(error)) return
+         if (used == 1) cycle
+         write (form, "(a, i0, a)") "(es32.", used - 2, "e4)"
+         write (text, form) x
+         call parse_number(trim(adjustl(text)), back, found)
+         call check(error, abs(back - x) > 0.0_dp, "fewer digits read back: "//text)
+         if (allocated(error)) return
+      end do
+   end subroutine test_nearest
+
+   !> The smallest and the largest, powers of two with a narrow step below, a halfway case.
+   subroutine test_known_shortest(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: value(7) = [2.2250738585072014e-308_dp, huge(1.0_dp), 9007199254740992.0_dp, 1.0e23_dp, &
+         9.5367431640625e-7_dp, 123456789012345680.0_dp, 2.0_dp**(-44)]
+      character(24), parameter :: expected(7) = [character(24) :: "2.2250738585072014e-308", "1.7976931348623157e+308", &
+         "9007199254740992", "1e+23", "9.5367431640625e-07", "1.2345678901234568e+17", "5.684341886080802e-14"]
+      integer :: i
+
+      do i = 1, size(value)
+         call check(error, format_real(value(i), 0), trim(expected(i)))
+         if (allocated(error)) return
+      end do
+      call check(error, format_real(transfer(1_int64, 1.0_dp), 0), "5e-324")
+   end subroutine test_known_shortest
+
+   !> power * 2^scale <= 10^k < (power + 1) * 2^scale for every k, in integers of any length.
+   subroutine test_wide_powers(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer(int128) :: power
+      integer(int64) :: below(limbs), above(limbs), exact(limbs)
+      integer :: k
+
+      do k = least_power, most_power
+         call wide_power(k, power)
+         call check(error, shiftr(power, 125) == 1, "not 126 bits")
+         if (allocated(error)) return
+         call expand(power, max(0, -k), max(0, power_scale(k)), below)
+         call expand(power + 1, max(0, -k), max(0, power_scale(k)), above)
+         call expand(1_int128, max(0, k), max(0, -power_scale(k)), exact)
+         call check(error, .not. less(exact, below) .and. less(exact, above), "a power of ten is wrong")
+         if (allocated(error)) return
+      end do
+   end subroutine test_wide_powers
+
+   !> number * 10^tens * 2^twos
+   subroutine expand(number, tens, twos, big)
+      integer(int128), intent(in) :: number
+      integer, intent(in) :: tens, twos
+      integer(int64), intent(out) :: big(:)
+      integer :: i
+
+      big = 0
+      do i = 1, 5
+         big(i) = int(iand(shiftr(number, 30*(i - 1)), 2_int128**30 - 1), int64)
+      end do
+      do i = 1, tens
+         call multiply(big, 10_int64)
+      end do
+      do i = 1, twos/30
+         big = eoshift(big, -1)
+      end do
+      call multiply(big, 2_int64**mod(twos, 30))
+   end subroutine expand
+
+   !> Times a small factor
+   subroutine multiply(big, factor)
+      integer(int64), intent(inout) :: big(:)
+      integer(int64), intent(in) :: factor
+      integer(int64) :: carry
+      integer :: i
+
+      carry = 0
+      do i = 1, size(big)
+         carry = carry + big(i)*factor
+         big(i) = iand(carry, 2_int64**30 - 1)
+         carry = shiftr(carry, 30)
+      end do
+   end subroutine multiply
+
+   !> a < b
+   pure logical function less(a, b)
+      integer(int64), intent(in) :: a(:), b(:)
+      integer :: i
+
+      less = .false.
+      do i = size(a), 1, -1
+         less = a(i) < b(i)
+         if (a(i) /= b(i)) return
+      end do
+   end function less
 
 end module test_decimal

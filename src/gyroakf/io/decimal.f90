@@ -3,14 +3,19 @@
 module gyroakf_io_decimal
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_is_nan
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_io_number, only : parse_number
-   use gyroakf_io_power, only : most_exponent, ten, times_power
+   use gyroakf_io_shortest, only : shortest_digits
+   use gyroakf_io_wide_power, only : int128, least_power, most_power, power_scale, ten, wide_power
    implicit none (type, external)
    private
    public :: format_real, real_to_text, longest_real
 
-   !> Characters of the longest number
-   integer, parameter :: longest_real = 26
+   !> Room that a number needs; fewer characters of it are used
+   integer, parameter :: longest_real = 64
+
+   !> "00" to "99"
+   character(200), parameter :: pairs = &
+      "00010203040506070809101112131415161718192021222324252627282930313233343536373839404142434445464748495051525354"// &
+      "555657585960616263646566676869707172737475767778798081828384858687888990919293949596979899"
 
 contains
 
@@ -18,7 +23,7 @@ contains
    pure function format_real(value, digits) result(text)
       !> Any number
       real(dp), intent(in) :: value
-      !> 1 to 17; 0: as few as read back to the same number
+      !> 1 to 17; 0: as few as read back to the same number, at most 17
       integer, intent(in) :: digits
       character(:), allocatable :: text
       character(longest_real) :: room
@@ -33,84 +38,83 @@ contains
       !> As those of [[format_real]]
       real(dp), intent(in) :: value
       integer, intent(in) :: digits
-      !> Filled from the start; at least [[longest_real]] characters
-      character(*), intent(inout) :: text
+      !> Filled from the start
+      character(longest_real), intent(inout) :: text
       !> Characters used
       integer, intent(out) :: length
-      integer :: n, found
-      real(dp) :: back
-
-      if (digits > 0) then
-         call with_digits(value, min(digits, 17), text, length)
-         return
-      end if
-      do n = 15, 17
-         call with_digits(value, n, text, length)
-         if (.not. ieee_is_finite(value)) return
-         call parse_number(text(:length), back, found)
-         if (abs(back - value) <= 0.0_dp) return
-      end do
-   end subroutine real_to_text
-
-   !> A number with 1 to 17 digits.
-   pure subroutine with_digits(value, digits, text, length)
-      real(dp), intent(in) :: value
-      integer, intent(in) :: digits
-      character(*), intent(inout) :: text
-      integer, intent(out) :: length
       integer(int64) :: whole
-      integer :: exponent
+      integer :: exponent, wanted
       logical :: sure
 
-      length = 0
       if (ieee_is_nan(value)) then
-         call append(text, length, "nan")
+         text(:3) = "nan"
+         length = 3
          return
       end if
-      if (sign(1.0_dp, value) < 0.0_dp) call append(text, length, "-")
-      if (.not. ieee_is_finite(value)) then
-         call append(text, length, "inf")
-      else if (abs(value) <= 0.0_dp) then
-         call append(text, length, "0")
-      else
-         call significant_digits(abs(value), digits, whole, exponent, sure)
-         if (.not. sure) call library_digits(abs(value), digits, whole, exponent)
-         call lay_out(whole, digits, exponent, text, length)
+      length = 0
+      if (sign(1.0_dp, value) < 0.0_dp) then
+         text(1:1) = "-"
+         length = 1
       end if
-   end subroutine with_digits
+      if (.not. ieee_is_finite(value)) then
+         text(length + 1:length + 3) = "inf"
+         length = length + 3
+      else if (abs(value) <= 0.0_dp) then
+         text(length + 1:length + 1) = "0"
+         length = length + 1
+      else if (digits > 0) then
+         wanted = min(digits, 17)
+         call significant_digits(abs(value), wanted, whole, exponent, sure)
+         if (.not. sure) call library_digits(abs(value), wanted, whole, exponent)
+         call lay_out(whole*ten(17 - wanted), exponent, wanted, text, length)
+      else
+         call shortest_digits(abs(value), whole, exponent)
+         wanted = count_digits(whole)
+         call lay_out(whole*ten(17 - wanted), exponent + wanted - 1, 0, text, length)
+      end if
+   end subroutine real_to_text
 
-   !> whole has the number of digits and whole * 10^(exponent - digits + 1) is next to the value; not sure near a tie.
+   !> Decimal digits of a positive number below 10^18.
+   pure integer function count_digits(whole)
+      integer(int64), intent(in) :: whole
+
+      count_digits = shiftr((64 - leadz(whole))*1233, 12)
+      if (whole >= ten(count_digits)) count_digits = count_digits + 1
+   end function count_digits
+
+   !> whole has the number of digits and whole * 10^(exponent - digits + 1) is next to the value; not sure at a tie and where
+   !> the value is subnormal.
    pure subroutine significant_digits(value, digits, whole, exponent, sure)
       real(dp), intent(in) :: value
       integer, intent(in) :: digits
       integer(int64), intent(out) :: whole
       integer, intent(out) :: exponent
       logical, intent(out) :: sure
-      integer(int64) :: bits, lower, width, scale, rest, half, q
-      integer :: biased, try, shift
+      integer(int128), parameter :: low63 = 2_int128**63 - 1
+      integer(int64) :: bits
+      integer(int128) :: power, factor, scaled, rest, half
+      integer :: biased, try, shift, k
 
       whole = 0
       sure = .false.
       bits = transfer(value, bits)
       biased = int(shiftr(bits, 52))
-      exponent = shifta((biased - 1023)*19728, 16)
+      exponent = shifta((biased - 1023)*1262611, 22)
       if (biased == 0) return
+      factor = shiftl(ior(iand(bits, shiftl(1_int64, 52) - 1), shiftl(1_int64, 52)), 9)
       do try = 1, 2
-         q = digits - 1 - exponent
-         if (abs(q) > most_exponent) return
-         lower = shiftl(ior(iand(bits, shiftl(1_int64, 52) - 1), shiftl(1_int64, 52)), 9)
-         width = 0
-         scale = biased - 1023 - 61
-         call times_power(lower, width, scale, q)
-         shift = int(-scale)
-         if (shift < 1 .or. shift > 61) return
-         whole = shiftr(lower, shift)
+         k = digits - 1 - exponent
+         if (k < least_power .or. k > most_power) return
+         call wide_power(k, power)
+         scaled = shiftr(power, 63)*factor + shiftr(iand(power, low63)*factor, 63)
+         shift = 1021 - biased - power_scale(k)
+         whole = int(shiftr(scaled, shift), int64)
          if (whole < ten(digits)) exit
          exponent = exponent + 1
       end do
-      half = shiftl(1_int64, shift - 1)
-      rest = iand(lower, 2*half - 1)
-      sure = rest + width < half .or. (rest > half .and. rest + width < 3*half)
+      half = shiftl(1_int128, shift - 1)
+      rest = iand(scaled, 2*half - 1)
+      sure = rest + 2 <= half .or. rest > half
       if (rest > half) whole = whole + 1
       if (whole < ten(digits)) return
       whole = whole/10
@@ -139,43 +143,90 @@ contains
    end subroutine library_digits
 
    !> Places the point, leaves trailing zeros out.
-   pure subroutine lay_out(whole, digits, exponent, text, length)
+   !>
+   !> Pieces of constant length are copied, longer than what is used: the compiler does these without a call.
+   pure subroutine lay_out(whole, exponent, wanted, text, length)
+      !> 17 digits
       integer(int64), intent(in) :: whole
-      integer, intent(in) :: digits, exponent
-      character(*), intent(inout) :: text
+      !> Of the first digit
+      integer, intent(in) :: exponent
+      !> From so many digits before the point on the form with an exponent is taken; 0: more than are used, 15 at least
+      integer, intent(in) :: wanted
+      character(longest_real), intent(inout) :: text
       integer, intent(inout) :: length
-      character(17) :: digit
-      integer(int64) :: rest
-      integer :: i, used
+      character(36) :: digit
+      integer :: used, most
 
-      rest = whole
-      do i = digits, 1, -1
-         digit(i:i) = achar(48 + int(mod(rest, 10_int64)))
-         rest = rest/10
-      end do
-      used = max(1, verify(digit(:digits), "0", back=.true.))
-      if (exponent < -4 .or. exponent >= digits) then
-         call append(text, length, digit(1:1))
-         if (used > 1) call append(text, length, "."//digit(2:used))
-         call append(text, length, "e"//merge("-", "+", exponent < 0))
-         if (abs(exponent) > 99) call append(text, length, achar(48 + abs(exponent)/100))
-         call append(text, length, achar(48 + mod(abs(exponent)/10, 10))//achar(48 + mod(abs(exponent), 10)))
+      call spell(whole, digit, used)
+      most = wanted
+      if (wanted == 0) most = max(15, used)
+      if (exponent < -4 .or. exponent >= most) then
+         text(length + 1:length + 1) = digit(1:1)
+         text(length + 2:length + 2) = "."
+         text(length + 3:length + 18) = digit(2:17)
+         length = length + merge(used + 1, 1, used > 1)
+         call put_exponent(exponent, text, length)
       else if (exponent < 0) then
-         call append(text, length, "0."//"000"(:-exponent - 1)//digit(:used))
+         text(length + 1:length + 5) = "0.000"
+         length = length + 1 - exponent
+         text(length + 1:length + 17) = digit(:17)
+         length = length + used
       else
-         call append(text, length, digit(:exponent + 1))
-         if (used > exponent + 1) call append(text, length, "."//digit(exponent + 2:used))
+         text(length + 1:length + 17) = digit(:17)
+         length = length + exponent + 1
+         if (used <= exponent + 1) return
+         text(length + 1:length + 1) = "."
+         text(length + 2:length + 18) = digit(exponent + 2:exponent + 18)
+         length = length + used - exponent
       end if
    end subroutine lay_out
 
-   !> Appends to a text.
-   pure subroutine append(text, length, more)
-      character(*), intent(inout) :: text
-      integer, intent(inout) :: length
-      character(*), intent(in) :: more
+   !> 17 digits as characters, and how many of them are left without the zeros at the end.
+   pure subroutine spell(whole, digit, used)
+      integer(int64), intent(in) :: whole
+      character(36), intent(out) :: digit
+      integer, intent(out) :: used
+      integer(int64) :: rest
+      integer :: i, pair, eight(2)
 
-      text(length + 1:length + len(more)) = more
-      length = length + len(more)
-   end subroutine append
+      digit(18:) = "0000000000000000000"
+      eight(2) = int(mod(whole, ten(8)))
+      rest = whole/ten(8)
+      eight(1) = int(mod(rest, ten(8)))
+      digit(1:1) = achar(48 + int(rest/ten(8)))
+      do i = 1, 2
+         pair = eight(i)/1000000
+         digit(8*i - 6:8*i - 5) = pairs(2*pair + 1:2*pair + 2)
+         pair = mod(eight(i)/10000, 100)
+         digit(8*i - 4:8*i - 3) = pairs(2*pair + 1:2*pair + 2)
+         pair = mod(eight(i)/100, 100)
+         digit(8*i - 2:8*i - 1) = pairs(2*pair + 1:2*pair + 2)
+         pair = mod(eight(i), 100)
+         digit(8*i:8*i + 1) = pairs(2*pair + 1:2*pair + 2)
+      end do
+      used = merge(9, 17, eight(2) == 0)
+      do while (digit(used:used) == "0" .and. used > 1)
+         used = used - 1
+      end do
+   end subroutine spell
+
+   !> "e-05"
+   pure subroutine put_exponent(exponent, text, length)
+      integer, intent(in) :: exponent
+      character(longest_real), intent(inout) :: text
+      integer, intent(inout) :: length
+      integer :: size
+
+      size = abs(exponent)
+      text(length + 1:length + 2) = "e"//merge("-", "+", exponent < 0)
+      length = length + 2
+      if (size > 99) then
+         text(length + 1:length + 1) = achar(48 + size/100)
+         length = length + 1
+      end if
+      size = mod(size, 100)
+      text(length + 1:length + 2) = pairs(2*size + 1:2*size + 2)
+      length = length + 2
+   end subroutine put_exponent
 
 end module gyroakf_io_decimal

@@ -5,7 +5,7 @@
 !>     call put_line(writer, "tau,deviation")        ! any number of these; failures are kept
 !>     call commit_writer(writer, error)             ! ... and reported here, where the file appears
 module gyroakf_io_writer
-   use, intrinsic :: iso_c_binding, only : c_char, c_int, c_loc, c_long, c_null_char, c_ptr, c_size_t
+   use, intrinsic :: iso_c_binding, only : c_char, c_int, c_long, c_null_char, c_size_t
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_decimal, only : format_real, longest_real, real_to_text
@@ -33,7 +33,7 @@ module gyroakf_io_writer
    end type writer_type
 
    !> Characters written at once
-   integer, parameter :: buffer_size = 65536
+   integer, parameter :: buffer_size = 262144
    !> A write that fails is tried again so often: signals interrupt it
    integer, parameter :: most_tries = 100
 
@@ -47,10 +47,10 @@ module gyroakf_io_writer
       end function c_creat
 
       function c_write(descriptor, buffer, count) result(done) bind(C, name="write")
-         import :: c_int, c_long, c_ptr, c_size_t
+         import :: c_char, c_int, c_long, c_size_t
          implicit none (type, external)
          integer(c_int), intent(in), value :: descriptor
-         type(c_ptr), intent(in), value :: buffer
+         character(kind=c_char), intent(in) :: buffer(*)
          integer(c_size_t), intent(in), value :: count
          integer(c_long) :: done
       end function c_write
@@ -211,17 +211,13 @@ contains
    !> Hands the buffer to the system.
    subroutine flush_buffer(writer)
       type(writer_type), intent(inout) :: writer
-      character(1, kind=c_char), target :: bytes(writer%used)
       integer(c_long) :: done
-      integer :: from, i, tries
+      integer :: from, tries
 
-      do i = 1, writer%used
-         bytes(i) = writer%buffer(i:i)
-      end do
       from = 1
       tries = 0
       do while (from <= writer%used .and. .not. writer%failed)
-         done = c_write(writer%unit, c_loc(bytes(from)), int(writer%used - from + 1, c_size_t))
+         done = c_write(writer%unit, writer%buffer(from:writer%used), int(writer%used - from + 1, c_size_t))
          tries = merge(0, tries + 1, done > 0)
          if (done > 0) from = from + int(done)
          writer%failed = tries > most_tries
