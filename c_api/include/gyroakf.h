@@ -15,7 +15,8 @@
  *   Strings may be NULL: the default.
  * - A NULL where an array, a handle or a result is needed, a count <= 0 and a number out of its range give
  *   GYROAKF_INVALID_ARGUMENT.
- * - Handles come from _new and go to _free, which accepts NULL. *out is NULL where _new fails.
+ * - Handles come from _new (recordings from _read and _parse) and go to _free, which accepts NULL. *out is NULL where
+ *   these fail.
  * - Floating-point traps that the program has switched on are off inside the library and on again after it, except
  *   in gyroakf_filter_step, which causes none. Exception flags of the program are left as they were.
  * - The library works in the unit u of its input; times are in seconds.
@@ -75,6 +76,105 @@ GYROAKF_API const char *gyroakf_version_string(void);
 
 /* A short text for a status, "unknown status" for a number that is none; static storage. */
 GYROAKF_API const char *gyroakf_status_string(int status);
+
+/* -------------------------------------------------------------------------------------------------------- recordings */
+
+/* A recording: channels of evenly spaced samples, and what is known about them. */
+typedef struct gyroakf_record gyroakf_record;
+
+typedef struct gyroakf_reader_options {
+  size_t struct_size;
+  const char *format;        /* "auto" (default): by the content; "text" */
+  const char *columns;       /* numbers from 1 or names, as "2" or "gx,gy"; NULL (default): all but the time column */
+  const char *time_column;   /* number or name; "none": there is none; NULL (default): found by its name */
+  int64_t skip;              /* lines that are left out at the start, >= 0; 0 */
+  int32_t bad_lines_missing; /* 1: lines that cannot be read are missing samples; 0 (default): an error */
+  const char *input;         /* "rate" (default), "increment" (angle per sample) or "angle"; rates are made of these */
+  const char *unit;          /* of the values after scale: "deg/s", or one for each channel, separated by commas; NULL
+                                (default): from the file, or unknown */
+  double scale;              /* every value is multiplied by it, not 0; 1 */
+  double rate_hz;            /* Hz; 0 (default): from the time stamps or the header */
+  double from, to;           /* the part from <= time < to is kept, s from the start; 0, DBL_MAX */
+  int64_t memory;            /* bytes that the process may use, else GYROAKF_NO_MEMORY; 0 (default): no limit */
+} gyroakf_reader_options;
+
+GYROAKF_API void gyroakf_reader_options_init(gyroakf_reader_options *opt);
+
+/*
+ * Reads a recording.
+ *   path  UTF-8; "-" is standard input
+ *   out   the recording; free it with gyroakf_record_free
+ * What the file says about rate, unit and columns is honoured, an option overrides it. GYROAKF_IO: the file cannot be
+ * read; GYROAKF_PARSE: the message begins with FILE:LINE:COLUMN. Nothing but the file is touched.
+ */
+GYROAKF_API int gyroakf_record_read(const char *path, const gyroakf_reader_options *opt, gyroakf_record **out,
+                                    gyroakf_error *err);
+
+/*
+ * The same for the content of a file that lies in memory.
+ *   bytes  [n] as in the file; they are not needed any more after the return
+ *   n      1 .. 2^47
+ * Messages call it "<memory>".
+ */
+GYROAKF_API int gyroakf_record_parse(const void *bytes, int64_t n, const gyroakf_reader_options *opt, gyroakf_record **out,
+                                     gyroakf_error *err);
+
+/* Samples of each channel, missing ones included; 0 for NULL. */
+GYROAKF_API int64_t gyroakf_record_samples(const gyroakf_record *r);
+
+/* Channels; 0 for NULL. In the functions below a channel counts from 0, and NULL comes back where there is no such one. */
+GYROAKF_API int32_t gyroakf_record_channels(const gyroakf_record *r);
+
+/* [samples] of a channel, in its unit, NaN where missing; all arrays and texts of a recording live as long as it does. */
+GYROAKF_API const double *gyroakf_record_values(const gyroakf_record *r, int32_t channel);
+
+/* [samples] 1 where the sample is present, 0 where it is missing; NULL where nothing is missing in any channel. */
+GYROAKF_API const int8_t *gyroakf_record_present(const gyroakf_record *r, int32_t channel);
+
+/* The name of a channel; "columnN" with the column of the file, from 1, where it has none. */
+GYROAKF_API const char *gyroakf_record_name(const gyroakf_record *r, int32_t channel);
+
+/* The unit of a channel, as "deg/s"; "" where it is unknown. */
+GYROAKF_API const char *gyroakf_record_unit(const gyroakf_record *r, int32_t channel);
+
+/* What a value times it is in rad/s, m/s^2 or rad; 0 where the unit is unknown or there is no such channel. */
+GYROAKF_API double gyroakf_record_to_si(const gyroakf_record *r, int32_t channel);
+
+/* s; 1 where the rate is unknown; 0 for NULL. */
+GYROAKF_API double gyroakf_record_sample_interval(const gyroakf_record *r);
+
+/* Where the rate is from: "option", "header", "timestamps", or "none" where it is unknown; NULL for NULL. */
+GYROAKF_API const char *gyroakf_record_rate_source(const gyroakf_record *r);
+
+/* As what the content was read: "text"; NULL for NULL. */
+GYROAKF_API const char *gyroakf_record_format(const gyroakf_record *r);
+
+/* What the user should know, one sentence each, i from 0; 0 and NULL where there is nothing. */
+GYROAKF_API int32_t gyroakf_record_warnings(const gyroakf_record *r);
+GYROAKF_API const char *gyroakf_record_warning(const gyroakf_record *r, int32_t i);
+
+typedef struct gyroakf_audit {
+  size_t struct_size;          /* sizeof(gyroakf_audit), written by the caller */
+  int64_t samples;             /* per channel, missing ones included */
+  int64_t missing;             /* summed over the channels */
+  int64_t bad_lines;           /* that could not be read and were taken as missing samples */
+  int32_t has_stamps;          /* 1: there is a time column; without one the numbers below are 0 */
+  double stamp_rate;           /* of the time stamps, Hz */
+  double jitter_max;           /* largest distance of a time stamp from the even grid, s */
+  int64_t gaps;                /* places where samples were lost */
+  int64_t jumps;               /* those of them that are too long to be filled with missing samples */
+  int64_t beats;               /* double steps at even distances, not counted as gaps */
+  int64_t duplicates;          /* time stamps equal to the one before */
+  int64_t backward_steps;      /* time stamps smaller than the one before */
+  int64_t first_duplicate;     /* its line in the file, 0 where there is none */
+  int64_t first_backward_step; /* the same */
+  int64_t first_gap;           /* the same */
+} gyroakf_audit;
+
+/* What was found while reading. GYROAKF_INVALID_ARGUMENT: NULL, or struct_size is not that of this library. */
+GYROAKF_API int gyroakf_record_audit(const gyroakf_record *r, gyroakf_audit *out);
+
+GYROAKF_API void gyroakf_record_free(gyroakf_record *r);
 
 /* --------------------------------------------------------------------------------------------------- Allan deviation */
 

@@ -556,6 +556,7 @@ static void test_environment(void) {
   double x[64], bad[64], y;
   gyroakf_allan *a = NULL;
   gyroakf_filter *f = NULL;
+  gyroakf_record *r = NULL;
   gyroakf_noise noise;
   gyroakf_adf adf;
   double phi = 0.5;
@@ -567,6 +568,10 @@ static void test_environment(void) {
   feraiseexcept(FE_INEXACT);
   before = fegetexcept() | FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW;
   feenableexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW);
+  gyroakf_record_parse("0 1e308 1\n1 nan 2\n1e308 inf 3\n", 30, NULL, &r, &err);
+  gyroakf_record_free(r);
+  gyroakf_record_parse("time gx\n0 1e308\nnan 5\n1e308 1\n", 30, NULL, &r, &err);
+  gyroakf_record_free(r);
   gyroakf_allan_new(x, 64, 1.0, NULL, &a, &err);
   gyroakf_noise_fit(a, NULL, &noise, &err);
   gyroakf_allan_free(a);
@@ -590,9 +595,161 @@ static void test_environment(void) {
 #endif
 }
 
+/* Writes a file for a test, reads it and removes it. */
+static int read_text(const char *text, const gyroakf_reader_options *opt, gyroakf_record **r) {
+  const char *path = "test_c_api.tmp";
+  FILE *file = fopen(path, "wb");
+  int status;
+  check(file != NULL, "a file can be written");
+  if (!file) return GYROAKF_IO;
+  fputs(text, file);
+  fclose(file);
+  status = gyroakf_record_read(path, opt, r, &err);
+  remove(path);
+  return status;
+}
+
+/* A file with names, units, a time column and a lost sample: all that is known about it. */
+static void test_record_values(void) {
+  static const char text[] =
+    "time_s,gx [deg/s],ax [m/s^2]\n0.0,1.5,-2\n0.1,nan,-3\n0.2,2.5,-4\n0.3,3.5,-5\n0.5,4.5,-6\n0.5,5.5,-7\n";
+  gyroakf_record *r = NULL;
+  gyroakf_audit audit;
+  const double *x;
+  check_success(read_text(text, NULL, &r), "a file with two channels");
+  check(gyroakf_record_channels(r) == 2 && gyroakf_record_samples(r) >= 6, "two channels, six samples or more");
+  x = gyroakf_record_values(r, 0);
+  check(x && x[0] == 1.5 && isnan(x[1]) && x[2] == 2.5, "values, NaN where missing");
+  check(gyroakf_record_values(r, 1) && gyroakf_record_values(r, 1)[2] == -4.0, "values of the other channel");
+  check(gyroakf_record_present(r, 0) && gyroakf_record_present(r, 0)[1] == 0 && gyroakf_record_present(r, 0)[2] == 1, "marks");
+  check(strcmp(gyroakf_record_name(r, 0), "gx") == 0 && strcmp(gyroakf_record_name(r, 1), "ax") == 0, "names");
+  check(strcmp(gyroakf_record_unit(r, 0), "deg/s") == 0 && strcmp(gyroakf_record_unit(r, 1), "m/s^2") == 0, "units");
+  check(close_to(gyroakf_record_to_si(r, 0), 0.017453292519943295, 1e-15) && gyroakf_record_to_si(r, 1) == 1.0, "units in SI");
+  check(close_to(gyroakf_record_sample_interval(r), 0.1, 0.05), "sample interval of the time stamps");
+  check(strcmp(gyroakf_record_rate_source(r), "timestamps") == 0, "where the rate is from");
+  check(strcmp(gyroakf_record_format(r), "text") == 0, "format");
+  check(gyroakf_record_warnings(r) > 0 && strlen(gyroakf_record_warning(r, 0)) > 10, "a warning");
+  check(gyroakf_record_warning(r, gyroakf_record_warnings(r)) == NULL && gyroakf_record_warning(r, -1) == NULL, "no warning");
+  audit.struct_size = sizeof audit;
+  check(gyroakf_record_audit(r, &audit) == GYROAKF_OK, "audit");
+  check(audit.struct_size == sizeof audit && audit.samples == gyroakf_record_samples(r), "audit: samples");
+  check(audit.has_stamps == 1 && audit.missing >= 1 && audit.bad_lines == 0, "audit: stamps, missing samples");
+  check(audit.duplicates == 1 && audit.first_duplicate == 7 && audit.first_backward_step == 0, "audit: equal stamp");
+  gyroakf_record_free(r);
+}
+
+/* Bytes in memory, every option. */
+static void test_record_options(void) {
+  static const char text[] = "garbage\n1 10 7\n2 x 7\n4 30 7\n7 40 7\n";
+  gyroakf_reader_options opt;
+  gyroakf_record *r = NULL;
+  const double *x;
+  gyroakf_reader_options_init(&opt);
+  opt.skip = 1;
+  opt.bad_lines_missing = 1;
+  opt.columns = "2,1";
+  opt.rate_hz = 10.0;
+  opt.unit = "rad/s";
+  opt.scale = 2.0;
+  opt.format = "text";
+  opt.to = 0.3;
+  check_success(gyroakf_record_parse(text, sizeof text - 1, &opt, &r, &err), "bytes with options");
+  check(gyroakf_record_channels(r) == 2 && gyroakf_record_samples(r) == 3, "part of the bytes");
+  x = gyroakf_record_values(r, 0);
+  check(x && x[0] == 20.0 && isnan(x[1]) && x[2] == 60.0, "chosen, scaled, a bad line missing");
+  check(gyroakf_record_sample_interval(r) == 0.1, "rate given");
+  check(strcmp(gyroakf_record_rate_source(r), "option") == 0, "rate from the option");
+  check(strcmp(gyroakf_record_name(r, 0), "column2") == 0 && strcmp(gyroakf_record_unit(r, 1), "rad/s") == 0, "names, units");
+  gyroakf_record_free(r);
+  gyroakf_reader_options_init(&opt);
+  opt.input = "angle";
+  opt.time_column = "1";
+  opt.columns = "2";
+  check_success(gyroakf_record_parse("0.0 1\n0.5 2\n1.0 4\n", 18, &opt, &r, &err), "angles");
+  x = gyroakf_record_values(r, 0);
+  check(gyroakf_record_samples(r) == 2 && x && x[0] == 2.0 && x[1] == 4.0, "rates of angles");
+  check(gyroakf_record_present(r, 0) == NULL, "no marks where nothing is missing");
+  check(gyroakf_record_to_si(r, 0) == 0.0 && strcmp(gyroakf_record_unit(r, 0), "") == 0, "an unknown unit");
+  gyroakf_record_free(r);
+}
+
+static void test_record_failures(void) {
+  gyroakf_record *r = (gyroakf_record *)&err;
+  gyroakf_reader_options opt;
+  gyroakf_audit audit;
+  gyroakf_reader_options_init(NULL);
+  check_failure(gyroakf_record_read(NULL, NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "no path");
+  check(r == NULL, "no recording after a failure");
+  check_failure(gyroakf_record_read("c_api", NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "no place for the recording");
+  check_failure(gyroakf_record_read("", NULL, &r, &err), GYROAKF_IO, "an empty path");
+  check_failure(gyroakf_record_read(".", NULL, &r, &err), GYROAKF_IO, "a directory");
+  check_failure(gyroakf_record_read("no such file", NULL, &r, &err), GYROAKF_IO, "no such file");
+  check_failure(gyroakf_record_parse(NULL, 3, NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "no bytes");
+  check_failure(gyroakf_record_parse("1 2", 0, NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "a count of 0");
+  check_failure(gyroakf_record_parse("1 2", -1, NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "a negative count");
+  check_failure(gyroakf_record_parse("1 2", INT64_MAX, NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "an absurd count");
+  check(gyroakf_record_parse("1 2\n3 x\n", 8, NULL, &r, &err) == GYROAKF_PARSE, "no number");
+  check(strncmp(err.message, "<memory>:2:3: ", 14) == 0, "the place of what is wrong");
+  check(gyroakf_record_parse("1 2", 3, NULL, &r, NULL) == GYROAKF_OK, "no err");
+  check(gyroakf_record_samples(NULL) == 0 && gyroakf_record_channels(NULL) == 0, "nothing in NULL");
+  check(!gyroakf_record_values(NULL, 0) && !gyroakf_record_values(r, 2) && !gyroakf_record_values(r, -1), "no such values");
+  check(!gyroakf_record_present(NULL, 0) && !gyroakf_record_present(r, 2), "no such marks");
+  check(!gyroakf_record_name(NULL, 0) && !gyroakf_record_name(r, 2) && !gyroakf_record_unit(r, INT32_MIN), "no such channel");
+  check(gyroakf_record_to_si(r, 2) == 0.0 && !gyroakf_record_format(NULL) && !gyroakf_record_rate_source(NULL), "none of these");
+  check(gyroakf_record_warnings(NULL) == 0 && gyroakf_record_sample_interval(NULL) == 0.0, "nor of these");
+  audit.struct_size = 0;
+  check(gyroakf_record_audit(r, &audit) == GYROAKF_INVALID_ARGUMENT, "struct_size of the audit");
+  check(gyroakf_record_audit(r, NULL) == GYROAKF_INVALID_ARGUMENT, "no audit");
+  check(gyroakf_record_audit(NULL, &audit) == GYROAKF_INVALID_ARGUMENT, "audit of NULL");
+  gyroakf_record_free(r);
+  gyroakf_record_free(NULL);
+  gyroakf_reader_options_init(&opt);
+  opt.struct_size = 8;
+  check_failure(gyroakf_record_parse("1", 1, &opt, &r, &err), GYROAKF_INVALID_ARGUMENT, "struct_size of the options");
+}
+
+/* One option out of its range: refused. */
+static void test_record_options_failures(void) {
+  gyroakf_record *r = NULL;
+  gyroakf_reader_options good, opt;
+  gyroakf_reader_options_init(&good);
+#define REFUSED(member, value) \
+  opt = good; \
+  opt.member = value; \
+  check_any_failure(gyroakf_record_parse("1 2\n3 4\n", 8, &opt, &r, &err), #member " " #value); \
+  check(r == NULL, #member " " #value)
+  REFUSED(format, "jpeg");
+  REFUSED(format, "");
+  REFUSED(columns, "3");
+  REFUSED(columns, "no such name");
+  REFUSED(columns, "");
+  REFUSED(time_column, "9");
+  REFUSED(skip, -1);
+  REFUSED(skip, 2);
+  REFUSED(input, "position");
+  REFUSED(input, "increment");
+  REFUSED(unit, "furlong");
+  REFUSED(scale, 0.0);
+  REFUSED(scale, NAN);
+  REFUSED(scale, INFINITY);
+  REFUSED(rate_hz, -1.0);
+  REFUSED(rate_hz, NAN);
+  REFUSED(rate_hz, INFINITY);
+  REFUSED(from, -1.0);
+  REFUSED(from, NAN);
+  REFUSED(to, NAN);
+  REFUSED(to, 0.0);
+  REFUSED(memory, 1);
+#undef REFUSED
+}
+
 int main(void) {
   memset(&err, 0x55, sizeof err);
   test_release();
+  test_record_values();
+  test_record_options();
+  test_record_failures();
+  test_record_options_failures();
   test_allan_values();
   test_allan_limits();
   test_allan_missing();

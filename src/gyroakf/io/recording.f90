@@ -219,6 +219,8 @@ contains
          call fatal_error(error, status%invalid_argument, "the scale has to be finite")
       else if (abs(options%scale) < tiny(1.0_dp)) then
          call fatal_error(error, status%invalid_argument, "the scale must not be 0")
+      else if (ieee_is_nan(options%from) .or. ieee_is_nan(options%to)) then
+         call fatal_error(error, status%invalid_argument, "the part that is to be read has a limit that is not a number")
       else if (options%from < 0.0_dp .or. options%from >= options%to) then
          call fatal_error(error, status%invalid_argument, "the part from "//format_real(options%from, 6)//" s to "// &
                           format_real(options%to, 6)//" s is empty")
