@@ -17,6 +17,8 @@ module gyroakf_app_config
       integer :: threads = 0
       !> No report on standard output
       logical :: quiet = .false.
+      !> When a bar is drawn: "auto", "on", "off"
+      character(4) :: progress = "auto"
    end type cli_config
 
    !> `--help`, `--version`, `--citation`

@@ -160,10 +160,11 @@ module gyroakf_app_option
                   "memory that may be used, 28MB or more, as 500MB or 2GB (default: what is free); "// &
                   "allan and inspect stream a larger recording, the others refuse it"), &
       option_type("--quiet", "", "flag", reading, "common", "print no report"), &
+      option_type("--progress", "auto|on|off", "choice", every, "common", &
+                  "how far long work is, on standard error; auto (default): on a terminal, after a second"), &
       option_type("--help", "", "flag", every, "common", "this text, or that of a command"), &
       option_type("--version", "", "flag", every, "common", "the version"), &
       option_type("--citation", "", "flag", every, "common", "what to cite"), &
-      option_type("--progress", "auto|on|off", "later", none), &
       option_type("--config", "FILE", "later", none), &
       option_type("--truth", "FILE", "later", none)]
 

@@ -8,6 +8,7 @@ module gyroakf_app_reading
    use gyroakf_io_record_summary, only : summarise_record
    use gyroakf_io_recording, only : base_bytes, close_recording, hold_rows, open_recording, recording_type
    use gyroakf_pipeline, only : pipeline_result_type, run_pipeline, run_streamed, tell_memory
+   use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
    use gyroakf_report_kalibr, only : check_kalibr
    use gyroakf_app_config, only : analysis_config, inspect_config
@@ -34,22 +35,24 @@ contains
    end subroutine find_bound
 
    !> inspect: what was read.
-   subroutine read_and_look(config, record, error)
+   subroutine read_and_look(config, record, error, progress)
       !> The file and how it is read
       type(inspect_config), intent(in) :: config
       !> What was read
       type(record_type), intent(out) :: record
       !> As of [[read_record]]
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout) :: progress
       type(reader_options) :: reader
 
       reader = config%reader
       call find_bound(reader)
-      call summarise_record(config%path, reader, record, error)
+      call summarise_record(config%path, reader, record, error, progress)
    end subroutine read_and_look
 
    !> run, allan, tests, ar, filter: what was read, and what came out; allan streams what is larger than the memory.
-   subroutine read_and_run(config, record, result, error)
+   subroutine read_and_run(config, record, result, error, progress)
       !> The file, how it is read and what is computed
       type(analysis_config), intent(in) :: config
       !> What was read
@@ -58,6 +61,8 @@ contains
       type(pipeline_result_type), intent(out) :: result
       !> As of [[read_record]] and [[run_pipeline]]
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout) :: progress
       type(reader_options) :: reader
       type(recording_type) :: recording
 
@@ -66,18 +71,18 @@ contains
       call find_bound(reader)
       if (config%command == "allan") then
          call open_recording(config%path, reader, recording, error)
-         if (.not. allocated(error)) call hold_rows(recording, error)
+         if (.not. allocated(error)) call hold_rows(recording, error, progress)
          if (.not. allocated(error) .and. .not. recording%table%whole) then
-            call run_streamed(recording, config%pipeline, record, result, error)
+            call run_streamed(recording, config%pipeline, record, result, error, progress)
          else if (.not. allocated(error)) then
             call complete_record(recording, record, error)
          end if
          call close_recording(recording)
       else
-         call read_record(config%path, reader, record, error)
+         call read_record(config%path, reader, record, error, progress)
       end if
       if (.not. allocated(error) .and. allocated(config%kalibr)) call check_kalibr(record, error)
-      if (.not. allocated(error) .and. .not. record%streamed) call run_pipeline(record, config%pipeline, result, error)
+      if (.not. allocated(error) .and. .not. record%streamed) call run_pipeline(record, config%pipeline, result, error, progress)
    end subroutine read_and_run
 
 end module gyroakf_app_reading

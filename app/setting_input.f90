@@ -126,6 +126,7 @@ contains
 
       select case (option%name)
       case ("--quiet"); config%quiet = .true.
+      case ("--progress"); config%progress = value%text
       case ("--threads")
          config%threads = int(min(value%count, most_threads))
          if (value%count > most_threads) call value_error(option, "'"//value%text//"' is more than 4096", error)

@@ -7,6 +7,7 @@ module gyroakf
    use gyroakf_kinds, only : dp, int8, int16, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status, status_texts, status_text, exit_code
    use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress_text, only : progress_line
    use gyroakf_release, only : release_major, release_minor, release_patch, release_string, release_number
    use gyroakf_units, only : unit_type, coefficient_unit_type, quantity, term_names, &
       parse_unit, parse_units, coefficient_unit, density_unit, angle_to_rate_unit, coefficient_definition

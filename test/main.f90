@@ -41,6 +41,7 @@ program test_main
    use test_outliers, only : collect_outliers
    use test_pipeline, only : collect_pipeline
    use test_progress, only : collect_progress
+   use test_progress_text, only : collect_progress_text
    use test_random, only : collect_random
    use test_reader, only : collect_reader
    use test_reader_errors, only : collect_reader_errors
@@ -98,6 +99,7 @@ program test_main
    call add("outliers", collect_outliers)
    call add("pipeline", collect_pipeline)
    call add("progress", collect_progress)
+   call add("progress_text", collect_progress_text)
    call add("random", collect_random)
    call add("reader", collect_reader)
    call add("reader_errors", collect_reader_errors)

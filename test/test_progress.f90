@@ -2,9 +2,12 @@
 !> Progress is told, and a caller who cancels gets the error.
 module test_progress
    use testdrive, only : check, error_type, new_unittest, unittest_type
-   use gyroakf_kinds, only : int64
+   use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, run_pipeline
    use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_record, only : record_type
+   use gyroakf_simulate_record, only : paper_preset, paper_seed, simulate_record
    implicit none (type, external)
    private
    public :: collect_progress
@@ -17,12 +20,22 @@ module test_progress
       procedure :: advance => note
    end type witness_type
 
+   !> Cancels at one of its calls
+   type, extends(progress_type) :: quitter_type
+      integer :: calls = 0, last = huge(1)
+      !> Every call was in the range of its total
+      logical :: in_range = .true.
+   contains
+      procedure :: advance => quit
+   end type quitter_type
+
 contains
 
    subroutine collect_progress(testsuite)
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
-      testsuite = [new_unittest("told_and_cancelled", told_and_cancelled), new_unittest("nobody_listens", nobody_listens)]
+      testsuite = [new_unittest("told_and_cancelled", told_and_cancelled), new_unittest("nobody_listens", nobody_listens), &
+                   new_unittest("job_is_the_same", job_is_the_same), new_unittest("job_is_cancelled", job_is_cancelled)]
    end subroutine collect_progress
 
    subroutine note(self, stage, done, total, cancel)
@@ -63,5 +76,57 @@ contains
       call tell_progress("reading", 4_int64, 4_int64, failed)
       call check(error, .not. allocated(failed))
    end subroutine nobody_listens
+
+   subroutine quit(self, stage, done, total, cancel)
+      class(quitter_type), intent(inout) :: self
+      character(*), intent(in) :: stage
+      integer(int64), intent(in) :: done, total
+      logical, intent(out) :: cancel
+
+      self%calls = self%calls + 1
+      self%in_range = self%in_range .and. len(stage) > 0 .and. done >= 0 .and. (done <= total .or. total == 0)
+      cancel = self%calls >= self%last
+   end subroutine quit
+
+   !> Whoever looks on changes nothing.
+   subroutine job_is_the_same(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failed
+      type(record_type) :: record
+      type(pipeline_result_type) :: alone, watched
+      type(quitter_type) :: quitter
+
+      call simulate_record(paper_preset(paper_seed), record, failed)
+      call run_pipeline(record, pipeline_options(), alone, failed)
+      call run_pipeline(record, pipeline_options(), watched, failed, quitter)
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      call check(error, quitter%calls >= 12, "every stage is told")
+      if (allocated(error)) return
+      call check(error, quitter%in_range, "more is done than there is")
+      if (allocated(error)) return
+      call check(error, all(abs(alone%channel(1)%allan(4)%curve%deviation - watched%channel(1)%allan(4)%curve%deviation) <= 0.0_dp))
+   end subroutine job_is_the_same
+
+   !> At whichever call.
+   subroutine job_is_cancelled(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failed
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      type(quitter_type) :: quitter
+      integer :: last
+
+      call simulate_record(paper_preset(paper_seed), record, failed)
+      do last = 1, 12
+         quitter%calls = 0
+         quitter%last = last
+         call run_pipeline(record, pipeline_options(), result, failed, quitter)
+         call check(error, allocated(failed), "the cancellation is lost")
+         if (allocated(error)) return
+         call check(error, failed%code == status%cancelled .and. quitter%calls == last, "it goes on after the cancellation")
+         if (allocated(error)) return
+      end do
+   end subroutine job_is_cancelled
 
 end module test_progress

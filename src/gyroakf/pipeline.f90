@@ -11,6 +11,7 @@
 module gyroakf_pipeline
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, available_type, &
       allan_result_type, stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, stage, stage_names
@@ -81,16 +82,18 @@ contains
    end subroutine tell_memory
 
    !> Does the whole job for every channel of a record.
-   subroutine run_pipeline(record, options, result, error)
+   subroutine run_pipeline(record, options, result, error, progress)
       !> As `read_record` or `simulate_record` made it; not modified
       type(record_type), intent(in) :: record
       !> What to do; the defaults are those of the program
       type(pipeline_options), intent(in) :: options
       !> One entry per channel
       type(pipeline_result_type), intent(out) :: result
-      !> too_few_samples: fewer than [[minimum_samples]]; no_memory; invalid_argument, not_supported from an option.
+      !> too_few_samples: fewer than [[minimum_samples]]; no_memory; cancelled; invalid_argument, not_supported from an option.
       !> A room that fails for one channel is no error: see `channel%unavailable`
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(record_type) :: view
       character(24) :: digits
       integer :: channel, channels
@@ -112,9 +115,10 @@ contains
          if (allocated(record%channel)) result%channel(channel)%name = record%channel(channel)%text
          call view_channel(record, channel, view)
          if (allocated(record%present)) then
-            call run_channel(view, record%value(:, channel), options, result%channel(channel), error, record%present(:, channel))
+            call run_channel(view, record%value(:, channel), options, result%channel(channel), error, &
+                             record%present(:, channel), progress)
          else
-            call run_channel(view, record%value(:, channel), options, result%channel(channel), error)
+            call run_channel(view, record%value(:, channel), options, result%channel(channel), error, progress=progress)
          end if
          if (allocated(error)) return
       end do

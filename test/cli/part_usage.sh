@@ -63,7 +63,7 @@ limits that always hold are infinite ; x.txt --confidence 1
 option '--memory SIZE': 'lots' is not a size such as 500MB or 2GB ; x.txt --memory lots
 option '--memory SIZE': '2XB' is not a size such as 500MB or 2GB ; x.txt --memory 2XB
 option '--memory SIZE': '1MB' is too small, at least 28MB ; allan x.txt --memory 1MB
-'--progress' is not available in this version ; x.txt --progress=on
+'yes' is not one of these ; x.txt --progress=yes
 '--config' is not available in this version ; x.txt --config f
 '--truth' is not available in this version ; x.txt --truth f
 '--forgetting' is not one of 'inspect' ; inspect x.txt --forgetting 0.9

@@ -30,6 +30,7 @@ module gyroakf_allan_deviations
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_allan_degrees_of_freedom, only : chi_square_limits
    use gyroakf_allan_gaps, only : gapped_variances
    use gyroakf_allan_grid, only : averaging_factors
@@ -89,7 +90,7 @@ contains
    !> Riley 2003), reduced by the share of terms lost to gaps; [[fit_noise]] and [[give_mixture_limits]] replace
    !> them by those of the fitted mixture.
    !> Cost: three passes and O(n) per averaging time; memory 8 bytes a sample, 12 where some are missing.
-   subroutine compute_allan(rate, sample_interval, options, curve, error, valid)
+   subroutine compute_allan(rate, sample_interval, options, curve, error, valid, progress)
       !> Rate samples, evenly spaced: [n], n >= 2 (3 for the Hadamard deviations); NaN and infinity count as missing
       real(dp), intent(in), contiguous :: rate(:)
       !> Seconds, > 0
@@ -98,10 +99,12 @@ contains
       type(allan_options), intent(in) :: options
       !> The curve; averaging times at which no term is left are not in it
       type(allan_curve_type), intent(out) :: curve
-      !> invalid_argument, not_supported (unknown kind), too_few_samples, no_memory
+      !> invalid_argument, not_supported (unknown kind), too_few_samples, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]; all present if absent
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       real(dp), allocatable :: phase(:)
       integer(int32), allocatable :: missing(:)
@@ -109,8 +112,9 @@ contains
 
       call check_arguments(sample_interval, options, error)
       if (.not. allocated(error)) call choose_factors(options, size(rate, kind=int64), sample_interval, m, error)
+      if (.not. allocated(error)) call tell_progress("Allan deviation", 0_int64, 0_int64, error, progress)
       if (.not. allocated(error)) call integrate_rate(rate, phase, missing, error, valid)
-      if (.not. allocated(error)) call curve_of_phase(phase, missing, m, sample_interval, options, curve, error)
+      if (.not. allocated(error)) call curve_of_phase(phase, missing, m, sample_interval, options, curve, error, progress)
    end subroutine compute_allan
 
    !> The same from phases (angles of a rate gyroscope): the integral of the rate at the ends of the sample intervals.
@@ -175,7 +179,7 @@ contains
    end subroutine choose_factors
 
    !> The curve from the integral of the record.
-   subroutine curve_of_phase(phase, missing, m, sample_interval, options, curve, error)
+   subroutine curve_of_phase(phase, missing, m, sample_interval, options, curve, error, progress)
       !> Phase in units of rate times sample: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n], unallocated when every sample is there
@@ -188,8 +192,10 @@ contains
       type(allan_options), intent(in) :: options
       !> The curve
       type(allan_curve_type), intent(inout) :: curve
-      !> too_few_samples, no_memory
+      !> too_few_samples, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       real(dp), allocatable :: variance(:)
       integer(int64), allocatable :: terms(:)
@@ -202,9 +208,9 @@ contains
          return
       end if
       if (allocated(missing)) then
-         call gapped_variances(options%kind, phase, missing, m, options%min_coverage, variance, terms, error)
+         call gapped_variances(options%kind, phase, missing, m, options%min_coverage, variance, terms, error, progress)
       else
-         call complete_variances(options%kind, phase, m, variance, terms, error)
+         call complete_variances(options%kind, phase, m, variance, terms, error, progress)
       end if
       if (allocated(error)) return
       curve%kind = options%kind
@@ -215,7 +221,7 @@ contains
    end subroutine curve_of_phase
 
    !> Variances of a record without gaps.
-   subroutine complete_variances(kind, phase, m, variance, terms, error)
+   subroutine complete_variances(kind, phase, m, variance, terms, error, progress)
       !> Statistic
       character(*), intent(in) :: kind
       !> Phase: [0:n]
@@ -226,8 +232,10 @@ contains
       real(dp), intent(out) :: variance(:)
       !> Terms: [size(m)]
       integer(int64), intent(out) :: terms(:)
-      !> no_memory
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       terms = term_count(kind, ubound(phase, 1, kind=int64), m)
       select case (kind)
@@ -239,7 +247,8 @@ contains
          call sum_phase_averages(phase, m, variance, error)
          if (allocated(error)) return
       case default
-         call sum_second_differences(phase, m, variance)
+         call sum_second_differences(phase, m, variance, error, progress)
+         if (allocated(error)) return
          if (kind == "totdev") call add_reflected_differences(phase, m, variance)
       end select
       variance = variance/(variance_divisor(kind, m)*real(terms, dp))

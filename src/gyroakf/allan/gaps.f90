@@ -21,6 +21,7 @@
 module gyroakf_allan_gaps
    use gyroakf_kinds, only : dp, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type
    use gyroakf_allan_gapped_average, only : sum_gapped_averages
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_allan_reflection, only : add_gapped_reflections, complete_weight
@@ -39,7 +40,7 @@ module gyroakf_allan_gaps
 contains
 
    !> Variances of a record with missing samples, the inflation by the samples that are not there removed.
-   subroutine gapped_variances(kind, phase, missing, m, min_coverage, variance, terms, error)
+   subroutine gapped_variances(kind, phase, missing, m, min_coverage, variance, terms, error, progress)
       !> A known statistic
       character(*), intent(in) :: kind
       !> Phase: [0:n]
@@ -54,8 +55,10 @@ contains
       real(dp), intent(out) :: variance(:)
       !> Terms used: [size(m)]
       integer(int64), intent(out) :: terms(:)
-      !> no_memory
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       type(gap_sums_type), allocatable :: sums(:)
       integer(int64), allocatable :: octave(:)
@@ -65,7 +68,8 @@ contains
       call averaging_factors("octave", ubound(phase, 1, kind=int64), 1.0_dp, octave, error)
       if (allocated(error)) return
       allocate (sums(size(octave)), within(size(octave)))
-      call sum_gapped_differences(phase, missing, octave, min_coverage, sums)
+      call sum_gapped_differences(phase, missing, octave, min_coverage, sums, error, progress)
+      if (allocated(error)) return
       call variance_within_windows(sums, octave, within)
       if (kind /= "oadev" .or. .not. same(m, octave)) then
          deallocate (sums)
@@ -74,7 +78,7 @@ contains
             call fatal_error(error, status%no_memory, "no memory for the Allan variances")
             return
          end if
-         call sum_terms(kind, phase, missing, m, min_coverage, sums, error)
+         call sum_terms(kind, phase, missing, m, min_coverage, sums, error, progress)
          if (allocated(error)) return
       end if
       do i = 1, size(m)
@@ -85,7 +89,7 @@ contains
    end subroutine gapped_variances
 
    !> Squares, inflation and number of the terms.
-   subroutine sum_terms(kind, phase, missing, m, min_coverage, sums, error)
+   subroutine sum_terms(kind, phase, missing, m, min_coverage, sums, error, progress)
       !> A known statistic
       character(*), intent(in) :: kind
       !> Phase: [0:n]
@@ -98,8 +102,10 @@ contains
       real(dp), intent(in) :: min_coverage
       !> The sums: [size(m)]
       type(gap_sums_type), intent(out) :: sums(:)
-      !> no_memory
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       select case (kind)
       case ("mdev", "tdev")
@@ -107,7 +113,8 @@ contains
       case ("adev", "hdev", "ohdev")
          call sum_gapped_windows(phase, missing, m, difference_order(kind), kind == "ohdev", min_coverage, sums)
       case default
-         call sum_gapped_differences(phase, missing, m, min_coverage, sums)
+         call sum_gapped_differences(phase, missing, m, min_coverage, sums, error, progress)
+         if (allocated(error)) return
          if (kind == "totdev") call add_gapped_reflections(phase, missing, m, min_coverage, sums)
       end select
    end subroutine sum_terms

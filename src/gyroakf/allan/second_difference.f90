@@ -6,7 +6,10 @@
 !> of a term come from the memory once instead of three times. Factors that double, as octaves do, are taken four at a time.
 !> Partial sums belong to fixed parts of the record: the result does not depend on the number of threads.
 module gyroakf_allan_second_difference
+   use omp_lib, only : omp_get_max_threads
    use gyroakf_kinds, only : dp, int32, int64
+   use gyroakf_error, only : error_type
+   use gyroakf_progress, only : progress_type, tell_progress
    implicit none (type, external)
    private
    public :: sum_second_differences, sum_gapped_differences, gap_sums_type
@@ -37,32 +40,62 @@ module gyroakf_allan_second_difference
 contains
 
    !> For each m the sum over k = 0 .. n - 2m of (x(k+2m) - 2 x(k+m) + x(k))**2.
-   subroutine sum_second_differences(phase, m, sums)
+   subroutine sum_second_differences(phase, m, sums, error, progress)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Averaging factors, 1 <= m <= n/2: [any number]
       integer(int64), intent(in) :: m(:)
       !> The sums: [size(m)]
       real(dp), intent(out) :: sums(:)
+      !> cancelled
+      type(error_type), allocatable, intent(out), optional :: error
+      !> Told how far it is, together with `error`; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       real(dp) :: part(batch, parts_max)
-      integer(int64) :: n, parts, s
+      type(error_type), allocatable :: cancelled
+      integer(int64) :: n, parts, s, group, from
       integer :: first, last, i
 
       n = ubound(phase, 1, kind=int64)
       parts = part_count(n)
+      group = parts
+      if (present(progress)) group = max(8, 4*omp_get_max_threads())
       do first = 1, size(m), batch
          last = min(first + batch - 1, size(m))
-         !$omp parallel do schedule(dynamic) if (n*(last - first + 1) >= parallel_from)
-         do s = 1, parts
-            call one_part(phase, m(first:last), s, parts, part(:last - first + 1, s))
+         do from = 1, parts, group
+            call tell(from, parts, n, m, first, last, cancelled, progress)
+            if (allocated(cancelled)) then
+               call move_alloc(cancelled, error)
+               return
+            end if
+            !$omp parallel do schedule(dynamic) if (n*(last - first + 1) >= parallel_from)
+            do s = from, min(parts, from + group - 1)
+               call one_part(phase, m(first:last), s, parts, part(:last - first + 1, s))
+            end do
+            !$omp end parallel do
          end do
-         !$omp end parallel do
          do i = first, last
             sums(i) = sum(part(i - first + 1, :parts))
          end do
       end do
    end subroutine sum_second_differences
+
+   !> Tells how far it is: some parts of some factors are done.
+   subroutine tell(from, parts, n, m, first, last, error, progress)
+      !> Next part, all parts, samples
+      integer(int64), intent(in) :: from, parts, n
+      !> All factors
+      integer(int64), intent(in) :: m(:)
+      !> Those that are worked on
+      integer, intent(in) :: first, last
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> May be absent
+      class(progress_type), intent(inout), optional :: progress
+
+      call tell_progress("Allan deviation", n*(first - 1) + (from - 1)*(n/parts)*(last - first + 1), n*size(m), error, progress)
+   end subroutine tell
 
    !> All factors, over one part of the record.
    pure subroutine one_part(phase, m, s, parts, sums)
@@ -192,7 +225,7 @@ contains
    end function squares
 
    !> The same for a record with missing samples: differences of the means of the present samples of two windows.
-   subroutine sum_gapped_differences(phase, missing, m, min_coverage, sums)
+   subroutine sum_gapped_differences(phase, missing, m, min_coverage, sums, error, progress)
       !> Phase, to which missing samples added nothing: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n]
@@ -203,21 +236,35 @@ contains
       real(dp), intent(in) :: min_coverage
       !> The sums: [size(m)]
       type(gap_sums_type), intent(out) :: sums(:)
+      !> cancelled
+      type(error_type), allocatable, intent(out), optional :: error
+      !> Told how far it is, together with `error`; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       type(gap_sums_type) :: part(batch, parts_max)
-      integer(int64) :: n, parts, s
+      type(error_type), allocatable :: cancelled
+      integer(int64) :: n, parts, s, group, from
       integer :: first, last, i
 
       n = ubound(phase, 1, kind=int64)
       parts = part_count(n)
+      group = parts
+      if (present(progress)) group = max(8, 4*omp_get_max_threads())
       do first = 1, size(m), batch
          last = min(first + batch - 1, size(m))
-         !$omp parallel do schedule(dynamic) if (n*(last - first + 1) >= parallel_from)
-         do s = 1, parts
-            call one_gapped_part(phase, missing, m(first:last), min_coverage, part_begin(s, parts, n), &
-               & part_begin(s + 1, parts, n), part(:, s))
+         do from = 1, parts, group
+            call tell(from, parts, n, m, first, last, cancelled, progress)
+            if (allocated(cancelled)) then
+               call move_alloc(cancelled, error)
+               return
+            end if
+            !$omp parallel do schedule(dynamic) if (n*(last - first + 1) >= parallel_from)
+            do s = from, min(parts, from + group - 1)
+               call one_gapped_part(phase, missing, m(first:last), min_coverage, part_begin(s, parts, n), &
+                  & part_begin(s + 1, parts, n), part(:, s))
+            end do
+            !$omp end parallel do
          end do
-         !$omp end parallel do
          do i = first, last
             sums(i)%squares = sum(part(i - first + 1, :parts)%squares)
             sums(i)%inflation = sum(part(i - first + 1, :parts)%inflation)

@@ -6,6 +6,7 @@
 module gyroakf_filter_series
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_record, only : text_type
    use gyroakf_series_whiteness, only : ljung_box_type, ljung_box_of
    use gyroakf_filter_kalman, only : filter_type, run_filter
@@ -19,6 +20,8 @@ module gyroakf_filter_series
 
    !> Samples a block
    integer, parameter :: block_size = 4096
+   !> Samples after which a caller is told how far it is
+   integer(int64), parameter :: tell_every = 256*block_size
    !> Fewest measurements that the diagnostics make sense for
    integer, parameter :: fewest_measurements = 30
 
@@ -56,7 +59,7 @@ module gyroakf_filter_series
 contains
 
    !> Runs the filter over a series and measures what it did.
-   subroutine filter_series(filter, z, x, result, error, valid)
+   subroutine filter_series(filter, z, x, result, error, valid, progress)
       !> The filter, made by new_filter or a design procedure; its state goes on
       type(filter_type), intent(inout) :: filter
       !> Series, [n], at least 30 present samples; NaN counts as missing
@@ -65,10 +68,12 @@ contains
       real(dp), intent(out), contiguous :: x(:)
       !> Its diagnostics
       type(filter_result_type), intent(out) :: result
-      !> invalid_argument: lengths differ, filter not made; too_few_samples; no_memory
+      !> invalid_argument: lengths differ, filter not made; too_few_samples; no_memory; cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 where a sample is present, 0 where it is missing, [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(lag_sums_type) :: innovations
       type(moments_sum_type) :: output
       real(dp), allocatable :: normalised(:)
@@ -94,6 +99,10 @@ contains
       last = 0
       do while (last < size(z, kind=int64))
          if (last == 0 .or. last == third) call restart_gain(filter)
+         if (mod(last, tell_every) == 0) then
+            call tell_progress("filtering", last, size(z, kind=int64), error, progress)
+            if (allocated(error)) return
+         end if
          first = last + 1
          last = min(first + block_size - 1, size(z, kind=int64))
          if (first <= third) last = min(last, third)

@@ -19,6 +19,7 @@ module gyroakf_io_reader
       recording_type, too_large
    use gyroakf_io_table, only : table_type
    use gyroakf_io_decimal, only : format_real
+   use gyroakf_progress, only : progress_type
    use gyroakf_record, only : add_text, record_type
    implicit none (type, external)
    private
@@ -33,7 +34,7 @@ module gyroakf_io_reader
 contains
 
    !> Reads a recording.
-   subroutine read_record(path, options, record, error)
+   subroutine read_record(path, options, record, error, progress)
       !> A path; "-" is standard input
       character(*), intent(in) :: path
       !> How
@@ -41,12 +42,14 @@ contains
       !> The recording
       type(record_type), intent(out) :: record
       !> Allocated on failure: io, parse, invalid_argument, not_supported, too_few_samples, non_finite,
-      !> no_memory (also where more than `options%memory` would be needed)
+      !> no_memory (also where more than `options%memory` would be needed), cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(recording_type) :: recording
 
       call open_recording(path, options, recording, error)
-      if (.not. allocated(error)) call hold_rows(recording, error)
+      if (.not. allocated(error)) call hold_rows(recording, error, progress)
       call close_recording(recording)
       if (.not. allocated(error) .and. .not. recording%table%whole) then
          call fatal_error(error, status%no_memory, too_large(recording)//new_line("a")//memory_advice(recording))

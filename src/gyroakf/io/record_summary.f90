@@ -31,7 +31,7 @@ contains
       type(recording_type) :: recording
 
       call open_recording(path, options, recording, error)
-      if (.not. allocated(error)) call hold_rows(recording, error)
+      if (.not. allocated(error)) call hold_rows(recording, error, progress)
       if (.not. allocated(error)) then
          if (recording%table%whole) then
             call complete_record(recording, record, error)

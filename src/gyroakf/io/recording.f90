@@ -4,9 +4,11 @@ module gyroakf_io_recording
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_is_nan
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_lines, only : close_lines, lines_type
    use gyroakf_io_place, only : integer_text
+   use gyroakf_io_store, only : count_rows
    use gyroakf_io_table, only : begin_table, table_options, table_type
    use gyroakf_io_text_rows, only : read_rows
    implicit none (type, external)
@@ -63,6 +65,8 @@ module gyroakf_io_recording
    integer(int64), parameter :: base_bytes = 24000000
    !> The record: 8 bytes a value, 1 for its mark where something is missing
    integer(int64), parameter :: value_bytes = 9, stamp_bytes = 8
+   !> Values that are read before the progress is told again
+   integer(int64), parameter :: slice_values = 1048576
 
 contains
 
@@ -92,11 +96,13 @@ contains
    end subroutine open_recording
 
    !> Reads all rows, or as many as the memory allows: `table%whole` tells. None where the file's size alone forbids it.
-   subroutine hold_rows(recording, error)
+   subroutine hold_rows(recording, error, progress)
       !> Open
       type(recording_type), intent(inout) :: recording
-      !> Allocated on failure: io, parse, no_memory
+      !> Allocated on failure: io, parse, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       integer(int64) :: most
 
       most = huge(most)
@@ -105,21 +111,33 @@ contains
          if (recording%expected_rows > most) return
          most = most + 1
       end if
-      call next_rows(recording, most, error)
+      call next_rows(recording, most, error, progress)
    end subroutine hold_rows
 
    !> Reads rows into `table%store` until it has as many as wanted, or a few more, or there are no more: `table%whole` tells.
    !>
    !> The one place that reads rows, whatever the format.
-   subroutine next_rows(recording, most, error)
+   subroutine next_rows(recording, most, error, progress)
       !> Open; its store grows, and may be emptied between calls
       type(recording_type), intent(inout) :: recording
       !> So many rows in the store are enough
       integer(int64), intent(in) :: most
-      !> Allocated on failure: io, parse, no_memory
+      !> Allocated on failure: io, parse, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
+      integer(int64) :: so_far, slice
 
-      call read_rows(recording%lines, recording%wanted, most, recording%table, error)
+      slice = most
+      if (present(progress)) slice = max(1_int64, slice_values/max(1, recording%table%layout%stored))
+      do
+         call tell_progress("reading", recording%lines%source%delivered, recording%lines%source%length, error, progress)
+         if (allocated(error)) return
+         so_far = count_rows(recording%table%store)
+         call read_rows(recording%lines, recording%wanted, so_far + min(most - so_far, slice), recording%table, error)
+         if (allocated(error)) return
+         if (recording%table%whole .or. count_rows(recording%table%store) >= most) return
+      end do
    end subroutine next_rows
 
    !> Closes the file.

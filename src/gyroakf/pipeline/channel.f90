@@ -5,6 +5,7 @@
 module gyroakf_pipeline_channel
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_record, only : record_type, add_text
    use gyroakf_preprocess_clean, only : clean_series
    use gyroakf_series_moments, only : compute_moments
@@ -27,7 +28,7 @@ module gyroakf_pipeline_channel
 contains
 
    !> Characterises and filters one channel.
-   subroutine run_channel(record, x, options, channel, error, valid)
+   subroutine run_channel(record, x, options, channel, error, valid, progress)
       !> Sample interval and unit are taken from it
       type(record_type), intent(in) :: record
       !> The channel's samples, in the unit of the record: [n], finite
@@ -36,10 +37,12 @@ contains
       type(pipeline_options), intent(in) :: options
       !> `name` is set before; all else is filled
       type(channel_result_type), intent(inout) :: channel
-      !> no_memory and the like; all else is noted in the channel
+      !> no_memory, cancelled and the like; all else is noted in the channel
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: cleaned(:)
       integer(int8), allocatable :: present_samples(:)
 
@@ -48,7 +51,7 @@ contains
       channel%clean%mean = channel%raw%mean
       channel%clean%variance = channel%raw%variance
       if (options%clean%degree >= 0 .or. options%clean%method /= "none") then
-         call clean_series(x, options%clean, cleaned, present_samples, channel%clean, error, valid)
+         call clean_series(x, options%clean, cleaned, present_samples, channel%clean, error, valid, progress)
          if (is_fatal(error)) return
          channel%available%preprocess = .not. allocated(error)
          call note_failure(channel, "outliers and trend", error)
@@ -56,9 +59,9 @@ contains
       if (channel%available%preprocess) then
          call compute_moments(cleaned, channel%cleaned, present_samples)
          call warn_outliers(channel, record%sample_interval, record%rate_known)
-         call analyse(record, x, cleaned, options, channel, error, present_samples)
+         call analyse(record, x, cleaned, options, channel, error, present_samples, progress)
       else
-         call analyse(record, x, x, options, channel, error, valid)
+         call analyse(record, x, x, options, channel, error, valid, progress)
       end if
       if (allocated(error) .or. .not. options%keep_series) return
       if (allocated(cleaned)) call move_alloc(cleaned, channel%series_cleaned)
@@ -71,7 +74,7 @@ contains
    end subroutine run_channel
 
    !> Everything after cleaning.
-   subroutine analyse(record, x, z, options, channel, error, valid)
+   subroutine analyse(record, x, z, options, channel, error, valid, progress)
       !> Sample interval and unit
       type(record_type), intent(in) :: record
       !> As read, and cleaned: [n]
@@ -81,44 +84,54 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Outliers are marked missing too
       integer(int8), intent(in), optional :: valid(:)
+      class(progress_type), intent(inout), optional :: progress
 
-      if (options%do_tests) call run_tests(z, options, channel, error, valid)
+      if (options%do_tests) call run_tests(z, options, channel, error, valid, progress)
       if (allocated(error)) return
       if (options%do_ar .or. options%do_filter) then
+         call tell_progress("AR model", 0_int64, size(z, kind=int64), error, progress)
+         if (allocated(error)) return
          call run_ar(z, options, channel, error, valid)
          if (allocated(error)) return
          call warn_model(channel)
       end if
       if (options%do_allan) then
-         call run_allan(x, record%sample_interval, record%rate_known, record%unit, options, stage%input, channel, error, valid)
+         call run_allan(x, record%sample_interval, record%rate_known, record%unit, options, stage%input, channel, error, &
+                        valid, progress)
          if (allocated(error)) return
          if (options%clean%degree >= 0 .and. channel%available%preprocess) then
-            call run_allan(z, record%sample_interval, record%rate_known, record%unit, options, stage%cleaned, channel, error, valid)
+            call run_allan(z, record%sample_interval, record%rate_known, record%unit, options, stage%cleaned, channel, error, &
+                           valid, progress)
          else
             channel%allan(stage%cleaned) = channel%allan(stage%input)
          end if
          if (allocated(error)) return
          call warn_fit(channel)
+         call tell_progress("comparing the halves", 0_int64, size(x, kind=int64), error, progress)
+         if (allocated(error)) return
          call run_halves(x, record%sample_interval, options, channel, error, valid)
          if (.not. allocated(error)) call run_dynamic(x, record%sample_interval, options, channel, error, valid)
          if (allocated(error)) return
       end if
       if (options%do_filter .and. channel%available%ar) then
-         call filter_centred(record, z, options, channel, error, valid)
+         call filter_centred(record, z, options, channel, error, valid, progress)
          if (allocated(error)) return
          call compare_coefficients(channel)
       end if
    end subroutine analyse
 
    !> Stationarity, normality, whiteness.
-   subroutine run_tests(z, options, channel, error, valid)
+   subroutine run_tests(z, options, channel, error, valid, progress)
       real(dp), intent(in), contiguous :: z(:)
       type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(inout) :: channel
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
+      class(progress_type), intent(inout), optional :: progress
       integer :: lags
 
+      call tell_progress("testing", 0_int64, 3*size(z, kind=int64), error, progress)
+      if (allocated(error)) return
       call test_adf(z, options%adf, channel%adf, error, valid)
       if (is_fatal(error)) return
       channel%available%adf = .not. allocated(error)
@@ -127,6 +140,8 @@ contains
       if (is_fatal(error)) return
       channel%available%jarque_bera = .not. allocated(error)
       call note_failure(channel, "Jarque-Bera test", error)
+      call tell_progress("testing", 2*size(z, kind=int64), 3*size(z, kind=int64), error, progress)
+      if (allocated(error)) return
       lags = int(min(int(options%ljung_box_lags, int64), max(1_int64, size(z, kind=int64)/5)))
       call test_ljung_box(z, lags, 0, channel%ljung_box, error, valid)
       if (is_fatal(error)) return
@@ -178,18 +193,19 @@ contains
    end subroutine fit_positive_order
 
    !> Filters the series without its mean; a copy is made only where the mean counts.
-   subroutine filter_centred(record, z, options, channel, error, valid)
+   subroutine filter_centred(record, z, options, channel, error, valid, progress)
       type(record_type), intent(in) :: record
       real(dp), intent(in), contiguous :: z(:)
       type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(inout) :: channel
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
+      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: centred(:)
       integer :: failed
 
       if (abs(channel%cleaned%mean) <= negligible_mean*channel%cleaned%std) then
-         call run_filters(record, z, options, channel, error, valid)
+         call run_filters(record, z, options, channel, error, valid, progress)
          return
       end if
       allocate (centred(size(z, kind=int64)), stat=failed)
@@ -199,7 +215,7 @@ contains
       end if
       centred(:) = z - channel%cleaned%mean
       call warn_centred(channel)
-      call run_filters(record, centred, options, channel, error, valid)
+      call run_filters(record, centred, options, channel, error, valid, progress)
    end subroutine filter_centred
 
 end module gyroakf_pipeline_channel

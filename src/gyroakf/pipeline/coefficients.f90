@@ -10,6 +10,7 @@ module gyroakf_pipeline_coefficients
    use gyroakf_allan_noise_fit, only : coefficient_type, noise_options, noise_type, fit_noise
    use gyroakf_allan_record_length, only : never, record_to_see
    use gyroakf_allan_read_off, only : read_off_options, read_off_type, read_off
+   use gyroakf_progress, only : progress_type
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, allan_result_type, stated_coefficient_type, &
       & stated_noise_type, stated_read_off_type, stage, stage_names
    use gyroakf_pipeline_conventions, only : state_conventions
@@ -21,7 +22,7 @@ module gyroakf_pipeline_coefficients
 contains
 
    !> Computes the curve of one series, fits the coefficients and states them. A failure is noted in the channel.
-   subroutine run_allan(x, step, rate_known, unit, options, which, channel, error, valid)
+   subroutine run_allan(x, step, rate_known, unit, options, which, channel, error, valid, progress)
       !> The series, in the unit of the record: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> Sample interval in s, 1 where no rate is known
@@ -40,14 +41,16 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
-      call compute_allan(x, step, options%allan, channel%allan(which)%curve, error, valid)
+      call compute_allan(x, step, options%allan, channel%allan(which)%curve, error, valid, progress)
       if (is_fatal(error)) return
       channel%allan(which)%available = .not. allocated(error)
       call note_failure(channel, "Allan deviation ("//trim(stage_names(which))//")", error)
       if (.not. channel%allan(which)%available) return
       if (allocated(options%other_kinds) .and. any(which == [stage%input, stage%cleaned])) then
-         call run_other_kinds(x, step, options, which, channel, error, valid)
+         call run_other_kinds(x, step, options, which, channel, error, valid, progress)
          if (allocated(error)) return
       end if
       call fit_curve(rate_known, unit, options, which, channel, error)
@@ -91,7 +94,7 @@ contains
    end subroutine fit_curve
 
    !> Computes the curves of the further kinds. A failure is noted in the channel.
-   subroutine run_other_kinds(x, step, options, which, channel, error, valid)
+   subroutine run_other_kinds(x, step, options, which, channel, error, valid, progress)
       !> The series: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> Sample interval in s, 1 where no rate is known
@@ -106,6 +109,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       type(allan_options) :: one
       character(:), allocatable :: kinds
@@ -118,7 +123,7 @@ contains
       do i = 1, size(channel%allan(which)%other)
          to = from + index(kinds(from:), ",") - 2
          one%kind = kinds(from:to)
-         call compute_allan(x, step, one, channel%allan(which)%other(i), error, valid)
+         call compute_allan(x, step, one, channel%allan(which)%other(i), error, valid, progress)
          if (allocated(error)) then
             if (is_fatal(error) .and. error%code /= status%not_supported) return
             call add_text(channel%warnings, trim(stage_names(which))//": "//error%message)

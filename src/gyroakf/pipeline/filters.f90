@@ -3,6 +3,7 @@
 module gyroakf_pipeline_filters
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
    use gyroakf_filter_kalman, only : filter_type
    use gyroakf_filter_series, only : filter_result_type, filter_series
@@ -24,7 +25,7 @@ contains
    !> Filters the cleaned series with every filter there is, and computes the Allan curves of the paper's outputs.
    !>
    !> One filtered series is alive at a time unless `options%keep_series`.
-   subroutine run_filters(record, z, options, channel, error, valid)
+   subroutine run_filters(record, z, options, channel, error, valid, progress)
       !> Sample interval and unit are taken from it
       type(record_type), intent(in) :: record
       !> Cleaned series without its mean: [n]
@@ -37,16 +38,19 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: x(:)
       integer :: which
 
       do which = stage%kf, stage%akf
          call reserve(x, size(z, kind=int64), error)
          if (allocated(error)) return
-         call run_paper_filter(which, z, x, options, channel, error, valid)
+         call run_paper_filter(which, z, x, options, channel, error, valid, progress)
          if (allocated(error)) return
          if (options%do_allan .and. merge(channel%available%kf, channel%available%akf, which == stage%kf)) then
-            call run_allan(x, record%sample_interval, record%rate_known, record%unit, options, which, channel, error, valid)
+            call run_allan(x, record%sample_interval, record%rate_known, record%unit, options, which, channel, error, valid, &
+                           progress)
             if (allocated(error)) return
          end if
          if (options%keep_series .and. which == stage%kf) call move_alloc(x, channel%series_kf)
@@ -54,11 +58,11 @@ contains
       end do
       call reserve(x, size(z, kind=int64), error)
       if (allocated(error)) return
-      call run_drift_filters(z, x, record, options, channel, error, valid)
+      call run_drift_filters(z, x, record, options, channel, error, valid, progress)
    end subroutine run_filters
 
    !> One of the paper's two filters.
-   subroutine run_paper_filter(which, z, x, options, channel, error, valid)
+   subroutine run_paper_filter(which, z, x, options, channel, error, valid, progress)
       integer, intent(in) :: which
       real(dp), intent(in), contiguous :: z(:)
       real(dp), intent(out), contiguous :: x(:)
@@ -66,18 +70,19 @@ contains
       type(channel_result_type), intent(inout) :: channel
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
+      class(progress_type), intent(inout), optional :: progress
       type(filter_type) :: filter
 
       if (which == stage%kf) then
          call design_kf(channel%ar, options%design, filter, error)
-         if (.not. allocated(error)) call filter_series(filter, z, x, channel%kf, error, valid)
+         if (.not. allocated(error)) call filter_series(filter, z, x, channel%kf, error, valid, progress)
          if (is_fatal(error)) return
          channel%available%kf = .not. allocated(error)
          call note_failure(channel, "Kalman filter", error)
          if (channel%available%kf) channel%kf_figures = figures_of(channel%kf, channel)
       else
          call design_akf(channel%ar, difference_variance(z, valid), options%design, filter, error)
-         if (.not. allocated(error)) call filter_series(filter, z, x, channel%akf, error, valid)
+         if (.not. allocated(error)) call filter_series(filter, z, x, channel%akf, error, valid, progress)
          if (is_fatal(error)) return
          channel%available%akf = .not. allocated(error)
          call note_failure(channel, "adaptive Kalman filter", error)
@@ -86,7 +91,7 @@ contains
    end subroutine run_paper_filter
 
    !> Drift identified from the series itself, and the filters made for it.
-   subroutine run_drift_filters(z, x, record, options, channel, error, valid)
+   subroutine run_drift_filters(z, x, record, options, channel, error, valid, progress)
       real(dp), intent(in), contiguous :: z(:)
       real(dp), intent(out), contiguous :: x(:)
       type(record_type), intent(in) :: record
@@ -94,18 +99,19 @@ contains
       type(channel_result_type), intent(inout) :: channel
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
+      class(progress_type), intent(inout), optional :: progress
       type(filter_type) :: filter
 
       call find_drift(z, record, options, channel, error, valid)
       if (allocated(error) .or. .not. channel%drift%found) return
       call design_drift_kf(channel%drift, filter, error)
-      if (.not. allocated(error)) call filter_series(filter, z, x, channel%drift_kf, error, valid)
+      if (.not. allocated(error)) call filter_series(filter, z, x, channel%drift_kf, error, valid, progress)
       if (is_fatal(error)) return
       channel%available%drift_kf = .not. allocated(error)
       call note_failure(channel, "drift Kalman filter", error)
       if (channel%available%drift_kf) channel%drift_kf_figures = figures_of(channel%drift_kf, channel)
       call design_drift_akf(channel%drift, difference_variance(z, valid), options%drift, filter, error)
-      if (.not. allocated(error)) call filter_series(filter, z, x, channel%drift_akf, error, valid)
+      if (.not. allocated(error)) call filter_series(filter, z, x, channel%drift_akf, error, valid, progress)
       if (is_fatal(error)) return
       channel%available%drift_akf = .not. allocated(error)
       call note_failure(channel, "adaptive drift filter", error)

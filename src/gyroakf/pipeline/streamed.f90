@@ -3,6 +3,7 @@
 module gyroakf_pipeline_streamed
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type
    use gyroakf_record, only : add_text, record_type, view_channel
    use gyroakf_io_recording, only : base_bytes, bytes_text, recording_type, too_large
    use gyroakf_io_record_stream, only : begin_record_stream, end_record_stream, next_record_block, record_stream_type
@@ -27,7 +28,7 @@ module gyroakf_pipeline_streamed
 contains
 
    !> Reads the rest of a recording and analyses it: the curve of the series as read, its coefficients, moments.
-   subroutine run_streamed(recording, options, record, result, error)
+   subroutine run_streamed(recording, options, record, result, error, progress)
       !> Open, some rows may be held already
       type(recording_type), intent(inout) :: recording
       !> Allan analysis only, no cleaning, no further kinds
@@ -38,13 +39,15 @@ contains
       type(pipeline_result_type), intent(out) :: result
       !> not_supported (options that need the whole record), no_memory, too_few_samples, and what reading can give
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(record_stream_type) :: stream
       type(lane_type), allocatable :: lane(:)
 
       call check_streamable(recording, options, error)
       if (allocated(error)) return
       call begin_record_stream(recording, stream)
-      call read_lanes(recording, stream, options, lane, error)
+      call read_lanes(recording, stream, options, lane, error, progress)
       if (.not. allocated(error)) call end_record_stream(recording, stream, record, error)
       if (.not. allocated(error)) call finish_lanes(stream, lane, options, record, result, error)
    end subroutine run_streamed
@@ -77,18 +80,19 @@ contains
    end subroutine check_streamable
 
    !> Feeds every block to every channel.
-   subroutine read_lanes(recording, stream, options, lane, error)
+   subroutine read_lanes(recording, stream, options, lane, error, progress)
       type(recording_type), intent(inout) :: recording
       type(record_stream_type), intent(inout) :: stream
       type(pipeline_options), intent(in) :: options
       type(lane_type), allocatable, intent(out) :: lane(:)
       type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
       type(record_type) :: block
       integer :: c
 
       allocate (lane(size(recording%table%chosen)))
       do
-         call next_record_block(recording, stream, block, error)
+         call next_record_block(recording, stream, block, error, progress)
          if (allocated(error) .or. stream%done) return
          do c = 1, size(lane)
             if (.not. allocated(lane(c)%allan%rate)) then

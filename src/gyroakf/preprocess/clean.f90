@@ -5,6 +5,7 @@ module gyroakf_preprocess_clean
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_chunks, only : threads_from
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_series_moments, only : moments_type, compute_moments
    use gyroakf_preprocess_trend, only : trend_type, fit_trend, remove_trend, largest_degree
    use gyroakf_preprocess_outliers, only : check_method, default_threshold, robust_centre, quantisation_step, mark_outliers
@@ -65,7 +66,7 @@ contains
    !> and disturbed stretches, and `auto` begins again with mean and standard deviation of all. After
    !> twelve rounds no mark comes back, which ends the rounds where samples at the very limit would go to and fro.
    !> Memory: the results, 9 bytes a sample.
-   subroutine clean_series(x, options, cleaned, present_out, result, error, valid)
+   subroutine clean_series(x, options, cleaned, present_out, result, error, valid, progress)
       !> Series: [n], n >= 1, finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> What is removed
@@ -76,10 +77,12 @@ contains
       integer(int8), allocatable, intent(out) :: present_out(:)
       !> What was removed
       type(clean_type), intent(out) :: result
-      !> invalid_argument, not_supported, too_few_samples, singular, non_finite, no_memory
+      !> invalid_argument, not_supported, too_few_samples, singular, non_finite, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       integer(int64) :: found
 
       call check_options(x, options, found, error, valid)
@@ -93,7 +96,7 @@ contains
          call detrend(x, options%degree, cleaned, result%trend, error, valid)
       else
          if (.not. options%threshold > 0.0_dp) result%threshold = default_threshold(trim(options%method), found)
-         call run_rounds(x, options, cleaned, present_out, result, error, valid)
+         call run_rounds(x, options, cleaned, present_out, result, error, valid, progress)
       end if
       if (allocated(error)) return
       call finish(cleaned, present_out, found, result, error, valid)
@@ -203,7 +206,7 @@ contains
    end subroutine detrend
 
    !> The rounds.
-   subroutine run_rounds(x, options, cleaned, mask, result, error, valid)
+   subroutine run_rounds(x, options, cleaned, mask, result, error, valid, progress)
       !> Series
       real(dp), intent(in), contiguous :: x(:)
       !> The options
@@ -218,6 +221,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(moments_type) :: moments
       real(dp) :: step, largest, rounding, centre, scale
       integer(int64) :: changed, found
@@ -228,6 +233,8 @@ contains
       rounding = 16.0_dp*epsilon(x)*largest
       robust = options%method /= "pauta"
       do while (result%passes < options%max_passes)
+         call tell_progress("cleaning", result%passes*size(x, kind=int64), 0_int64, error, progress)
+         if (allocated(error)) return
          result%passes = result%passes + 1
          call detrend(x, options%degree, cleaned, result%trend, error, mask)
          if (allocated(error)) return

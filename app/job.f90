@@ -1,0 +1,185 @@
+! SPDX-License-Identifier: MIT
+!> The job of one file: reads, computes, writes, reports.
+!>
+!> Nothing is written before everything is computed, and standard output comes last: where something fails it stays empty.
+module gyroakf_app_job
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_writer, only : writer_type, open_writer, complete_writer, commit_writer, discard_writer
+   use gyroakf_pipeline, only : pipeline_result_type, channel_result_type
+   use gyroakf_record, only : record_type
+   use gyroakf_report_document, only : write_document
+   use gyroakf_report_files, only : write_results
+   use gyroakf_report_kalibr, only : write_kalibr
+   use gyroakf_report_text, only : write_report, report_inspect
+   use gyroakf_app_config, only : analysis_config, inspect_config
+   use gyroakf_app_interrupt, only : guard_files, release_files
+   use gyroakf_app_progress_bar, only : bar_type, clear_bar
+   use gyroakf_app_reading, only : read_and_look, read_and_run
+   implicit none (type, external)
+   private
+   public :: inspect, analyse
+
+contains
+
+   !> inspect: what was read.
+   subroutine inspect(config, bar, record, error)
+      !> What is wanted
+      type(inspect_config), intent(in) :: config
+      !> Told how far it is; taken away before the report
+      type(bar_type), intent(inout) :: bar
+      !> What was read
+      type(record_type), intent(out) :: record
+      !> As of [[read_record]]; io
+      type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: writer
+
+      call read_and_look(config, record, error, bar)
+      if (allocated(error)) return
+      call clear_bar(bar)
+      if (allocated(config%json)) then
+         call begin_document(config%json, record, writer, error)
+         if (.not. allocated(error)) call commit_writer(writer, error)
+         if (allocated(error) .or. config%json == "-") return
+      end if
+      if (config%quiet) return
+      call open_writer(writer, "-", error)
+      if (allocated(error)) return
+      call report_inspect(writer, record)
+      call commit_writer(writer, error)
+   end subroutine inspect
+
+   !> run, allan, tests, ar, filter: the files first, standard output last.
+   subroutine analyse(config, bar, record, result, error)
+      !> What is wanted
+      type(analysis_config), intent(in) :: config
+      !> Told how far it is; taken away before the report
+      type(bar_type), intent(inout) :: bar
+      !> What was read
+      type(record_type), intent(out) :: record
+      !> What came out
+      type(pipeline_result_type), intent(out) :: result
+      !> As of [[read_record]] and [[run_pipeline]]; io; cancelled
+      type(error_type), allocatable, intent(out) :: error
+
+      call read_and_run(config, record, result, error, bar)
+      if (.not. allocated(error)) call check_result(config, result, error)
+      if (allocated(error)) return
+      call guard_files()
+      call write_files(config, record, result, error)
+      call release_files()
+      call clear_bar(bar)
+      if (.not. allocated(error)) call print_result(config, record, result, error)
+   end subroutine analyse
+
+   !> The document, Kalibr's file and the result files: all are complete before the first one appears.
+   subroutine write_files(config, record, result, error)
+      type(analysis_config), intent(in) :: config
+      type(record_type), intent(in) :: record
+      type(pipeline_result_type), intent(in) :: result
+      type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: document, kalibr
+      logical :: to_file
+
+      to_file = .false.
+      if (allocated(config%json)) to_file = config%json /= "-"
+      if (to_file) then
+         call begin_document(config%json, record, document, error, result)
+         if (.not. allocated(error)) call complete_writer(document, error)
+      end if
+      if (.not. allocated(error) .and. allocated(config%kalibr)) call begin_kalibr(config%kalibr, record, result, kalibr, error)
+      if (.not. allocated(error) .and. allocated(config%out)) call write_results(config%out, config%command, record, &
+                                                                                config%pipeline, result, error)
+      if (allocated(error)) then
+         call discard_writer(document)
+         call discard_writer(kalibr)
+         return
+      end if
+      if (to_file) call commit_writer(document, error)
+      if (.not. allocated(error) .and. allocated(config%kalibr)) call commit_writer(kalibr, error)
+   end subroutine write_files
+
+   !> Where not one channel gives what the command is for, there is nothing to report: an error of the data.
+   subroutine check_result(config, result, error)
+      type(analysis_config), intent(in) :: config
+      type(pipeline_result_type), intent(in) :: result
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: reason
+      integer :: i
+
+      do i = 1, size(result%channel)
+         if (has_result(config%command, result%channel(i))) return
+      end do
+      reason = "no channel"
+      if (size(result%channel) > 0) then
+         associate (channel => result%channel(1))
+            if (allocated(channel%unavailable)) reason = channel%name//": "//channel%unavailable(1)%text
+         end associate
+      end if
+      call fatal_error(error, status%constant_input, config%path//": nothing can be computed; "//reason)
+   end subroutine check_result
+
+   !> Whether a channel gives what the command is for.
+   pure logical function has_result(command, channel)
+      character(*), intent(in) :: command
+      type(channel_result_type), intent(in) :: channel
+      logical :: tests, filters
+
+      tests = channel%available%adf .or. channel%available%jarque_bera .or. channel%available%ljung_box
+      filters = channel%available%kf .or. channel%available%akf .or. channel%available%drift_kf .or. channel%available%drift_akf
+      select case (command)
+      case ("allan"); has_result = any(channel%allan%available)
+      case ("tests"); has_result = tests
+      case ("ar"); has_result = channel%available%ar
+      case ("filter"); has_result = filters
+      case default; has_result = tests .or. filters .or. channel%available%ar .or. any(channel%allan%fitted)
+      end select
+   end function has_result
+
+   !> The JSON document or the command's report on standard output.
+   subroutine print_result(config, record, result, error)
+      type(analysis_config), intent(in) :: config
+      type(record_type), intent(in) :: record
+      type(pipeline_result_type), intent(in) :: result
+      type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: writer
+      logical :: as_json
+
+      as_json = .false.
+      if (allocated(config%json)) as_json = config%json == "-"
+      if (config%quiet .and. .not. as_json) return
+      if (as_json) then
+         call begin_document("-", record, writer, error, result)
+      else
+         call open_writer(writer, "-", error)
+      end if
+      if (allocated(error)) return
+      if (.not. as_json) call write_report(writer, config%command, record, config%pipeline, result)
+      call commit_writer(writer, error)
+   end subroutine print_result
+
+   !> The JSON document in an open writer; without a result it tells what was read.
+   subroutine begin_document(path, record, writer, error, result)
+      character(*), intent(in) :: path
+      type(record_type), intent(in) :: record
+      type(writer_type), intent(out) :: writer
+      type(error_type), allocatable, intent(out) :: error
+      type(pipeline_result_type), intent(in), optional :: result
+
+      call open_writer(writer, path, error)
+      if (.not. allocated(error)) call write_document(writer, record, result)
+   end subroutine begin_document
+
+   !> Kalibr's file, complete but not yet in its place.
+   subroutine begin_kalibr(path, record, result, writer, error)
+      character(*), intent(in) :: path
+      type(record_type), intent(in) :: record
+      type(pipeline_result_type), intent(in) :: result
+      type(writer_type), intent(out) :: writer
+      type(error_type), allocatable, intent(out) :: error
+
+      call open_writer(writer, path, error)
+      if (.not. allocated(error)) call write_kalibr(writer, record, result, error)
+      if (.not. allocated(error)) call complete_writer(writer, error)
+   end subroutine begin_kalibr
+
+end module gyroakf_app_job

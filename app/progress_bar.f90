@@ -1,0 +1,114 @@
+! SPDX-License-Identifier: MIT
+!> A line on standard error that says how far the work is, and the way by which an interrupt ends it.
+!>
+!> Drawn at most ten times a second, on a terminal only after a second of work, and taken away at the end. It is drawn with a
+!> carriage return and blanks alone, which every terminal understands.
+module gyroakf_app_progress_bar
+   use, intrinsic :: iso_c_binding, only : c_int
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_progress, only : progress_type
+   use gyroakf_progress_text, only : progress_line
+   use gyroakf_app_interrupt, only : bar_is_shown, interrupted
+   use gyroakf_app_system, only : c_isatty, write_bytes
+   implicit none (type, external)
+   private
+   public :: bar_type, start_bar, clear_bar
+
+   !> Seconds before the first drawing, and between two of them
+   real(dp), parameter :: first_after = 1.0_dp, again_after = 0.1_dp
+
+   !> The bar
+   type, extends(progress_type) :: bar_type
+      private
+      !> Whether it is drawn at all, and at once
+      logical :: visible = .false., at_once = .false.
+      !> Characters of a line of the terminal, of what is on it
+      integer :: width = 80, drawn = 0
+      !> Clock: begin of everything, of the stage, last drawing
+      integer(int64) :: began = 0, stage_began = 0, last = 0, per_second = 1
+      character(80) :: stage = ""
+   contains
+      procedure :: advance => draw
+   end type bar_type
+
+contains
+
+   !> The work begins.
+   subroutine start_bar(bar, mode)
+      !> Ended by [[clear_bar]]
+      type(bar_type), intent(out) :: bar
+      !> "auto": where standard error is a terminal, "on", "off"
+      character(*), intent(in) :: mode
+
+      call system_clock(bar%began, bar%per_second)
+      bar%at_once = mode == "on"
+      if (.not. bar%at_once) bar%last = bar%began
+      bar%visible = bar%at_once
+      if (mode == "auto") bar%visible = c_isatty(2_c_int) == 1
+      if (bar%visible) bar%width = terminal_width()
+   end subroutine start_bar
+
+   !> COLUMNS, at most 80, which it is where nobody says; one less, so that no terminal begins a new line.
+   integer function terminal_width() result(width)
+      character(8) :: text
+      integer :: stat, columns
+
+      width = 80
+      call get_environment_variable("COLUMNS", text, status=stat)
+      if (stat == 0) then
+         columns = 0
+         if (verify(trim(text), "0123456789") == 0 .and. len_trim(text) > 0) read (text, *, iostat=stat) columns
+         if (stat == 0 .and. columns > 0) width = min(columns, 80)
+      end if
+      width = width - 1
+   end function terminal_width
+
+   !> Draws, where it is time to; an interrupt cancels the work.
+   subroutine draw(self, stage, done, total, cancel)
+      !> The bar
+      class(bar_type), intent(inout) :: self
+      !> What is being done
+      character(*), intent(in) :: stage
+      !> So much of `total`, 0 where that is not known
+      integer(int64), intent(in) :: done, total
+      !> The user wants to end
+      logical, intent(out) :: cancel
+      integer(int64) :: now
+
+      cancel = interrupted()
+      if (.not. self%visible) return
+      call system_clock(now)
+      if (self%stage /= stage) then
+         self%stage = stage
+         self%stage_began = now
+      end if
+      if (.not. self%at_once) then
+         if (real(now - self%began, dp) < first_after*real(self%per_second, dp)) return
+      end if
+      if (real(now - self%last, dp) < again_after*real(self%per_second, dp)) return
+      self%last = now
+      call put_on_line(self, progress_line(trim(stage), done, total, real(now - self%stage_began, dp)/ &
+                                           real(self%per_second, dp), self%width))
+   end subroutine draw
+
+   !> Replaces what is on the line.
+   subroutine put_on_line(bar, text)
+      type(bar_type), intent(inout) :: bar
+      character(*), intent(in) :: text
+
+      call bar_is_shown(.true.)
+      call write_bytes(2_c_int, achar(13)//text//repeat(" ", max(0, bar%drawn - len(text))))
+      bar%drawn = len(text)
+   end subroutine put_on_line
+
+   !> Takes the bar away: what is written next begins on a free line.
+   subroutine clear_bar(bar)
+      !> Drawn again by the next call of `advance`
+      type(bar_type), intent(inout) :: bar
+
+      if (bar%drawn > 0) call write_bytes(2_c_int, achar(13)//repeat(" ", bar%drawn)//achar(13))
+      bar%drawn = 0
+      call bar_is_shown(.false.)
+   end subroutine clear_bar
+
+end module gyroakf_app_progress_bar

@@ -1,0 +1,142 @@
+! SPDX-License-Identifier: MIT
+!> The calls of the system (POSIX) that the program needs beyond reading and writing files: processes, pipes, signals.
+module gyroakf_app_system
+   use, intrinsic :: iso_c_binding, only : c_char, c_funptr, c_int, c_intptr_t, c_loc, c_long, c_null_funptr, c_ptr, c_short, &
+      & c_size_t
+   implicit none (type, external)
+   private
+   public :: c_close, c_exit, c_fork, c_isatty, c_kill, c_pipe, c_poll, c_raise, c_read, c_signal, c_waitpid, c_write, poll_type
+   public :: write_bytes, ignore_signal
+   public :: signal_hangup, signal_interrupt, signal_kill, signal_pipe, signal_terminate, poll_in
+
+   !> Numbers that are the same on every POSIX system
+   integer(c_int), parameter :: signal_hangup = 1, signal_interrupt = 2, signal_kill = 9, signal_pipe = 13, signal_terminate = 15
+   !> Something can be read
+   integer(c_short), parameter :: poll_in = 1_c_short
+
+   !> `struct pollfd` of poll.h
+   type, bind(C) :: poll_type
+      integer(c_int) :: descriptor
+      integer(c_short) :: events, happened
+   end type poll_type
+
+   interface
+      function c_fork() result(process) bind(C, name="fork")
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int) :: process
+      end function c_fork
+
+      function c_waitpid(process, status, options) result(ended) bind(C, name="waitpid")
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), intent(in), value :: process
+         integer(c_int), intent(out) :: status
+         integer(c_int), intent(in), value :: options
+         integer(c_int) :: ended
+      end function c_waitpid
+
+      !> Ends the process at once: nothing of the Fortran run-time library is flushed or closed
+      subroutine c_exit(code) bind(C, name="_exit")
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), intent(in), value :: code
+      end subroutine c_exit
+
+      function c_kill(process, signal) result(failed) bind(C, name="kill")
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), intent(in), value :: process, signal
+         integer(c_int) :: failed
+      end function c_kill
+
+      function c_raise(signal) result(failed) bind(C, name="raise")
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), intent(in), value :: signal
+         integer(c_int) :: failed
+      end function c_raise
+
+      function c_signal(signal, handler) result(before) bind(C, name="signal")
+         import :: c_funptr, c_int
+         implicit none (type, external)
+         integer(c_int), intent(in), value :: signal
+         type(c_funptr), intent(in), value :: handler
+         type(c_funptr) :: before
+      end function c_signal
+
+      function c_pipe(ends) result(failed) bind(C, name="pipe")
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), intent(out) :: ends(2)
+         integer(c_int) :: failed
+      end function c_pipe
+
+      function c_poll(descriptors, count, milliseconds) result(ready) bind(C, name="poll")
+         import :: c_int, c_long, poll_type
+         implicit none (type, external)
+         type(poll_type), intent(inout) :: descriptors(*)
+         integer(c_long), intent(in), value :: count
+         integer(c_int), intent(in), value :: milliseconds
+         integer(c_int) :: ready
+      end function c_poll
+
+      function c_read(descriptor, buffer, count) result(got) bind(C, name="read")
+         import :: c_int, c_long, c_ptr, c_size_t
+         implicit none (type, external)
+         integer(c_int), intent(in), value :: descriptor
+         type(c_ptr), intent(in), value :: buffer
+         integer(c_size_t), intent(in), value :: count
+         integer(c_long) :: got
+      end function c_read
+
+      function c_write(descriptor, buffer, count) result(done) bind(C, name="write")
+         import :: c_int, c_long, c_ptr, c_size_t
+         implicit none (type, external)
+         integer(c_int), intent(in), value :: descriptor
+         type(c_ptr), intent(in), value :: buffer
+         integer(c_size_t), intent(in), value :: count
+         integer(c_long) :: done
+      end function c_write
+
+      function c_close(descriptor) result(failed) bind(C, name="close")
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), intent(in), value :: descriptor
+         integer(c_int) :: failed
+      end function c_close
+
+      function c_isatty(descriptor) result(terminal) bind(C, name="isatty")
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), intent(in), value :: descriptor
+         integer(c_int) :: terminal
+      end function c_isatty
+   end interface
+
+contains
+
+   !> Writes a text to a descriptor, in as many calls as it takes; what cannot be written is lost.
+   subroutine write_bytes(descriptor, text)
+      !> Of the system
+      integer(c_int), intent(in) :: descriptor
+      !> Any bytes
+      character(*, kind=c_char), intent(in), target :: text
+      integer(c_long) :: done
+      integer :: from, tries
+
+      from = 1
+      tries = 0
+      do while (from <= len(text) .and. tries < 100)
+         done = c_write(descriptor, c_loc(text(from:from)), int(len(text) - from + 1, c_size_t))
+         tries = merge(0, tries + 1, done > 0)
+         if (done > 0) from = from + int(done)
+      end do
+   end subroutine write_bytes
+
+   !> SIG_IGN: the signal does nothing.
+   pure type(c_funptr) function ignore_signal()
+      ignore_signal = transfer(1_c_intptr_t, c_null_funptr)
+   end function ignore_signal
+
+end module gyroakf_app_system
