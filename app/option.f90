@@ -158,7 +158,7 @@ module gyroakf_app_option
       option_type("--threads", "N", "count", every, "common", "number of threads (default: all)"), &
       option_type("--memory", "SIZE", "text", reading, "common", &
                   "memory that may be used, 28MB or more, as 500MB or 2GB (default: what is free); "// &
-                  "allan and inspect stream a larger recording, the others refuse it"), &
+                  "allan, inspect and filter stream a larger recording, the others refuse it"), &
       option_type("--quiet", "", "flag", reading, "common", "print no report"), &
       option_type("--progress", "auto|on|off", "choice", every, "common", &
                   "how far long work is, on standard error; auto (default): on a terminal, after a second"), &

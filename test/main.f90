@@ -53,6 +53,7 @@ program test_main
    use test_simulate, only : collect_simulate
    use test_special, only : collect_special
    use test_state_space, only : collect_state_space
+   use test_streamed_filter, only : collect_streamed_filter
    use test_text, only : collect_text
    use test_trend, only : collect_trend
    use test_conventions, only : collect_conventions
@@ -111,6 +112,7 @@ program test_main
    call add("simulate", collect_simulate)
    call add("special", collect_special)
    call add("state_space", collect_state_space)
+   call add("streamed_filter", collect_streamed_filter)
    call add("text", collect_text)
    call add("trend", collect_trend)
    call add("conventions", collect_conventions)

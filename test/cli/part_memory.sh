@@ -44,6 +44,37 @@ if [ "$(diff out streamed.txt | grep -c '^[<>]')" = 0 ]; then pass; else fail "i
 good "inspect as JSON" inspect large.txt --json whole.json --quiet
 good "inspect streamed as JSON" inspect large.txt --memory 30MB --json streamed_inspect.json --quiet
 if cmp -s whole.json streamed_inspect.json; then pass; else fail "inspect's JSON: $(diff whole.json streamed_inspect.json | head -n 3)"; fi
+good "filter in memory" filter large.txt --json whole.json --quiet
+good "filter streamed" filter large.txt --memory 30MB --json streamed.json
+holds "filter says streamed" "streamed, for the recording is larger" out
+holds "what a streamed filter lacks" "drift and its filters: the identification needs the record in memory" out
+if command -v python3 >/dev/null; then
+   # every number of raw, ar, kf and akf alike to rounding
+   if python3 - >alike 2>&1 <<'PYTHON'
+import json
+a, b = (json.load(open(f))["channels"][0] for f in ("whole.json", "streamed.json"))
+def compare(x, y, path):
+    if isinstance(x, dict):
+        assert x.keys() == y.keys(), path
+        for k in x: compare(x[k], y[k], path + "." + k)
+    elif isinstance(x, list):
+        assert len(x) == len(y), path
+        for i, (p, q) in enumerate(zip(x, y)): compare(p, q, f"{path}[{i}]")
+    elif isinstance(x, float) or isinstance(y, float):
+        assert abs(x - y) <= 1e-11*max(abs(x), abs(y), 1e-3), (path, x, y)
+    else: assert x == y, (path, x, y)
+for key in ("raw", "ar"): compare(a[key], b[key], key)
+for key in ("kf", "akf"): compare(a["filters"][key], b["filters"][key], key)
+assert b["filters"]["drift_kf"] is None
+PYTHON
+   then pass; else fail "filter streamed and in memory: $(tail -n 1 alike)"; fi
+fi
+"$gyroakf" filter - --memory 30MB <large.txt >out 2>err; is "filter of a pipe that does not fit" $? 2
+holds "why" "standard input or a pipe comes only once" err
+bad "filter cleaning" 2 "without --detrend" filter large.txt --memory 30MB --detrend 1
+bad "ar needs" 2 "rows need 33" ar large.txt --memory 30MB
+holds "what to do" "gyroakf allan, inspect and filter stream" err
+bad "tests need" 2 "rows need 33" tests large.txt --memory 30MB
 bad "all averaging times" 2 "without --taus all" allan large.txt --memory 30MB --taus all
 bad "cleaning" 2 "without --outliers" allan large.txt --memory 30MB --outliers auto
 bad "segments" 2 "without --dynamic" allan large.txt --memory 30MB --dynamic 4
