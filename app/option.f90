@@ -76,6 +76,8 @@ module gyroakf_app_option
       option_type("--skip", "N", "natural", reading, "input", "leave out the first N lines of the file"), &
       option_type("--from", "S", "real", reading, "input", "begin S seconds after the first sample"), &
       option_type("--to", "S", "positive", reading, "input", "end S seconds after the first sample"), &
+      option_type("--decimal-comma", "", "flag", reading, "input", "every comma in the file is a decimal comma, as in 1,5; "// &
+                  "recognised by itself where semicolons, tabs or blanks part the columns"), &
       option_type("--bad-lines", "error|missing", "choice", reading, "input", &
                   "a line that cannot be read is an error (default), or marked missing and counted")]
 

@@ -25,6 +25,7 @@ program test_main
    use test_audit, only : collect_audit
    use test_autocovariance, only : collect_autocovariance
    use test_clean, only : collect_clean
+   use test_dates, only : collect_dates
    use test_decimal, only : collect_decimal
    use test_design, only : collect_design
    use test_error, only : collect_error
@@ -84,6 +85,7 @@ program test_main
    call add("audit", collect_audit)
    call add("autocovariance", collect_autocovariance)
    call add("clean", collect_clean)
+   call add("dates", collect_dates)
    call add("decimal", collect_decimal)
    call add("design", collect_design)
    call add("error", collect_error)

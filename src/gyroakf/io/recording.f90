@@ -31,6 +31,12 @@ module gyroakf_io_recording
       character(:), allocatable :: columns
       !> Number or name; "none" forbids; unallocated: found by its name
       character(:), allocatable :: time_column
+      !> How samples get their place: "index" (also where unallocated), "nearest" or "linear"
+      character(:), allocatable :: resample
+      !> Where angles wrap, in units of the file: a number, "auto" (also where unallocated) or "none"
+      character(:), allocatable :: wrap
+      !> Every comma in the file is a decimal comma
+      logical :: decimal_comma = .false.
       !> "auto" (also where unallocated), "text" or "csv"
       character(:), allocatable :: format
       !> Lines that cannot be read count as missing samples instead of being an error
@@ -90,6 +96,7 @@ contains
       if (allocated(options%time_column)) recording%wanted%time_column = options%time_column
       recording%wanted%bad_lines_missing = options%bad_lines_missing
       recording%wanted%skip = options%skip
+      recording%wanted%decimal_comma = options%decimal_comma
       recording%wanted%bytes => options%bytes
       call begin_table(recording%lines, path, recording%wanted, recording%table, error)
       if (.not. allocated(error)) recording%expected_rows = rows_by_size(recording%lines)
