@@ -83,3 +83,29 @@ bad "further kinds" 2 "without --kinds" allan large.txt --memory 30MB --kinds md
 bad "bad line in a late block" 2 "broken.txt:900001:1:" allan broken.txt --memory 30MB
 awk 'BEGIN { print "a,b"; for (i = 0; i < 900000; i++) print "1.000," i % 7 }' >constant.csv
 good "a constant channel in the stream" allan constant.csv --memory 33MB --rate 1
+# without --memory the machine's is the bound: a file of a terabyte (a hole behind its first rows) is refused before it is read
+head -n 100000 large.txt >hole.txt
+if [ -r /proc/meminfo ] && truncate -s 1T hole.txt 2>/dev/null; then
+   bad "more than the machine has" 2 "of memory can be had" run hole.txt
+   holds "what to do then" "insist with --memory SIZE" err
+   bad "tests beyond the machine" 2 "of memory can be had" tests hole.txt
+fi
+rm -f hole.txt
+# the process stays below the bound
+peak() { # ARGUMENTS...: kilobytes
+   python3 -c 'import os, sys
+pid = os.posix_spawn(sys.argv[1], sys.argv[1:], os.environ, file_actions=[(os.POSIX_SPAWN_OPEN, 1, os.devnull, os.O_WRONLY, 0)])
+_, status, usage = os.wait4(pid, 0)
+print(usage.ru_maxrss if status == 0 else "failed")' "$gyroakf" "$@"
+}
+if [ "$(uname)" = Linux ] && command -v python3 >/dev/null && [ -z "${ASAN_OPTIONS:-}" ]; then
+   for command in inspect allan filter; do
+      used=$(peak $command large.txt --memory 30MB)
+      if [ "$used" != failed ] && [ "$used" -lt $((30000000/1024)) ]; then pass; else fail "peak of $command: $used kB"; fi
+   done
+   awk 'BEGIN { print "time_s,gx,gy,gz"; for (i = 0; i < 400000; i++) printf "%.2f,%d,%d,%d\n", i/100, i%7, i%11, i%13 }' >three.csv
+   for command in inspect allan filter; do
+      used=$(peak $command three.csv --memory 36MB)
+      if [ "$used" != failed ] && [ "$used" -lt $((36000000/1024)) ]; then pass; else fail "peak of $command, three channels: $used kB"; fi
+   done
+fi
