@@ -71,13 +71,16 @@ module gyroakf_app_option
       option_type("--column", "N|NAME[,...]", "text", reading, "input", "columns to read (default: all but the time)"), &
       option_type("--time-column", "N|NAME|none", "text", reading, "input", &
                   "column of the time stamps (default: found by its name)"), &
-      option_type("--format", "auto|text|csv", "choice", reading, "input", "how the file is written", &
-                  "npy|f32|f64|i16|i32"), &
-      option_type("--skip", "N", "natural", reading, "input", "leave out the first N lines of the file"), &
+      option_type("--format", "auto|text|csv|npy|hdf5|f64|f32|i16|...", "text", reading, "input", &
+                  "how the file is written (default auto: by its content); raw numbers: f32 f64 i8 i16 i32 i64 u8 u16 u32, "// &
+                  "with be behind it where they are big endian: i16be"), &
+      option_type("--channels", "N", "count", reading, "input", "columns of raw numbers, interleaved (default 1)"), &
+      option_type("--dataset", "PATH", "text", reading, "input", &
+         "dataset of an HDF5 file (default: the only one of numbers)"), &
+      option_type("--skip", "N", "natural", reading, "input", &
+                  "leave out the first N lines of a text, or the first N bytes before raw numbers"), &
       option_type("--from", "S", "real", reading, "input", "begin S seconds after the first sample"), &
       option_type("--to", "S", "positive", reading, "input", "end S seconds after the first sample"), &
-      option_type("--decimal-comma", "", "flag", reading, "input", "every comma in the file is a decimal comma, as in 1,5; "// &
-                  "recognised by itself where semicolons, tabs or blanks part the columns"), &
       option_type("--bad-lines", "error|missing", "choice", reading, "input", &
                   "a line that cannot be read is an error (default), or marked missing and counted")]
 
@@ -160,7 +163,7 @@ module gyroakf_app_option
       option_type("--threads", "N", "count", every, "common", "number of threads (default: all)"), &
       option_type("--memory", "SIZE", "text", reading, "common", &
                   "memory that may be used, 28MB or more, as 500MB or 2GB (default: what is free); "// &
-                  "allan, inspect and filter stream a larger recording, the others refuse it"), &
+                  "allan and inspect stream a larger recording, the others refuse it"), &
       option_type("--quiet", "", "flag", reading, "common", "print no report"), &
       option_type("--progress", "auto|on|off", "choice", every, "common", &
                   "how far long work is, on standard error; auto (default): on a terminal, after a second"), &

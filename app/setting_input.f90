@@ -3,11 +3,12 @@
 module gyroakf_app_setting_input
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_element, only : element_type, parse_element
    use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_reader, only : reader_options
    use gyroakf_units, only : unit_type, parse_unit, parse_units, quantity
    use gyroakf_app_config, only : cli_config, reading_config, analysis_config
-   use gyroakf_app_option, only : option_type
+   use gyroakf_app_option, only : option_type, suggest_word
    use gyroakf_app_value, only : value_type, value_error, not_wired
    implicit none (type, external)
    private
@@ -41,16 +42,39 @@ contains
          if (.not. abs(value%number) > 0) call value_error(option, "0 leaves nothing", error)
       case ("--column"); reader%columns = value%text
       case ("--time-column"); reader%time_column = value%text
-      case ("--format"); reader%format = value%text
+      case ("--format"); call set_format(reader, option, value%text, error)
+      case ("--channels"); reader%channels = value%count
+      case ("--dataset"); reader%dataset = value%text
       case ("--skip"); reader%skip = value%count
       case ("--from"); reader%from = value%number
          if (value%number < 0) call value_error(option, "'"//value%text//"' is before the first sample", error)
       case ("--to"); reader%to = value%number
-      case ("--decimal-comma"); reader%decimal_comma = .true.
       case ("--bad-lines"); reader%bad_lines_missing = value%text == "missing"
       case default; call not_wired(option, error)
       end select
    end subroutine set_input
+
+   !> One of the formats; the other words are those of [[parse_element]].
+   subroutine set_format(reader, option, text, error)
+      type(reader_options), intent(inout) :: reader
+      type(option_type), intent(in) :: option
+      character(*), intent(in) :: text
+      type(error_type), allocatable, intent(out) :: error
+      character(5), parameter :: words(16) = [character(5) :: "auto", "text", "csv", "npy", "hdf5", "f16", "f32", "f64", "i8", &
+                                              "i16", "i32", "i64", "u8", "u16", "u32", "u64"]
+      character(:), allocatable :: near
+      type(element_type) :: element
+      logical :: raw
+
+      reader%format = text
+      call parse_element(text, element, raw)
+      if (raw .or. any(words(:5) == text)) return
+      near = suggest_word(text, words)
+      if (len(near) > 0) near = ", perhaps '"//near//"'"
+      call value_error(option, "'"//text// &
+         "' is none of auto, text, csv, npy, hdf5, f32, f64, i8, i16, i32, i64, u8, u16, u32, "// &
+                       "which may have le or be behind them"//near, error)
+   end subroutine set_format
 
    !> What is wrong with the options of a group as a whole.
    subroutine check_input(reader, error)
@@ -74,7 +98,8 @@ contains
       do i = 1, size(unit)
          if (angles .eqv. (unit(i)%quantity == quantity%angle)) cycle
          if (angles) then
-            call fatal_error(error, status%usage, "with --input "//reader%input//" the unit is that of the angle: rad, deg, "// &
+            call fatal_error(error, status%usage, "with --input "//reader%input// &
+               " the unit is that of the angle: rad, deg, "// &
                              "arcsec, not '"//unit(i)%name//"'")
          else
             call fatal_error(error, status%usage, "'"//unit(i)%name//"' is the unit of an angle: say --input increment or "// &
@@ -168,7 +193,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(3), parameter :: units(14) = [character(3) :: "", "B", "k", "kB", "KiB", "M", "MB", "MiB", "G", "GB", "GiB", &
                                              "T", "TB", "TiB"]
-      real(dp), parameter :: bytes(14) = [1.0_dp, 1.0_dp, 1e3_dp, 1e3_dp, 1024.0_dp, 1e6_dp, 1e6_dp, 1024.0_dp**2, 1e9_dp, 1e9_dp, &
+      real(dp), parameter :: bytes(14) = [1.0_dp, 1.0_dp, 1e3_dp, 1e3_dp, 1024.0_dp, 1e6_dp, 1e6_dp, 1024.0_dp**2, 1e9_dp, &
+         1e9_dp, &
                                           1024.0_dp**3, 1e12_dp, 1e12_dp, 1024.0_dp**4]
       real(dp) :: x
       integer :: last, found, unit

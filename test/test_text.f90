@@ -3,7 +3,7 @@
 module test_text
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : int8, int64
-   use gyroakf_io_format, only : decimal_comma, foreign_content
+   use gyroakf_io_format, only : content_type, decimal_comma, recognise
    use gyroakf_io_place, only : place_message
    use gyroakf_io_stamps, only : infer_scale, is_time_name, named_scale
    use gyroakf_io_text, only : bytes_text, fields_type, is_comment, split, split_line
@@ -117,24 +117,44 @@ contains
 
    subroutine test_foreign(error)
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: what
-      integer(int64) :: at
 
-      call foreign_content(bytes_of("1 2"//achar(0)//"3"), 5_int64, what, at)
-      call check(error, what == "binary" .and. at == 4, "NUL: "//what)
+      call check_content(error, "1 2"//achar(0)//"3", "a.txt", "foreign", "binary")
       if (allocated(error)) return
-      call foreign_content(bytes_of(char(31)//char(139)//"xyz"), 5_int64, what, at)
-      call check(error, what, "compressed by gzip")
+      call check_content(error, char(31)//char(139)//char(8)//"xyz", "a.txt", "foreign", "compressed by gzip")
       if (allocated(error)) return
-      call foreign_content(bytes_of(char(255)//char(254)//"1"//achar(0)), 4_int64, what, at)
-      call check(error, what, "text in UTF-16")
+      call check_content(error, char(255)//char(254)//"1"//achar(0), "a.txt", "foreign", "text in UTF-16")
       if (allocated(error)) return
-      call foreign_content(bytes_of(repeat("1.5 2"//nl, 30)//achar(27)), 181_int64, what, at)
-      call check(error, what, "")
+      call check_content(error, repeat("1.5 2"//nl, 30)//achar(27), "a.txt", "text", "")
       if (allocated(error)) return
-      call foreign_content(bytes_of("1.5 "//achar(1)//achar(2)//" 3"), 8_int64, what, at)
-      call check(error, what, "binary")
+      call check_content(error, "1.5 "//achar(1)//achar(2)//" 3", "a.txt", "foreign", "binary")
+      if (allocated(error)) return
+      call check_content(error, repeat("1"//achar(0)//nl//achar(0), 30), "a.txt", "foreign", &
+                         "text in UTF-16 without a byte-order mark")
+      if (allocated(error)) return
+      call check_content(error, repeat("1.5"//nl, 30)//repeat(achar(0), 4), "a.txt", "foreign", &
+                         "text with 4 NUL bytes, as a logger leaves them that lost its power")
+      if (allocated(error)) return
+      call check_content(error, "MATLAB 7.3 MAT-file"//repeat(" ", 493)//char(137)//"HDF"//char(13)//nl//char(26)//nl, &
+                         "a.mat", "hdf5", "")
+      if (allocated(error)) return
+      call check_content(error, char(147)//"NUMPY"//char(1)//char(0), "a.txt", "npy", "")
+      if (allocated(error)) return
+      call check_content(error, char(31)//char(139)//char(8)//"x", "a.i16be", "binary", "")
+      if (allocated(error)) return
+      call check_content(error, "1.5"//nl, "a.f64", "text", "")
    end subroutine test_foreign
+
+   !> What a file's first bytes and its name tell.
+   subroutine check_content(error, bytes, name, kind, what)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), intent(in) :: bytes, name, kind, what
+      type(content_type) :: content
+
+      call recognise(bytes_of(bytes), name, content)
+      call check(error, trim(content%kind), kind)
+      if (allocated(error) .or. len(what) == 0) return
+      call check(error, content%what, what)
+   end subroutine check_content
 
    subroutine test_caret(error)
       type(error_type), allocatable, intent(out) :: error

@@ -50,8 +50,10 @@ module gyroakf_record
    type :: record_type
       !> The file's name, "-" for standard input
       character(:), allocatable :: path
-      !> As in "text"
+      !> As in "text", "npy", "hdf5", "i16le"
       character(:), allocatable :: format
+      !> How the file stores its numbers, as in "float32"; "" for text
+      character(:), allocatable :: stored_type
       !> The samples: [sample, channel]; finite everywhere, 0 where missing
       real(dp), allocatable :: value(:, :)
       !> 1 where a sample is present, 0 where it is missing: [sample, channel]; allocated only where something is missing
@@ -120,6 +122,7 @@ contains
 
       if (allocated(record%path)) view%path = record%path
       if (allocated(record%format)) view%format = record%format
+      if (allocated(record%stored_type)) view%stored_type = record%stored_type
       if (allocated(record%rate_source)) view%rate_source = record%rate_source
       if (allocated(record%unit_source)) view%unit_source = record%unit_source
       view%sample_interval = record%sample_interval

@@ -47,7 +47,7 @@ unknown unit 'parsec' ; x.txt --unit parsec
 'deg' is the unit of an angle ; x.txt --unit deg
 with --input increment the unit is that of the angle ; x.txt --unit deg/s --input increment
 'rates' is not one of these ; x.txt --input rates
-'npy' is not available in this version ; x.txt --format npy
+'nyp' is none of auto, text, csv, npy ; x.txt --format nyp
 'mdew' is not one of these ; x.txt --kinds oadev,mdew
 other letters than Q N B K R ; x.txt --terms QX
 'foo' is not one of these ; x.txt --taus foo

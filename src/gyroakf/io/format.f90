@@ -1,15 +1,39 @@
 ! SPDX-License-Identifier: MIT
 !> What a file looks like before it is read: text or something else, decimal points or commas.
+!>
+!> The content decides, not the name; only bytes without a signature are what the end of the name says (`.f64`, `.i16be`).
 module gyroakf_io_format
    use gyroakf_kinds, only : int8, int64
+   use gyroakf_io_element, only : element_type, parse_element
+   use gyroakf_io_magic, only : find_magic, magics, with_name
+   use gyroakf_io_place, only : integer_text
    use gyroakf_io_text, only : bytes_text, first_visible, last_visible
+   use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
-   public :: decimal_comma, comma_found, comma_advice, foreign_content
+   public :: decimal_comma, comma_found, comma_advice, content_type, recognise
 
    !> The message for a decimal comma
    character(*), parameter :: comma_found = "this looks like a decimal comma, and a comma separates columns"
-   character(*), parameter :: comma_advice = "write decimal points, as with tr , . < FILE, or say --decimal-comma"
+   character(*), parameter :: comma_advice = "write decimal points, as with tr , . < FILE"
+
+   !> What a file holds
+   type :: content_type
+      !> "text", "npy", "hdf5", "binary" (by the name) or "foreign"
+      character(7) :: kind = "text"
+      !> Of "binary"
+      type(element_type) :: element
+      !> Of the name, in lower case, without the point
+      character(:), allocatable :: ending
+      !> Of "foreign": what it is, as in "compressed by gzip", and what to do
+      character(:), allocatable :: what, advice
+      !> The byte that tells, from 1
+      integer(int64) :: at = 1
+   end type content_type
+
+   character(*), &
+      parameter :: binary_advice = "say what it holds: --format f64, f32, i16, i32, u8, ..., with be behind it for "// &
+      "big endian; --channels N for interleaved columns, --skip N for a header of N bytes"
 
    integer(int8), parameter :: tab = 9, blank = 32, quote = 34, apostrophe = 39, comma = 44, point = 46, semicolon = 59
 
@@ -19,17 +43,16 @@ contains
    !>
    !> It is recognised in a line without decimal points where each comma stands between two digits and either other separators
    !> part fields of one comma at most (`1,5;2,3`), or the line has one comma with a leading zero behind it (`1,05`) or `-0`
-   !> before it. A comma behind a time of day (`12:00:00,5`) is none.
+   !> before it.
    pure integer(int64) function decimal_comma(bytes, first, last) result(at)
       !> Holds a line of data at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       integer(int64) :: p, from, to
       integer :: commas, in_field
-      logical :: others, clock
+      logical :: others
 
       at = 0
-      clock = .false.
       commas = 0
       in_field = 0
       others = .false.
@@ -38,17 +61,13 @@ contains
       do p = from, to
          select case (bytes(p))
          case (point, quote, apostrophe); return
-         case (iachar(":"))
-            clock = .true.
          case (comma)
-            if (clock) return
             if (.not. (is_digit(bytes, p - 1, from, to) .and. is_digit(bytes, p + 1, from, to)) .or. in_field == 1) return
             in_field = 1
             commas = commas + 1
          case (blank, tab, semicolon)
             others = .true.
             in_field = 0
-            clock = .false.
          case default
             continue
          end select
@@ -73,38 +92,118 @@ contains
       is_digit = bytes(p) >= 48 .and. bytes(p) <= 57
    end function is_digit
 
-   !> What a first block holds that is no text.
-   pure subroutine foreign_content(bytes, count, what, at)
-      !> The first bytes of a file
+   !> What the first block of a file holds.
+   subroutine recognise(bytes, name, content)
+      !> The first bytes: some thousands, or all there are
       integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: count
-      !> "" for text
-      character(:), allocatable, intent(out) :: what
-      !> Where it was seen
-      integer(int64), intent(out) :: at
-      integer(int64) :: i, controls
-      character(:), allocatable :: head
+      !> Of the file: its end counts where the content alone does not tell
+      character(*), intent(in) :: name
+      !> What it is
+      type(content_type), intent(out) :: content
+      integer(int64) :: i, controls, nulls, count
+      integer :: found
+      logical :: by_name
 
-      what = ""
-      at = 1
-      head = bytes_text(bytes, 1_int64, min(count, 8_int64))//repeat(" ", 8)
-      if (head(:2) == char(31)//char(139)) what = "compressed by gzip"
-      if (head(:2) == "PK") what = "a zip archive or a spreadsheet"
-      if (head(:4) == char(137)//"HDF") what = "an HDF5 file"
-      if (head(2:6) == "NUMPY") what = "a NumPy file"
-      if (head(:2) == char(255)//char(254) .or. head(:2) == char(254)//char(255)) what = "text in UTF-16"
-      if (len(what) > 0) return
+      count = size(bytes, kind=int64)
+      content%kind = "text"
+      content%ending = ending_of(name)
+      call parse_element(content%ending, content%element, by_name)
+      call find_magic(bytes, content%kind, found)
+      if (found > 0) then
+         if (.not. (by_name .and. magics(found)%length < 4)) then
+            content%kind = "foreign"
+            content%what = trim(magics(found)%what)
+            content%advice = with_name(trim(magics(found)%advice), name)
+         end if
+      end if
+      if (content%kind /= "text") return
+      if (by_name) then
+         content%kind = merge("text  ", "binary", all(is_plain(bytes)))
+         return
+      end if
       controls = 0
+      nulls = 0
       do i = 1, count
          if (bytes(i) < 0 .or. bytes(i) > 31) cycle
          if (bytes(i) >= 9 .and. bytes(i) <= 13) cycle
+         if (controls == 0) content%at = i
          controls = controls + 1
-         if (bytes(i) == 0 .or. 20*controls > count) then
-            what = "binary"
-            at = i
-            return
-         end if
+         if (bytes(i) == 0) nulls = nulls + 1
       end do
-   end subroutine foreign_content
+      if (nulls == 0 .and. 20*controls <= count) return
+      if (nulls == 0) content%at = min(content%at, count)
+      content%kind = "foreign"
+      content%what = "binary"
+      content%advice = binary_advice
+      if (nulls == controls) call explain_nulls(bytes, name, nulls, content)
+   end subroutine recognise
+
+   !> What lies behind the last point of the name, in lower case.
+   pure function ending_of(name) result(ending)
+      character(*), intent(in) :: name
+      character(:), allocatable :: ending
+      integer :: point_at
+
+      ending = ""
+      point_at = index(name, ".", back=.true.)
+      if (point_at > 0 .and. point_at > index(name, "/", back=.true.)) ending = lower(name(point_at + 1:))
+   end function ending_of
+
+   !> True for what a text without accents consists of.
+   elemental logical function is_plain(byte)
+      integer(int8), intent(in) :: byte
+
+      is_plain = (byte >= 32 .and. byte < 127) .or. (byte >= 9 .and. byte <= 13)
+   end function is_plain
+
+   !> Bytes that are 0 and no other control characters: UTF-16 without its mark, or text with holes.
+   subroutine explain_nulls(bytes, name, nulls, content)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      character(*), intent(in) :: name
+      integer(int64), intent(in) :: nulls
+      type(content_type), intent(inout) :: content
+      integer(int64) :: count, even, digits
+
+      count = size(bytes, kind=int64)
+      digits = 0
+      even = 0
+      if (count > 1) then
+         even = nulls_at(bytes, 1_int64)
+         digits = digits_in(bytes)
+      end if
+      if (any(bytes < 0) .or. 4*digits < count - nulls) return
+      if (5*nulls > 2*count .and. (20*even < nulls .or. 20*(nulls - even) < nulls)) then
+         content%what = "text in UTF-16 without a byte-order mark"
+         content%advice = with_name("turn it into UTF-8: iconv -f UTF-16"//merge("LE", "BE", 20*even < nulls)// &
+                                    " -t UTF-8 FILE | gyroakf run -", name)
+      else if (any(bytes == 10) .or. any(bytes == 13)) then
+         content%what = "text with "//integer_text(nulls)//" NUL bytes, as a logger leaves them that lost its power"
+         content%advice = "leave them out: tr -d '\000' < "//trim(merge("FILE", "    ", .false.))
+         content%advice = with_name("leave them out: tr -d '\000' < FILE | gyroakf run -", name)
+      end if
+   end subroutine explain_nulls
+
+   !> Zeros at every second byte.
+   pure integer(int64) function nulls_at(bytes, first)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first
+      integer(int64) :: i
+
+      nulls_at = 0
+      do i = first, size(bytes, kind=int64), 2
+         if (bytes(i) == 0) nulls_at = nulls_at + 1
+      end do
+   end function nulls_at
+
+   !> Digits, signs, points, separators and line ends: what tables of numbers consist of.
+   pure integer(int64) function digits_in(bytes)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64) :: i
+
+      digits_in = 0
+      do i = 1, size(bytes, kind=int64)
+         if (bytes(i) >= 43 .and. bytes(i) <= 57) digits_in = digits_in + 1
+      end do
+   end function digits_in
 
 end module gyroakf_io_format

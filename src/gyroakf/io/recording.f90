@@ -5,12 +5,20 @@ module gyroakf_io_recording
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_io_binary, only : binary_type, read_binary_rows
    use gyroakf_io_decimal, only : format_real
-   use gyroakf_io_lines, only : close_lines, lines_type
+   use gyroakf_io_element, only : element_name, element_type, element_word, parse_element
+   use gyroakf_io_format, only : content_type, recognise
+   use gyroakf_io_hdf5, only : close_hdf5, hdf5_type
+   use gyroakf_io_hdf5_rows, only : begin_hdf5, read_hdf5_rows
+   use gyroakf_io_lines, only : close_lines, lines_type, open_lines
+   use gyroakf_io_opening, only : begin_npy, begin_raw
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_store, only : count_rows
+   use gyroakf_io_positioned, only : close_positioned
    use gyroakf_io_table, only : begin_table, table_options, table_type
    use gyroakf_io_text_rows, only : read_rows
+   use gyroakf_record, only : add_text
    implicit none (type, external)
    private
    public :: reader_options, recording_type, open_recording, next_rows, hold_rows, close_recording
@@ -31,20 +39,19 @@ module gyroakf_io_recording
       character(:), allocatable :: columns
       !> Number or name; "none" forbids; unallocated: found by its name
       character(:), allocatable :: time_column
-      !> How samples get their place: "index" (also where unallocated), "nearest" or "linear"
-      character(:), allocatable :: resample
-      !> Where angles wrap, in units of the file: a number, "auto" (also where unallocated) or "none"
-      character(:), allocatable :: wrap
-      !> Every comma in the file is a decimal comma
-      logical :: decimal_comma = .false.
-      !> "auto" (also where unallocated), "text" or "csv"
+      !> "auto" (also where unallocated), "text", "csv", "npy", "hdf5", or raw numbers: "f32", "f64", "i8", "i16", "i32", "i64",
+      !> "u8", ..., with "be" behind it where they are big endian
       character(:), allocatable :: format
       !> Lines that cannot be read count as missing samples instead of being an error
       logical :: bad_lines_missing = .false.
       !> The part from <= time < to is kept; s from the start
       real(dp) :: from = 0.0_dp, to = huge(1.0_dp)
-      !> Lines that are left out at the start of the file
+      !> Lines of text, or bytes of raw numbers, that are left out at the start of the file
       integer(int64) :: skip = 0
+      !> Raw numbers: columns, interleaved; 0: nobody said, 1
+      integer(int64) :: channels = 0
+      !> HDF5: path of the dataset; unallocated: the only one of numbers
+      character(:), allocatable :: dataset
       !> Bytes that the process may use, 0 for no limit; and what the caller needs of them per sample, beside the record itself:
       !> for the channel that is worked on, and for every channel
       integer(int64) :: memory = 0, work_bytes = 0, channel_bytes = 0
@@ -59,9 +66,14 @@ module gyroakf_io_recording
       character(:), allocatable :: path
       !> What it turned out to be, as in "text"
       character(:), allocatable :: format
+      !> How its numbers are stored, as in "float32"; "" for text
+      character(:), allocatable :: stored_type
       type(reader_options) :: options
       type(table_options) :: wanted
       type(lines_type) :: lines
+      !> Of binary numbers and of HDF5
+      type(binary_type) :: binary
+      type(hdf5_type) :: hdf5
       type(table_type) :: table
       !> Rows that its size suggests, 0 where that is not known (standard input, a FIFO)
       integer(int64) :: expected_rows = 0
@@ -91,16 +103,147 @@ contains
       if (allocated(error)) return
       recording%path = path
       recording%format = "text"
+      recording%stored_type = ""
       recording%options = options
       if (allocated(options%columns)) recording%wanted%columns = options%columns
       if (allocated(options%time_column)) recording%wanted%time_column = options%time_column
       recording%wanted%bad_lines_missing = options%bad_lines_missing
       recording%wanted%skip = options%skip
-      recording%wanted%decimal_comma = options%decimal_comma
       recording%wanted%bytes => options%bytes
-      call begin_table(recording%lines, path, recording%wanted, recording%table, error)
-      if (.not. allocated(error)) recording%expected_rows = rows_by_size(recording%lines)
+      call begin_rows(path, recording, error)
    end subroutine open_recording
+
+   !> Finds the format and reads what stands above the rows.
+   subroutine begin_rows(path, recording, error)
+      character(*), intent(in) :: path
+      type(recording_type), intent(inout) :: recording
+      type(error_type), allocatable, intent(out) :: error
+      type(content_type) :: content
+      type(element_type) :: element
+      character(:), allocatable :: asked, dataset
+      logical :: raw
+
+      asked = "auto"
+      if (allocated(recording%options%format)) asked = recording%options%format
+      call parse_element(asked, element, raw)
+      if (raw) then
+         call begin_numbers_only(path, element, recording, error)
+         return
+      end if
+      call open_lines(recording%lines, path, error, recording%options%bytes)
+      if (allocated(error)) return
+      call find_content(recording%lines, asked, content, error)
+      if (.not. allocated(error)) call check_use(content%kind, recording, error)
+      if (allocated(error)) return
+      dataset = ""
+      if (allocated(recording%options%dataset)) dataset = recording%options%dataset
+      select case (content%kind)
+      case ("npy")
+         call begin_npy(recording%lines, path, recording%wanted, recording%binary, recording%table, error)
+         call note_format("npy", recording%binary%element, recording)
+         recording%expected_rows = max(0_int64, recording%binary%rows)
+      case ("hdf5")
+         call begin_hdf5(recording%lines%source, path, recording%wanted, dataset, recording%hdf5, recording%table, error)
+         call note_format("hdf5", recording%hdf5%element, recording)
+         recording%expected_rows = maxval(recording%hdf5%shape)
+      case ("binary")
+         call close_lines(recording%lines)
+         call begin_numbers_only(path, content%element, recording, error)
+         if (.not. allocated(error)) call add_text(recording%table%warnings, "read as "//element_word(content%element)// &
+            ", "//integer_text(recording%binary%columns)//" column"//trim(merge("s", " ", recording%binary%columns > 1))// &
+            ", as the name ."//content%ending//" says; --format and --channels say it")
+      case default
+         call begin_table(recording%lines, recording%wanted, recording%table, error)
+         if (allocated(error)) return
+         recording%expected_rows = rows_by_size(recording%lines)
+         if (named_otherwise(content%ending)) call add_text(recording%table%warnings, "the name ends in ."//content%ending// &
+                                                            ", but the content is text and is read as such")
+      end select
+   end subroutine begin_rows
+
+   !> Opens raw numbers.
+   subroutine begin_numbers_only(path, element, recording, error)
+      character(*), intent(in) :: path
+      type(element_type), intent(in) :: element
+      type(recording_type), intent(inout) :: recording
+      type(error_type), allocatable, intent(out) :: error
+
+      call check_use("binary ", recording, error)
+      if (allocated(error)) return
+      call begin_raw(recording%lines%source, path, recording%wanted, max(1_int64, recording%options%channels), element, &
+                     recording%binary, recording%table, error)
+      call note_format(element_word(element), element, recording)
+      recording%expected_rows = max(0_int64, recording%binary%rows)
+   end subroutine begin_numbers_only
+
+   !> What the file is, if that is what was asked for.
+   subroutine find_content(lines, asked, content, error)
+      type(lines_type), intent(in) :: lines
+      character(*), intent(in) :: asked
+      type(content_type), intent(out) :: content
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: what
+
+      associate (name => lines%source%name)
+         if (lines%filled == 0) then
+            call fatal_error(error, status%parse, name//":1:1: the file is empty"//new_line("a")// &
+                             "check what should have written it")
+            return
+         end if
+         call recognise(lines%bytes(:lines%filled), name, content)
+         if (content%kind == "foreign") then
+            call fatal_error(error, status%parse, name//":"// &
+                             integer_text(1 + count(lines%bytes(:content%at) == 10, kind=int64))// &
+                                ":1: the content is not text but "// &
+                             content%what//new_line("a")//content%advice)
+            return
+         end if
+         if (asked == "auto" .or. asked == content%kind .or. (asked == "csv" .and. content%kind == "text")) return
+         what = "text"
+         if (content%kind == "npy") what = "a NumPy file"
+         if (content%kind == "hdf5") what = "an HDF5 file"
+         if (content%kind == "binary") what = "binary"
+         call fatal_error(error, status%parse, name//":1:1: the content is not "//asked//" but "//what//new_line("a")// &
+                          "leave --format out")
+      end associate
+   end subroutine find_content
+
+   !> An option that does not apply is not passed over.
+   subroutine check_use(kind, recording, error)
+      !> As in [[content_type]]
+      character(*), intent(in) :: kind
+      type(recording_type), intent(in) :: recording
+      type(error_type), allocatable, intent(out) :: error
+
+      if (kind /= "binary" .and. recording%options%channels > 0) then
+         call fatal_error(error, status%invalid_argument, recording%path//": --channels is for raw numbers, and this is "//kind)
+      else if (kind /= "hdf5" .and. allocated(recording%options%dataset)) then
+         call fatal_error(error, status%invalid_argument, recording%path//": --dataset is for HDF5, and this is "//kind)
+      else if ((kind == "npy" .or. kind == "hdf5") .and. recording%options%skip > 0) then
+         call fatal_error(error, status%invalid_argument, recording%path// &
+            ": --skip is for text (lines) and raw numbers (bytes), "// &
+                          "and this is "//kind)
+      end if
+   end subroutine check_use
+
+   !> True for the ending of another format.
+   pure logical function named_otherwise(ending)
+      character(*), intent(in) :: ending
+      type(element_type) :: element
+
+      call parse_element(ending, element, named_otherwise)
+      named_otherwise = named_otherwise .or. any(ending == [character(4) :: "npy", "npz", "h5", "hdf5", "hdf", "mat", "bin"])
+   end function named_otherwise
+
+   !> Notes what a recording turned out to be.
+   subroutine note_format(format, element, recording)
+      character(*), intent(in) :: format
+      type(element_type), intent(in) :: element
+      type(recording_type), intent(inout) :: recording
+
+      recording%format = format
+      recording%stored_type = element_name(element)
+   end subroutine note_format
 
    !> Reads all rows, or as many as the memory allows: `table%whole` tells. None where the file's size alone forbids it.
    subroutine hold_rows(recording, error, progress)
@@ -133,6 +276,22 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
+
+      if (recording%format == "text") then
+         call next_text(recording, most, error, progress)
+      else if (recording%format == "hdf5") then
+         call read_hdf5_rows(recording%hdf5, most, recording%table, error, progress)
+      else
+         call read_binary_rows(recording%binary, recording%lines%source, most, recording%table, error, progress)
+      end if
+   end subroutine next_rows
+
+   !> The same for text.
+   subroutine next_text(recording, most, error, progress)
+      type(recording_type), intent(inout) :: recording
+      integer(int64), intent(in) :: most
+      type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
       integer(int64) :: so_far, slice
 
       slice = most
@@ -145,7 +304,7 @@ contains
          if (allocated(error)) return
          if (recording%table%whole .or. count_rows(recording%table%store) >= most) return
       end do
-   end subroutine next_rows
+   end subroutine next_text
 
    !> Closes the file.
    subroutine close_recording(recording)
@@ -153,6 +312,8 @@ contains
       type(recording_type), intent(inout) :: recording
 
       call close_lines(recording%lines)
+      call close_positioned(recording%binary%descriptor)
+      call close_hdf5(recording%hdf5)
    end subroutine close_recording
 
    !> Rows of a regular file from the length of its first lines, 0 where the size is not known.
@@ -233,6 +394,7 @@ contains
    subroutine check_options(options, error)
       type(reader_options), intent(in) :: options
       type(error_type), allocatable, intent(out) :: error
+      type(element_type) :: element
       logical :: known
 
       if (ieee_is_nan(options%rate_hz)) then
@@ -251,12 +413,16 @@ contains
                           format_real(options%to, 6)//" s is empty")
       else if (options%skip < 0) then
          call fatal_error(error, status%invalid_argument, "the number of lines to skip must not be negative")
+      else if (options%channels < 0) then
+         call fatal_error(error, status%invalid_argument, "the number of channels must not be negative")
       end if
       if (allocated(error)) return
       if (allocated(options%format)) then
-         known = any(options%format == [character(4) :: "auto", "text", "csv"])
+         call parse_element(options%format, element, known)
+         known = known .or. any(options%format == [character(4) :: "auto", "text", "csv", "npy", "hdf5"])
          if (.not. known) call fatal_error(error, status%not_supported, "the format '"//options%format// &
-                                           "' is not supported; known are auto, text, csv")
+            "' is not supported; "// &
+            "known are auto, text, csv, npy, hdf5, f32, f64, i8, i16, i32, i64, u8, u16, u32, with be for big endian")
       end if
       if (allocated(error)) return
       if (allocated(options%input)) then

@@ -4,7 +4,7 @@ module gyroakf_io_store
    use gyroakf_kinds, only : dp, int8, int64
    implicit none (type, external)
    private
-   public :: chunk_rows, chunk_type, store_type, next_chunk, count_rows, take_columns
+   public :: chunk_rows, chunk_type, store_type, next_chunk, add_chunk, count_rows, take_columns
 
    !> Rows of every chunk
    integer(int64), parameter :: chunk_rows = 65536
@@ -35,13 +35,28 @@ contains
       integer, intent(in) :: columns
       !> Not 0 where memory cannot be had
       integer, intent(out) :: failed
-      type(chunk_type), allocatable :: longer(:)
-      integer :: i
 
       failed = 0
       if (store%count > 0) then
          if (store%chunk(store%count)%rows < chunk_rows) return
       end if
+      call add_chunk(store, chunk_rows, columns, failed)
+   end subroutine next_chunk
+
+   !> Appends a chunk of any number of rows.
+   subroutine add_chunk(store, rows, columns, failed)
+      !> May be fresh
+      type(store_type), intent(inout) :: store
+      !> Room of the chunk
+      integer(int64), intent(in) :: rows
+      !> Stored columns
+      integer, intent(in) :: columns
+      !> Not 0 where memory cannot be had
+      integer, intent(out) :: failed
+      type(chunk_type), allocatable :: longer(:)
+      integer :: i
+
+      failed = 0
       if (.not. allocated(store%chunk)) allocate (store%chunk(16))
       if (store%count == size(store%chunk)) then
          allocate (longer(2*store%count), stat=failed)
@@ -53,9 +68,9 @@ contains
          call move_alloc(longer, store%chunk)
       end if
       store%count = store%count + 1
-      allocate (store%chunk(store%count)%value(chunk_rows, columns), stat=failed)
+      allocate (store%chunk(store%count)%value(rows, columns), stat=failed)
       if (failed /= 0) store%count = store%count - 1
-   end subroutine next_chunk
+   end subroutine add_chunk
 
    !> Rows in the store.
    pure integer(int64) function count_rows(store)
@@ -87,6 +102,15 @@ contains
       integer :: i, j
 
       n = count_rows(store)
+      if (is_record(store, n, columns)) then
+         allocate (stamps(merge(n, 0_int64, time_slot > 0)), stat=failed)
+         if (failed /= 0) return
+         if (time_slot > 0) stamps(:) = store%chunk(1)%value(:, time_slot)
+         call move_alloc(store%chunk(1)%value, value)
+         store%chunk(1)%rows = 0
+         store%count = 0
+         return
+      end if
       allocate (value(n, size(columns)), stat=failed)
       if (failed /= 0) return
       allocate (stamps(merge(n, 0_int64, time_slot > 0)), stat=failed)
@@ -104,5 +128,18 @@ contains
       end do
       store%count = 0
    end subroutine take_columns
+
+   !> True where a single chunk holds exactly the columns that are wanted.
+   pure logical function is_record(store, rows, columns)
+      type(store_type), intent(in) :: store
+      integer(int64), intent(in) :: rows
+      integer, intent(in) :: columns(:)
+      integer :: j
+
+      is_record = store%count == 1
+      if (is_record) is_record = size(store%chunk(1)%value, 1, kind=int64) == rows &
+                                 .and. size(store%chunk(1)%value, 2) == size(columns)
+      if (is_record) is_record = all(columns == [(j, j=1, size(columns))])
+   end function is_record
 
 end module gyroakf_io_store

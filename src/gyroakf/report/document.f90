@@ -81,6 +81,7 @@ contains
       end if
       call put_member(json, "bad_lines", record%audit%bad_lines)
       call put_member(json, "warnings", warnings)
+      call put_text_or_null(json, "stored_type", record%stored_type)
       call close_object(json)
    end subroutine put_input
 

@@ -46,7 +46,7 @@ contains
       integer :: i
 
       call put_heading(writer, "Input", "-")
-      call put_item(writer, "File", text_or(record%path, "(in memory)")//" ("//text_or(record%format, "no format")//")")
+      call put_item(writer, "File", text_or(record%path, "(in memory)")//" ("//format_text(record)//")")
       names = ""
       if (allocated(record%channel)) then
          do i = 1, size(record%channel)
@@ -75,6 +75,16 @@ contains
          "blocks were not kept")
       call put_items(writer, "Warning", record%warnings)
    end subroutine put_input
+
+   !> "text", or "npy, float32".
+   pure function format_text(record) result(text)
+      type(record_type), intent(in) :: record
+      character(:), allocatable :: text
+
+      text = text_or(record%format, "no format")
+      if (.not. allocated(record%stored_type)) return
+      if (text == "npy" .or. text == "hdf5") text = text//", "//record%stored_type
+   end function format_text
 
    !> "rad/s for gx, gy, gz; m/s^2 for ax, ay, az": channels of one unit that stand together.
    pure function channel_units_text(record) result(text)

@@ -1,0 +1,410 @@
+! SPDX-License-Identifier: MIT
+!> Rows of binary numbers: interleaved (all columns of a row together) or column after column.
+!>
+!> A regular file is read by position, in blocks that several threads take and convert; doubles of one column go straight
+!> into their place. What comes through a pipe is read in order.
+module gyroakf_io_binary
+   use, intrinsic :: iso_c_binding, only : c_f_pointer, c_loc, c_ptr
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_element, only : convert_elements, drop_infinite, element_name, element_type, is_native, swap_elements
+   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_positioned, only : read_at
+   use gyroakf_io_source, only : read_block, source_type
+   use gyroakf_io_store, only : add_chunk, chunk_rows, count_rows
+   use gyroakf_io_table, only : table_type
+   use gyroakf_large_pages, only : prefer_large_pages
+   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_record, only : add_text
+   implicit none (type, external)
+   private
+   public :: binary_type, read_binary_rows, skip_bytes
+
+   !> Where the numbers of a file are
+   type :: binary_type
+      !> How a number is stored
+      type(element_type) :: element
+      !> Numbers of every row
+      integer(int64) :: columns = 1
+      !> Rows, -1 where the end of a pipe tells
+      integer(int64) :: rows = -1
+      !> Column after column instead of row after row
+      logical :: by_columns = .false.
+      !> The first byte of the numbers, from 0
+      integer(int64) :: first = 0
+      !> Rows that were read
+      integer(int64) :: row = 0
+      !> For positioned reading, -1: in order from a source
+      integer :: descriptor = -1
+      !> Bytes of a source that were read ahead, and the last of them that was used
+      integer(int8), allocatable :: head(:)
+      integer(int64) :: used = 0
+      !> Integers that lost digits
+      integer(int64) :: rounded = 0
+   end type binary_type
+
+   !> Bytes that are converted at once: they stay in the cache
+   integer(int64), parameter :: block_bytes = 262144
+   !> Rows of a chunk where the time is taken out of it, so that the record is not held twice
+   integer(int64), parameter :: part_rows = 1048576
+   !> Values between two reports of progress
+   integer(int64), parameter :: slice_values = 8388608
+   !> Bytes for which it pays to wake other threads
+   integer(int64), parameter :: worth_threads = 4194304
+
+contains
+
+   !> Reads rows into the store until it has as many as wanted, or a few more, or there are no more.
+   subroutine read_binary_rows(binary, source, most, table, error, progress)
+      !> Its place in the file moves on
+      type(binary_type), intent(inout) :: binary
+      !> For what comes in order
+      type(source_type), intent(inout) :: source
+      !> So many rows in the store are enough
+      integer(int64), intent(in) :: most
+      !> Its store grows
+      type(table_type), intent(inout) :: table
+      !> Allocated on failure: io, parse, no_memory, cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
+      integer(int64) :: rows, held
+      integer :: failed
+
+      do while (.not. table%whole .and. .not. allocated(error))
+         held = count_rows(table%store)
+         if (held >= most) return
+         rows = max(chunk_rows, most - held)
+         if (binary%descriptor < 0 .and. .not. one_piece(binary)) rows = chunk_rows
+         if (table%layout%stored > size(table%chosen) .and. binary%descriptor >= 0) rows = min(rows, part_rows)
+         if (binary%rows >= 0) rows = min(rows, binary%rows - binary%row)
+         if (one_piece(binary) .and. binary%descriptor < 0) then
+            if (rows < binary%rows) then
+               call fatal_error(error, status%no_memory, table%name// &
+                  ": columns that come one after the other through a pipe have "// &
+                                "to be held as a whole"//new_line("a")//"give the file by its name")
+               return
+            end if
+         end if
+         call add_chunk(table%store, rows, table%layout%stored, failed)
+         if (failed /= 0) then
+            call fatal_error(error, status%no_memory, table%name//": no memory for "//integer_text(rows)//" rows")
+            return
+         end if
+         call fill_chunk(binary, source, table, error, progress)
+      end do
+   end subroutine read_binary_rows
+
+   !> True where the columns come one after the other.
+   pure logical function one_piece(binary)
+      type(binary_type), intent(in) :: binary
+
+      one_piece = binary%by_columns .and. binary%columns > 1
+   end function one_piece
+
+   !> Fills the last chunk.
+   subroutine fill_chunk(binary, source, table, error, progress)
+      type(binary_type), intent(inout) :: binary
+      type(source_type), intent(inout) :: source
+      type(table_type), intent(inout) :: table
+      type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
+      integer(int64) :: got, rows, slice
+      integer :: j
+
+      associate (chunk => table%store%chunk(table%store%count))
+         do j = 1, size(chunk%value, 2)
+            call prefer_large_pages(chunk%value(:, j))
+         end do
+         rows = size(chunk%value, 1, kind=int64)
+         slice = rows
+         if (present(progress)) slice = max(chunk_rows, slice_values/size(chunk%value, 2))
+         if (binary%descriptor < 0) slice = rows
+         do while (chunk%rows < rows)
+            call tell_progress("reading", place_of(binary), source%length, error, progress)
+            if (allocated(error)) return
+            slice = min(slice, rows - chunk%rows)
+            if (binary%descriptor >= 0) then
+               call fill_by_position(binary, table, chunk%value, chunk%rows, slice, got)
+            else
+               call fill_in_order(binary, source, table, chunk%value, got, error)
+            end if
+            if (allocated(error)) return
+            chunk%rows = chunk%rows + got
+            binary%row = binary%row + got
+            table%rows = table%rows + got
+            table%whole = got < slice
+            if (table%whole) exit
+         end do
+      end associate
+      if (binary%rows >= 0) then
+         if (table%whole) call ends_early(binary, table%name, error)
+         table%whole = binary%row == binary%rows
+      end if
+      if (table%whole .and. .not. allocated(error)) call finish(binary, source, table, error)
+   end subroutine fill_chunk
+
+   !> Bytes that are behind it.
+   pure integer(int64) function place_of(binary)
+      type(binary_type), intent(in) :: binary
+
+      place_of = binary%first + binary%row*binary%columns*binary%element%bytes
+   end function place_of
+
+   !> The file has fewer rows than its size or its header said.
+   subroutine ends_early(binary, name, error)
+      type(binary_type), intent(in) :: binary
+      character(*), intent(in) :: name
+      type(error_type), allocatable, intent(out) :: error
+
+      call fatal_error(error, status%parse, name//": the file ends after "//integer_text(binary%row)//" of "// &
+                       integer_text(binary%rows)//" rows"//new_line("a")//"it was cut off, or it changed while it was read")
+   end subroutine ends_early
+
+   !> After the last row: a pipe has to be empty, rounded integers are told.
+   subroutine finish(binary, source, table, error)
+      type(binary_type), intent(inout) :: binary
+      type(source_type), intent(inout) :: source
+      type(table_type), intent(inout) :: table
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8) :: more(1)
+      integer(int64) :: got
+
+      if (binary%rounded > 0) call add_text(table%warnings, integer_text(binary%rounded)//" of the "// &
+         element_name(binary%element)//" values are beyond 2^53 and were rounded to 16 digits")
+      if (binary%descriptor >= 0 .or. binary%rows < 0) return
+      call take_bytes(binary, source, more, got, error)
+      if (allocated(error) .or. got == 0) return
+      call fatal_error(error, status%parse, table%name//": byte "// &
+                       integer_text(binary%first + binary%rows*binary%columns*binary%element%bytes)// &
+                          ": bytes follow the array of "// &
+                       integer_text(binary%rows)//" rows that the header promises"//new_line("a")// &
+                       "give a file that holds one array")
+   end subroutine finish
+
+   !> Reads rows by position into value(:, :), whose rows are to be filled.
+   subroutine fill_by_position(binary, table, value, before, rows, got)
+      type(binary_type), intent(inout) :: binary
+      type(table_type), intent(in) :: table
+      real(dp), intent(inout), contiguous :: value(:, :)
+      !> Rows of `value` that are filled already, and how many are to be filled
+      integer(int64), intent(in) :: before, rows
+      !> Rows that were there
+      integer(int64), intent(out) :: got
+      integer, allocatable :: column(:)
+      integer(int64) :: block_rows, blocks, k, from, to, rounded, missing, start, short, j
+      integer :: tasks
+
+      call stored_columns(table, column)
+      tasks = merge(size(column), 1, one_piece(binary))
+      block_rows = block_bytes/binary%element%bytes
+      if (tasks == 1) block_rows = block_rows/binary%columns
+      if (is_native(binary%element) .and. (one_piece(binary) .or. binary%columns == 1)) block_rows = 4*block_rows
+      block_rows = max(1_int64, block_rows)
+      blocks = (rows + block_rows - 1)/block_rows
+      missing = 0
+      rounded = 0
+      !$omp parallel do schedule(dynamic) private(from, to, start, j, short) reduction(+:rounded) reduction(max:missing) &
+      !$omp& if (rows*size(column)*8 > worth_threads)
+      do k = 0, blocks*tasks - 1
+         from = before + 1 + modulo(k, blocks)*block_rows
+         to = min(before + rows, from + block_rows - 1)
+         start = binary%row + from - before - 1
+         j = 1 + k/blocks
+         if (one_piece(binary) .or. (binary%columns == 1 .and. size(column) == 1)) then
+            call read_column(binary, column(j), start, value(from:to, j), rounded, short)
+         else
+            call read_interleaved(binary, column, start, value(from:to, :), rounded, short)
+         end if
+         if (short > 0) missing = max(missing, before + rows - (to - short))
+      end do
+      !$omp end parallel do
+      binary%rounded = binary%rounded + rounded
+      got = rows - missing
+   end subroutine fill_by_position
+
+   !> The column of the file that each stored column holds.
+   pure subroutine stored_columns(table, column)
+      type(table_type), intent(in) :: table
+      integer, allocatable, intent(out) :: column(:)
+      integer :: j
+
+      allocate (column(table%layout%stored))
+      do j = 1, table%layout%columns
+         if (table%layout%slot(j) > 0) column(table%layout%slot(j)) = j
+      end do
+   end subroutine stored_columns
+
+   !> Reads a part of a column whose numbers follow each other.
+   subroutine read_column(binary, column, start, value, rounded, short)
+      type(binary_type), intent(in) :: binary
+      integer, intent(in) :: column
+      !> Rows of the file before value(1)
+      integer(int64), intent(in) :: start
+      real(dp), intent(inout), contiguous, target :: value(:)
+      integer(int64), intent(inout) :: rounded
+      !> Rows at the end that are not there
+      integer(int64), intent(out) :: short
+      integer(int64), allocatable, target :: room(:)
+      integer(int64) :: offset, got, n
+
+      n = size(value, kind=int64)
+      offset = binary%first + ((column - 1)*max(binary%rows, 0_int64) + start)*binary%element%bytes
+      if (is_native(binary%element)) then
+         call read_at(binary%descriptor, offset, c_loc(value), 8*n, got)
+         got = got/8
+         call drop_infinite(value(:got))
+      else
+         allocate (room((n*binary%element%bytes + 7)/8))
+         call read_at(binary%descriptor, offset, c_loc(room), n*binary%element%bytes, got)
+         got = got/binary%element%bytes
+         call swap_elements(c_loc(room), got, binary%element)
+         call convert_elements(c_loc(room), binary%element, 1_int64, 1_int64, value(:got), rounded)
+      end if
+      short = n - got
+   end subroutine read_column
+
+   !> Reads rows, all columns of a row together.
+   subroutine read_interleaved(binary, column, start, value, rounded, short)
+      type(binary_type), intent(in) :: binary
+      integer, intent(in) :: column(:)
+      !> Rows of the file before these
+      integer(int64), intent(in) :: start
+      real(dp), intent(inout) :: value(:, :)
+      integer(int64), intent(inout) :: rounded
+      !> Rows at the end that are not there
+      integer(int64), intent(out) :: short
+      integer(int64), allocatable, target :: room(:)
+      integer(int64) :: row_bytes, got, n
+
+      row_bytes = binary%columns*binary%element%bytes
+      n = size(value, 1, kind=int64)
+      allocate (room((n*row_bytes + 7)/8))
+      call read_at(binary%descriptor, binary%first + start*row_bytes, c_loc(room), n*row_bytes, got)
+      got = got/row_bytes
+      call spread_rows(binary, c_loc(room), column, value(:got, :), rounded)
+      short = n - got
+   end subroutine read_interleaved
+
+   !> Converts rows that are at hand.
+   subroutine spread_rows(binary, address, column, value, rounded)
+      type(binary_type), intent(in) :: binary
+      type(c_ptr), intent(in) :: address
+      integer, intent(in) :: column(:)
+      !> As many rows as are at hand
+      real(dp), intent(inout) :: value(:, :)
+      integer(int64), intent(inout) :: rounded
+      integer :: j
+
+      call swap_elements(address, size(value, 1, kind=int64)*binary%columns, binary%element)
+      do j = 1, size(column)
+         call convert_elements(address, binary%element, int(column(j), int64), binary%columns, value(:, j), rounded)
+      end do
+   end subroutine spread_rows
+
+   !> Reads rows in order.
+   subroutine fill_in_order(binary, source, table, value, got, error)
+      type(binary_type), intent(inout) :: binary
+      type(source_type), intent(inout) :: source
+      type(table_type), intent(in) :: table
+      real(dp), intent(inout), contiguous :: value(:, :)
+      !> Rows that were there
+      integer(int64), intent(out) :: got
+      type(error_type), allocatable, intent(out) :: error
+      integer, allocatable :: column(:)
+      integer(int64), allocatable, target :: room(:)
+      integer(int8), pointer, contiguous :: bytes(:)
+      integer(int64) :: rows, row_bytes, block_rows, n, came
+      integer :: j, failed
+
+      rows = size(value, 1, kind=int64)
+      call stored_columns(table, column)
+      got = 0
+      row_bytes = binary%element%bytes
+      if (.not. one_piece(binary)) row_bytes = row_bytes*binary%columns
+      block_rows = max(1_int64, block_bytes/row_bytes)
+      allocate (room((block_rows*row_bytes + 7)/8), stat=failed)
+      if (failed /= 0) then
+         call fatal_error(error, status%no_memory, table%name//": no memory for a row of "//integer_text(row_bytes)//" bytes")
+         return
+      end if
+      do j = 1, merge(int(binary%columns), 1, one_piece(binary))
+         got = 0
+         do while (got < rows)
+            n = min(block_rows, rows - got)
+            call c_f_pointer(c_loc(room), bytes, [n*row_bytes])
+            call take_bytes(binary, source, bytes, came, error)
+            if (allocated(error)) return
+            if (modulo(came, row_bytes) /= 0) call rest_of_row(binary, table, got, came, row_bytes, error)
+            if (allocated(error)) return
+            if (.not. one_piece(binary)) then
+               call spread_rows(binary, c_loc(room), column, value(got + 1:got + came/row_bytes, :), binary%rounded)
+            else if (table%layout%slot(j) > 0) then
+               call swap_elements(c_loc(room), came/row_bytes, binary%element)
+               call convert_elements(c_loc(room), binary%element, 1_int64, 1_int64, &
+                                     value(got + 1:got + came/row_bytes, table%layout%slot(j)), binary%rounded)
+            end if
+            got = got + came/row_bytes
+            if (came < n*row_bytes) exit
+         end do
+         if (got < rows) return
+      end do
+   end subroutine fill_in_order
+
+   !> The pipe ends within a row.
+   subroutine rest_of_row(binary, table, got, came, row_bytes, error)
+      type(binary_type), intent(in) :: binary
+      type(table_type), intent(in) :: table
+      integer(int64), intent(in) :: got, came, row_bytes
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: rows
+
+      rows = binary%row + got + came/row_bytes
+      call fatal_error(error, status%parse, table%name//": byte "//integer_text(binary%first + rows*row_bytes)//": "// &
+                       integer_text(modulo(came, row_bytes))//" bytes are left after "//integer_text(rows)//" rows of "// &
+                       integer_text(row_bytes)//" bytes"//new_line("a")// &
+                          "check type, --channels and --skip, or whether the file was cut off")
+   end subroutine rest_of_row
+
+   !> The next bytes of a source, those read ahead first.
+   subroutine take_bytes(binary, source, room, got, error)
+      type(binary_type), intent(inout) :: binary
+      type(source_type), intent(inout) :: source
+      integer(int8), intent(inout), contiguous :: room(:)
+      integer(int64), intent(out) :: got
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: more
+
+      got = 0
+      if (allocated(binary%head)) then
+         got = min(size(room, kind=int64), size(binary%head, kind=int64) - binary%used)
+         room(:got) = binary%head(binary%used + 1:binary%used + got)
+         binary%used = binary%used + got
+      end if
+      if (got == size(room, kind=int64)) return
+      call read_block(source, room(got + 1:), more, error)
+      if (.not. allocated(error)) got = got + more
+   end subroutine take_bytes
+
+   !> Leaves out bytes of a source.
+   subroutine skip_bytes(binary, source, count, error)
+      !> In order
+      type(binary_type), intent(inout) :: binary
+      !> Open
+      type(source_type), intent(inout) :: source
+      !> How many; fewer where the source ends
+      integer(int64), intent(in) :: count
+      !> Allocated where reading fails: io
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8) :: room(4096)
+      integer(int64) :: left, got
+
+      left = count
+      do while (left > 0)
+         call take_bytes(binary, source, room(:min(left, 4096_int64)), got, error)
+         if (allocated(error) .or. got == 0) return
+         left = left - got
+      end do
+   end subroutine skip_bytes
+
+end module gyroakf_io_binary

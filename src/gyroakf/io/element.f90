@@ -1,0 +1,335 @@
+! SPDX-License-Identifier: MIT
+!> Numbers as machines store them: integers and IEEE floating point of 1 to 8 bytes in either byte order.
+!>
+!> Conversion looks at bits only: a NaN or an infinity of the file becomes a quiet NaN (missing) without a floating-point
+!> operation, so that no trap is sprung, not even by a signalling NaN.
+module gyroakf_io_element
+   use, intrinsic :: iso_c_binding, only : c_f_pointer, c_ptr
+   use, intrinsic :: iso_fortran_env, only : real32
+   use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   use gyroakf_kinds, only : dp, int16, int32, int64, int8
+   implicit none (type, external)
+   private
+   public :: element_type, parse_element, element_word, element_name, is_native, host_big_endian
+   public :: swap_elements, convert_elements, drop_infinite
+
+   !> How a number is stored
+   type :: element_type
+      !> "f" floating point, "i" signed, "u" unsigned integer, "b" logical
+      character(1) :: kind = "f"
+      !> 1, 2, 4 or 8
+      integer :: bytes = 8
+      !> Order of the bytes; of no meaning for one byte
+      logical :: big_endian = .false.
+   end type element_type
+
+   !> Integers beyond it are not all doubles
+   integer(int64), parameter :: exact = 9007199254740992_int64
+   integer(int32), parameter :: infinite_32 = int(z"7F800000", int32)
+   integer(int64), parameter :: infinite_64 = int(z"7FF0000000000000", int64)
+
+contains
+
+   !> Takes a word such as "f64", "i16be", "u8le" apart.
+   pure subroutine parse_element(word, element, known)
+      !> Without le or be: little endian
+      character(*), intent(in) :: word
+      !> What it means
+      type(element_type), intent(out) :: element
+      !> False where it means nothing
+      logical, intent(out) :: known
+      character(:), allocatable :: base
+
+      base = word
+      if (len(word) > 3) then
+         element%big_endian = word(len(word) - 1:) == "be"
+         if (element%big_endian .or. word(len(word) - 1:) == "le") base = word(:len(word) - 2)
+      end if
+      known = .true.
+      select case (base)
+      case ("f16", "f32", "f64", "i8", "i16", "i32", "i64", "u8", "u16", "u32", "u64")
+         element%kind = base(1:1)
+         element%bytes = 1
+         if (base(2:) == "16") element%bytes = 2
+         if (base(2:) == "32") element%bytes = 4
+         if (base(2:) == "64") element%bytes = 8
+      case default
+         known = .false.
+      end select
+   end subroutine parse_element
+
+   !> The word for it: "i16le"; without an order where it is one byte.
+   pure function element_word(element) result(word)
+      !> Any
+      type(element_type), intent(in) :: element
+      character(:), allocatable :: word
+      character(2) :: bits
+
+      write (bits, "(i0)") 8*element%bytes
+      word = element%kind//trim(bits)
+      if (element%bytes > 1) word = word//merge("be", "le", element%big_endian)
+   end function element_word
+
+   !> Its name: "float32", "uint8", "bool"; big endian is said.
+   pure function element_name(element) result(name)
+      !> Any
+      type(element_type), intent(in) :: element
+      character(:), allocatable :: name
+      character(2) :: bits
+
+      write (bits, "(i0)") 8*element%bytes
+      name = "bool"
+      if (element%kind == "f") name = "float"//trim(bits)
+      if (element%kind == "i") name = "int"//trim(bits)
+      if (element%kind == "u") name = "uint"//trim(bits)
+      if (element%big_endian .and. element%bytes > 1) name = name//" big endian"
+   end function element_name
+
+   !> True on machines that store the most significant byte first.
+   pure logical function host_big_endian()
+      host_big_endian = transfer(1_int16, 1_int8) == 0_int8
+   end function host_big_endian
+
+   !> True for what this machine computes with: double precision in its own byte order.
+   pure logical function is_native(element)
+      !> Any
+      type(element_type), intent(in) :: element
+
+      is_native = element%kind == "f" .and. element%bytes == 8 .and. (element%big_endian .eqv. host_big_endian())
+   end function is_native
+
+   !> Brings the bytes into this machine's order.
+   subroutine swap_elements(address, count, element)
+      !> Of the first number, aligned for it
+      type(c_ptr), intent(in) :: address
+      !> How many
+      integer(int64), intent(in) :: count
+      !> As stored
+      type(element_type), intent(in) :: element
+      integer(int16), pointer, contiguous :: two(:)
+      integer(int32), pointer, contiguous :: four(:)
+      integer(int64), pointer, contiguous :: eight(:)
+      integer(int64) :: i
+
+      if (element%big_endian .eqv. host_big_endian()) return
+      select case (element%bytes)
+      case (2)
+         call c_f_pointer(address, two, [count])
+         do i = 1, count
+            two(i) = ior(shiftl(two(i), 8), shiftr(two(i), 8))
+         end do
+      case (4)
+         call c_f_pointer(address, four, [count])
+         do i = 1, count
+            four(i) = swapped(four(i))
+         end do
+      case (8)
+         call c_f_pointer(address, eight, [count])
+         do i = 1, count
+            eight(i) = ior(shiftl(iand(int(swapped(int_low(eight(i))), int64), int(z"FFFFFFFF", int64)), 32), &
+                           iand(int(swapped(int_low(shiftr(eight(i), 32))), int64), int(z"FFFFFFFF", int64)))
+         end do
+      case default
+         continue
+      end select
+   end subroutine swap_elements
+
+   !> The lower half of the bits.
+   elemental integer(int32) function int_low(x)
+      integer(int64), intent(in) :: x
+      integer(int64) :: low
+
+      low = iand(x, int(z"FFFFFFFF", int64))
+      if (low > int(huge(1_int32), int64)) low = low - 4294967296_int64
+      int_low = int(low, int32)
+   end function int_low
+
+   !> Four bytes in reverse order.
+   elemental integer(int32) function swapped(x)
+      integer(int32), intent(in) :: x
+
+      swapped = ior(ior(shiftl(x, 24), iand(shiftl(x, 8), int(z"00FF0000", int32))), &
+                    ior(iand(shiftr(x, 8), int(z"0000FF00", int32)), shiftr(x, 24)))
+   end function swapped
+
+   !> Converts every step-th number; the bytes are in this machine's order.
+   subroutine convert_elements(address, element, first, step, value, rounded)
+      !> Of the first number, aligned for it
+      type(c_ptr), intent(in) :: address
+      !> As stored
+      type(element_type), intent(in) :: element
+      !> The number that goes into value(1), from 1, and the distance to the next
+      integer(int64), intent(in) :: first, step
+      !> Filled; NaN where the file has a NaN or an infinity
+      real(dp), intent(inout), contiguous :: value(:)
+      !> Grows by the integers whose last digits are lost, being beyond 2^53
+      integer(int64), intent(inout) :: rounded
+      integer(int8), pointer, contiguous :: one(:)
+      integer(int16), pointer, contiguous :: two(:)
+      integer(int32), pointer, contiguous :: four(:)
+      integer(int64), pointer, contiguous :: eight(:)
+      integer(int64) :: last
+
+      last = first + (size(value, kind=int64) - 1)*step
+      if (size(value) == 0) return
+      select case (element%bytes)
+      case (1)
+         call c_f_pointer(address, one, [last])
+         call from_one(one, element%kind, first, step, value)
+      case (2)
+         call c_f_pointer(address, two, [last])
+         call from_two(two, element%kind, first, step, value)
+      case (4)
+         call c_f_pointer(address, four, [last])
+         call from_four(four, element%kind, first, step, value)
+      case default
+         call c_f_pointer(address, eight, [last])
+         call from_eight(eight, element%kind, first, step, value, rounded)
+      end select
+   end subroutine convert_elements
+
+   !> Bytes.
+   pure subroutine from_one(stored, kind, first, step, value)
+      integer(int8), intent(in), contiguous :: stored(:)
+      character(1), intent(in) :: kind
+      integer(int64), intent(in) :: first, step
+      real(dp), intent(inout), contiguous :: value(:)
+      integer(int64) :: i, n
+
+      n = size(value, kind=int64)
+      select case (kind)
+      case ("i")
+         do i = 1, n
+            value(i) = real(stored(first + (i - 1)*step), dp)
+         end do
+      case ("u")
+         do i = 1, n
+            value(i) = real(iand(int(stored(first + (i - 1)*step), int32), 255_int32), dp)
+         end do
+      case default
+         do i = 1, n
+            value(i) = merge(0.0_dp, 1.0_dp, stored(first + (i - 1)*step) == 0_int8)
+         end do
+      end select
+   end subroutine from_one
+
+   !> Two bytes: integers, or half precision (1 sign, 5 exponent, 10 fraction).
+   pure subroutine from_two(stored, kind, first, step, value)
+      integer(int16), intent(in), contiguous :: stored(:)
+      character(1), intent(in) :: kind
+      integer(int64), intent(in) :: first, step
+      real(dp), intent(inout), contiguous :: value(:)
+      integer(int64) :: i, n
+
+      n = size(value, kind=int64)
+      select case (kind)
+      case ("i")
+         do i = 1, n
+            value(i) = real(stored(first + (i - 1)*step), dp)
+         end do
+      case ("u")
+         do i = 1, n
+            value(i) = real(iand(int(stored(first + (i - 1)*step), int32), 65535_int32), dp)
+         end do
+      case default
+         do i = 1, n
+            value(i) = half(int(stored(first + (i - 1)*step), int32))
+         end do
+      end select
+   end subroutine from_two
+
+   !> The value of a number in half precision.
+   pure real(dp) function half(bits)
+      integer(int32), intent(in) :: bits
+      integer(int32) :: exponent, fraction
+
+      exponent = iand(shiftr(bits, 10), 31_int32)
+      fraction = iand(bits, 1023_int32)
+      if (exponent == 31) then
+         half = ieee_value(half, ieee_quiet_nan)
+         return
+      end if
+      if (exponent > 0) fraction = fraction + 1024
+      half = scale(real(fraction, dp), max(exponent, 1) - 25)
+      if (btest(bits, 15)) half = -half
+   end function half
+
+   !> Four bytes: integers, or single precision.
+   pure subroutine from_four(stored, kind, first, step, value)
+      integer(int32), intent(in), contiguous :: stored(:)
+      character(1), intent(in) :: kind
+      integer(int64), intent(in) :: first, step
+      real(dp), intent(inout), contiguous :: value(:)
+      integer(int64) :: i, n
+      integer(int32) :: bits
+      real(dp) :: nan
+
+      n = size(value, kind=int64)
+      nan = ieee_value(nan, ieee_quiet_nan)
+      select case (kind)
+      case ("i")
+         do i = 1, n
+            value(i) = real(stored(first + (i - 1)*step), dp)
+         end do
+      case ("u")
+         do i = 1, n
+            value(i) = real(iand(int(stored(first + (i - 1)*step), int64), int(z"FFFFFFFF", int64)), dp)
+         end do
+      case default
+         do i = 1, n
+            bits = stored(first + (i - 1)*step)
+            if (iand(bits, infinite_32) == infinite_32) then
+               value(i) = nan
+            else
+               value(i) = real(transfer(bits, 1.0_real32), dp)
+            end if
+         end do
+      end select
+   end subroutine from_four
+
+   !> Eight bytes: integers, which may lose digits, or double precision.
+   pure subroutine from_eight(stored, kind, first, step, value, rounded)
+      integer(int64), intent(in), contiguous :: stored(:)
+      character(1), intent(in) :: kind
+      integer(int64), intent(in) :: first, step
+      real(dp), intent(inout), contiguous :: value(:)
+      integer(int64), intent(inout) :: rounded
+      integer(int64) :: i, n, bits
+      real(dp) :: nan
+
+      n = size(value, kind=int64)
+      nan = ieee_value(nan, ieee_quiet_nan)
+      do i = 1, n
+         bits = stored(first + (i - 1)*step)
+         select case (kind)
+         case ("i")
+            value(i) = real(bits, dp)
+            if (bits > exact .or. bits < -exact) rounded = rounded + 1
+         case ("u")
+            value(i) = real(bits, dp)
+            if (bits < 0) value(i) = 2.0_dp*real(ior(shiftr(bits, 1), iand(bits, 1_int64)), dp)
+            if (bits > exact .or. bits < 0) rounded = rounded + 1
+         case default
+            if (iand(bits, infinite_64) == infinite_64) then
+               value(i) = nan
+            else
+               value(i) = transfer(bits, 1.0_dp)
+            end if
+         end select
+      end do
+   end subroutine from_eight
+
+   !> What was read in place: infinities and NaN of any kind become a quiet NaN.
+   pure subroutine drop_infinite(value)
+      !> As read
+      real(dp), intent(inout), contiguous :: value(:)
+      integer(int64) :: i
+      real(dp) :: nan
+
+      nan = ieee_value(nan, ieee_quiet_nan)
+      do i = 1, size(value, kind=int64)
+         if (iand(transfer(value(i), 1_int64), infinite_64) == infinite_64) value(i) = nan
+      end do
+   end subroutine drop_infinite
+
+end module gyroakf_io_element

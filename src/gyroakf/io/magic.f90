@@ -1,0 +1,117 @@
+! SPDX-License-Identifier: MIT
+!> Kinds of files that are told by their first bytes.
+module gyroakf_io_magic
+   use gyroakf_kinds, only : int8, int64
+   use gyroakf_io_npy, only : npy_magic
+   use gyroakf_io_text, only : bytes_text
+   implicit none (type, external)
+   private
+   public :: magic_type, magics, find_magic, with_name
+
+   !> How a kind of file begins
+   type :: magic_type
+      character(20) :: bytes = ""
+      integer :: length = 0
+      !> What it is, what to do; FILE stands for its name
+      character(64) :: what = ""
+      character(150) :: advice = ""
+   end type magic_type
+
+   !> What helps with most others
+   character(*), parameter :: to_text = "turn it into text or .npy: one row for each sample, one column for each channel"
+   character(*), parameter :: utf_16 = "turn it into UTF-8: iconv -f UTF-16 -t UTF-8 FILE | gyroakf run -"
+   character(*), parameter :: utf_32 = "turn it into UTF-8: iconv -f UTF-32 -t UTF-8 FILE | gyroakf run -"
+
+   !> Kinds that are not read, and what turns them into something that is
+   type(magic_type), parameter :: magics(*) = [ &
+      magic_type(char(31)//char(139)//char(8), 3, "compressed by gzip", "gzip -dc FILE | gyroakf run -"), &
+      magic_type(char(40)//char(181)//char(47)//char(253), 4, "compressed by zstd", "zstd -dc FILE | gyroakf run -"), &
+      magic_type(char(253)//"7zXZ"//char(0), 6, "compressed by xz", "xz -dc FILE | gyroakf run -"), &
+      magic_type("BZh", 3, "compressed by bzip2", "bzip2 -dc FILE | gyroakf run -"), &
+      magic_type(char(4)//char(34)//char(77)//char(24), 4, "compressed by lz4", "lz4 -dc FILE | gyroakf run -"), &
+      magic_type("7z"//char(188)//char(175)//char(39)//char(28), 6, "a 7-Zip archive", "7z x -so FILE | gyroakf run -"), &
+      magic_type("PK"//char(3)//char(4), 4, "a zip archive: .zip, .npz or .xlsx", &
+                 "unzip -p FILE NAME-IN-IT | gyroakf run - (the arrays of an .npz are .npy files); save a spreadsheet as CSV"), &
+      magic_type(char(208)//char(207)//char(17)//char(224), 4, "an Excel workbook", "save it as CSV"), &
+      magic_type(char(255)//char(254)//char(0)//char(0), 4, "text in UTF-32", utf_32), &
+      magic_type(char(255)//char(254), 2, "text in UTF-16", utf_16), &
+      magic_type(char(254)//char(255), 2, "text in UTF-16", utf_16), &
+      magic_type("MATLAB 5.0 MAT-file", 19, "a MATLAB file of level 5", &
+                 "in MATLAB: writematrix(x, 'x.csv'), or save -v7.3, which is HDF5; in Python: numpy.save('x.npy', "// &
+                 "scipy.io.loadmat('FILE')['x'])"), &
+      magic_type("PAR1", 4, "a Parquet file", "in Python: pandas.read_parquet('FILE').to_csv('x.csv', index=False)"), &
+      magic_type("ARROW1", 6, "an Arrow file", "in Python: pandas.read_feather('FILE').to_csv('x.csv', index=False)"), &
+      magic_type("FEA1", 4, "a Feather file", "in Python: pandas.read_feather('FILE').to_csv('x.csv', index=False)"), &
+      magic_type("#ROSBAG V", 9, "a ROS bag", "rostopic echo -b FILE -p /imu/data > imu.csv"), &
+      magic_type(char(137)//"MCAP0", 6, "an MCAP file (ROS 2)", to_text), &
+      magic_type("SQLite format 3", 15, "an SQLite database (a ROS 2 bag?)", to_text), &
+      magic_type("ULog"//char(1)//char(18)//"5", 7, "a ULog file (PX4)", "ulog2csv -m sensor_gyro FILE"), &
+      magic_type(char(163)//char(149)//char(128), 3, "a DataFlash log (ArduPilot)", &
+                 "mavlogdump.py --types IMU --format csv FILE > imu.csv, of the package pymavlink"), &
+      magic_type(char(181)//"b", 2, "a log of a u-blox receiver", to_text), &
+      magic_type("MDF     ", 8, "an MDF file", to_text), &
+      magic_type("TDSm", 4, "a TDMS file (LabVIEW)", to_text), &
+      magic_type("RIFF", 4, "a RIFF file (WAV)", "leave its header out: --format i16 --skip 44, with --channels N"), &
+      magic_type(char(128)//char(4)//char(149), 3, "a pickle of Python", "numpy.save('x.npy', x)"), &
+      magic_type("%PDF", 4, "a PDF document", "give the file with the numbers"), &
+      magic_type(char(127)//"ELF", 4, "a program", "give the file with the numbers")]
+
+contains
+
+   !> Recognises a file by its first bytes.
+   pure subroutine find_magic(bytes, kind, found)
+      !> Some thousands, or all there are
+      integer(int8), intent(in), contiguous :: bytes(:)
+      !> "npy" or "hdf5"; unchanged for others
+      character(*), intent(inout) :: kind
+      !> Of [[magics]], 0 for none
+      integer, intent(out) :: found
+      integer(int64) :: at
+      integer :: i
+
+      if (begins(bytes, 0_int64, npy_magic)) kind = "npy"
+      at = 0
+      do while (at + 8 <= size(bytes, kind=int64))
+         if (begins(bytes, at, char(137)//"HDF"//char(13)//char(10)//char(26)//char(10))) kind = "hdf5"
+         at = max(512_int64, 2*at)
+      end do
+      found = 0
+      if (kind == "npy" .or. kind == "hdf5") return
+      do i = 1, size(magics)
+         if (.not. begins(bytes, 0_int64, magics(i)%bytes(:magics(i)%length))) cycle
+         found = i
+         return
+      end do
+   end subroutine find_magic
+
+   !> True where these bytes stand there.
+   pure logical function begins(bytes, offset, text)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      !> From 0
+      integer(int64), intent(in) :: offset
+      character(*), intent(in) :: text
+
+      begins = .false.
+      if (size(bytes, kind=int64) < offset + len(text)) return
+      begins = bytes_text(bytes, offset + 1, offset + len(text)) == text
+   end function begins
+
+   !> A command with the file's name in it; "COMMAND FILE" is "COMMAND" alone on standard input.
+   pure function with_name(advice, name) result(text)
+      character(*), intent(in) :: advice
+      !> As in messages
+      character(*), intent(in) :: name
+      character(:), allocatable :: text
+      integer :: at
+
+      text = advice
+      at = index(advice, " FILE")
+      if (at == 0) return
+      if (name(:min(1, len(name))) == "<") then
+         text = advice(:at - 1)//advice(at + 5:)
+      else
+         text = advice(:at)//name//advice(at + 5:)
+      end if
+   end function with_name
+
+end module gyroakf_io_magic

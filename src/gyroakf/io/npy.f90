@@ -1,0 +1,363 @@
+! SPDX-License-Identifier: MIT
+!> The header of NumPy's array files.
+!>
+!> A file is: six bytes of magic, two of version, the length of the header (2 bytes in version 1, 4 in 2 and 3, little
+!> endian), the header, the numbers. The header is a Python dictionary
+!> `{'descr': '<f8', 'fortran_order': False, 'shape': (1000, 3), }`, padded with blanks and ended by a line feed so that the
+!> numbers begin at a multiple of 64 bytes (the documentation of `numpy.lib.format`).
+module gyroakf_io_npy
+   use gyroakf_kinds, only : int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_element, only : element_type, host_big_endian
+   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_text, only : bytes_text
+   implicit none (type, external)
+   private
+   public :: npy_magic, npy_alignment, npy_header, npy_header_type, read_npy_header
+
+   !> The first six bytes
+   character(6), parameter :: npy_magic = char(147)//"NUMPY"
+   !> The numbers begin at a multiple of it
+   integer, parameter :: npy_alignment = 64
+   !> Most characters of a header; that of a plain array has some 120
+   integer(int64), parameter :: most_header = 65536
+
+   !> What a header says
+   type :: npy_header_type
+      !> How the numbers are stored
+      type(element_type) :: element
+      !> Columns are stored one after the other
+      logical :: by_columns = .false.
+      !> 1 or 2, and the lengths
+      integer :: rank = 0
+      integer(int64) :: shape(2) = 1
+      !> Bytes before the numbers
+      integer(int64) :: first = 0
+   end type npy_header_type
+
+   !> A header that is being read
+   type :: cursor_type
+      character(:), allocatable :: text
+      integer :: at = 1
+      !> Bytes before the text, and the file's name: for messages
+      integer(int64) :: before = 0
+      character(:), allocatable :: name
+   end type cursor_type
+
+contains
+
+   !> Magic, version 1.0 and header of an array of doubles, as many bytes as come before the numbers.
+   pure function npy_header(rows, columns, by_columns) result(header)
+      !> Its shape
+      integer(int64), intent(in) :: rows
+      !> 0: one dimension
+      integer(int64), intent(in) :: columns
+      !> Columns are stored one after the other
+      logical, intent(in) :: by_columns
+      character(:), allocatable :: header
+      character(:), allocatable :: text, shape
+      integer :: length
+
+      shape = "("//integer_text(rows)//","
+      if (columns > 0) shape = shape//" "//integer_text(columns)
+      text = "{'descr': '"//merge(">", "<", host_big_endian())//"f8', 'fortran_order': "//trim(merge("True ", "False", &
+         by_columns))// &
+             ", 'shape': "//shape//"), }"
+      length = len(text) + 1
+      length = length + modulo(-(length + len(npy_magic) + 4), npy_alignment)
+      text = text//repeat(" ", length - len(text) - 1)//achar(10)
+      header = npy_magic//achar(1)//achar(0)//achar(modulo(length, 256))//achar(length/256)//text
+   end function npy_header
+
+   !> Reads magic, version and header.
+   subroutine read_npy_header(bytes, name, header, error)
+      !> The first bytes of the file; 66,000 are always enough
+      integer(int8), intent(in), contiguous :: bytes(:)
+      !> Of the file
+      character(*), intent(in) :: name
+      !> What it says
+      type(npy_header_type), intent(out) :: header
+      !> Allocated on failure: parse, not_supported (a type that holds no plain numbers, more than two dimensions)
+      type(error_type), allocatable, intent(out) :: error
+      type(cursor_type) :: cursor
+      integer(int64) :: length, start
+      integer :: version, i
+
+      cursor%name = name
+      if (size(bytes) < 10) then
+         call short(name, size(bytes, kind=int64), error)
+         return
+      end if
+      version = unsigned(bytes(7))
+      if (version < 1 .or. version > 3 .or. bytes(8) /= 0) then
+         call fatal_error(error, status%not_supported, name//": byte 6: version "//integer_text(int(version, int64))//"."// &
+                          integer_text(int(unsigned(bytes(8)), int64))// &
+                             " of NumPy's format is not known; known are 1.0, 2.0, 3.0"// &
+                          new_line("a")//"save it anew with numpy.save")
+         return
+      end if
+      start = merge(10, 12, version == 1)
+      if (size(bytes) < start) then
+         call short(name, size(bytes, kind=int64), error)
+         return
+      end if
+      length = 0
+      do i = int(start), 9, -1
+         length = 256*length + unsigned(bytes(i))
+      end do
+      if (length > most_header) then
+         call fatal_error(error, status%parse, name//": byte 8: the header's length "//integer_text(length)// &
+            " is not that of a "// &
+                          "plain array"//new_line("a")//"save the columns with numpy.save as an array of numbers")
+         return
+      end if
+      header%first = start + length
+      if (header%first > size(bytes, kind=int64)) then
+         call short(name, size(bytes, kind=int64), error)
+         return
+      end if
+      cursor%text = bytes_text(bytes, start + 1, header%first)
+      cursor%before = start
+      call read_dictionary(cursor, header, error)
+   end subroutine read_npy_header
+
+   !> A byte as 0 to 255.
+   pure integer function unsigned(byte)
+      integer(int8), intent(in) :: byte
+
+      unsigned = iand(int(byte), 255)
+   end function unsigned
+
+   !> The message for a file that ends within its header.
+   subroutine short(name, bytes, error)
+      character(*), intent(in) :: name
+      integer(int64), intent(in) :: bytes
+      type(error_type), allocatable, intent(out) :: error
+
+      call fatal_error(error, status%parse, name//": byte "//integer_text(bytes)// &
+         ": the file ends within the header of NumPy's "// &
+                       "format"//new_line("a")//"it was cut off: copy it again")
+   end subroutine short
+
+   !> {'descr': ..., 'fortran_order': ..., 'shape': ...}: the three keys in any order, each once.
+   subroutine read_dictionary(cursor, header, error)
+      type(cursor_type), intent(inout) :: cursor
+      type(npy_header_type), intent(inout) :: header
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: key
+      logical :: seen(3)
+
+      seen = .false.
+      call expect(cursor, "{", error)
+      do while (.not. allocated(error))
+         if (ahead(cursor) == "}") exit
+         call read_string(cursor, key, error)
+         if (.not. allocated(error)) call expect(cursor, ":", error)
+         if (allocated(error)) return
+         select case (key)
+         case ("descr"); call take_key(cursor, seen(1), error)
+            if (.not. allocated(error)) call read_descr(cursor, header%element, error)
+         case ("fortran_order"); call take_key(cursor, seen(2), error)
+            if (.not. allocated(error)) call read_order(cursor, header%by_columns, error)
+         case ("shape"); call take_key(cursor, seen(3), error)
+            if (.not. allocated(error)) call read_shape(cursor, header, error)
+         case default; call refuse(cursor, "'"//shown(key)//"' is none of descr, fortran_order, shape", error)
+         end select
+         if (allocated(error)) return
+         if (ahead(cursor) /= ",") exit
+         cursor%at = cursor%at + 1
+      end do
+      if (.not. allocated(error)) call expect(cursor, "}", error)
+      if (allocated(error)) return
+      if (.not. all(seen)) then
+         call refuse(cursor, "descr, fortran_order or shape is not there", error)
+      else if (ahead(cursor) /= "") then
+         call refuse(cursor, "more follows", error)
+      end if
+   end subroutine read_dictionary
+
+   !> A key may stand once only.
+   subroutine take_key(cursor, seen, error)
+      type(cursor_type), intent(in) :: cursor
+      logical, intent(inout) :: seen
+      type(error_type), allocatable, intent(out) :: error
+
+      if (seen) call refuse(cursor, "a key stands twice", error)
+      seen = .true.
+   end subroutine take_key
+
+   !> The next character that is not blank, "" at the end.
+   function ahead(cursor) result(next)
+      type(cursor_type), intent(inout) :: cursor
+      character(1) :: next
+
+      next = ""
+      do while (cursor%at <= len(cursor%text))
+         next = cursor%text(cursor%at:cursor%at)
+         if (verify(next, " "//achar(9)//achar(10)//achar(13)) > 0) return
+         cursor%at = cursor%at + 1
+         next = ""
+      end do
+   end function ahead
+
+   !> Moves behind a sign that has to come.
+   subroutine expect(cursor, sign, error)
+      type(cursor_type), intent(inout) :: cursor
+      character(1), intent(in) :: sign
+      type(error_type), allocatable, intent(out) :: error
+
+      if (ahead(cursor) == sign) then
+         cursor%at = cursor%at + 1
+      else
+         call refuse(cursor, "'"//sign//"' is expected", error)
+      end if
+   end subroutine expect
+
+   !> A text in single or double quotes.
+   subroutine read_string(cursor, text, error)
+      type(cursor_type), intent(inout) :: cursor
+      character(:), allocatable, intent(out) :: text
+      type(error_type), allocatable, intent(out) :: error
+      character(1) :: mark
+      integer :: last
+
+      text = ""
+      mark = ahead(cursor)
+      last = 0
+      if (mark == "'" .or. mark == '"') last = index(cursor%text(cursor%at + 1:), mark)
+      if (last == 0) then
+         call refuse(cursor, "a text in quotes is expected", error)
+         return
+      end if
+      text = cursor%text(cursor%at + 1:cursor%at + last - 1)
+      cursor%at = cursor%at + last + 1
+   end subroutine read_string
+
+   !> True or False.
+   subroutine read_order(cursor, by_columns, error)
+      type(cursor_type), intent(inout) :: cursor
+      logical, intent(out) :: by_columns
+      type(error_type), allocatable, intent(out) :: error
+
+      by_columns = ahead(cursor) == "T"
+      if (index(cursor%text(cursor%at:), trim(merge("True ", "False", by_columns))) == 1) then
+         cursor%at = cursor%at + merge(4, 5, by_columns)
+      else
+         call refuse(cursor, "fortran_order is neither True nor False", error)
+      end if
+   end subroutine read_order
+
+   !> (), (1000,) or (1000, 3); a long integer of Python 2 ends with L.
+   subroutine read_shape(cursor, header, error)
+      type(cursor_type), intent(inout) :: cursor
+      type(npy_header_type), intent(inout) :: header
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: length
+      integer :: digits, i
+
+      header%rank = 0
+      call expect(cursor, "(", error)
+      do while (.not. allocated(error))
+         if (ahead(cursor) == ")") exit
+         digits = verify(cursor%text(cursor%at:)//" ", "0123456789") - 1
+         if (digits < 1 .or. digits > 18) then
+            call refuse(cursor, "a length of the shape is expected", error)
+            return
+         end if
+         length = 0
+         do i = cursor%at, cursor%at + digits - 1
+            length = 10*length + iachar(cursor%text(i:i)) - 48
+         end do
+         header%rank = header%rank + 1
+         if (header%rank <= 2) header%shape(header%rank) = length
+         cursor%at = cursor%at + digits
+         if (ahead(cursor) == "L") cursor%at = cursor%at + 1
+         if (ahead(cursor) /= ",") exit
+         cursor%at = cursor%at + 1
+      end do
+      if (.not. allocated(error)) call expect(cursor, ")", error)
+      if (allocated(error)) return
+      if (header%rank == 0) call unsuitable(cursor, "the array is a single number, shape ()", "save the whole series", error)
+      if (header%rank > 2) call unsuitable(cursor, "the array has "//integer_text(int(header%rank, int64))//" dimensions", &
+         "save it with one column for each channel: numpy.save(file, array.reshape(len(array), -1))", error)
+   end subroutine read_shape
+
+   !> '<f8': order, kind, bytes; a list is a structured type.
+   subroutine read_descr(cursor, element, error)
+      type(cursor_type), intent(inout) :: cursor
+      type(element_type), intent(out) :: element
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: descr
+      character(*), parameter :: float = "save numbers: numpy.save(file, array.astype('f8'))"
+
+      if (ahead(cursor) == "[") then
+         call unsuitable(cursor, "the array's type is structured", "save the fields as columns: "// &
+            "numpy.save(file, numpy.column_stack([array[name] for name in array.dtype.names]))", error)
+         return
+      end if
+      call read_string(cursor, descr, error)
+      if (allocated(error)) return
+      descr = descr//"   "
+      element%big_endian = host_big_endian()
+      if (descr(1:1) == "<") element%big_endian = .false.
+      if (descr(1:1) == ">") element%big_endian = .true.
+      if (scan(descr(1:1), "<>=|") > 0) descr = descr(2:)
+      descr = trim(descr)
+      select case (descr)
+      case ("f2", "f4", "f8", "i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "b1", "?", "b", "B")
+         element%kind = descr(1:1)
+         element%bytes = 1
+         if (len(descr) > 1) element%bytes = iachar(descr(2:2)) - 48
+         if (descr == "?") element%kind = "b"
+         if (descr == "b") element%kind = "i"
+         if (descr == "B") element%kind = "u"
+      case default
+         select case (descr(:min(1, len(descr))))
+         case ("f", "g")
+            call unsuitable(cursor, "the array's type '"//shown(descr)// &
+               "' is a long double, which differs from machine to machine", &
+                            float, error)
+         case ("c"); call unsuitable(cursor, "the array's type '"//shown(descr)//"' is complex", &
+                                     "save array.real and array.imag as columns", error)
+         case ("O"); call unsuitable(cursor, "the array's type is object: Python objects, no plain numbers", float, error)
+         case ("S", "U", "a"); call unsuitable(cursor, "the array's type '"//shown(descr)//"' is text", float, error)
+         case ("V"); call unsuitable(cursor, "the array's type '"//shown(descr)//"' is structured or raw", float, error)
+         case ("M", "m"); call unsuitable(cursor, "the array's type '"//shown(descr)//"' is a date or a time", &
+                                          "save seconds: (array - array[0])/numpy.timedelta64(1, 's')", error)
+         case default; call unsuitable(cursor, "the array's type '"//shown(descr)//"' is not known", float, error)
+         end select
+      end select
+   end subroutine read_descr
+
+   !> A text for a message, without control characters, cut where it is long.
+   pure function shown(text) result(clean)
+      character(*), intent(in) :: text
+      character(:), allocatable :: clean
+      integer :: i
+
+      clean = text(:min(len(text), 40))
+      do i = 1, len(clean)
+         if (iachar(clean(i:i)) < 32 .or. iachar(clean(i:i)) > 126) clean(i:i) = "?"
+      end do
+   end function shown
+
+   !> A header that cannot be understood, with the byte.
+   subroutine refuse(cursor, what, error)
+      type(cursor_type), intent(in) :: cursor
+      character(*), intent(in) :: what
+      type(error_type), allocatable, intent(out) :: error
+
+      call fatal_error(error, status%parse, cursor%name//": byte "//integer_text(cursor%before + cursor%at - 1)// &
+                       ": in the header of NumPy's format "//what//new_line("a")//"save it anew with numpy.save")
+   end subroutine refuse
+
+   !> An array that is no table of numbers.
+   subroutine unsuitable(cursor, what, advice, error)
+      type(cursor_type), intent(in) :: cursor
+      character(*), intent(in) :: what, advice
+      type(error_type), allocatable, intent(out) :: error
+
+      call fatal_error(error, status%not_supported, cursor%name//": "//what//new_line("a")//advice)
+   end subroutine unsuitable
+
+end module gyroakf_io_npy

@@ -1,0 +1,207 @@
+! SPDX-License-Identifier: MIT
+!> Opens what holds no text: where its numbers are, how many, and which of them are wanted.
+module gyroakf_io_opening
+   use gyroakf_kinds, only : int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_binary, only : binary_type, skip_bytes
+   use gyroakf_io_element, only : element_name, element_type
+   use gyroakf_io_lines, only : lines_type
+   use gyroakf_io_npy, only : npy_header_type, read_npy_header
+   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_positioned, only : open_positioned
+   use gyroakf_io_source, only : open_source, source_type
+   use gyroakf_io_table, only : begin_numbers, table_options, table_type
+   use gyroakf_record, only : add_text
+   implicit none (type, external)
+   private
+   public :: begin_raw, begin_npy, orient, tell_integer
+
+contains
+
+   !> Opens a file of nothing but numbers.
+   subroutine begin_raw(source, path, options, channels, element, binary, table, error)
+      !> To be closed by [[close_source]], after a failure too
+      type(source_type), intent(out) :: source
+      !> A path; "-" is standard input
+      character(*), intent(in) :: path
+      !> What is wanted; `skip` counts bytes
+      type(table_options), intent(in) :: options
+      !> Numbers of a row
+      integer(int64), intent(in) :: channels
+      !> How they are stored
+      type(element_type), intent(in) :: element
+      !> Its descriptor is to be closed too
+      type(binary_type), intent(out) :: binary
+      !> All but the rows
+      type(table_type), intent(out) :: table
+      !> Allocated on failure: io, parse, invalid_argument
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: row_bytes, rest
+
+      call open_source(source, path, error, options%bytes)
+      if (allocated(error)) return
+      binary%element = element
+      binary%columns = channels
+      binary%first = options%skip
+      row_bytes = channels*element%bytes
+      call begin_numbers(source%name, channels, options, table, error)
+      if (allocated(error)) return
+      call tell_integer(element, table)
+      if (source%length > 0) then
+         rest = source%length - options%skip
+         if (rest <= 0) then
+            call fatal_error(error, status%parse, source%name//": --skip leaves nothing: the file has "// &
+                             integer_text(source%length)//" bytes")
+            return
+         end if
+         binary%rows = rest/row_bytes
+         rest = rest - binary%rows*row_bytes
+         if (rest > 0) then
+            call fatal_error(error, status%parse, source%name//": byte "//integer_text(source%length - rest)//": "// &
+                             integer_text(rest)//" bytes are left after "//integer_text(binary%rows)//" rows of "// &
+                             integer_text(row_bytes)//" bytes ("//integer_text(channels)//" x "//element_name(element)//")"// &
+                             new_line("a")//"check type, --channels and --skip, or whether the file was cut off")
+            return
+         end if
+      end if
+      call place_reading(source, path, binary, error)
+      if (binary%descriptor < 0 .and. .not. allocated(error)) call skip_bytes(binary, source, options%skip, error)
+   end subroutine begin_raw
+
+   !> A regular file is read by position.
+   subroutine place_reading(source, path, binary, error)
+      type(source_type), intent(in) :: source
+      character(*), intent(in) :: path
+      type(binary_type), intent(inout) :: binary
+      type(error_type), allocatable, intent(out) :: error
+
+      if (source%length <= 0 .or. associated(source%bytes)) return
+      binary%descriptor = open_positioned(path)
+      if (binary%descriptor < 0) call fatal_error(error, status%io, source%name//": cannot be opened"//new_line("a")// &
+                                                  "check the file's permissions")
+   end subroutine place_reading
+
+   !> Opens an array of NumPy.
+   subroutine begin_npy(lines, path, options, binary, table, error)
+      !> Open, its first block read
+      type(lines_type), intent(in) :: lines
+      !> A path; "-" is standard input
+      character(*), intent(in) :: path
+      !> What is wanted
+      type(table_options), intent(in) :: options
+      !> Its descriptor is to be closed
+      type(binary_type), intent(out) :: binary
+      !> All but the rows
+      type(table_type), intent(out) :: table
+      !> Allocated on failure: io, parse, invalid_argument, not_supported
+      type(error_type), allocatable, intent(out) :: error
+      type(npy_header_type) :: header
+      integer(int64) :: count
+      logical :: turned
+
+      count = min(lines%filled, lines%source%delivered)
+      call read_npy_header(lines%bytes(:count), lines%source%name, header, error)
+      if (allocated(error)) return
+      binary%element = header%element
+      binary%by_columns = header%by_columns
+      binary%first = header%first
+      call orient(header%rank, header%shape, binary%by_columns, binary%rows, binary%columns, turned)
+      call check_size(lines%source, header, error)
+      if (allocated(error)) return
+      call begin_numbers(lines%source%name, binary%columns, options, table, error)
+      if (allocated(error)) return
+      call tell_integer(header%element, table)
+      if (turned) call add_text(table%warnings, "the array's shape is "//shape_text(header)// &
+         ": the longer side is taken for the "// &
+                                "time, its "//integer_text(binary%columns)// &
+                                   " rows for the channels; save array.T to have it "// &
+                                "beyond doubt")
+      call place_reading(lines%source, path, binary, error)
+      if (allocated(error) .or. binary%descriptor >= 0) return
+      if (lines%bytes(header%first) /= 10_int8) then
+         call fatal_error(error, status%parse, table%name//": byte "//integer_text(header%first - 1)// &
+                          ": the header does not end with a line feed"//new_line("a")//"save it anew with numpy.save")
+         return
+      end if
+      binary%head = lines%bytes(header%first + 1:count)
+   end subroutine begin_npy
+
+   !> Rows and columns of an array: the longer of two sides is the time.
+   pure subroutine orient(rank, shape, by_columns, rows, columns, turned)
+      !> 1 or 2
+      integer, intent(in) :: rank
+      !> In the order of C: the last runs fastest
+      integer(int64), intent(in) :: shape(2)
+      !> In: the first side runs fastest; out: columns follow each other
+      logical, intent(inout) :: by_columns
+      integer(int64), intent(out) :: rows, columns
+      !> True where the first of several rows is the first channel
+      logical, intent(out) :: turned
+
+      rows = shape(1)
+      columns = 1
+      turned = .false.
+      if (rank == 1) return
+      columns = shape(2)
+      if (rows >= columns .or. rows < 1) return
+      rows = shape(2)
+      columns = shape(1)
+      by_columns = .not. by_columns
+      turned = columns > 1
+   end subroutine orient
+
+   !> The file is as long as its header says.
+   subroutine check_size(source, header, error)
+      type(source_type), intent(in) :: source
+      type(npy_header_type), intent(in) :: header
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: bytes
+      character(:), allocatable :: promise
+
+      if (any(header%shape < 1)) then
+         call fatal_error(error, status%too_few_samples, source%name//": the array is empty, shape "//shape_text(header))
+         return
+      end if
+      promise = "the header's shape "//shape_text(header)//" of "//element_name(header%element)
+      if (header%shape(1) > (huge(1_int64) - header%first)/header%shape(2)/header%element%bytes) then
+         call fatal_error(error, status%parse, source%name//": "//promise//" is larger than any file"//new_line("a")// &
+                          "save it anew with numpy.save")
+         return
+      end if
+      if (source%length <= 0) return
+      bytes = header%first + header%shape(1)*header%shape(2)*header%element%bytes
+      if (source%length < bytes) then
+         call fatal_error(error, status%parse, source%name//": byte "//integer_text(source%length)//": the file ends here, "// &
+                          promise//" needs "//integer_text(bytes - source%length)//" bytes more"//new_line("a")// &
+                          "it was cut off: copy it again")
+      else if (source%length > bytes) then
+         call fatal_error(error, status%parse, source%name//": byte "//integer_text(bytes)//": "//promise// &
+            " ends here, and "// &
+                          integer_text(source%length - bytes)//" bytes follow"//new_line("a")// &
+                             "give a file that holds one array")
+      end if
+   end subroutine check_size
+
+   !> "(1000, 3)".
+   pure function shape_text(header) result(text)
+      type(npy_header_type), intent(in) :: header
+      character(:), allocatable :: text
+
+      text = "("//integer_text(header%shape(1))//","
+      if (header%rank > 1) text = text//" "//integer_text(header%shape(2))
+      text = text//")"
+   end function shape_text
+
+   !> Notes the integer type that is stored: counters wrap at its ends.
+   pure subroutine tell_integer(element, table)
+      !> Any
+      type(element_type), intent(in) :: element
+      !> Gets its bits, 0 for other types
+      type(table_type), intent(inout) :: table
+
+      table%integer_bits = 0
+      if (scan(element%kind, "iu") > 0) table%integer_bits = 8*element%bytes
+      table%integer_signed = element%kind == "i"
+   end subroutine tell_integer
+
+end module gyroakf_io_opening

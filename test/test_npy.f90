@@ -1,0 +1,487 @@
+! SPDX-License-Identifier: MIT
+!> NumPy's array files: every type, byte order and layout against exact values, headers that lie.
+module test_npy
+   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_io_npy, only : npy_header, npy_magic
+   use gyroakf_io_reader, only : read_record, reader_options
+   use gyroakf_record, only : record_type
+   use scratch_file, only : remove_file, scratch_path, write_bytes
+   implicit none (type, external)
+   private
+   public :: collect_npy
+
+contains
+
+   !> Names the tests.
+   subroutine collect_npy(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         new_unittest("floats", test_floats), &
+         new_unittest("integers", test_integers), &
+         new_unittest("versions", test_versions), &
+         new_unittest("orders", test_orders), &
+         new_unittest("longer-side", test_longer_side), &
+         new_unittest("spellings", test_spellings), &
+         new_unittest("missing", test_missing), &
+         new_unittest("rounded", test_rounded), &
+         new_unittest("unsuitable", test_unsuitable), &
+         new_unittest("broken-headers", test_broken), &
+         new_unittest("every-length", test_every_length), &
+         new_unittest("every-byte", test_every_byte), &
+         new_unittest("own-header", test_own_header), &
+         new_unittest("columns", test_columns), &
+         new_unittest("large", test_large)]
+   end subroutine collect_npy
+
+   !> Bytes of an integer, the lowest first or last.
+   pure function stored(value, bytes, big) result(text)
+      integer(int64), intent(in) :: value
+      integer, intent(in) :: bytes
+      logical, intent(in) :: big
+      character(bytes) :: text
+      integer :: i, place
+
+      do i = 1, bytes
+         place = merge(bytes + 1 - i, i, big)
+         text(place:place) = achar(int(ibits(value, 8*(i - 1), 8)))
+      end do
+   end function stored
+
+   !> A file of version 1.0 with this dictionary.
+   pure function npy(dictionary, content) result(text)
+      character(*), intent(in) :: dictionary, content
+      character(:), allocatable :: text
+
+      text = npy_magic//achar(1)//achar(0)//stored(len(dictionary, int64) + 1, 2, .false.)//dictionary//achar(10)//content
+   end function npy
+
+   !> A dictionary of usual form.
+   pure function dictionary(descr, by_columns, shape) result(text)
+      character(*), intent(in) :: descr, shape
+      logical, intent(in) :: by_columns
+      character(:), allocatable :: text
+
+      text = "{'descr': '"//descr//"', 'fortran_order': "//trim(merge("True ", "False", by_columns))//", 'shape': "// &
+         shape//", }"
+   end function dictionary
+
+   !> Reads these bytes as a file.
+   subroutine read_bytes_of(content, options, record, failed)
+      character(*), intent(in) :: content
+      type(reader_options), intent(in) :: options
+      type(record_type), intent(out) :: record
+      type(gyro_error), allocatable, intent(out) :: failed
+
+      call write_bytes(scratch_path("array.npy"), content)
+      call read_record(scratch_path("array.npy"), options, record, failed)
+      call remove_file(scratch_path("array.npy"))
+   end subroutine read_bytes_of
+
+   !> The values that were read are exactly these.
+   subroutine check_values(error, content, expected, type_name)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), intent(in) :: content
+      real(dp), intent(in) :: expected(:)
+      character(*), intent(in) :: type_name
+      type(record_type) :: record
+      type(gyro_error), allocatable :: failed
+
+      call read_bytes_of(content, reader_options(), record, failed)
+      call check(error, .not. allocated(failed), type_name//" is not read")
+      if (allocated(error)) return
+      call check(error, record%format//", "//record%stored_type, "npy, "//type_name)
+      if (allocated(error)) return
+      call check(error, size(record%value), size(expected))
+      if (allocated(error)) return
+      call check(error, all(abs(record%value(:, 1) - expected) <= 0.0_dp), type_name//" has other values")
+   end subroutine check_values
+
+   !> f2, f4, f8 in both orders: 1.5, -2, 0, 65504 (the largest of half precision), its smallest, a third rounded.
+   subroutine test_floats(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64), parameter :: two(6) = [15872, 49152, 0, 31743, 1, 13653]
+      integer(int64), parameter :: four(6) = [1069547520_int64, 3221225472_int64, 0_int64, 1199562752_int64, 864026624_int64, &
+                                              1051369472_int64]
+      integer(int64), parameter :: eight(6) = [int(z"3FF8000000000000", int64), -4611686018427387904_int64, 0_int64, &
+         int(z"40EFFC0000000000", int64), int(z"3E70000000000000", int64), int(z"3FD5540000000000", int64)]
+      real(dp), parameter :: value(6) = [1.5_dp, -2.0_dp, 0.0_dp, 65504.0_dp, 2.0_dp**(-24), 1365.0_dp/4096]
+      character(:), allocatable :: content(:)
+      integer :: k, i
+      logical :: big
+
+      do k = 0, 1
+         big = k == 1
+         allocate (character(48) :: content(3))
+         content = ""
+         do i = 1, 6
+            content(1)(2*i - 1:2*i) = stored(two(i), 2, big)
+            content(2)(4*i - 3:4*i) = stored(four(i), 4, big)
+            content(3)(8*i - 7:8*i) = stored(eight(i), 8, big)
+         end do
+         do i = 1, 3
+            call check_values(error, npy(dictionary(merge(">", "<", big)//"f"//achar(48 + 2**i), .false., "(6,)"), &
+                                         content(i)(:6*2**i)), value, "float"//trim(merge("16", merge("32", "64", i == 2), &
+                                            i == 1)) &
+                              //trim(merge(" big endian", "           ", big)))
+            if (allocated(error)) return
+         end do
+         deallocate (content)
+      end do
+   end subroutine test_floats
+
+   !> i1 to i8, u1 to u8, b1 in both orders, with the ends of their ranges.
+   subroutine test_integers(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: content, descr, name
+      real(dp) :: half
+      integer(int64) :: pattern(4)
+      integer :: k, bytes, j
+
+      do k = 0, 1
+         do j = 0, 3
+            bytes = 2**j
+            half = 2.0_dp**(8*bytes - 1)
+            pattern = [1_int64, -1_int64, 100_int64, ishft(1_int64, 8*bytes - 1)]
+            content = stored(pattern(1), bytes, k == 1)//stored(pattern(2), bytes, k == 1)//stored(pattern(3), bytes, k == 1) &
+                      //stored(pattern(4), bytes, k == 1)
+            descr = merge(">", "<", k == 1)//"i"//achar(48 + bytes)
+            name = "int"//trim(adjustl(text_of(8*bytes)))//trim(merge(" big endian", "           ", k == 1 .and. bytes > 1))
+            call check_values(error, npy(dictionary(descr, .false., "(4,)"), content), [1.0_dp, -1.0_dp, 100.0_dp, -half], name)
+            if (allocated(error)) return
+            descr(2:2) = "u"
+            call check_values(error, npy(dictionary(descr, .false., "(4,)"), content), &
+                              [1.0_dp, 2*half - merge(1.0_dp, 0.0_dp, bytes < 8), 100.0_dp, half], "u"//name)
+            if (allocated(error)) return
+         end do
+      end do
+      call check_values(error, npy(dictionary("|b1", .false., "(3,)"), char(1)//char(0)//char(1)), [1.0_dp, 0.0_dp, &
+         1.0_dp], "bool")
+   end subroutine test_integers
+
+   !> A small number.
+   pure function text_of(i) result(text)
+      integer, intent(in) :: i
+      character(4) :: text
+
+      write (text, "(i0)") i
+   end function text_of
+
+   !> Versions 1, 2 and 3; 4 is refused.
+   subroutine test_versions(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: says = "{'descr': '|i1', 'fortran_order': False, 'shape': (3,), }"
+      type(record_type) :: record
+      type(gyro_error), allocatable :: failed
+      integer :: version
+
+      call check_values(error, npy(says, achar(3)//achar(2)//achar(1)), [3.0_dp, 2.0_dp, 1.0_dp], "int8")
+      if (allocated(error)) return
+      do version = 2, 3
+         call check_values(error, npy_magic//achar(version)//achar(0)//stored(len(says, int64), 4, .false.)//says// &
+                           achar(3)//achar(2)//achar(1), [3.0_dp, 2.0_dp, 1.0_dp], "int8")
+         if (allocated(error)) return
+      end do
+      call read_bytes_of(npy_magic//achar(4)//achar(0)//stored(len(says, int64), 4, .false.)//says//"abc", reader_options(), &
+                         record, failed)
+      call check(error, allocated(failed))
+      if (allocated(error)) return
+      call check(error, failed%code == status%not_supported .and. index(failed%message, "version 4.0") > 0, failed%message)
+   end subroutine test_versions
+
+   !> Rows together or columns together.
+   subroutine test_orders(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(gyro_error), allocatable :: failed
+      integer :: k
+
+      do k = 0, 1
+         call read_bytes_of(npy(dictionary("|u1", k == 1, "(3, 2)"), merge("cfadbe", "cabfde", k == 0)), reader_options(), &
+            record, &
+                            failed)
+         call check(error, .not. allocated(failed))
+         if (allocated(error)) return
+         call check(error, all(nint(record%value) == reshape([99, 97, 98, 102, 100, 101], [3, 2])), "order "//text_of(k))
+         if (allocated(error)) return
+         call check(error, .not. allocated(record%warnings), "a warning")
+         if (allocated(error)) return
+      end do
+   end subroutine test_orders
+
+   !> More columns than rows: the longer side is the time, and that is said; a single row is no question.
+   subroutine test_longer_side(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(gyro_error), allocatable :: failed
+      integer :: k
+
+      do k = 0, 1
+         call read_bytes_of(npy(dictionary("|u1", k == 1, "(2, 3)"), merge("adbecf", "abcdef", k == 1)), reader_options(), &
+            record, &
+                            failed)
+         call check(error, .not. allocated(failed))
+         if (allocated(error)) return
+         call check(error, all(nint(record%value) == reshape([97, 98, 99, 100, 101, 102], [3, 2])), "order "//text_of(k))
+         if (allocated(error)) return
+         call check(error, index(record%warnings(1)%text, "(2, 3)") > 0 .and. index(record%warnings(1)%text, "longer side") > 0)
+         if (allocated(error)) return
+      end do
+      call read_bytes_of(npy(dictionary("|u1", .false., "(1, 3)"), "abc"), reader_options(), record, failed)
+      call check(error, .not. allocated(failed) .and. .not. allocated(record%warnings))
+      if (allocated(error)) return
+      call check(error, all(nint(record%value(:, 1)) == [97, 98, 99]))
+   end subroutine test_longer_side
+
+   !> The dictionary in other spellings of Python.
+   subroutine test_spellings(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(80) :: says(5)
+      integer :: i
+
+      says(1) = '{"shape": (3,), "fortran_order": False, "descr": "|i1"}'
+      says(2) = "  {'descr' : 'i1','fortran_order':False,'shape':(3)}  "
+      says(3) = "{'descr': '=i1', 'fortran_order': True, 'shape': (3L,), }"
+      says(4) = "{'fortran_order': True, 'descr': 'b', 'shape': ( 3 , ) , }"
+      says(5) = "{'shape': (3, 1), 'descr': '>i1', 'fortran_order': False}"
+      do i = 1, size(says)
+         call check_values(error, npy(says(i), achar(3)//achar(2)//achar(1)), [3.0_dp, 2.0_dp, 1.0_dp], "int8")
+         if (allocated(error)) return
+      end do
+   end subroutine test_spellings
+
+   !> NaN, signalling ones too, and infinities are missing samples.
+   subroutine test_missing(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(gyro_error), allocatable :: failed
+      character(:), allocatable :: content
+      integer :: k
+
+      do k = 1, 3
+         select case (k)
+         case (1); content = npy(dictionary("<f8", .false., "(4,)"), stored(int(z"7FF0000000000001", int64), 8, .false.)// &
+            stored(int(z"7FF8000000000000", int64), 8, .false.)//stored(int(z"7FF0000000000000", int64), 8, .false.)// &
+            stored(int(z"3FF0000000000000", int64), 8, .false.))
+         case (2); content = npy(dictionary(">f4", .false., "(4,)"), stored(int(z"7F800001", int64), 4, .true.)// &
+            stored(int(z"7FC00000", int64), 4, .true.)//stored(int(z"FF800000", int64), 4, .true.)// &
+            stored(int(z"3F800000", int64), 4, .true.))
+         case (3); content = npy(dictionary("<f2", .false., "(4,)"), stored(int(z"7C01", int64), 2, .false.)// &
+            stored(int(z"7E00", int64), 2, .false.)//stored(int(z"FC00", int64), 2, .false.)//stored(int(z"3C00", int64), &
+               2, .false.))
+         end select
+         call read_bytes_of(content, reader_options(), record, failed)
+         call check(error, .not. allocated(failed))
+         if (allocated(error)) return
+         call check(error, record%audit%missing, 3_int64)
+         if (allocated(error)) return
+         call check(error, all(record%present(:, 1) == [0, 0, 0, 1]) .and. abs(record%value(4, 1) - 1) <= 0.0_dp)
+         if (allocated(error)) return
+      end do
+   end subroutine test_missing
+
+   !> Integers beyond 2^53 are told; those at it are not.
+   subroutine test_rounded(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(gyro_error), allocatable :: failed
+      integer(int64), parameter :: edge = 9007199254740992_int64
+
+      call read_bytes_of(npy(dictionary("<i8", .false., "(3,)"), stored(edge, 8, .false.)//stored(-edge, 8, .false.)// &
+                             stored(0_int64, 8, .false.)), reader_options(), record, failed)
+      call check(error, .not. allocated(failed) .and. .not. allocated(record%warnings))
+      if (allocated(error)) return
+      call read_bytes_of(npy(dictionary("<i8", .false., "(3,)"), stored(edge + 1, 8, .false.)//stored(-edge - 1, 8, .false.)// &
+                             stored(0_int64, 8, .false.)), reader_options(), record, failed)
+      call check(error, .not. allocated(failed) .and. allocated(record%warnings))
+      if (allocated(error)) return
+      call check(error, index(record%warnings(1)%text, "2 of the int64 values are beyond 2^53") > 0)
+   end subroutine test_rounded
+
+   !> Arrays that are no table of numbers: the message names the type and what to do.
+   subroutine test_unsuitable(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(32), parameter :: descr(13) = [character(32) :: "'<f16'", "'<g'", "'<c16'", "'|O'", "'|S5'", "'<U3'", "'|V8'", &
+         "'<M8[us]'", "'<m8[s]'", "'<q9'", "[('a', '<f8'), ('b', '<i2')]", "''", "'<f3'"]
+      character(12), parameter :: fragment(13) = [character(12) :: "long double", "long double", "complex", "object", "text", &
+         "text", "structured", "date", "date", "not known", "structured", "not known", "long double"]
+      integer :: i
+
+      do i = 1, size(descr)
+         call check_refusal(error, npy("{'descr': "//trim(descr(i))//", 'fortran_order': False, 'shape': (1,), }", &
+            "12345678"), &
+                            trim(fragment(i)))
+         if (allocated(error)) return
+      end do
+      call check_refusal(error, npy(dictionary("<f8", .false., "()"), "12345678"), "single number")
+      if (allocated(error)) return
+      call check_refusal(error, npy(dictionary("<f8", .false., "(1, 1, 1)"), "12345678"), "3 dimensions")
+      if (allocated(error)) return
+      call check_refusal(error, npy(dictionary("<f8", .false., "(0,)"), ""), "empty")
+      if (allocated(error)) return
+      call check_refusal(error, npy(dictionary("<f8", .false., "(3, 0)"), ""), "empty")
+   end subroutine test_unsuitable
+
+   !> A file that has to be refused with this in the message.
+   subroutine check_refusal(error, content, fragment)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), intent(in) :: content, fragment
+      type(record_type) :: record
+      type(gyro_error), allocatable :: failed
+
+      call read_bytes_of(content, reader_options(), record, failed)
+      call check(error, allocated(failed), "not refused: "//fragment)
+      if (allocated(error)) return
+      call check(error, index(failed%message, fragment) > 0 .and. index(failed%message, &
+         new_line("a")) > 0 .or. fragment == "empty", &
+                 fragment//" is not in: "//failed%message)
+   end subroutine check_refusal
+
+   !> Headers that cannot be understood, or that promise another length: the message holds the byte.
+   subroutine test_broken(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(90), parameter :: says(13) = [character(90) :: "", "{", "{'descr'", "{'descr': '<f8'}", &
+         "{'descr': '<f8', 'descr': '<f8', 'fortran_order': False, 'shape': (1,)}", &
+         "{'descr': '<f8', 'fortran_order': 0, 'shape': (1,)}", "{'descr': '<f8', 'fortran_order': False, 'shape': 1}", &
+         "{'descr': '<f8', 'fortran_order': False, 'shape': (-1,)}", &
+            "{'descr': '<f8', 'fortran_order': False, 'shape': (1,), 'x': 1}", &
+         "{'descr': '<f8', 'fortran_order': False, 'shape': (1,)} x", &
+            "{'descr': '<f8', 'fortran_order': False, 'shape': (1 1)}", &
+         "{'descr: <f8, 'fortran_order': False, 'shape': (1,)}", "{'descr': '<f8', 'fortran_order': False, 'shape': (1.5,)}"]
+      integer :: i
+
+      do i = 1, size(says)
+         call check_refusal(error, npy(trim(says(i)), "12345678"), "byte ")
+         if (allocated(error)) return
+      end do
+      call check_refusal(error, npy(dictionary("<f8", .false., "(2,)"), "12345678"), &
+         "byte 76: the file ends here, the header's "// &
+                         "shape (2,) of float64 needs 8 bytes more")
+      if (allocated(error)) return
+      call check_refusal(error, npy(dictionary("<f8", .false., "(1,)"), "123456789"), "byte 76: the header's shape (1,) of "// &
+                         "float64 ends here, and 1 bytes follow")
+      if (allocated(error)) return
+      call check_refusal(error, npy(dictionary("<f8", .false., "(999999999999999999, 999999999999999999)"), "12345678"), &
+         "larger")
+   end subroutine test_broken
+
+   !> Cut off at any byte, a file is refused.
+   subroutine test_every_length(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: whole
+      type(record_type) :: record
+      type(gyro_error), allocatable :: failed
+      integer :: n
+
+      whole = npy(dictionary("<f8", .false., "(3, 2)"), repeat("12345678", 6))
+      do n = 0, len(whole) - 1
+         call read_bytes_of(whole(:n), reader_options(), record, failed)
+         call check(error, allocated(failed), "not refused at byte "//text_of(n))
+         if (allocated(error)) return
+      end do
+      call read_bytes_of(whole, reader_options(), record, failed)
+      call check(error, .not. allocated(failed))
+   end subroutine test_every_length
+
+   !> With any bit of the header changed, a file is read or refused, never more than its bytes.
+   subroutine test_every_byte(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: whole, changed
+      type(record_type) :: record
+      type(gyro_error), allocatable :: failed
+      integer :: n, bit
+
+      whole = npy(dictionary("<f8", .false., "(3, 2)"), repeat(achar(0), 48))
+      do n = 1, len(whole) - 48
+         do bit = 0, 7
+            changed = whole
+            changed(n:n) = achar(ieor(iachar(whole(n:n)), 2**bit))
+            call read_bytes_of(changed, reader_options(), record, failed)
+            if (allocated(failed)) cycle
+            call check(error, size(record%value) <= 48, "byte "//text_of(n))
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_every_byte
+
+   !> The header that this library writes is one that it reads, and the numbers begin at a multiple of 64.
+   subroutine test_own_header(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(gyro_error), allocatable :: failed
+      integer(int64) :: columns
+      integer :: order
+
+      do columns = 0, 2
+         do order = 0, 1
+            call check(error, modulo(len(npy_header(3_int64, columns, order == 1)), 64), 0)
+            if (allocated(error)) return
+            call read_bytes_of(npy_header(3_int64, columns, order == 1)//repeat(achar(0), int(24*max(1_int64, columns))), &
+                               reader_options(), record, failed)
+            call check(error, .not. allocated(failed))
+            if (allocated(error)) return
+            call check(error, all(shape(record%value) == [3, max(1, int(columns))]))
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_own_header
+
+   !> Columns and the time by number.
+   subroutine test_columns(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(reader_options) :: options
+      type(record_type) :: record
+      type(gyro_error), allocatable :: failed
+      integer :: k
+
+      options%columns = "3,2"
+      options%time_column = "1"
+      options%unit = "deg/s"
+      do k = 0, 1
+         call read_bytes_of(npy(dictionary("|u1", k == 1, "(3, 3)"), merge("adgbehcfi", "abcdefghi", k == 0)), options, &
+            record, &
+                            failed)
+         call check(error, .not. allocated(failed))
+         if (allocated(error)) return
+         call check(error, all(nint(record%value) == reshape([103, 104, 105, 100, 101, 102], [3, 2])))
+         if (allocated(error)) return
+         call check(error, record%rate_source == "timestamps" .and. abs(record%sample_interval - 1) <= 0.0_dp)
+         if (allocated(error)) return
+      end do
+      options%columns = "gx"
+      call read_bytes_of(npy(dictionary("|u1", .false., "(3, 3)"), "abcdefghi"), options, record, failed)
+      call check(error, allocated(failed))
+      if (allocated(error)) return
+      call check(error, index(failed%message, "give numbers") > 0, failed%message)
+   end subroutine test_columns
+
+   !> More than a block and more than one thread's share, in both layouts; the last row of a column is its own.
+   subroutine test_large(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: rows = 300001
+      character(:), allocatable :: content
+      type(record_type) :: record
+      type(gyro_error), allocatable :: failed
+      integer :: i, j, k, at
+
+      allocate (character(6*rows) :: content)
+      do k = 0, 1
+         do j = 1, 3
+            do i = 1, rows
+               at = merge(3*(i - 1) + j, (j - 1)*rows + i, k == 0)
+               content(2*at - 1:2*at) = stored(int(modulo(i*j, 30011), int64), 2, .true.)
+            end do
+         end do
+         call read_bytes_of(npy(dictionary(">i2", k == 1, "(300001, 3)"), content), reader_options(), record, failed)
+         call check(error, .not. allocated(failed))
+         if (allocated(error)) return
+         do j = 1, 3
+            call check(error, all(nint(record%value(:, j)) == [(modulo(i*j, 30011), i=1, rows)]), "column "//text_of(j))
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_large
+
+end module test_npy
