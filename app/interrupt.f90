@@ -6,8 +6,7 @@
 !> ends. The same signal a second time ends it at once. This is the one place of the program that keeps state: a signal
 !> handler has no arguments of its own.
 module gyroakf_app_interrupt
-   use, intrinsic :: iso_c_binding, only : c_associated, c_char, c_funloc, c_funptr, c_int, c_loc, c_long, c_null_funptr, &
-      c_size_t
+   use, intrinsic :: iso_c_binding, only : c_associated, c_char, c_funloc, c_funptr, c_int, c_loc, c_long, c_null_funptr, c_size_t
    use gyroakf_app_system, only : c_raise, c_signal, c_write, ignore_signal, signal_hangup, signal_interrupt, signal_pipe, &
       & signal_terminate
    implicit none (type, external)

@@ -81,6 +81,8 @@ module gyroakf_app_option
                   "leave out the first N lines of a text, or the first N bytes before raw numbers"), &
       option_type("--from", "S", "real", reading, "input", "begin S seconds after the first sample"), &
       option_type("--to", "S", "positive", reading, "input", "end S seconds after the first sample"), &
+      option_type("--decimal-comma", "", "flag", reading, "input", "every comma in the file is a decimal comma, as in 1,5; "// &
+                  "recognised by itself where semicolons, tabs or blanks part the columns"), &
       option_type("--bad-lines", "error|missing", "choice", reading, "input", &
                   "a line that cannot be read is an error (default), or marked missing and counted")]
 
@@ -163,7 +165,7 @@ module gyroakf_app_option
       option_type("--threads", "N", "count", every, "common", "number of threads (default: all)"), &
       option_type("--memory", "SIZE", "text", reading, "common", &
                   "memory that may be used, 28MB or more, as 500MB or 2GB (default: what is free); "// &
-                  "allan and inspect stream a larger recording, the others refuse it"), &
+                  "allan, inspect and filter stream a larger recording, the others refuse it"), &
       option_type("--quiet", "", "flag", reading, "common", "print no report"), &
       option_type("--progress", "auto|on|off", "choice", every, "common", &
                   "how far long work is, on standard error; auto (default): on a terminal, after a second"), &

@@ -7,7 +7,7 @@ module gyroakf_app_reading
    use gyroakf_io_reader, only : complete_record, read_record, reader_options
    use gyroakf_io_record_summary, only : summarise_record
    use gyroakf_io_recording, only : base_bytes, close_recording, hold_rows, open_recording, recording_type
-   use gyroakf_pipeline, only : pipeline_result_type, run_pipeline, run_streamed, tell_memory
+   use gyroakf_pipeline, only : filter_streamed, pipeline_result_type, run_pipeline, run_streamed, tell_memory
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
    use gyroakf_report_kalibr, only : check_kalibr
@@ -51,7 +51,7 @@ contains
       call summarise_record(config%path, reader, record, error, progress)
    end subroutine read_and_look
 
-   !> run, allan, tests, ar, filter: what was read, and what came out; allan streams what is larger than the memory.
+   !> run, allan, tests, ar, filter: what was read, and what came out; allan and filter stream what is larger than the memory.
    subroutine read_and_run(config, record, result, error, progress)
       !> The file, how it is read and what is computed
       type(analysis_config), intent(in) :: config
@@ -69,21 +69,24 @@ contains
       reader = config%reader
       call tell_memory(config%pipeline, reader%work_bytes, reader%channel_bytes)
       call find_bound(reader)
-      if (config%command == "allan") then
+      if (config%command == "allan" .or. config%command == "filter") then
          call open_recording(config%path, reader, recording, error)
          if (.not. allocated(error)) call hold_rows(recording, error, progress)
-         if (.not. allocated(error) .and. .not. recording%table%whole) then
-            call run_streamed(recording, config%pipeline, record, result, error, progress)
-         else if (.not. allocated(error)) then
+         if (allocated(error)) then
+            continue
+         else if (recording%table%whole) then
             call complete_record(recording, record, error)
+         else if (config%command == "allan") then
+            call run_streamed(recording, config%pipeline, record, result, error, progress)
+         else
+            call filter_streamed(recording, config%pipeline, record, result, error, progress=progress)
          end if
          call close_recording(recording)
       else
          call read_record(config%path, reader, record, error, progress)
       end if
       if (.not. allocated(error) .and. allocated(config%kalibr)) call check_kalibr(record, error)
-      if (.not. allocated(error) .and. .not. record%streamed) call run_pipeline(record, config%pipeline, result, error, &
-         progress)
+      if (.not. allocated(error) .and. .not. record%streamed) call run_pipeline(record, config%pipeline, result, error, progress)
    end subroutine read_and_run
 
 end module gyroakf_app_reading

@@ -49,6 +49,7 @@ contains
       case ("--from"); reader%from = value%number
          if (value%number < 0) call value_error(option, "'"//value%text//"' is before the first sample", error)
       case ("--to"); reader%to = value%number
+      case ("--decimal-comma"); reader%decimal_comma = .true.
       case ("--bad-lines"); reader%bad_lines_missing = value%text == "missing"
       case default; call not_wired(option, error)
       end select

@@ -56,8 +56,7 @@ contains
       case ("--outlier-size"); record%outlier_size = value%number
       case ("--rounding"); record%quantisation = value%number
       case ("--missing"); record%missing = value%number
-         if (value%number < 0 .or. value%number > 0.9_dp) call value_error(option, "'"//value%text// &
-            "' is not from 0 to 0.9", error)
+         if (value%number < 0 .or. value%number > 0.9_dp) call value_error(option, "'"//value%text//"' is not from 0 to 0.9", error)
       case default; call not_wired(option, error)
       end select
    end subroutine set_term
@@ -102,8 +101,7 @@ contains
             ok = found == number%ok .and. (coefficient(term) >= 0 .or. term_names(term) == "R")
          end if
          if (.not. ok) then
-            call value_error(option, "'"//text(from:to)// &
-               "' is not a term given once, with its value (negative only for R)", error)
+            call value_error(option, "'"//text(from:to)//"' is not a term given once, with its value (negative only for R)", error)
             return
          end if
          given(term) = .true.

@@ -10,8 +10,7 @@ module gyroakf_app_system
    public :: signal_hangup, signal_interrupt, signal_kill, signal_pipe, signal_terminate, poll_in
 
    !> Numbers that are the same on every POSIX system
-   integer(c_int), parameter :: signal_hangup = 1, signal_interrupt = 2, signal_kill = 9, signal_pipe = 13, &
-      signal_terminate = 15
+   integer(c_int), parameter :: signal_hangup = 1, signal_interrupt = 2, signal_kill = 9, signal_pipe = 13, signal_terminate = 15
    !> Something can be read
    integer(c_short), parameter :: poll_in = 1_c_short
 

@@ -41,6 +41,7 @@ module gyroakf
    use gyroakf_io_number, only : parse_number
    use gyroakf_io_reader, only : reader_options, read_record, complete_record
    use gyroakf_io_recording, only : recording_type, open_recording, hold_rows, close_recording, bytes_needed
+   use gyroakf_io_record_summary, only : summarise_record
    use gyroakf_io_record_stream, only : record_stream_type, begin_record_stream, next_record_block, end_record_stream
    use gyroakf_io_writer, only : writer_type, open_writer, put, put_line, put_real, complete_writer, commit_writer, &
       discard_writer, format_real, make_directory
@@ -49,16 +50,18 @@ module gyroakf
    use gyroakf_series_whiteness, only : ljung_box_type, test_ljung_box, ljung_box_of
    use gyroakf_ar_autocovariance, only : compute_autocovariance, residual_autocovariance
    use gyroakf_ar_levinson, only : solve_levinson
-   use gyroakf_filter_series, only : filter_result_type, filter_series
+   use gyroakf_filter_series, only : filter_result_type, filter_series, filter_run_type, begin_filter_run, feed_filter_run, &
+      end_filter_run
    use gyroakf_filter_identification, only : drift_model_type, identify_drift
    use gyroakf_preprocess_trend, only : trend_type, fit_trend, remove_trend, evaluate_trend
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
    use gyroakf_series_stationarity, only : adf_options, adf_type, test_adf
-   use gyroakf_ar_model, only : ar_options, ar_order_type, ar_model_type, fit_ar
+   use gyroakf_ar_model, only : ar_options, ar_order_type, ar_model_type, fit_ar, fit_ar_of
+   use gyroakf_ar_lag_stream, only : lag_stream_type, begin_lag_stream, feed_lag_stream, finish_lag_stream
    use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, design_drift_kf, design_drift_akf
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, channel_result_type, available_type, allan_result_type, &
       stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, stage, stage_names, apply_preset, &
-      run_pipeline, run_streamed, tell_memory, minimum_samples
+      run_pipeline, run_streamed, filter_streamed, series_sink_type, tell_memory, minimum_samples
    use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_report_files, only : write_results
    use gyroakf_report_kalibr, only : check_kalibr, write_kalibr

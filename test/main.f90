@@ -25,6 +25,7 @@ program test_main
    use test_audit, only : collect_audit
    use test_autocovariance, only : collect_autocovariance
    use test_clean, only : collect_clean
+   use test_dates, only : collect_dates
    use test_decimal, only : collect_decimal
    use test_design, only : collect_design
    use test_error, only : collect_error
@@ -54,6 +55,7 @@ program test_main
    use test_simulate, only : collect_simulate
    use test_special, only : collect_special
    use test_state_space, only : collect_state_space
+   use test_streamed_filter, only : collect_streamed_filter
    use test_text, only : collect_text
    use test_trend, only : collect_trend
    use test_conventions, only : collect_conventions
@@ -84,6 +86,7 @@ program test_main
    call add("audit", collect_audit)
    call add("autocovariance", collect_autocovariance)
    call add("clean", collect_clean)
+   call add("dates", collect_dates)
    call add("decimal", collect_decimal)
    call add("design", collect_design)
    call add("error", collect_error)
@@ -113,6 +116,7 @@ program test_main
    call add("simulate", collect_simulate)
    call add("special", collect_special)
    call add("state_space", collect_state_space)
+   call add("streamed_filter", collect_streamed_filter)
    call add("text", collect_text)
    call add("trend", collect_trend)
    call add("conventions", collect_conventions)

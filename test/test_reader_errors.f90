@@ -153,9 +153,9 @@ contains
    subroutine test_commas(error)
       type(error_type), allocatable, intent(out) :: error
 
-      call expect(error, "1,5;2,3"//nl, status%parse, ":1:2: this looks like a decimal comma")
+      call expect(error, "a;b;c"//nl//"1,5;2,3"//nl, status%parse, ":2:2: this looks like a decimal comma")
       if (allocated(error)) return
-      call expect(error, "t;gx"//nl//"0;2"//nl//"1;2,5"//nl, status%parse, ":3:4: ")
+      call expect(error, "t;gx"//nl//"0;2"//nl//"1;2,5;"//nl//"1 2,5;3"//nl, status%parse, ":3:4: ")
       if (allocated(error)) return
       call expect(error, "1,5"//nl//"2,25"//nl//"0,05"//nl, status%parse, ":3:2: this looks like a decimal comma")
       if (allocated(error)) return

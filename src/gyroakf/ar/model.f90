@@ -10,7 +10,7 @@ module gyroakf_ar_model
    use gyroakf_series_whiteness, only : ljung_box_type, ljung_box_of
    implicit none (type, external)
    private
-   public :: ar_options, ar_order_type, ar_model_type, fit_ar
+   public :: ar_options, ar_order_type, ar_model_type, fit_ar, fit_ar_of, residual_lags
 
    !> How the model is found
    type :: ar_options
@@ -66,9 +66,9 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      real(dp), allocatable :: r(:), phi(:, :), variance(:)
+      real(dp), allocatable :: r(:)
       integer(int64), allocatable :: pairs(:)
-      integer :: most, k
+      integer :: most
 
       call check_options(options, most, error)
       if (allocated(error)) return
@@ -76,6 +76,56 @@ contains
       if (allocated(error)) return
       call compute_autocovariance(x, most, model%mean, r, error, valid, pairs)
       if (allocated(error)) return
+      call model_of(r, size(x, kind=int64), pairs, most, options, model, error)
+      if (allocated(error)) return
+      call test_residuals(x, model, valid)
+   end subroutine fit_ar
+
+   !> Fits AR models to autocovariances, for whoever accumulates them on the way; otherwise as [[fit_ar]].
+   subroutine fit_ar_of(r, n, pairs, mean, options, model, error)
+      !> Biased autocovariances: [0:max_order or order, whichever is larger, or more]
+      real(dp), intent(in) :: r(0:)
+      !> Length of the series
+      integer(int64), intent(in) :: n
+      !> Present pairs at each lag: as many as `r`
+      integer(int64), intent(in) :: pairs(0:)
+      !> Mean of the series
+      real(dp), intent(in) :: mean
+      !> How
+      type(ar_options), intent(in) :: options
+      !> The model; its residuals are not tested: see [[residual_lags]]
+      type(ar_model_type), intent(out) :: model
+      !> As of [[fit_ar]]
+      type(error_type), allocatable, intent(out) :: error
+      integer :: most
+
+      call check_options(options, most, error)
+      if (allocated(error)) return
+      call check_length(n, most, error)
+      if (allocated(error)) return
+      model%mean = mean
+      call model_of(r(0:most), n, pairs(0:most), most, options, model, error)
+   end subroutine fit_ar_of
+
+   !> The model from autocovariances.
+   subroutine model_of(r, n, pairs, most, options, model, error)
+      !> Autocovariances: [0:most]
+      real(dp), intent(in) :: r(0:)
+      !> Length of the series
+      integer(int64), intent(in) :: n
+      !> Present pairs: [0:most]
+      integer(int64), intent(in) :: pairs(0:)
+      !> Largest order
+      integer, intent(in) :: most
+      !> How
+      type(ar_options), intent(in) :: options
+      !> Its mean is set
+      type(ar_model_type), intent(inout) :: model
+      !> too_few_samples, constant_input, singular
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: phi(:, :), variance(:)
+      integer :: k
+
       model%samples = pairs(0)
       call check_length(model%samples, most, error)
       if (allocated(error)) return
@@ -96,11 +146,8 @@ contains
       if (model%order > 0) model%coefficient(:) = phi(:model%order, model%order)
       model%noise_variance = variance(model%order)
       model%variance = r(0)
-      call standard_errors(r, model%noise_variance/effective_length(size(x, kind=int64), pairs(:model%order)), &
-         & model%std_error, error)
-      if (allocated(error)) return
-      call test_residuals(x, model, valid)
-   end subroutine fit_ar
+      call standard_errors(r, model%noise_variance/effective_length(n, pairs(:model%order)), model%std_error, error)
+   end subroutine model_of
 
    !> Refuses options out of range.
    subroutine check_options(options, most, error)
@@ -187,6 +234,18 @@ contains
       end do
    end subroutine standard_errors
 
+   !> Lags of the residuals' test; no test where they are not more than the order.
+   pure integer function residual_lags(n, order) result(lags)
+      !> Length of the series
+      integer(int64), intent(in) :: n
+      !> Order of the model
+      integer, intent(in) :: order
+
+      lags = 20
+      if (order >= 20) lags = order + 20
+      lags = int(min(int(lags, int64), n - order - 1))
+   end function residual_lags
+
    !> Ljung-Box test of the residuals; left out where there are too few of them or they are constant.
    subroutine test_residuals(x, model, valid)
       !> Series
@@ -202,9 +261,7 @@ contains
       type(error_type), allocatable :: error
 
       n = size(x, kind=int64) - model%order
-      lags = 20
-      if (model%order >= 20) lags = model%order + 20
-      lags = int(min(int(lags, int64), n - 1))
+      lags = residual_lags(size(x, kind=int64), model%order)
       if (lags <= model%order) return
       call residual_autocovariance(x, model%mean, model%coefficient, lags, r, error, valid, pairs)
       if (allocated(error)) return

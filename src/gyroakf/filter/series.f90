@@ -17,11 +17,14 @@ module gyroakf_filter_series
    implicit none (type, external)
    private
    public :: filter_result_type, filter_series
+   public :: filter_run_type, begin_filter_run, feed_filter_run, end_filter_run
 
    !> Samples a block
    integer, parameter :: block_size = 4096
    !> Samples after which a caller is told how far it is
    integer(int64), parameter :: tell_every = 256*block_size
+   character(*), parameter :: wrong_series = &
+      "a filter needs a series, an output and a mask of one length, and must be made before it runs"
    !> Fewest measurements that the diagnostics make sense for
    integer, parameter :: fewest_measurements = 30
 
@@ -56,6 +59,20 @@ module gyroakf_filter_series
       real(dp) :: mean = 0, squares = 0
    end type moments_sum_type
 
+   !> What is remembered of a series that arrives in parts
+   type :: filter_run_type
+      private
+      type(lag_sums_type) :: innovations
+      type(moments_sum_type) :: output
+      !> Innovations over their standard deviations, presence: of a block
+      real(dp), allocatable :: normalised(:)
+      integer(int8), allocatable :: here(:)
+      !> Samples of the series, those before its last third, those done
+      integer(int64) :: samples = 0, third = 0, done = 0
+      !> Counts of the filter at the beginning: clamped, gated
+      integer(int64) :: before(2) = 0
+   end type filter_run_type
+
 contains
 
    !> Runs the filter over a series and measures what it did.
@@ -74,74 +91,140 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
-      type(lag_sums_type) :: innovations
-      type(moments_sum_type) :: output
-      real(dp), allocatable :: normalised(:)
-      integer(int8), allocatable :: here(:)
-      integer(int64) :: first, last, third, before(2)
-      integer :: n, stat
+      type(filter_run_type) :: run
+      integer(int64) :: measurements
+      logical :: same
 
+      same = size(x, kind=int64) == size(z, kind=int64)
+      if (present(valid)) same = same .and. size(valid, kind=int64) == size(z, kind=int64)
+      if (.not. same) then
+         call fatal_error(error, status%invalid_argument, wrong_series)
+         return
+      end if
       if (present(valid)) then
-         call check_series(filter, z, x, error, valid)
+         measurements = enough_measurements(z, valid)
       else
-         call check_series(filter, z, x, error)
+         measurements = enough_measurements(z)
+      end if
+      call begin_filter_run(filter, size(z, kind=int64), measurements, run, error)
+      if (allocated(error)) return
+      if (present(valid)) then
+         call feed_filter_run(filter, run, z, x, error, valid, progress)
+      else
+         call feed_filter_run(filter, run, z, x, error, progress=progress)
+      end if
+      if (.not. allocated(error)) call end_filter_run(filter, run, result, error)
+   end subroutine filter_series
+
+   !> Prepares for a series that arrives in parts.
+   !>
+   !>     call begin_filter_run(filter, n, measurements, run, error)
+   !>     do                                                          ! the parts of the series, in order
+   !>        call feed_filter_run(filter, run, z, x, error, valid)
+   !>     end do
+   !>     call end_filter_run(filter, run, result, error)
+   subroutine begin_filter_run(filter, samples, measurements, run, error)
+      !> The filter, made by new_filter or a design procedure
+      type(filter_type), intent(in) :: filter
+      !> Samples of the whole series, and how many of them are present (30 are enough to know)
+      integer(int64), intent(in) :: samples, measurements
+      !> Fresh afterwards
+      type(filter_run_type), intent(out) :: run
+      !> invalid_argument: filter not made; too_few_samples; no_memory
+      type(error_type), allocatable, intent(out) :: error
+      character(120) :: buffer
+      integer :: stat
+
+      if (filter%order < 1) then
+         call fatal_error(error, status%invalid_argument, wrong_series)
+      else if (measurements < fewest_measurements) then
+         write (buffer, "(a, i0, a, i0)") "a filter's diagnostics need at least ", fewest_measurements, &
+            " present samples, got ", measurements
+         call fatal_error(error, status%too_few_samples, trim(buffer))
       end if
       if (allocated(error)) return
-      allocate (normalised(block_size), stat=stat)
-      if (stat == 0) allocate (here(block_size), stat=stat)
-      if (stat == 0) call start_lag_sums(innovations, block_size, stat)
+      allocate (run%normalised(block_size), stat=stat)
+      if (stat == 0) allocate (run%here(block_size), stat=stat)
+      if (stat == 0) call start_lag_sums(run%innovations, block_size, stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the blocks of a filter's innovations")
          return
       end if
-      before = [filter%clamped, filter%gated]
-      third = size(z, kind=int64) - size(z, kind=int64)/3
+      run%before = [filter%clamped, filter%gated]
+      run%samples = samples
+      run%third = samples - samples/3
+   end subroutine begin_filter_run
+
+   !> Filters the next part of the series.
+   subroutine feed_filter_run(filter, run, z, x, error, valid, progress)
+      !> Of the beginning; its state goes on
+      type(filter_type), intent(inout) :: filter
+      !> Of the beginning
+      type(filter_run_type), intent(inout) :: run
+      !> Next samples, [any number]; NaN counts as missing
+      real(dp), intent(in), contiguous :: z(:)
+      !> Output, of that length; not the same array as z
+      real(dp), intent(out), contiguous :: x(:)
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 where a sample is present, 0 where it is missing
+      integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
+      integer(int64) :: first, last
+      integer :: n
+
       last = 0
       do while (last < size(z, kind=int64))
-         if (last == 0 .or. last == third) call restart_gain(filter)
-         if (mod(last, tell_every) == 0) then
-            call tell_progress("filtering", last, size(z, kind=int64), error, progress)
+         if (run%done == 0 .or. run%done == run%third) call restart_gain(filter)
+         if (mod(run%done, tell_every) == 0) then
+            call tell_progress("filtering", run%done, run%samples, error, progress)
             if (allocated(error)) return
          end if
          first = last + 1
          last = min(first + block_size - 1, size(z, kind=int64))
-         if (first <= third) last = min(last, third)
+         if (run%done < run%third) last = min(last, first - 1 + run%third - run%done)
          n = int(last - first + 1)
          if (present(valid)) then
-            here(:n) = merge(1_int8, 0_int8, valid(first:last) /= 0_int8 .and. is_sample(z(first:last)))
+            run%here(:n) = merge(1_int8, 0_int8, valid(first:last) /= 0_int8 .and. is_sample(z(first:last)))
          else
-            here(:n) = merge(1_int8, 0_int8, is_sample(z(first:last)))
+            run%here(:n) = merge(1_int8, 0_int8, is_sample(z(first:last)))
          end if
-         call run_filter(filter, z(first:last), x(first:last), here(:n), normalised(:n))
-         call add_moments(output, x(first:last), here(:n))
-         call add_block(innovations, normalised(:n), here(:n))
+         call run_filter(filter, z(first:last), x(first:last), run%here(:n), run%normalised(:n))
+         call add_moments(run%output, x(first:last), run%here(:n))
+         call add_block(run%innovations, run%normalised(:n), run%here(:n))
+         run%done = run%done + n
       end do
-      result%steps = size(z, kind=int64)
-      result%clamped = filter%clamped - before(1)
-      result%gated = filter%gated - before(2)
-      result%mean = output%mean
-      result%variance = output%squares/real(output%count - 1, dp)
-      call conclude(filter, innovations, result, error)
-   end subroutine filter_series
+   end subroutine feed_filter_run
 
-   !> Lengths and the number of measurements.
-   subroutine check_series(filter, z, x, error, valid)
-      !> As in filter_series
+   !> Measures what the filter did to the series.
+   subroutine end_filter_run(filter, run, result, error)
+      !> After the last sample
       type(filter_type), intent(in) :: filter
-      real(dp), intent(in), contiguous :: z(:), x(:)
+      !> All samples are done
+      type(filter_run_type), intent(in) :: run
+      !> Its diagnostics
+      type(filter_result_type), intent(out) :: result
+      !> As ljung_box_of
       type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: k, measurements
-      logical :: here, same
-      character(120) :: buffer
 
-      same = size(x, kind=int64) == size(z, kind=int64)
-      if (present(valid)) same = same .and. size(valid, kind=int64) == size(z, kind=int64)
-      if (.not. same .or. filter%order < 1) then
-         call fatal_error(error, status%invalid_argument, &
-                          "a filter needs a series, an output and a mask of one length, and must be made before it runs")
-         return
-      end if
+      result%steps = run%done
+      result%clamped = filter%clamped - run%before(1)
+      result%gated = filter%gated - run%before(2)
+      result%mean = run%output%mean
+      result%variance = run%output%squares/real(run%output%count - 1, dp)
+      call conclude(filter, run%innovations, result, error)
+   end subroutine end_filter_run
+
+   !> Present samples of a series, counted until they are enough.
+   pure integer(int64) function enough_measurements(z, valid) result(measurements)
+      !> Series, [n]
+      real(dp), intent(in), contiguous :: z(:)
+      !> 1 where a sample is present, [n]
+      integer(int8), intent(in), optional :: valid(:)
+      integer(int64) :: k
+      logical :: here
+
       measurements = 0
       do k = 1, size(z, kind=int64)
          here = is_sample(z(k))
@@ -149,10 +232,7 @@ contains
          if (here) measurements = measurements + 1
          if (measurements >= fewest_measurements) return
       end do
-      write (buffer, "(a, i0, a, i0)") "a filter's diagnostics need at least ", fewest_measurements, &
-         " present samples, got ", measurements
-      call fatal_error(error, status%too_few_samples, trim(buffer))
-   end subroutine check_series
+   end function enough_measurements
 
    !> Begins a new mean of the gain.
    pure subroutine restart_gain(filter)

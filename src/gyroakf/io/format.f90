@@ -15,7 +15,7 @@ module gyroakf_io_format
 
    !> The message for a decimal comma
    character(*), parameter :: comma_found = "this looks like a decimal comma, and a comma separates columns"
-   character(*), parameter :: comma_advice = "write decimal points, as with tr , . < FILE"
+   character(*), parameter :: comma_advice = "write decimal points, as with tr , . < FILE, or say --decimal-comma"
 
    !> What a file holds
    type :: content_type
@@ -43,16 +43,17 @@ contains
    !>
    !> It is recognised in a line without decimal points where each comma stands between two digits and either other separators
    !> part fields of one comma at most (`1,5;2,3`), or the line has one comma with a leading zero behind it (`1,05`) or `-0`
-   !> before it.
+   !> before it. A comma behind a time of day (`12:00:00,5`) is none.
    pure integer(int64) function decimal_comma(bytes, first, last) result(at)
       !> Holds a line of data at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       integer(int64) :: p, from, to
       integer :: commas, in_field
-      logical :: others
+      logical :: others, clock
 
       at = 0
+      clock = .false.
       commas = 0
       in_field = 0
       others = .false.
@@ -61,13 +62,17 @@ contains
       do p = from, to
          select case (bytes(p))
          case (point, quote, apostrophe); return
+         case (iachar(":"))
+            clock = .true.
          case (comma)
+            if (clock) return
             if (.not. (is_digit(bytes, p - 1, from, to) .and. is_digit(bytes, p + 1, from, to)) .or. in_field == 1) return
             in_field = 1
             commas = commas + 1
          case (blank, tab, semicolon)
             others = .true.
             in_field = 0
+            clock = .false.
          case default
             continue
          end select

@@ -12,19 +12,20 @@ module gyroakf_io_reader
    use gyroakf_io_columns, only : label_of, name_of
    use gyroakf_io_lines, only : line_of
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_stamps, only : infer_scale, named_scale
+   use gyroakf_io_stamps, only : infer_scale, named_scale, unwrap_days
    use gyroakf_io_shape, only : cut, fill_gaps, make_rates, mark_missing
    use gyroakf_io_store, only : take_columns
    use gyroakf_io_recording, only : close_recording, hold_rows, memory_advice, open_recording, reader_options, &
       recording_type, too_large
    use gyroakf_io_table, only : table_type
+   use gyroakf_io_date, only : stamp_kind
    use gyroakf_io_decimal, only : format_real
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : add_text, record_type
    implicit none (type, external)
    private
    public :: reader_options, read_record, complete_record
-   public :: largest_value, drop_absurd, find_scale, set_rate, tell, time_warning
+   public :: largest_value, drop_absurd, find_scale, is_clock, set_rate, tell, time_warning
 
    !> A rate beyond it is an error: the fourth powers of the statistics would overflow
    real(dp), parameter :: largest_value = 1.0e60_dp
@@ -177,13 +178,17 @@ contains
       real(dp), intent(inout), contiguous :: stamps(:)
       type(record_type), intent(inout) :: record
       type(gap_type), intent(out) :: gaps
-      real(dp) :: scale, origin
+      real(dp) :: scale, origin, before
+      integer :: days
 
       record%audit%bad_lines = table%bad_lines
       if (size(stamps) == 0) then
          call audit_stamps(stamps, record%audit, gaps)
          return
       end if
+      before = ieee_value(before, ieee_quiet_nan)
+      days = 0
+      if (is_clock(table)) call unwrap_days(stamps, before, days)
       call find_scale(options, table, stamps, record, scale, origin)
       stamps = (stamps - origin)*scale
       call audit_stamps(stamps, record%audit, gaps)
@@ -206,13 +211,19 @@ contains
       real(dp) :: given
       logical :: sure
       integer(int64) :: i
+      integer :: kind
 
       call drop_absurd(stamps)
       scale = 0.0_dp
-      if (table%names%known) scale = named_scale(table%names%name(table%time)%text, table%names%unit(table%time)%text)
+      kind = time_kind(table)
+      if (kind /= stamp_kind%number .and. kind /= stamp_kind%long) then
+         scale = 1.0_dp
+      else if (table%names%known) then
+         scale = named_scale(table%names%name(table%time)%text, table%names%unit(table%time)%text)
+      end if
       if (scale <= 0.0_dp) then
          given = merge(options%rate_hz, table%header%rate_hz, options%rate_hz > 0.0_dp)
-         call infer_scale(stamps, given, scale, sure)
+         call infer_scale(stamps, given, scale, sure, real(table%layout%origin, dp))
          if (.not. sure) call add_text(record%warnings, "the time in "//label_of(table%names, table%time)// &
             " names no unit and is taken as "//unit_word(scale)//" by its step; a name such as time_"//unit_word(scale)// &
             " or the option --rate settles it")
@@ -223,6 +234,24 @@ contains
       origin = 0.0_dp
       if (i <= size(stamps, kind=int64)) origin = stamps(i)
    end subroutine find_scale
+
+   !> What the time column holds.
+   pure integer function time_kind(table)
+      !> Of any format
+      type(table_type), intent(in) :: table
+
+      time_kind = stamp_kind%number
+      if (table%time > 0 .and. allocated(table%layout%kind)) time_kind = abs(table%layout%kind(table%time))
+   end function time_kind
+
+   !> True where the time is a time of day, without a date, which begins again at midnight.
+   pure logical function is_clock(table)
+      !> Of any format
+      type(table_type), intent(in) :: table
+
+      is_clock = time_kind(table) == stamp_kind%clock
+      if (is_clock) is_clock = count(table%layout%slot == table%layout%slot(table%time)) == 1
+   end function is_clock
 
    !> What is too large for a time, and for products of times, is missing.
    pure subroutine drop_absurd(stamps)

@@ -21,9 +21,10 @@ module gyroakf_io_record_stream
    use gyroakf_io_columns, only : label_of, name_of
    use gyroakf_io_lines, only : line_of
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_reader, only : drop_absurd, find_scale, largest_value, set_rate, tell, time_warning
+   use gyroakf_io_reader, only : drop_absurd, find_scale, is_clock, largest_value, set_rate, tell, time_warning
    use gyroakf_io_recording, only : next_rows, recording_type
    use gyroakf_io_store, only : chunk_rows
+   use gyroakf_io_stamps, only : unwrap_days
    use gyroakf_io_shape, only : fill_gaps, keep_rows, make_rates, mark_missing
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_record, only : add_text, audit_type, record_type, text_type
@@ -62,6 +63,9 @@ module gyroakf_io_record_stream
       logical :: only_singles = .true.
       !> Unit of the stamps and the first of them
       real(dp) :: scale = 1.0_dp, origin = 0.0_dp
+      !> The last time of day, and the midnights so far
+      real(dp) :: clock = -1.0_dp
+      integer :: days = 0
       !> Part of the samples that is wanted
       integer(int64) :: first = 1, last = huge(1_int64)
       !> The last row, for the differences of angles: [1, channel]
@@ -195,6 +199,7 @@ contains
             if (table%time > 0) then
                stamps(:old) = stream%stamps
                stamps(old + 1:) = chunk%value(:new, table%layout%slot(table%time))
+               if (is_clock(table)) call unwrap_days(stamps(old + 1:), stream%clock, stream%days)
             end if
             deallocate (chunk%value)
             chunk%rows = 0

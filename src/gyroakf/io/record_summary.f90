@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> What a recording holds, whatever its size: where it is larger than the memory allows, it goes by in blocks.
 module gyroakf_io_record_summary
+   use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type
    use gyroakf_io_reader, only : complete_record
    use gyroakf_io_record_stream, only : begin_record_stream, end_record_stream, next_record_block, record_stream_type
@@ -9,7 +10,7 @@ module gyroakf_io_record_summary
    use gyroakf_record, only : record_type
    implicit none (type, external)
    private
-   public :: summarise_record
+   public :: summarise_record, find_interval
 
 contains
 
@@ -35,14 +36,39 @@ contains
       if (.not. allocated(error)) then
          if (recording%table%whole) then
             call complete_record(recording, record, error)
-         else if (present(progress)) then
-            call stream_by(recording, record, error, progress)
          else
-            call stream_by(recording, record, error)
+            call stream_by(recording, record, error, progress)
          end if
       end if
       call close_recording(recording)
    end subroutine summarise_record
+
+   !> The interval of the whole recording, where a part of it in seconds is wanted and the stamps tell the rate: the first
+   !> window's would cut it elsewhere. Takes a pass of its own over a file; a pipe comes only once.
+   subroutine find_interval(recording, interval, error, progress)
+      !> Open; it is opened a second time
+      type(recording_type), intent(in) :: recording
+      !> s; 0 where it is not needed or cannot be had
+      real(dp), intent(out) :: interval
+      !> As of [[summarise_record]]
+      type(error_type), allocatable, intent(out) :: error
+      !> Is told the bytes that were read
+      class(progress_type), intent(inout), optional :: progress
+      type(recording_type) :: again
+      type(reader_options) :: whole
+      type(record_type) :: record
+
+      interval = 0.0_dp
+      whole = recording%options
+      if (recording%table%time == 0 .or. whole%rate_hz > 0.0_dp .or. recording%expected_rows == 0) return
+      if (whole%from <= 0.0_dp .and. whole%to >= huge(1.0_dp)) return
+      whole%from = 0.0_dp
+      whole%to = huge(1.0_dp)
+      call open_recording(recording%path, whole, again, error)
+      if (.not. allocated(error)) call stream_by(again, record, error, progress)
+      call close_recording(again)
+      if (.not. allocated(error)) interval = record%sample_interval
+   end subroutine find_interval
 
    !> Lets the rest go by.
    subroutine stream_by(recording, record, error, progress)
@@ -55,11 +81,7 @@ contains
 
       call begin_record_stream(recording, stream)
       do
-         if (present(progress)) then
-            call next_record_block(recording, stream, block, error, progress)
-         else
-            call next_record_block(recording, stream, block, error)
-         end if
+         call next_record_block(recording, stream, block, error, progress)
          if (allocated(error)) return
          if (stream%done) exit
       end do

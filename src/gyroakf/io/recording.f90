@@ -39,6 +39,12 @@ module gyroakf_io_recording
       character(:), allocatable :: columns
       !> Number or name; "none" forbids; unallocated: found by its name
       character(:), allocatable :: time_column
+      !> How samples get their place: "index" (also where unallocated), "nearest" or "linear"
+      character(:), allocatable :: resample
+      !> Where angles wrap, in units of the file: a number, "auto" (also where unallocated) or "none"
+      character(:), allocatable :: wrap
+      !> Every comma in the file is a decimal comma
+      logical :: decimal_comma = .false.
       !> "auto" (also where unallocated), "text", "csv", "npy", "hdf5", or raw numbers: "f32", "f64", "i8", "i16", "i32", "i64",
       !> "u8", ..., with "be" behind it where they are big endian
       character(:), allocatable :: format
@@ -109,6 +115,7 @@ contains
       if (allocated(options%time_column)) recording%wanted%time_column = options%time_column
       recording%wanted%bad_lines_missing = options%bad_lines_missing
       recording%wanted%skip = options%skip
+      recording%wanted%decimal_comma = options%decimal_comma
       recording%wanted%bytes => options%bytes
       call begin_rows(path, recording, error)
    end subroutine open_recording

@@ -5,13 +5,14 @@
 module gyroakf_io_rows
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_io_date, only : kind_of_field, scan_stamp, stamp_kind
    use gyroakf_io_format, only : comma_advice, comma_found, decimal_comma
    use gyroakf_io_number, only : is_missing_word, number, scan_number
    use gyroakf_io_place, only : integer_text, shown_bytes
    use gyroakf_io_text, only : bytes_text, fields_type, split, split_line
    implicit none (type, external)
    private
-   public :: layout_type, problem_type, parse_rows, read_row
+   public :: layout_type, problem_type, parse_rows, read_row, join_fields
 
    !> Which columns a file has, and which of them are kept
    type :: layout_type
@@ -23,6 +24,15 @@ module gyroakf_io_rows
       integer, allocatable :: slot(:)
       !> The last column may be left away: the row that it was counted in ended with a separator
       logical :: last_optional = .false.
+      !> Columns of dates and times of day: one of the components of stamp_kind, negative where it is added to what another column
+      !> of the same slot gave: [column]; unallocated where all are numbers
+      integer, allocatable :: kind(:)
+      !> Stamps are counted from this day or whole number
+      integer(int64) :: origin = 0
+      !> The column that is a date and a time of day with blanks between them, 0 where there is none
+      integer :: joined = 0
+      !> What commas are, a component of comma_mode
+      integer :: commas = 0
    end type layout_type
 
    !> What is wrong with a row
@@ -58,8 +68,10 @@ contains
       logical, intent(out) :: odd
       integer(int64) :: p, room
       integer :: j, slot, found
+      logical :: stamped
 
       odd = .false.
+      stamped = allocated(layout%kind)
       room = size(value, 1, kind=int64)
       do while (at <= last .and. rows < room)
          p = at
@@ -68,9 +80,15 @@ contains
                p = p + 1
             end do
             slot = layout%slot(j)
+            if (stamped) then
+               if (layout%kind(j) /= stamp_kind%number) then
+                  call scan_time(bytes, p, layout, j, value(rows + 1, :), odd)
+                  slot = -1
+               end if
+            end if
             if (slot == 0) then
                call skip_field(bytes, p, odd)
-            else
+            else if (slot > 0) then
                call scan_number(bytes, p, value(rows + 1, slot), found)
                odd = found /= number%ok
             end if
@@ -93,6 +111,26 @@ contains
          at = p + 1
       end do
    end subroutine parse_rows
+
+   !> Reads a field of a date or a time of day, wanted or not.
+   pure subroutine scan_time(bytes, p, layout, column, row, odd)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(inout) :: p
+      type(layout_type), intent(in) :: layout
+      integer, intent(in) :: column
+      real(dp), intent(inout) :: row(:)
+      logical, intent(out) :: odd
+      real(dp) :: x
+      integer :: slot
+      logical :: found
+
+      call scan_stamp(bytes, p, abs(layout%kind(column)), layout%origin, x, found)
+      odd = .not. found
+      slot = layout%slot(column)
+      if (odd .or. slot == 0) return
+      if (layout%kind(column) < 0) x = x + row(slot)
+      row(slot) = x
+   end subroutine scan_time
 
    !> Moves behind a field that is not wanted; odd where it is empty, quoted or the start of a comment.
    pure subroutine skip_field(bytes, p, odd)
@@ -132,10 +170,10 @@ contains
       integer :: j, slot
 
       row = ieee_value(1.0_dp, ieee_quiet_nan)
-      call split_line(bytes, first, last, split%mixed, fields)
+      call split_row(bytes, first, last, split%mixed, layout, fields)
       if (.not. fits(layout, fields) .and. any(bytes(first:last) == tab)) then
-         call split_line(bytes, first, last, split%tabs, fields)
-         if (.not. fits(layout, fields)) call split_line(bytes, first, last, split%mixed, fields)
+         call split_row(bytes, first, last, split%tabs, layout, fields)
+         if (.not. fits(layout, fields)) call split_row(bytes, first, last, split%mixed, layout, fields)
       end if
       if (fields%open_quote /= 0) then
          call set_problem(problem, fields%open_quote, "a quote that is not closed", mend)
@@ -149,10 +187,44 @@ contains
       end if
       do j = 1, min(layout%columns, fields%count)
          slot = layout%slot(j)
-         if (slot > 0) call read_field(bytes, fields%first(j), fields%last(j), row(slot), problem)
+         if (slot > 0) call read_field(bytes, fields%first(j), fields%last(j), layout, j, row(slot), problem)
          if (problem%found) return
       end do
    end subroutine read_row
+
+   !> Splits a row; a date and a time of day that are one column are one field.
+   pure subroutine split_row(bytes, first, last, way, layout, fields)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      integer, intent(in) :: way
+      type(layout_type), intent(in) :: layout
+      type(fields_type), intent(inout) :: fields
+
+      call split_line(bytes, first, last, way, fields)
+      call join_fields(bytes, layout, fields)
+   end subroutine split_row
+
+   !> Makes one field of a date and the time of day behind it, where the layout says that they are one column.
+   pure subroutine join_fields(bytes, layout, fields)
+      !> Holds the fields
+      integer(int8), intent(in), contiguous :: bytes(:)
+      !> Its `joined` tells the column
+      type(layout_type), intent(in) :: layout
+      !> One less where there are two to join
+      type(fields_type), intent(inout) :: fields
+      integer :: i, j
+
+      j = layout%joined
+      if (j == 0 .or. fields%count <= j) return
+      if (kind_of_field(bytes, fields%first(j), fields%last(j)) /= stamp_kind%date) return
+      if (kind_of_field(bytes, fields%first(j + 1), fields%last(j + 1)) /= stamp_kind%clock) return
+      fields%last(j) = fields%last(j + 1)
+      fields%count = fields%count - 1
+      do i = j + 1, fields%count
+         fields%first(i) = fields%first(i + 1)
+         fields%last(i) = fields%last(i + 1)
+      end do
+   end subroutine join_fields
 
    !> True where the line has the columns of the file.
    pure logical function fits(layout, fields)
@@ -164,9 +236,11 @@ contains
    end function fits
 
    !> The number in first:last, NaN where it is missing.
-   subroutine read_field(bytes, first, last, value, problem)
+   subroutine read_field(bytes, first, last, layout, column, value, problem)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
+      type(layout_type), intent(in) :: layout
+      integer, intent(in) :: column
       real(dp), intent(inout) :: value
       type(problem_type), intent(inout) :: problem
       character(:), allocatable :: advice
@@ -174,6 +248,13 @@ contains
       real(dp) :: x
       integer :: found
 
+      if (allocated(layout%kind)) then
+         if (layout%kind(column) /= stamp_kind%number) then
+            if (last >= first) call read_stamp(bytes, first, last, layout, column, value, problem)
+            if (last < first) value = ieee_value(1.0_dp, ieee_quiet_nan)
+            return
+         end if
+      end if
       if (last < first) return
       p = first
       call scan_number(bytes, p, x, found)
@@ -185,9 +266,49 @@ contains
       end if
       if (is_missing_word(bytes_text(bytes, first, last))) return
       advice = mend//"; --column chooses columns"
-      if (index(bytes_text(bytes, first, last), ":") > 0) advice = "dates and times of day are not read; --column chooses columns"
+      if (kind_of_field(bytes, first, last) /= stamp_kind%number) advice = "the first row has a number in this column, not a "// &
+         "date or a time of day; "//mend
       call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not a number", advice)
    end subroutine read_field
+
+   !> The stamp in first:last, NaN where it is missing.
+   subroutine read_stamp(bytes, first, last, layout, column, value, problem)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      type(layout_type), intent(in) :: layout
+      integer, intent(in) :: column
+      real(dp), intent(inout) :: value
+      type(problem_type), intent(inout) :: problem
+      integer(int64) :: p
+      integer :: kind, plain
+      real(dp) :: x
+      logical :: found
+
+      kind = abs(layout%kind(column))
+      p = first
+      if (first > 1) then
+         if (bytes(first - 1) == 34 .or. bytes(first - 1) == 39) p = first - 1
+      end if
+      call scan_stamp(bytes, p, kind, layout%origin, x, found)
+      if (found) found = p > last .and. p <= last + 2
+      if (.not. found .and. kind == stamp_kind%long) then
+         p = first
+         call scan_number(bytes, p, x, plain)
+         found = plain == number%ok .and. p == last + 1
+         x = x - real(layout%origin, dp)
+      end if
+      if (found .and. layout%kind(column) < 0) x = value + x
+      if (found) value = x
+      if (found) return
+      if (is_missing_word(bytes_text(bytes, first, last))) then
+         value = ieee_value(1.0_dp, ieee_quiet_nan)
+      else if (kind == stamp_kind%long) then
+         call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not a number", mend)
+      else
+         call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not "//trim(merge("a time of day", &
+            "a date       ", kind == stamp_kind%clock))//" as in the first row", mend)
+      end if
+   end subroutine read_stamp
 
    !> The start of a field, for a message.
    pure function excerpt(bytes, first, last) result(text)

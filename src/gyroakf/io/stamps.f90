@@ -7,7 +7,7 @@ module gyroakf_io_stamps
    use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
-   public :: is_time_name, named_scale, infer_scale
+   public :: is_time_name, named_scale, infer_scale, unwrap_days
 
 contains
 
@@ -64,7 +64,7 @@ contains
    !> A rate that was given decides where it fits one unit within a factor of 3. Else: stamps with decimals are seconds; whole
    !> ones are told by their size where they count from 1970, else by their mean step: up to 1.5 seconds, below 1000
    !> milliseconds, below 10^6 microseconds, nanoseconds.
-   pure subroutine infer_scale(stamps, rate_hz, scale, sure)
+   pure subroutine infer_scale(stamps, rate_hz, scale, sure, offset)
       !> As read, NaN where missing: [n]
       real(dp), intent(in), contiguous :: stamps(:)
       !> Hz, 0 where nobody gave one
@@ -73,6 +73,8 @@ contains
       real(dp), intent(out) :: scale
       !> True where decimals or the rate that was given settle it
       logical, intent(out) :: sure
+      !> What was subtracted from the stamps while they were read, 0 if absent
+      real(dp), intent(in), optional :: offset
       real(dp), parameter :: units(4) = [1.0_dp, 1.0e-3_dp, 1.0e-6_dp, 1.0e-9_dp]
       real(dp) :: first, last, step
       integer(int64) :: i, count
@@ -103,6 +105,7 @@ contains
          end do
       end if
       if (.not. whole) return
+      if (present(offset)) first = first + offset
       if (abs(first) > 1.0e17_dp) then
          scale = units(4)
       else if (abs(first) > 1.0e14_dp) then
@@ -117,5 +120,28 @@ contains
          if (step >= 1.0e6_dp) scale = units(4)
       end if
    end subroutine infer_scale
+
+   !> Lets a time of day go on behind midnight: it falls by more than half a day there.
+   pure subroutine unwrap_days(stamps, before, days)
+      !> s from midnight, NaN where missing: [n]; afterwards from the first midnight
+      real(dp), intent(inout), contiguous :: stamps(:)
+      !> The last stamp before these as it was read, NaN where there is none, and the midnights so far; 0 at first
+      real(dp), intent(inout) :: before
+      integer, intent(inout) :: days
+      real(dp), parameter :: half_day = 43200.0_dp
+      integer(int64) :: i
+      real(dp) :: clock
+
+      do i = 1, size(stamps, kind=int64)
+         if (ieee_is_nan(stamps(i))) cycle
+         clock = stamps(i)
+         if (.not. ieee_is_nan(before)) then
+            if (clock < before - half_day) days = days + 1
+            if (clock > before + half_day .and. days > 0) days = days - 1
+         end if
+         before = clock
+         stamps(i) = clock + 2*half_day*days
+      end do
+   end subroutine unwrap_days
 
 end module gyroakf_io_stamps

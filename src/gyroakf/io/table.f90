@@ -10,7 +10,10 @@ module gyroakf_io_table
    use gyroakf_io_lines, only : line_end, line_map_type, next_line, lines_type, map_row, more_lines
    use gyroakf_io_number, only : is_missing_word
    use gyroakf_io_place, only : integer_text, place_error
-   use gyroakf_io_rows, only : layout_type
+   use gyroakf_io_rows, only : join_fields, layout_type
+   use gyroakf_io_date, only : stamp_kind
+   use gyroakf_io_stamp_columns, only : ambiguous_date, comma_mode, date_advice, decimal_fields, find_joined, find_kinds, &
+      make_points, pair_stamps, seconds_comma
    use gyroakf_io_stamps, only : is_time_name
    use gyroakf_io_store, only : store_type
    use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, split, split_line
@@ -31,6 +34,8 @@ module gyroakf_io_table
       logical :: bad_lines_missing = .false.
       !> Lines that are left out at the start; bytes where the format is not text
       integer(int64) :: skip = 0
+      !> Every comma is a decimal comma
+      logical :: decimal_comma = .false.
       !> Where associated they are the content, and the path is a name for messages
       integer(int8), pointer, contiguous :: bytes(:) => null()
    end type table_options
@@ -201,7 +206,7 @@ contains
 
    !> Decides on the columns from the first line of numbers.
    subroutine lay_out(lines, options, table, error)
-      type(lines_type), intent(in) :: lines
+      type(lines_type), intent(inout) :: lines
       type(table_options), intent(in) :: options
       type(table_type), intent(inout) :: table
       type(error_type), allocatable, intent(out) :: error
@@ -210,14 +215,20 @@ contains
       integer :: named
 
       last = line_end(lines)
+      call settle_commas(lines, last, options, table, error)
+      if (allocated(error)) return
       call split_line(lines%bytes, lines%at, last, split%mixed, fields)
+      call refuse_ambiguous_dates(lines, last, options, fields, table, error)
+      if (allocated(error)) return
+      call find_joined(lines%bytes, lines%at, last, names_at_hand(table), table%layout, fields)
       named = 0
       if (table%names%known) named = size(table%names%name)
-      if (named /= fields%count) call refuse_decimal_commas(lines, table, error)
-      if (allocated(error)) return
       if (table%header%names%known .and. .not. table%names%known) call take_header_names(fields, table, named)
       if (table%supposed%known .and. .not. table%names%known) call take_supposed_names(fields, table, named)
-      if (named > 0 .and. .not. fits_names(fields, named)) call split_line(lines%bytes, lines%at, last, split%tabs, fields)
+      if (named > 0 .and. .not. fits_names(fields, named)) then
+         call split_line(lines%bytes, lines%at, last, split%tabs, fields)
+         call join_fields(lines%bytes, table%layout, fields)
+      end if
       if (named > 0 .and. .not. fits_names(fields, named)) then
          call split_line(lines%bytes, lines%at, last, split%mixed, fields)
          call place_error(error, table%name, lines%number, lines%bytes, lines%at, last, &
@@ -228,8 +239,63 @@ contains
       end if
       table%layout%columns = merge(named, fields%count, named > 0)
       table%layout%last_optional = fields%trailing
+      call find_kinds(lines%bytes, fields, table%layout%columns, table%layout)
       call choose(options, table, error)
+      if (.not. allocated(error)) call set_slots(lines, fields, table)
    end subroutine lay_out
+
+   !> How many names the columns have, wherever they stand.
+   pure integer function names_at_hand(table)
+      type(table_type), intent(in) :: table
+
+      names_at_hand = 0
+      if (table%supposed%known) names_at_hand = size(table%supposed%name)
+      if (table%header%names%known) names_at_hand = size(table%header%names%name)
+      if (table%names%known) names_at_hand = size(table%names%name)
+   end function names_at_hand
+
+   !> Decides what commas are.
+   subroutine settle_commas(lines, last, options, table, error)
+      type(lines_type), intent(inout) :: lines
+      integer(int64), intent(in) :: last
+      type(table_options), intent(in) :: options
+      type(table_type), intent(inout) :: table
+      type(error_type), allocatable, intent(out) :: error
+      type(fields_type) :: fields
+
+      associate (mode => table%layout%commas)
+         if (options%decimal_comma) then
+            mode = comma_mode%decimal
+         else if (seconds_comma(lines%bytes, lines%at, last)) then
+            mode = comma_mode%seconds
+         else
+            call split_line(lines%bytes, lines%at, last, split%mixed, fields)
+            if (table%names%known) then
+               if (size(table%names%name) == fields%count) return
+            end if
+            call recognise_commas(lines, table, error)
+            if (allocated(error)) return
+         end if
+         if (mode /= comma_mode%separator) call make_points(lines%bytes, lines%at, lines%last, mode)
+      end associate
+   end subroutine settle_commas
+
+   !> Nobody can tell the day from the month: an error, unless the columns were chosen.
+   subroutine refuse_ambiguous_dates(lines, last, options, fields, table, error)
+      type(lines_type), intent(in) :: lines
+      integer(int64), intent(in) :: last
+      type(table_options), intent(in) :: options
+      type(fields_type), intent(in) :: fields
+      type(table_type), intent(in) :: table
+      type(error_type), allocatable, intent(out) :: error
+      integer :: column
+
+      if (allocated(options%columns) .or. allocated(options%time_column)) return
+      column = ambiguous_date(lines%bytes, fields)
+      if (column == 0) return
+      call place_error(error, table%name, lines%number, lines%bytes, lines%at, last, fields%first(column), "'"// &
+         bytes_text(lines%bytes, fields%first(column), fields%last(column))//"' may have the day or the month first", date_advice)
+   end subroutine refuse_ambiguous_dates
 
    !> True where the line has a field for every name.
    pure logical function fits_names(fields, named)
@@ -268,31 +334,50 @@ contains
                     integer_text(table%names%line))
    end subroutine take_supposed_names
 
-   !> Looks at the first lines for decimal commas, which would be taken for separators.
-   subroutine refuse_decimal_commas(lines, table, error)
+   !> Looks at the first lines for decimal commas: where every line has them or whole numbers between other separators, they are
+   !> read; where they are likely but not sure it is an error, for they would be taken for separators.
+   subroutine recognise_commas(lines, table, error)
       type(lines_type), intent(in) :: lines
-      type(table_type), intent(in) :: table
+      type(table_type), intent(inout) :: table
       type(error_type), allocatable, intent(out) :: error
-      integer(int64) :: at, last, comma
-      integer :: i
+      integer(int64) :: at, last, likely, likely_at, likely_last
+      integer :: i, fields, expected, line
+      logical :: sure, commas
 
       at = lines%at
+      expected = 0
+      if (table%names%known) expected = size(table%names%name)
+      sure = .true.
+      commas = .false.
+      likely = 0
       do i = 0, looked_at - 1
-         if (at > lines%last) return
+         if (at > lines%last) exit
          last = at
          do while (lines%bytes(last) /= 10)
             last = last + 1
          end do
-         comma = 0
-         if (.not. is_comment(lines%bytes, at, last - 1)) comma = decimal_comma(lines%bytes, at, last - 1)
-         if (comma > 0) then
-            call place_error(error, table%name, lines%number + i, lines%bytes, at, last - 1, comma, comma_found, &
-                             comma_advice)
-            return
+         if (.not. is_comment(lines%bytes, at, last - 1) .and. first_visible(lines%bytes, at, last - 1) < last) then
+            fields = decimal_fields(lines%bytes, at, last - 1)
+            if (expected == 0) expected = fields
+            sure = sure .and. fields > 1 .and. fields == expected
+            commas = commas .or. any(lines%bytes(at:last - 1) == iachar(","))
+            if (likely == 0) then
+               likely = decimal_comma(lines%bytes, at, last - 1)
+               likely_at = at
+               likely_last = last - 1
+               line = i
+            end if
          end if
          at = last + 1
       end do
-   end subroutine refuse_decimal_commas
+      if (sure .and. commas) then
+         table%layout%commas = comma_mode%decimal
+         call add_text(table%warnings, "the commas between digits are read as decimal commas")
+      else if (likely > 0) then
+         call place_error(error, table%name, lines%number + line, lines%bytes, likely_at, likely_last, likely, &
+                          comma_found, comma_advice)
+      end if
+   end subroutine recognise_commas
 
    !> The columns that are kept.
    subroutine choose(options, table, error)
@@ -310,12 +395,14 @@ contains
          end do
       end if
       if (allocated(error)) return
+      if (table%time == 0 .and. .not. allocated(options%time_column)) table%time = first_stamps(table%layout)
       table%asked = allocated(options%columns)
       if (table%asked) then
          call choose_columns(options%columns, table%names, n, table%chosen, error)
+         if (.not. allocated(error)) call refuse_stamps(table, error)
       else
-         allocate (table%chosen(n - merge(1, 0, table%time > 0)))
-         table%chosen(:) = pack([(i, i=1, n)], [(i /= table%time, i=1, n)])
+         allocate (table%chosen(count([(i /= table%time .and. .not. is_stamp(table%layout, i), i=1, n)])))
+         table%chosen(:) = pack([(i, i=1, n)], [(i /= table%time .and. .not. is_stamp(table%layout, i), i=1, n)])
       end if
       if (allocated(error)) return
       if (size(table%chosen) == 0) then
@@ -324,14 +411,52 @@ contains
                           new_line("a")//"--time-column none takes it for the record")
          return
       end if
-      call set_slots(table)
    end subroutine choose
 
-   !> Where the columns are kept: the chosen ones in their order, then the time, unless it is one of them.
-   subroutine set_slots(table)
-      type(table_type), intent(inout) :: table
+   !> The column without a name for a time that holds dates or times of day: a date and time together before others.
+   pure integer function first_stamps(layout)
+      type(layout_type), intent(in) :: layout
+
+      first_stamps = 0
+      if (.not. allocated(layout%kind)) return
+      first_stamps = findloc(layout%kind, stamp_kind%moment, dim=1)
+      if (first_stamps == 0) first_stamps = findloc(layout%kind, stamp_kind%clock, dim=1)
+      if (first_stamps == 0) first_stamps = findloc(layout%kind, stamp_kind%date, dim=1)
+   end function first_stamps
+
+   !> True for a column of dates or times of day.
+   pure logical function is_stamp(layout, column)
+      type(layout_type), intent(in) :: layout
+      integer, intent(in) :: column
+
+      is_stamp = .false.
+      if (allocated(layout%kind)) is_stamp = layout%kind(column) /= stamp_kind%number .and. layout%kind(column) /= stamp_kind%long
+   end function is_stamp
+
+   !> Dates are no values.
+   subroutine refuse_stamps(table, error)
+      type(table_type), intent(in) :: table
+      type(error_type), allocatable, intent(out) :: error
       integer :: i
 
+      do i = 1, size(table%chosen)
+         if (.not. is_stamp(table%layout, table%chosen(i))) cycle
+         call fatal_error(error, status%invalid_argument, label_of(table%names, table%chosen(i))// &
+                          " holds dates or times of day, not values; --time-column takes it for the time")
+         return
+      end do
+   end subroutine refuse_stamps
+
+   !> Where the columns are kept: the chosen ones in their order, then the time, unless it is one of them. A date and a time of day
+   !> in two columns are kept in one place.
+   subroutine set_slots(lines, fields, table)
+      type(lines_type), intent(in) :: lines
+      !> Of the first row
+      type(fields_type), intent(in) :: fields
+      type(table_type), intent(inout) :: table
+      integer :: i, partner
+
+      call pair_stamps(lines%bytes, fields, table%time, table%chosen, table%layout, partner)
       allocate (table%layout%slot(table%layout%columns))
       table%layout%slot(:) = 0
       do i = 1, size(table%chosen)
@@ -342,6 +467,7 @@ contains
       if (table%layout%slot(table%time) > 0) return
       table%layout%stored = table%layout%stored + 1
       table%layout%slot(table%time) = table%layout%stored
+      if (partner > 0) table%layout%slot(partner) = table%layout%stored
    end subroutine set_slots
 
 end module gyroakf_io_table

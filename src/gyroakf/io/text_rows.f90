@@ -7,6 +7,7 @@ module gyroakf_io_text_rows
    use gyroakf_io_lines, only : line_end, lines_type, map_row, more_lines, next_line
    use gyroakf_io_place, only : integer_text, place_error
    use gyroakf_io_rows, only : parse_rows, problem_type, read_row
+   use gyroakf_io_stamp_columns, only : make_points
    use gyroakf_io_store, only : count_rows, next_chunk
    use gyroakf_io_table, only : table_options, table_type
    use gyroakf_io_text, only : fields_type, first_visible, is_comment
@@ -38,6 +39,7 @@ contains
          if (allocated(error)) return
          table%whole = lines%at > lines%last
          if (table%whole) exit
+         if (table%layout%commas /= 0) call make_points(lines%bytes, lines%at, lines%last, table%layout%commas)
          call next_chunk(table%store, table%layout%stored, failed)
          if (failed /= 0) then
             call fatal_error(error, status%no_memory, table%name//": no memory for more than "//integer_text(table%rows)//" rows")

@@ -6,7 +6,7 @@ module gyroakf_pipeline_channel
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, tell_progress
-   use gyroakf_record, only : record_type, add_text
+   use gyroakf_record, only : record_type
    use gyroakf_preprocess_clean, only : clean_series
    use gyroakf_series_moments, only : compute_moments
    use gyroakf_series_stationarity, only : test_adf
@@ -17,10 +17,11 @@ module gyroakf_pipeline_channel
    use gyroakf_pipeline_coefficients, only : run_allan, compare_coefficients
    use gyroakf_pipeline_changes, only : run_halves, run_dynamic
    use gyroakf_pipeline_filters, only : run_filters
-   use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_outliers, warn_model, warn_fit, warn_centred
+   use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_outliers, warn_order, warn_model, &
+      warn_fit, warn_centred
    implicit none (type, external)
    private
-   public :: run_channel
+   public :: run_channel, negligible_mean
 
    !> A mean below this share of the standard deviation is left in the series that is filtered
    real(dp), parameter :: negligible_mean = 1.0e-6_dp
@@ -164,12 +165,7 @@ contains
       if (is_fatal(error)) return
       channel%available%ar = .not. allocated(error)
       call note_failure(channel, "AR model", error)
-      if (.not. channel%available%ar) return
-      if (channel%ar%variance > 0.0_dp) then
-         channel%predictable_percent = 100.0_dp*(1.0_dp - channel%ar%noise_variance/channel%ar%variance)
-      end if
-      if (channel%ar%order == 0) call add_text(channel%warnings, "no autocorrelation is found (order 0): the paper's "// &
-         "filters have nothing to separate, and halve whatever passes")
+      if (channel%available%ar) call warn_order(channel)
    end subroutine run_ar
 
    !> The paper compares the orders from 1 on: the best of them, where order 0 would win.

@@ -7,6 +7,7 @@ module gyroakf_pipeline_streamed
    use gyroakf_record, only : add_text, record_type, view_channel
    use gyroakf_io_recording, only : base_bytes, bytes_text, recording_type, too_large
    use gyroakf_io_record_stream, only : begin_record_stream, end_record_stream, next_record_block, record_stream_type
+   use gyroakf_io_record_summary, only : find_interval
    use gyroakf_series_moments, only : compute_moments, join_moments, moments_type
    use gyroakf_allan_stream, only : allan_stream_type, begin_allan_stream, feed_allan_stream, finish_allan_stream
    use gyroakf_pipeline_coefficients, only : fit_curve
@@ -14,7 +15,7 @@ module gyroakf_pipeline_streamed
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_fit
    implicit none (type, external)
    private
-   public :: run_streamed
+   public :: run_streamed, scale_moments, channel_bytes
 
    !> What the blocks of a channel take
    integer(int64), parameter :: channel_bytes = 4000000
@@ -37,16 +38,23 @@ contains
       type(record_type), intent(out) :: record
       !> One entry per channel
       type(pipeline_result_type), intent(out) :: result
-      !> not_supported (options that need the whole record), no_memory, too_few_samples, and what reading can give
+      !> no_memory (options that need the whole record), too_few_samples, cancelled, and what reading can give
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Is told the bytes that were read
       class(progress_type), intent(inout), optional :: progress
       type(record_stream_type) :: stream
+      real(dp) :: interval
       type(lane_type), allocatable :: lane(:)
 
       call check_streamable(recording, options, error)
       if (allocated(error)) return
-      call begin_record_stream(recording, stream)
+      call find_interval(recording, interval, error, progress)
+      if (allocated(error)) return
+      if (interval > 0.0_dp) then
+         call begin_record_stream(recording, stream, interval)
+      else
+         call begin_record_stream(recording, stream)
+      end if
       call read_lanes(recording, stream, options, lane, error, progress)
       if (.not. allocated(error)) call end_record_stream(recording, stream, record, error)
       if (.not. allocated(error)) call finish_lanes(stream, lane, options, record, result, error)

@@ -8,7 +8,7 @@ module gyroakf_pipeline_warnings
    use gyroakf_pipeline_result, only : channel_result_type, stage
    implicit none (type, external)
    private
-   public :: is_fatal, note_failure, warn_outliers, warn_model, warn_fit, warn_centred
+   public :: is_fatal, note_failure, warn_outliers, warn_order, warn_model, warn_fit, warn_centred
 
    !> So many times of outliers are named
    integer, parameter :: named_outliers = 8
@@ -76,6 +76,18 @@ contains
                        decimal(channel%clean%removed)//") were removed as outliers, "//times// &
                        ": look at the recording there")
    end subroutine warn_outliers
+
+   !> How much of the series the model predicts, and whether there is anything to predict.
+   pure subroutine warn_order(channel)
+      !> Its AR model is filled; `predictable_percent` is set, gets a warning
+      type(channel_result_type), intent(inout) :: channel
+
+      if (channel%ar%variance > 0.0_dp) then
+         channel%predictable_percent = 100.0_dp*(1.0_dp - channel%ar%noise_variance/channel%ar%variance)
+      end if
+      if (channel%ar%order == 0) call add_text(channel%warnings, "no autocorrelation is found (order 0): the paper's "// &
+         "filters have nothing to separate, and halve whatever passes")
+   end subroutine warn_order
 
    !> What the tests and the model say against the use of their results.
    pure subroutine warn_model(channel)

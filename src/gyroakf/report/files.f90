@@ -39,8 +39,8 @@ contains
 
       call make_directory(directory, error)
       if (allocated(error)) return
-      wanted = [options%keep_series, options%do_allan, options%do_allan, options%do_allan .and. options%dynamic_segments > 0, &
-                .true., .true.]
+      wanted = [options%keep_series .and. .not. record%streamed, options%do_allan, options%do_allan, &
+                options%do_allan .and. options%dynamic_segments > 0, .true., .true.]
       do i = 1, size(result_files)
          if (wanted(i)) call open_writer(writer(i), directory//"/"//trim(result_files(i)), error)
          if (allocated(error)) then

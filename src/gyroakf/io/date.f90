@@ -1,0 +1,414 @@
+! SPDX-License-Identifier: MIT
+!> Dates and times of day in text, read as seconds from a day that the caller names.
+!>
+!> Read are the forms of ISO 8601 that loggers write: `2026-05-01T12:00:00.123456Z`, with a blank instead of the T, with `/` or `.`
+!> between year, month and day, with a zone (`Z`, `+02:00`, `-0530`, `+02`), with a comma before the decimals of the seconds
+!> within quotes; a date or a time of day alone; and `01.05.2026`, day first, where points part it. Days first with `/` or `-`
+!> are not read: nobody can tell them from months first.
+!>
+!> Whole seconds are subtracted as integers before they become a real number, so that the decimals survive: a day after the
+!> first stamp a double still tells 15 ps apart.
+module gyroakf_io_date
+   use gyroakf_kinds, only : dp, int8, int64
+   implicit none (type, external)
+   private
+   public :: stamp_kind, scan_stamp, kind_of_field, stamp_origin, day_number, day_text, is_day_first
+
+   !> What a column holds, reached as `stamp_kind%clock`
+   type :: stamp_kind_enum
+      !> A number like any other
+      integer :: number = 0
+      !> A date and a time of day
+      integer :: moment = 1
+      !> A date alone
+      integer :: date = 2
+      !> A time of day alone
+      integer :: clock = 3
+      !> A number of more digits than a double has: its whole part is read exactly and counted from the first
+      integer :: long = 4
+   end type stamp_kind_enum
+
+   !> All kinds
+   type(stamp_kind_enum), parameter :: stamp_kind = stamp_kind_enum()
+
+   integer(int8), parameter :: blank = 32, quote = 34, apostrophe = 39, plus = 43, comma = 44, minus = 45, point = 46, &
+                               slash = 47, zero = 48, nine = 57, colon = 58
+   integer(int64), parameter :: day_seconds = 86400
+   !> 10*m + 9 does not overflow up to here
+   integer(int64), parameter :: most = 922337203685477579_int64
+   integer(int64), parameter :: ten_power(0:18) = [1_int64, 10_int64, 100_int64, 1000_int64, 10000_int64, 100000_int64, &
+      1000000_int64, 10000000_int64, 100000000_int64, 1000000000_int64, 10000000000_int64, 100000000000_int64, &
+      1000000000000_int64, 10000000000000_int64, 100000000000000_int64, 1000000000000000_int64, 10000000000000000_int64, &
+      100000000000000000_int64, 1000000000000000000_int64]
+
+contains
+
+   !> The stamp that begins at a byte.
+   !>
+   !> Thread-safe, no allocation. Whether what follows may follow is the caller's business.
+   pure subroutine scan_stamp(bytes, at, kind, origin, value, found)
+      !> The text; a line feed behind it
+      integer(int8), intent(in), contiguous :: bytes(:)
+      !> First byte of the stamp, perhaps a quote; afterwards the byte after it, unchanged where there is none
+      integer(int64), intent(inout) :: at
+      !> One of the components of [[stamp_kind]], not `number`
+      integer, intent(in) :: kind
+      !> Counted from this day (1970-01-01 is 0), or from this whole number
+      integer(int64), intent(in) :: origin
+      !> s from the beginning of the day `origin`; of a long number what it is above `origin`
+      real(dp), intent(out) :: value
+      !> False where there is none
+      logical, intent(out) :: found
+      integer(int64) :: p, whole, day
+      integer(int8) :: mark
+      real(dp) :: part
+
+      value = 0.0_dp
+      p = at
+      mark = 0
+      whole = 0
+      part = 0.0_dp
+      if (bytes(p) == quote .or. bytes(p) == apostrophe) then
+         mark = bytes(p)
+         p = p + 1
+      end if
+      select case (kind)
+      case (stamp_kind%long)
+         call scan_long(bytes, p, origin, whole, part, found)
+      case (stamp_kind%clock)
+         call scan_clock(bytes, p, mark /= 0, whole, part, found)
+      case default
+         call scan_day(bytes, p, day, found)
+         if (found .and. kind == stamp_kind%moment) call scan_time_behind(bytes, p, mark /= 0, whole, part, found)
+         whole = whole + (day - origin)*day_seconds
+      end select
+      if (found .and. mark /= 0) then
+         found = bytes(p) == mark
+         p = p + 1
+      end if
+      if (.not. found) return
+      value = real(whole, dp) + part
+      at = p
+   end subroutine scan_stamp
+
+   !> `Y-M-D`, `Y/M/D`, `Y.M.D` or `D.M.Y`, the year of four digits.
+   pure subroutine scan_day(bytes, p, day, found)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(inout) :: p
+      integer(int64), intent(out) :: day
+      logical, intent(out) :: found
+      integer :: part(3), digits(3), i, first
+      integer(int8) :: parts
+
+      day = 0
+      found = .false.
+      do i = 1, 3
+         call scan_digits(bytes, p, 4, part(i), digits(i))
+         if (digits(i) == 0) return
+         if (i == 3) exit
+         if (i == 1) parts = bytes(p)
+         if (bytes(p) /= parts .or. (parts /= minus .and. parts /= slash .and. parts /= point)) return
+         p = p + 1
+      end do
+      first = 1
+      if (digits(1) /= 4) first = 3
+      if (first == 3 .and. parts /= point) return
+      if (digits(first) /= 4 .or. digits(2) > 2 .or. digits(4 - first) > 2) return
+      if (part(2) < 1 .or. part(2) > 12 .or. part(4 - first) < 1) return
+      if (part(4 - first) > month_days(part(first), part(2))) return
+      day = day_number(part(first), part(2), part(4 - first))
+      found = .true.
+   end subroutine scan_day
+
+   !> Digits, at most so many.
+   pure subroutine scan_digits(bytes, p, most_digits, value, digits)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(inout) :: p
+      integer, intent(in) :: most_digits
+      integer, intent(out) :: value, digits
+
+      value = 0
+      digits = 0
+      do while (bytes(p) >= zero .and. bytes(p) <= nine .and. digits < most_digits)
+         value = 10*value + (bytes(p) - zero)
+         digits = digits + 1
+         p = p + 1
+      end do
+   end subroutine scan_digits
+
+   !> The time behind a date: after a T or blanks; none is midnight. A number behind blanks is no time.
+   pure subroutine scan_time_behind(bytes, p, quoted, whole, part, found)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(inout) :: p
+      logical, intent(in) :: quoted
+      integer(int64), intent(inout) :: whole
+      real(dp), intent(inout) :: part
+      logical, intent(out) :: found
+      integer(int64) :: q
+
+      q = p
+      found = .true.
+      if (bytes(q) == iachar("T") .or. bytes(q) == iachar("t")) then
+         p = p + 1
+         call scan_clock(bytes, p, quoted, whole, part, found)
+         return
+      end if
+      do while (bytes(q) == blank)
+         q = q + 1
+      end do
+      if (q == p) return
+      if (.not. (bytes(q + 1) == colon .or. (bytes(q + 1) >= zero .and. bytes(q + 1) <= nine))) return
+      if (.not. (bytes(q + 1) == colon .or. bytes(q + 2) == colon)) return
+      p = q
+      call scan_clock(bytes, p, quoted, whole, part, found)
+   end subroutine scan_time_behind
+
+   !> `h:mm`, `h:mm:ss`, decimals of the seconds, a zone.
+   pure subroutine scan_clock(bytes, p, quoted, whole, part, found)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(inout) :: p
+      !> A comma may stand before the decimals
+      logical, intent(in) :: quoted
+      !> s
+      integer(int64), intent(out) :: whole
+      real(dp), intent(out) :: part
+      logical, intent(out) :: found
+      integer :: hour, minute, second, digits
+
+      whole = 0
+      part = 0.0_dp
+      found = .false.
+      call scan_digits(bytes, p, 2, hour, digits)
+      if (digits == 0 .or. bytes(p) /= colon .or. hour > 24) return
+      p = p + 1
+      call scan_digits(bytes, p, 2, minute, digits)
+      if (digits /= 2 .or. minute > 59) return
+      second = 0
+      if (bytes(p) == colon) then
+         p = p + 1
+         call scan_digits(bytes, p, 2, second, digits)
+         if (digits /= 2 .or. second > 60) return
+         if (bytes(p) == point .or. (quoted .and. bytes(p) == comma)) call scan_decimals(bytes, p, part)
+      end if
+      whole = int(3600*hour + 60*minute + second, int64)
+      call scan_zone(bytes, p, whole, found)
+   end subroutine scan_clock
+
+   !> `.123456`: the digits behind a point, the first 18 of them.
+   pure subroutine scan_decimals(bytes, p, part)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(inout) :: p
+      real(dp), intent(out) :: part
+      integer(int64) :: value
+      integer :: digits
+
+      p = p + 1
+      value = 0
+      digits = 0
+      do while (bytes(p) >= zero .and. bytes(p) <= nine)
+         if (digits < 18) then
+            value = 10*value + (bytes(p) - zero)
+            digits = digits + 1
+         end if
+         p = p + 1
+      end do
+      part = real(value, dp)/real(ten_power(digits), dp)
+   end subroutine scan_decimals
+
+   !> `Z` or the hours and minutes that the clock is ahead of universal time; none leaves the time as it is.
+   pure subroutine scan_zone(bytes, p, whole, found)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(inout) :: p, whole
+      logical, intent(out) :: found
+      integer :: hour, minute, digits, ahead
+
+      found = .true.
+      if (bytes(p) == iachar("Z") .or. bytes(p) == iachar("z")) p = p + 1
+      if (bytes(p) /= plus .and. bytes(p) /= minus) return
+      ahead = merge(1, -1, bytes(p) == plus)
+      p = p + 1
+      call scan_digits(bytes, p, 2, hour, digits)
+      found = digits == 2 .and. hour <= 15
+      minute = 0
+      if (bytes(p) == colon) then
+         p = p + 1
+         call scan_digits(bytes, p, 2, minute, digits)
+         found = found .and. digits == 2
+      else if (bytes(p) >= zero .and. bytes(p) <= nine) then
+         call scan_digits(bytes, p, 2, minute, digits)
+         found = found .and. digits == 2
+      end if
+      found = found .and. minute <= 59
+      whole = whole - ahead*int(3600*hour + 60*minute, int64)
+   end subroutine scan_zone
+
+   !> A number without an exponent, at most 18 digits before its point.
+   pure subroutine scan_long(bytes, p, origin, whole, part, found)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(inout) :: p
+      integer(int64), intent(in) :: origin
+      integer(int64), intent(out) :: whole
+      real(dp), intent(out) :: part
+      logical, intent(out) :: found
+      logical :: below
+      integer :: digits
+
+      whole = 0
+      part = 0.0_dp
+      below = bytes(p) == minus
+      if (below .or. bytes(p) == plus) p = p + 1
+      digits = 0
+      do while (bytes(p) >= zero .and. bytes(p) <= nine)
+         if (whole > most) exit
+         whole = 10*whole + (bytes(p) - zero)
+         digits = digits + 1
+         p = p + 1
+      end do
+      found = digits > 0 .and. whole <= most*5
+      if (.not. found) return
+      if (bytes(p) == point) call scan_decimals(bytes, p, part)
+      found = .not. ((bytes(p) >= zero .and. bytes(p) <= nine) .or. bytes(p) == iachar("e") .or. bytes(p) == iachar("E"))
+      if (below) then
+         whole = -whole
+         part = -part
+      end if
+      whole = whole - origin
+   end subroutine scan_long
+
+   !> What a field is: a stamp, or a number like any other (as which whatever else passes too).
+   pure integer function kind_of_field(bytes, first, last) result(kind)
+      !> Holds the field at first:last; a separator or line feed behind it
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      integer(int64) :: p, from
+      integer :: digits, k
+      integer, parameter :: tried(3) = [stamp_kind%clock, stamp_kind%date, stamp_kind%moment]
+      real(dp) :: value
+      logical :: found
+
+      kind = stamp_kind%number
+      if (last < first) return
+      if (bytes(first) < zero .or. bytes(first) > nine) return
+      from = first
+      if (first > 1) then
+         if (bytes(first - 1) == quote .or. bytes(first - 1) == apostrophe) from = first - 1
+      end if
+      do k = 1, size(tried)
+         p = from
+         call scan_stamp(bytes, p, tried(k), 0_int64, value, found)
+         if (.not. found .or. p /= last + 1 + (first - from)) cycle
+         kind = tried(k)
+         return
+      end do
+      p = first
+      call scan_stamp(bytes, p, stamp_kind%long, 0_int64, value, found)
+      if (.not. found .or. p /= last + 1) return
+      digits = int(count(bytes(first:last) >= zero))
+      if (digits > 15) kind = stamp_kind%long
+   end function kind_of_field
+
+   !> From what the stamps of a column are counted: the day of its first field, or its whole part.
+   pure subroutine stamp_origin(bytes, first, kind, origin)
+      !> Holds the field from first on
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first
+      !> As of [[kind_of_field]]
+      integer, intent(in) :: kind
+      !> 0 for a time of day
+      integer(int64), intent(out) :: origin
+      integer(int64) :: p
+      real(dp) :: part
+      logical :: found
+
+      origin = 0
+      p = first
+      select case (kind)
+      case (stamp_kind%moment, stamp_kind%date); call scan_day(bytes, p, origin, found)
+      case (stamp_kind%long); call scan_long(bytes, p, 0_int64, origin, part, found)
+      case default; continue
+      end select
+   end subroutine stamp_origin
+
+   !> True for `01/05/2026` or `1-5-26`: nobody can tell whether the day comes first or the month.
+   pure logical function is_day_first(bytes, first, last)
+      !> Holds the field at first:last; a separator or line feed behind it
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      integer(int64) :: p
+      integer :: value, digits(3), i
+
+      is_day_first = .false.
+      p = first
+      do i = 1, 3
+         if (p > last) return
+         call scan_digits(bytes, p, 4, value, digits(i))
+         if (digits(i) == 0) return
+         if (i == 3) exit
+         if (bytes(p) /= slash .and. bytes(p) /= minus) return
+         p = p + 1
+      end do
+      is_day_first = digits(1) <= 2 .and. digits(2) <= 2 .and. (digits(3) == 4 .or. digits(3) == 2) .and. &
+                     (p == last + 1 .or. bytes(p) == iachar("T") .or. bytes(p) == blank)
+   end function is_day_first
+
+   !> Days from 1970-01-01 in the Gregorian calendar: years that begin in March have the leap day at their end.
+   pure integer(int64) function day_number(year, month, day)
+      !> Year 0 to 9999, month 1 to 12, day 1 to 31
+      integer, intent(in) :: year, month, day
+      integer(int64) :: y, m
+
+      m = modulo(month - 3, 12)
+      y = year
+      if (month < 3) y = y - 1
+      day_number = 365*y + floor_ratio(y, 4) - floor_ratio(y, 100) + floor_ratio(y, 400) + (153*m + 2)/5 + day - 1 - 719468
+   end function day_number
+
+   !> Quotient rounded down.
+   pure integer(int64) function floor_ratio(y, by)
+      integer(int64), intent(in) :: y
+      integer, intent(in) :: by
+
+      floor_ratio = (y - modulo(y, int(by, int64)))/by
+   end function floor_ratio
+
+   !> Days of a month.
+   pure integer function month_days(year, month)
+      integer, intent(in) :: year, month
+      integer, parameter :: days(12) = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31]
+
+      month_days = days(month)
+      if (month == 2 .and. modulo(year, 4) == 0 .and. (modulo(year, 100) /= 0 .or. modulo(year, 400) == 0)) month_days = 29
+   end function month_days
+
+   !> "2026-05-01 12:00:00.25": a moment as it is written, in universal time or as it was read.
+   pure subroutine day_text(day, seconds, text)
+      !> From 1970-01-01
+      integer(int64), intent(in) :: day
+      !> s from its beginning
+      real(dp), intent(in) :: seconds
+      !> The text, microseconds at most
+      character(26), intent(out) :: text
+      integer(int64) :: micros, at, low, high, year
+      integer :: month
+
+      micros = nint(seconds*1.0e6_dp, int64)
+      at = day + floor_ratio(floor_ratio(micros, 1000000), 86400)
+      micros = modulo(micros, 1000000*day_seconds)
+      low = -1
+      high = 10000
+      do while (high - low > 1)
+         year = (low + high)/2
+         if (day_number(int(year), 1, 1) <= at) low = year
+         if (day_number(int(year), 1, 1) > at) high = year
+      end do
+      year = max(low, 0_int64)
+      month = 12
+      do while (month > 1 .and. day_number(int(year), month, 1) > at)
+         month = month - 1
+      end do
+      write (text, "(i4.4,'-',i2.2,'-',i2.2,1x,i2.2,':',i2.2,':',i2.2,'.',i6.6)") year, month, &
+         at - day_number(int(year), month, 1) + 1, micros/3600000000_int64, mod(micros/60000000_int64, 60_int64), &
+         mod(micros/1000000_int64, 60_int64), mod(micros, 1000000_int64)
+   end subroutine day_text
+
+end module gyroakf_io_date

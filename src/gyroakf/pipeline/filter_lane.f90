@@ -1,0 +1,206 @@
+! SPDX-License-Identifier: MIT
+!> The paper's filters of one channel whose samples arrive in blocks.
+module gyroakf_pipeline_filter_lane
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_series_whiteness, only : ljung_box_of
+   use gyroakf_ar_lag_stream, only : begin_lag_stream, feed_lag_stream, finish_lag_stream, lag_stream_type
+   use gyroakf_ar_model, only : residual_lags
+   use gyroakf_filter_design, only : design_akf, design_kf
+   use gyroakf_filter_kalman, only : filter_type
+   use gyroakf_filter_series, only : begin_filter_run, end_filter_run, feed_filter_run, filter_run_type
+   use gyroakf_pipeline_channel, only : negligible_mean
+   use gyroakf_pipeline_filters, only : figures_of
+   use gyroakf_pipeline_result, only : channel_result_type, pipeline_options
+   use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_centred, warn_model, warn_order
+   implicit none (type, external)
+   private
+   public :: filter_lane_type, begin_lane, feed_lane, finish_lane
+
+   !> A filter at work
+   type :: worker_type
+      logical :: works = .false.
+      type(filter_type) :: filter
+      type(filter_run_type) :: run
+   end type worker_type
+
+   !> One channel
+   type :: filter_lane_type
+      private
+      !> Subtracted before the filters, 0 where the mean does not count
+      real(dp) :: centre = 0.0_dp
+      logical :: centred = .false.
+      type(worker_type) :: kf, akf
+      !> Residuals of the AR model; whether they are tested
+      type(lag_stream_type) :: residuals
+      logical :: tests_residuals = .false.
+      !> Something was missing
+      logical :: gaps = .false.
+      !> The series without its mean
+      real(dp), allocatable :: z(:)
+   end type filter_lane_type
+
+contains
+
+   !> Makes the filters of a channel's model.
+   subroutine begin_lane(lane, difference_variance, samples, options, channel, error)
+      !> Fresh afterwards
+      type(filter_lane_type), intent(out) :: lane
+      !> Variance of the differences of the series
+      real(dp), intent(in) :: difference_variance
+      !> Of the series, missing ones included
+      integer(int64), intent(in) :: samples
+      !> Of the main job
+      type(pipeline_options), intent(in) :: options
+      !> Moments and AR model are filled, as far as available; a filter that cannot be made is noted
+      type(channel_result_type), intent(inout) :: channel
+      !> no_memory and the like
+      type(error_type), allocatable, intent(out) :: error
+      integer :: lags
+
+      if (.not. channel%available%ar) return
+      lags = residual_lags(samples, channel%ar%order)
+      lane%tests_residuals = lags > channel%ar%order
+      if (lane%tests_residuals) call begin_lag_stream(lane%residuals, lags, error, channel%ar%coefficient, channel%ar%mean)
+      if (allocated(error)) return
+      lane%centred = abs(channel%cleaned%mean) > negligible_mean*channel%cleaned%std
+      if (lane%centred) lane%centre = channel%cleaned%mean
+      call design_kf(channel%ar, options%design, lane%kf%filter, error)
+      call begin_worker(lane%kf, samples, channel, "Kalman filter", error)
+      if (allocated(error)) return
+      channel%available%kf = lane%kf%works
+      call design_akf(channel%ar, difference_variance, options%design, lane%akf%filter, error)
+      call begin_worker(lane%akf, samples, channel, "adaptive Kalman filter", error)
+      channel%available%akf = lane%akf%works
+   end subroutine begin_lane
+
+   !> Begins the run of a filter that was made.
+   subroutine begin_worker(worker, samples, channel, name, error)
+      type(worker_type), intent(inout) :: worker
+      integer(int64), intent(in) :: samples
+      type(channel_result_type), intent(inout) :: channel
+      character(*), intent(in) :: name
+      !> That of the design; afterwards only what ends the job
+      type(error_type), allocatable, intent(inout) :: error
+
+      if (.not. allocated(error)) call begin_filter_run(worker%filter, samples, channel%raw%count, worker%run, error)
+      worker%works = .not. allocated(error)
+      if (is_fatal(error)) return
+      call note_failure(channel, name, error)
+   end subroutine begin_worker
+
+   !> Filters the next samples of a channel.
+   subroutine feed_lane(lane, x, part, error, valid)
+      !> Of the beginning
+      type(filter_lane_type), intent(inout) :: lane
+      !> As read: [any number], finite
+      real(dp), intent(in), contiguous :: x(:)
+      !> Its series are filled
+      type(channel_result_type), intent(inout) :: part
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing
+      integer(int8), intent(in), optional :: valid(:)
+      integer(int64) :: n
+
+      n = size(x, kind=int64)
+      part%series_cleaned = x
+      if (allocated(part%series_present)) deallocate (part%series_present)
+      if (present(valid)) part%series_present = valid
+      lane%gaps = lane%gaps .or. present(valid)
+      lane%z = x - lane%centre
+      if (lane%tests_residuals) then
+         if (present(valid)) then
+            call feed_lag_stream(lane%residuals, x, valid)
+         else
+            call feed_lag_stream(lane%residuals, x)
+         end if
+      end if
+      call resize(part%series_kf, n, lane%kf%works, error)
+      if (.not. allocated(error)) call resize(part%series_akf, n, lane%akf%works, error)
+      if (allocated(error)) return
+      if (lane%kf%works) call work(lane%kf, lane%z, part%series_kf, error, valid)
+      if (.not. allocated(error) .and. lane%akf%works) call work(lane%akf, lane%z, part%series_akf, error, valid)
+   end subroutine feed_lane
+
+   !> Runs a filter over some samples.
+   subroutine work(worker, z, x, error, valid)
+      type(worker_type), intent(inout) :: worker
+      real(dp), intent(in), contiguous :: z(:)
+      real(dp), intent(out), contiguous :: x(:)
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8), intent(in), optional :: valid(:)
+
+      if (present(valid)) then
+         call feed_filter_run(worker%filter, worker%run, z, x, error, valid)
+      else
+         call feed_filter_run(worker%filter, worker%run, z, x, error)
+      end if
+   end subroutine work
+
+   !> Room for so many samples.
+   subroutine resize(x, n, wanted, error)
+      real(dp), allocatable, intent(inout) :: x(:)
+      integer(int64), intent(in) :: n
+      logical, intent(in) :: wanted
+      type(error_type), allocatable, intent(out) :: error
+      integer :: failed
+
+      if (.not. wanted) return
+      if (allocated(x)) then
+         if (size(x, kind=int64) == n) return
+         deallocate (x)
+      end if
+      allocate (x(n), stat=failed)
+      if (failed /= 0) call fatal_error(error, status%no_memory, "no memory for a block of a filtered series")
+   end subroutine resize
+
+   !> What the filters did, and what is to be said of it.
+   subroutine finish_lane(lane, channel, error)
+      !> After the last sample
+      type(filter_lane_type), intent(in) :: lane
+      !> Diagnostics, figures, warnings are filled
+      type(channel_result_type), intent(inout) :: channel
+      !> no_memory and the like
+      type(error_type), allocatable, intent(out) :: error
+
+      if (.not. channel%available%ar) return
+      if (lane%tests_residuals) call test_residuals(lane, channel)
+      call warn_order(channel)
+      call warn_model(channel)
+      if (lane%centred) call warn_centred(channel)
+      if (lane%kf%works) then
+         call end_filter_run(lane%kf%filter, lane%kf%run, channel%kf, error)
+         if (is_fatal(error)) return
+         channel%available%kf = .not. allocated(error)
+         call note_failure(channel, "Kalman filter", error)
+         if (channel%available%kf) channel%kf_figures = figures_of(channel%kf, channel)
+      end if
+      if (.not. lane%akf%works) return
+      call end_filter_run(lane%akf%filter, lane%akf%run, channel%akf, error)
+      if (is_fatal(error)) return
+      channel%available%akf = .not. allocated(error)
+      call note_failure(channel, "adaptive Kalman filter", error)
+      if (channel%available%akf) channel%akf_figures = figures_of(channel%akf, channel)
+   end subroutine finish_lane
+
+   !> Ljung-Box test of the AR model's residuals; left out where there are too few of them or they are constant.
+   subroutine test_residuals(lane, channel)
+      type(filter_lane_type), intent(in) :: lane
+      type(channel_result_type), intent(inout) :: channel
+      type(error_type), allocatable :: error
+      real(dp), allocatable :: r(:)
+      integer(int64), allocatable :: pairs(:)
+      integer(int64) :: n
+      real(dp) :: mean
+
+      call finish_lag_stream(lane%residuals, mean, r, pairs, n)
+      if (pairs(0) < 1) return
+      if (lane%gaps) then
+         call ljung_box_of(r, n, channel%ar%order, channel%ar%residual_ljung_box, error, pairs)
+      else
+         call ljung_box_of(r, n, channel%ar%order, channel%ar%residual_ljung_box, error)
+      end if
+   end subroutine test_residuals
+
+end module gyroakf_pipeline_filter_lane

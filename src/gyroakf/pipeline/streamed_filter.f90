@@ -1,0 +1,301 @@
+! SPDX-License-Identifier: MIT
+!> The paper's filters over a recording that is larger than the memory: one pass for the model, one that filters.
+!>
+!> The first pass sums moments, autocovariances and differences; the AR model and the filters are made of them. The second
+!> reads the file again, filters block by block, hands the series on and measures what the filters did. Both give what
+!> [[run_pipeline]] gives of the record in memory, but for rounding.
+module gyroakf_pipeline_streamed_filter
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type
+   use gyroakf_record, only : add_text, record_type
+   use gyroakf_io_recording, only : base_bytes, bytes_text, close_recording, open_recording, recording_type, too_large
+   use gyroakf_io_record_stream, only : begin_record_stream, end_record_stream, next_record_block, record_stream_type
+   use gyroakf_io_record_summary, only : find_interval
+   use gyroakf_series_differences, only : difference_stream_type, feed_differences, variance_of_differences
+   use gyroakf_series_moments, only : compute_moments, join_moments, moments_type
+   use gyroakf_ar_lag_stream, only : begin_lag_stream, feed_lag_stream, finish_lag_stream, lag_stream_type
+   use gyroakf_ar_model, only : fit_ar_of
+   use gyroakf_pipeline_filter_lane, only : begin_lane, feed_lane, filter_lane_type, finish_lane
+   use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
+   use gyroakf_pipeline_series_sink, only : series_sink_type
+   use gyroakf_pipeline_streamed, only : channel_bytes, scale_moments
+   use gyroakf_pipeline_warnings, only : is_fatal, note_failure
+   implicit none (type, external)
+   private
+   public :: filter_streamed
+
+   !> Sums of one channel in the first pass
+   type :: sums_type
+      type(moments_type) :: moments
+      type(lag_stream_type) :: lags
+      type(difference_stream_type) :: differences
+   end type sums_type
+
+contains
+
+   !> Filters the rest of a recording: AR model, Kalman and adaptive Kalman filter of every channel.
+   subroutine filter_streamed(recording, options, record, result, error, sink, progress)
+      !> Open, some rows may be held already; a file, for it is read again
+      type(recording_type), intent(inout) :: recording
+      !> Filters only, no cleaning
+      type(pipeline_options), intent(in) :: options
+      !> What was read, without the samples
+      type(record_type), intent(out) :: record
+      !> One entry per channel; the drift and its filters are not available
+      type(pipeline_result_type), intent(out) :: result
+      !> no_memory (options that need the whole record, a pipe), too_few_samples, cancelled, and what reading can give
+      type(error_type), allocatable, intent(out) :: error
+      !> Takes the series, if somebody wants them
+      class(series_sink_type), intent(inout), optional :: sink
+      !> Is told the bytes that were read
+      class(progress_type), intent(inout), optional :: progress
+      type(filter_lane_type), allocatable :: lane(:)
+      integer, allocatable :: columns(:)
+
+      call check_filter(recording, options, error)
+      if (allocated(error)) return
+      call first_pass(recording, options, record, result, lane, columns, error, progress)
+      if (allocated(error)) return
+      call second_pass(recording, record, columns, lane, result, error, sink, progress)
+      if (allocated(error)) return
+      call finish_lanes(lane, result, error)
+   end subroutine filter_streamed
+
+   !> What cannot be done block by block says what it would need.
+   subroutine check_filter(recording, options, error)
+      type(recording_type), intent(in) :: recording
+      type(pipeline_options), intent(in) :: options
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: what
+      integer(int64) :: least
+
+      what = ""
+      if (options%clean%method /= "none") what = "--outliers"
+      if (options%clean%degree >= 0) what = "--detrend"
+      least = base_bytes + channel_bytes*size(recording%table%chosen)
+      if (what /= "") then
+         call fatal_error(error, status%no_memory, too_large(recording)//new_line("a")//"without "//what//" the recording is "// &
+                          "filtered as it is read; or give more memory")
+      else if (recording%expected_rows == 0) then
+         call fatal_error(error, status%no_memory, too_large(recording)//new_line("a")//"a recording as large as this is "// &
+                          "filtered in two passes, and standard input or a pipe comes only once: write it to a file first, "// &
+                          "or give more memory")
+      else if (recording%options%memory < least) then
+         call fatal_error(error, status%no_memory, too_large(recording)//new_line("a")//"to stream it takes "//bytes_text(least))
+      end if
+   end subroutine check_filter
+
+   !> Sums over the recording, the model and the filters of every channel.
+   subroutine first_pass(recording, options, record, result, lane, columns, error, progress)
+      type(recording_type), intent(inout) :: recording
+      type(pipeline_options), intent(in) :: options
+      type(record_type), intent(out) :: record
+      type(pipeline_result_type), intent(inout) :: result
+      !> Filters, ready for the first sample
+      type(filter_lane_type), allocatable, intent(out) :: lane(:)
+      !> Of the columns that are read those that hold numbers
+      integer, allocatable, intent(out) :: columns(:)
+      type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
+      type(record_stream_type) :: stream
+      type(sums_type), allocatable :: sums(:)
+      real(dp) :: interval, factor
+      integer :: c, k
+
+      call find_interval(recording, interval, error, progress)
+      if (allocated(error)) return
+      if (interval > 0.0_dp) then
+         call begin_record_stream(recording, stream, interval)
+      else
+         call begin_record_stream(recording, stream)
+      end if
+      call sum_blocks(recording, stream, options, sums, error, progress)
+      if (allocated(error)) return
+      call end_record_stream(recording, stream, record, error)
+      if (allocated(error)) return
+      factor = 1.0_dp                                   ! increments were divided by the interval known at the beginning
+      if (stream%input /= "rate") factor = stream%interval/record%sample_interval
+      columns = pack([(c, c=1, size(stream%holds))], stream%holds)
+      result%duration = real(record%audit%samples, dp)*record%sample_interval
+      allocate (result%channel(size(columns)), lane(size(columns)))
+      do k = 1, size(columns)
+         result%channel(k)%name = record%channel(k)%text
+         call model_channel(sums(columns(k)), record%audit%samples, factor, options, result, k, error)
+         if (allocated(error)) return
+         call begin_lane(lane(k), factor**2*variance_of_differences(sums(columns(k))%differences), record%audit%samples, &
+                         options, result%channel(k), error)
+         if (allocated(error)) return
+      end do
+   end subroutine first_pass
+
+   !> Feeds every block to the sums of every channel.
+   subroutine sum_blocks(recording, stream, options, sums, error, progress)
+      type(recording_type), intent(inout) :: recording
+      type(record_stream_type), intent(inout) :: stream
+      type(pipeline_options), intent(in) :: options
+      type(sums_type), allocatable, intent(out) :: sums(:)
+      type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
+      type(record_type) :: block
+      integer :: c
+
+      allocate (sums(size(recording%table%chosen)))
+      do c = 1, size(sums)
+         call begin_lag_stream(sums(c)%lags, max(0, options%ar%max_order, options%ar%order), error)
+         if (allocated(error)) return
+      end do
+      do
+         call next_record_block(recording, stream, block, error, progress)
+         if (allocated(error) .or. stream%done) return
+         do c = 1, size(sums)
+            call sum_channel(block, c, sums(c))
+         end do
+      end do
+   end subroutine sum_blocks
+
+   !> One block of one channel.
+   subroutine sum_channel(block, c, sums)
+      type(record_type), intent(in) :: block
+      integer, intent(in) :: c
+      type(sums_type), intent(inout) :: sums
+      type(moments_type) :: part
+
+      if (size(block%value, 1) == 0) return
+      if (allocated(block%present)) then
+         call compute_moments(block%value(:, c), part, block%present(:, c))
+         call feed_lag_stream(sums%lags, block%value(:, c), block%present(:, c))
+         call feed_differences(sums%differences, block%value(:, c), block%present(:, c))
+      else
+         call compute_moments(block%value(:, c), part)
+         call feed_lag_stream(sums%lags, block%value(:, c))
+         call feed_differences(sums%differences, block%value(:, c))
+      end if
+      call join_moments(sums%moments, part)
+   end subroutine sum_channel
+
+   !> Moments and the AR model of one channel.
+   subroutine model_channel(sums, samples, factor, options, result, k, error)
+      type(sums_type), intent(in) :: sums
+      !> Of the record
+      integer(int64), intent(in) :: samples
+      !> The series is so many times what was summed
+      real(dp), intent(in) :: factor
+      type(pipeline_options), intent(in) :: options
+      type(pipeline_result_type), intent(inout) :: result
+      !> The channel
+      integer, intent(in) :: k
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: r(:)
+      integer(int64), allocatable :: pairs(:)
+      real(dp) :: mean
+
+      associate (channel => result%channel(k))
+         call scale_moments(sums%moments, factor, channel%raw)
+         channel%cleaned = channel%raw
+         channel%clean%mean = channel%raw%mean
+         channel%clean%variance = channel%raw%variance
+         call finish_lag_stream(sums%lags, mean, r, pairs)
+         r = factor**2*r
+         call fit_ar_of(r, samples, pairs, factor*mean, options%ar, channel%ar, error)
+         if (is_fatal(error)) return
+         channel%available%ar = .not. allocated(error)
+         call note_failure(channel, "AR model", error)
+      end associate
+   end subroutine model_channel
+
+   !> Reads the file again and filters it.
+   subroutine second_pass(recording, record, columns, lane, result, error, sink, progress)
+      !> Done; its path and options are used
+      type(recording_type), intent(in) :: recording
+      type(record_type), intent(in) :: record
+      integer, intent(in) :: columns(:)
+      type(filter_lane_type), intent(inout) :: lane(:)
+      type(pipeline_result_type), intent(in) :: result
+      type(error_type), allocatable, intent(out) :: error
+      class(series_sink_type), intent(inout), optional :: sink
+      class(progress_type), intent(inout), optional :: progress
+      type(recording_type) :: again
+      type(record_stream_type) :: stream
+
+      call open_recording(recording%path, recording%options, again, error)
+      if (.not. allocated(error)) then
+         call begin_record_stream(again, stream, record%sample_interval, "filtering")
+         call filter_blocks(again, stream, record, columns, lane, result, error, sink, progress)
+      end if
+      call close_recording(again)
+      if (allocated(error)) return
+      if (stream%delivered /= record%audit%samples) call fatal_error(error, status%io, recording%path// &
+         ": has changed while it was read"//new_line("a")//"wait until its recording has ended")
+   end subroutine second_pass
+
+   !> Feeds every block to the filters of every channel, and hands the series on.
+   subroutine filter_blocks(again, stream, record, columns, lane, result, error, sink, progress)
+      type(recording_type), intent(inout) :: again
+      type(record_stream_type), intent(inout) :: stream
+      type(record_type), intent(in) :: record
+      integer, intent(in) :: columns(:)
+      type(filter_lane_type), intent(inout) :: lane(:)
+      type(pipeline_result_type), intent(in) :: result
+      type(error_type), allocatable, intent(out) :: error
+      class(series_sink_type), intent(inout), optional :: sink
+      class(progress_type), intent(inout), optional :: progress
+      type(record_type) :: block
+      type(pipeline_result_type) :: part
+      integer(int64) :: before
+      integer :: k
+
+      allocate (part%channel(size(lane)))
+      do k = 1, size(lane)
+         part%channel(k)%name = result%channel(k)%name
+         part%channel(k)%available = result%channel(k)%available
+      end do
+      do
+         before = stream%delivered
+         call next_record_block(again, stream, block, error, progress)
+         if (allocated(error) .or. stream%done) return
+         if (size(block%value, 1) == 0) cycle
+         if (stream%delivered > record%audit%samples) return           ! the file has grown
+         do k = 1, size(lane)
+            if (allocated(block%present)) then
+               call feed_lane(lane(k), block%value(:, columns(k)), part%channel(k), error, block%present(:, columns(k)))
+            else
+               call feed_lane(lane(k), block%value(:, columns(k)), part%channel(k), error)
+            end if
+            if (allocated(error)) return
+         end do
+         if (.not. present(sink)) cycle
+         call keep_columns(block, columns)
+         block%channel = record%channel
+         call sink%take(block, part, before, record%audit%samples, error)
+         if (allocated(error)) return
+      end do
+   end subroutine filter_blocks
+
+   !> Leaves the columns that hold numbers.
+   subroutine keep_columns(block, columns)
+      type(record_type), intent(inout) :: block
+      integer, intent(in) :: columns(:)
+
+      if (size(columns) == size(block%value, 2)) return
+      block%value = block%value(:, columns)
+      if (allocated(block%present)) block%present = block%present(:, columns)
+   end subroutine keep_columns
+
+   !> What the filters did.
+   subroutine finish_lanes(lane, result, error)
+      type(filter_lane_type), intent(inout) :: lane(:)
+      type(pipeline_result_type), intent(inout) :: result
+      type(error_type), allocatable, intent(out) :: error
+      integer :: k
+
+      do k = 1, size(lane)
+         call finish_lane(lane(k), result%channel(k), error)
+         if (allocated(error)) return
+         if (result%channel(k)%available%ar) call add_text(result%channel(k)%unavailable, "drift and its filters: the "// &
+            "identification needs the record in memory")
+      end do
+   end subroutine finish_lanes
+
+end module gyroakf_pipeline_streamed_filter
