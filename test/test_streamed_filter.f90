@@ -248,7 +248,7 @@ contains
       call read_record(scratch_path("filter.txt"), reader, sink%record, failed)
       if (.not. allocated(failed)) call run_pipeline(sink%record, options, sink%result, failed)
       limited = reader
-      limited%memory = base_bytes + 8000000
+      limited%memory = base_bytes + 12000000
       if (.not. allocated(failed)) call open_recording(scratch_path("filter.txt"), limited, recording, failed)
       if (.not. allocated(failed)) call filter_streamed(recording, options, record, result, failed, sink)
       call close_recording(recording)
@@ -283,6 +283,10 @@ contains
             b%ar%residual_ljung_box%statistic) .and. a%ar%residual_ljung_box%lags == b%ar%residual_ljung_box%lags, "residuals")
          if (.not. allocated(error)) call compare_filter(error, a%kf, b%kf)
          if (.not. allocated(error)) call compare_filter(error, a%akf, b%akf)
+         if (.not. allocated(error)) call check(error, (a%available%drift .eqv. b%available%drift) .and. &
+            (a%drift%found .eqv. b%drift%found) .and. alike(a%drift_time, b%drift_time), "drift")
+         if (.not. allocated(error)) call compare_filter(error, a%drift_kf, b%drift_kf)
+         if (.not. allocated(error)) call compare_filter(error, a%drift_akf, b%drift_akf)
          if (.not. allocated(error)) call check(error, alike(a%kf_figures%variance_ratio, b%kf_figures%variance_ratio) .and. &
             alike(a%akf_figures%raw_variance_ratio, b%akf_figures%raw_variance_ratio) .and. &
             alike(a%predictable_percent, b%predictable_percent), "figures")

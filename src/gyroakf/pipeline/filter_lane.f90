@@ -1,21 +1,21 @@
 ! SPDX-License-Identifier: MIT
-!> The paper's filters of one channel whose samples arrive in blocks.
+!> The filters of one channel whose samples arrive in blocks: the paper's, and those of the drift.
 module gyroakf_pipeline_filter_lane
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_series_whiteness, only : ljung_box_of
    use gyroakf_ar_lag_stream, only : begin_lag_stream, feed_lag_stream, finish_lag_stream, lag_stream_type
    use gyroakf_ar_model, only : residual_lags
-   use gyroakf_filter_design, only : design_akf, design_kf
+   use gyroakf_filter_design, only : design_akf, design_drift_akf, design_drift_kf, design_kf
    use gyroakf_filter_kalman, only : filter_type
-   use gyroakf_filter_series, only : begin_filter_run, end_filter_run, feed_filter_run, filter_run_type
+   use gyroakf_filter_series, only : begin_filter_run, end_filter_run, feed_filter_run, filter_result_type, filter_run_type
    use gyroakf_pipeline_channel, only : negligible_mean
    use gyroakf_pipeline_filters, only : figures_of
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_options
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_centred, warn_model, warn_order
    implicit none (type, external)
    private
-   public :: filter_lane_type, begin_lane, feed_lane, finish_lane
+   public :: filter_lane_type, begin_lane, begin_drift_lane, feed_lane, finish_lane
 
    !> A filter at work
    type :: worker_type
@@ -26,18 +26,17 @@ module gyroakf_pipeline_filter_lane
 
    !> One channel
    type :: filter_lane_type
-      private
       !> Subtracted before the filters, 0 where the mean does not count
       real(dp) :: centre = 0.0_dp
       logical :: centred = .false.
-      type(worker_type) :: kf, akf
+      type(worker_type) :: kf, akf, drift_kf, drift_akf
       !> Residuals of the AR model; whether they are tested
       type(lag_stream_type) :: residuals
       logical :: tests_residuals = .false.
       !> Something was missing
       logical :: gaps = .false.
-      !> The series without its mean
-      real(dp), allocatable :: z(:)
+      !> The series without its mean, and an output that nobody wants
+      real(dp), allocatable :: z(:), x(:)
    end type filter_lane_type
 
 contains
@@ -73,6 +72,29 @@ contains
       call begin_worker(lane%akf, samples, channel, "adaptive Kalman filter", error)
       channel%available%akf = lane%akf%works
    end subroutine begin_lane
+
+   !> Makes the filters of a channel's drift.
+   subroutine begin_drift_lane(lane, difference_variance, samples, options, channel, error)
+      !> Begun
+      type(filter_lane_type), intent(inout) :: lane
+      !> Variance of the differences of the series
+      real(dp), intent(in) :: difference_variance
+      !> Of the series, missing ones included
+      integer(int64), intent(in) :: samples
+      !> Of the main job
+      type(pipeline_options), intent(in) :: options
+      !> Its drift is identified; a filter that cannot be made is noted
+      type(channel_result_type), intent(inout) :: channel
+      !> no_memory and the like
+      type(error_type), allocatable, intent(out) :: error
+
+      if (.not. channel%drift%found) return
+      call design_drift_kf(channel%drift, lane%drift_kf%filter, error)
+      call begin_worker(lane%drift_kf, samples, channel, "drift Kalman filter", error)
+      if (allocated(error)) return
+      call design_drift_akf(channel%drift, difference_variance, options%drift, lane%drift_akf%filter, error)
+      call begin_worker(lane%drift_akf, samples, channel, "adaptive drift filter", error)
+   end subroutine begin_drift_lane
 
    !> Begins the run of a filter that was made.
    subroutine begin_worker(worker, samples, channel, name, error)
@@ -121,6 +143,10 @@ contains
       if (allocated(error)) return
       if (lane%kf%works) call work(lane%kf, lane%z, part%series_kf, error, valid)
       if (.not. allocated(error) .and. lane%akf%works) call work(lane%akf, lane%z, part%series_akf, error, valid)
+      if (allocated(error)) return
+      call resize(lane%x, n, lane%drift_kf%works .or. lane%drift_akf%works, error)
+      if (.not. allocated(error) .and. lane%drift_kf%works) call work(lane%drift_kf, lane%z, lane%x, error, valid)
+      if (.not. allocated(error) .and. lane%drift_akf%works) call work(lane%drift_akf, lane%z, lane%x, error, valid)
    end subroutine feed_lane
 
    !> Runs a filter over some samples.
@@ -163,26 +189,54 @@ contains
       type(channel_result_type), intent(inout) :: channel
       !> no_memory and the like
       type(error_type), allocatable, intent(out) :: error
+      type(filter_result_type) :: measured
+      logical :: there
 
       if (.not. channel%available%ar) return
       if (lane%tests_residuals) call test_residuals(lane, channel)
       call warn_order(channel)
       call warn_model(channel)
       if (lane%centred) call warn_centred(channel)
-      if (lane%kf%works) then
-         call end_filter_run(lane%kf%filter, lane%kf%run, channel%kf, error)
-         if (is_fatal(error)) return
-         channel%available%kf = .not. allocated(error)
-         call note_failure(channel, "Kalman filter", error)
-         if (channel%available%kf) channel%kf_figures = figures_of(channel%kf, channel)
-      end if
-      if (.not. lane%akf%works) return
-      call end_filter_run(lane%akf%filter, lane%akf%run, channel%akf, error)
-      if (is_fatal(error)) return
-      channel%available%akf = .not. allocated(error)
-      call note_failure(channel, "adaptive Kalman filter", error)
-      if (channel%available%akf) channel%akf_figures = figures_of(channel%akf, channel)
+      call measure(lane%kf, "Kalman filter", measured, channel, there, error)
+      if (allocated(error)) return
+      channel%available%kf = there
+      channel%kf = measured
+      if (there) channel%kf_figures = figures_of(measured, channel)
+      call measure(lane%akf, "adaptive Kalman filter", measured, channel, there, error)
+      if (allocated(error)) return
+      channel%available%akf = there
+      channel%akf = measured
+      if (there) channel%akf_figures = figures_of(measured, channel)
+      call measure(lane%drift_kf, "drift Kalman filter", measured, channel, there, error)
+      if (allocated(error)) return
+      channel%available%drift_kf = there
+      channel%drift_kf = measured
+      if (there) channel%drift_kf_figures = figures_of(measured, channel)
+      call measure(lane%drift_akf, "adaptive drift filter", measured, channel, there, error)
+      if (allocated(error)) return
+      channel%available%drift_akf = there
+      channel%drift_akf = measured
+      if (there) channel%drift_akf_figures = figures_of(measured, channel)
    end subroutine finish_lane
+
+   !> Diagnostics of one filter, where it worked.
+   subroutine measure(worker, name, measured, channel, there, error)
+      type(worker_type), intent(in) :: worker
+      character(*), intent(in) :: name
+      type(filter_result_type), intent(out) :: measured
+      !> Told what failed
+      type(channel_result_type), intent(inout) :: channel
+      logical, intent(out) :: there
+      !> What ends the job
+      type(error_type), allocatable, intent(out) :: error
+
+      there = .false.
+      if (.not. worker%works) return
+      call end_filter_run(worker%filter, worker%run, measured, error)
+      if (is_fatal(error)) return
+      there = .not. allocated(error)
+      call note_failure(channel, name, error)
+   end subroutine measure
 
    !> Ljung-Box test of the AR model's residuals; left out where there are too few of them or they are constant.
    subroutine test_residuals(lane, channel)

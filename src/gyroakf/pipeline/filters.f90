@@ -15,7 +15,7 @@ module gyroakf_pipeline_filters
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure
    implicit none (type, external)
    private
-   public :: run_filters, figures_of
+   public :: run_filters, figures_of, find_drift
 
    !> What counts as drift where nobody says: slower than so many samples, and than so many seconds
    real(dp), parameter :: drift_samples = 5.0_dp, drift_seconds = 1.0_dp

@@ -1,14 +1,14 @@
 ! SPDX-License-Identifier: MIT
-!> The paper's filters over a recording that is larger than the memory: one pass for the model, one that filters.
+!> The filters over a recording that is larger than the memory: one pass for the model, one for the drift, one that filters.
 !>
-!> The first pass sums moments, autocovariances and differences; the AR model and the filters are made of them. The second
-!> reads the file again, filters block by block, hands the series on and measures what the filters did. Both give what
-!> [[run_pipeline]] gives of the record in memory, but for rounding.
+!> The first pass sums moments, autocovariances and differences; the AR model and the filters are made of them. Where the
+!> memory allows it a second looks for the drift in the middle part. The last filters block by block, hands the series on and
+!> measures what the filters did. All of them give what [[run_pipeline]] gives of the record in memory, but for rounding.
 module gyroakf_pipeline_streamed_filter
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
-   use gyroakf_record, only : add_text, record_type
+   use gyroakf_record, only : record_type
    use gyroakf_io_recording, only : base_bytes, bytes_text, close_recording, open_recording, recording_type, too_large
    use gyroakf_io_record_stream, only : begin_record_stream, end_record_stream, next_record_block, record_stream_type
    use gyroakf_io_record_summary, only : find_interval
@@ -20,6 +20,7 @@ module gyroakf_pipeline_streamed_filter
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_pipeline_series_sink, only : series_sink_type
    use gyroakf_pipeline_streamed, only : channel_bytes, scale_moments
+   use gyroakf_pipeline_streamed_drift, only : identify_streamed
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure
    implicit none (type, external)
    private
@@ -42,7 +43,7 @@ contains
       type(pipeline_options), intent(in) :: options
       !> What was read, without the samples
       type(record_type), intent(out) :: record
-      !> One entry per channel; the drift and its filters are not available
+      !> One entry per channel; without the drift and its filters where they take more memory
       type(pipeline_result_type), intent(out) :: result
       !> no_memory (options that need the whole record, a pipe), too_few_samples, cancelled, and what reading can give
       type(error_type), allocatable, intent(out) :: error
@@ -51,11 +52,14 @@ contains
       !> Is told the bytes that were read
       class(progress_type), intent(inout), optional :: progress
       type(filter_lane_type), allocatable :: lane(:)
+      real(dp), allocatable :: differences(:)
       integer, allocatable :: columns(:)
 
       call check_filter(recording, options, error)
       if (allocated(error)) return
-      call first_pass(recording, options, record, result, lane, columns, error, progress)
+      call first_pass(recording, options, record, result, lane, columns, differences, error, progress)
+      if (allocated(error)) return
+      call identify_streamed(recording, record, columns, differences, options, lane, result, error, progress)
       if (allocated(error)) return
       call second_pass(recording, record, columns, lane, result, error, sink, progress)
       if (allocated(error)) return
@@ -88,7 +92,7 @@ contains
    end subroutine check_filter
 
    !> Sums over the recording, the model and the filters of every channel.
-   subroutine first_pass(recording, options, record, result, lane, columns, error, progress)
+   subroutine first_pass(recording, options, record, result, lane, columns, differences, error, progress)
       type(recording_type), intent(inout) :: recording
       type(pipeline_options), intent(in) :: options
       type(record_type), intent(out) :: record
@@ -97,6 +101,8 @@ contains
       type(filter_lane_type), allocatable, intent(out) :: lane(:)
       !> Of the columns that are read those that hold numbers
       integer, allocatable, intent(out) :: columns(:)
+      !> Variance of the differences: [channel]
+      real(dp), allocatable, intent(out) :: differences(:)
       type(error_type), allocatable, intent(out) :: error
       class(progress_type), intent(inout), optional :: progress
       type(record_stream_type) :: stream
@@ -119,13 +125,13 @@ contains
       if (stream%input /= "rate") factor = stream%interval/record%sample_interval
       columns = pack([(c, c=1, size(stream%holds))], stream%holds)
       result%duration = real(record%audit%samples, dp)*record%sample_interval
-      allocate (result%channel(size(columns)), lane(size(columns)))
+      allocate (result%channel(size(columns)), lane(size(columns)), differences(size(columns)))
       do k = 1, size(columns)
          result%channel(k)%name = record%channel(k)%text
          call model_channel(sums(columns(k)), record%audit%samples, factor, options, result, k, error)
          if (allocated(error)) return
-         call begin_lane(lane(k), factor**2*variance_of_differences(sums(columns(k))%differences), record%audit%samples, &
-                         options, result%channel(k), error)
+         differences(k) = factor**2*variance_of_differences(sums(columns(k))%differences)
+         call begin_lane(lane(k), differences(k), record%audit%samples, options, result%channel(k), error)
          if (allocated(error)) return
       end do
    end subroutine first_pass
@@ -293,8 +299,6 @@ contains
       do k = 1, size(lane)
          call finish_lane(lane(k), result%channel(k), error)
          if (allocated(error)) return
-         if (result%channel(k)%available%ar) call add_text(result%channel(k)%unavailable, "drift and its filters: the "// &
-            "identification needs the record in memory")
       end do
    end subroutine finish_lanes
 

@@ -1,0 +1,161 @@
+! SPDX-License-Identifier: MIT
+!> The drift of a recording that is larger than the memory, identified from its middle part as [[identify_drift]] does it: a pass
+!> of its own up to the end of that part, where the memory is enough to hold it.
+module gyroakf_pipeline_streamed_drift
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type
+   use gyroakf_record, only : add_text, record_type, view_channel
+   use gyroakf_io_recording, only : base_bytes, bytes_text, close_recording, open_recording, recording_type
+   use gyroakf_io_record_stream, only : begin_record_stream, next_record_block, record_stream_type
+   use gyroakf_filter_identification, only : most_samples
+   use gyroakf_pipeline_filter_lane, only : begin_drift_lane, filter_lane_type
+   use gyroakf_pipeline_filters, only : find_drift
+   use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
+   use gyroakf_pipeline_streamed, only : channel_bytes
+   implicit none (type, external)
+   private
+   public :: identify_streamed
+
+   !> Bytes a sample of the part: of every channel, and of the one that is worked on
+   integer(int64), parameter :: kept_bytes = 9, work_bytes = 17
+
+   !> The middle part of the record
+   type :: part_type
+      !> Samples before it, and in it
+      integer(int64) :: before = 0, samples = 0
+      !> [sample, channel]
+      real(dp), allocatable :: value(:, :)
+      !> [sample, channel]; allocated where something is missing in the record
+      integer(int8), allocatable :: present(:, :)
+   end type part_type
+
+contains
+
+   !> Identifies the drift of every channel and makes its filters; where the memory does not allow it the channels say so.
+   subroutine identify_streamed(recording, record, columns, differences, options, lane, result, error, progress)
+      !> Its path and options are used
+      type(recording_type), intent(in) :: recording
+      !> What was read, without the samples
+      type(record_type), intent(in) :: record
+      !> Of the columns that are read those that hold numbers: [channel]
+      integer, intent(in) :: columns(:)
+      !> Variance of the differences: [channel]
+      real(dp), intent(in) :: differences(:)
+      !> Of the main job
+      type(pipeline_options), intent(in) :: options
+      !> Get the drift's filters: [channel]
+      type(filter_lane_type), intent(inout) :: lane(:)
+      !> Its channels are told the drift
+      type(pipeline_result_type), intent(inout) :: result
+      !> no_memory, cancelled, and what reading can give
+      type(error_type), allocatable, intent(out) :: error
+      !> Is told the bytes that were read
+      class(progress_type), intent(inout), optional :: progress
+      type(part_type) :: part
+      integer(int64) :: needed
+      integer :: k
+
+      part%samples = min(record%audit%samples, most_samples)
+      part%before = (record%audit%samples - part%samples)/2
+      needed = base_bytes + channel_bytes*size(lane) + part%samples*(kept_bytes*size(lane) + work_bytes)
+      if (recording%options%memory < needed) then
+         do k = 1, size(lane)
+            if (result%channel(k)%available%ar) call add_text(result%channel(k)%unavailable, "drift and its filters: to "// &
+               "identify it from a part of the record takes "//bytes_text(needed)//" of memory")
+         end do
+         return
+      end if
+      call hold_part(recording, record, columns, part, error, progress)
+      if (allocated(error)) return
+      do k = 1, size(lane)
+         if (.not. result%channel(k)%available%ar) cycle
+         call identify_channel(record, part, k, differences(k), options, lane(k), result, error)
+         if (allocated(error)) return
+      end do
+   end subroutine identify_streamed
+
+   !> Reads the file again for the part.
+   subroutine hold_part(recording, record, columns, part, error, progress)
+      type(recording_type), intent(in) :: recording
+      type(record_type), intent(in) :: record
+      integer, intent(in) :: columns(:)
+      !> Its place is known
+      type(part_type), intent(inout) :: part
+      type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
+      type(recording_type) :: again
+      type(record_stream_type) :: stream
+      type(record_type) :: block
+      integer(int64) :: before
+      integer :: failed
+
+      allocate (part%value(part%samples, size(columns)), stat=failed)
+      if (failed == 0 .and. record%audit%missing > 0) allocate (part%present(part%samples, size(columns)), stat=failed)
+      if (failed /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the part of the record that tells the drift")
+         return
+      end if
+      part%value = 0.0_dp
+      call open_recording(recording%path, recording%options, again, error)
+      if (.not. allocated(error)) call begin_record_stream(again, stream, record%sample_interval)
+      do while (.not. allocated(error))
+         before = stream%delivered
+         if (before >= part%before + part%samples) exit
+         call next_record_block(again, stream, block, error, progress)
+         if (allocated(error) .or. stream%done) exit
+         call keep_block(block, columns, before, part)
+      end do
+      call close_recording(again)
+   end subroutine hold_part
+
+   !> Keeps what a block has of the part.
+   subroutine keep_block(block, columns, before, part)
+      type(record_type), intent(in) :: block
+      integer, intent(in) :: columns(:)
+      !> Samples before the block
+      integer(int64), intent(in) :: before
+      type(part_type), intent(inout) :: part
+      integer(int64) :: first, last, shift
+      integer :: k
+
+      first = max(1_int64, part%before - before + 1)
+      last = min(size(block%value, 1, kind=int64), part%before + part%samples - before)
+      shift = before - part%before
+      if (first > last) return
+      do k = 1, size(columns)
+         part%value(first + shift:last + shift, k) = block%value(first:last, columns(k))
+         if (.not. allocated(part%present)) cycle
+         part%present(first + shift:last + shift, k) = 1_int8
+         if (allocated(block%present)) part%present(first + shift:last + shift, k) = block%present(first:last, columns(k))
+      end do
+   end subroutine keep_block
+
+   !> The drift of one channel and its filters.
+   subroutine identify_channel(record, part, k, difference_variance, options, lane, result, error)
+      type(record_type), intent(in) :: record
+      !> Its values lose the mean
+      type(part_type), intent(inout) :: part
+      integer, intent(in) :: k
+      real(dp), intent(in) :: difference_variance
+      type(pipeline_options), intent(in) :: options
+      type(filter_lane_type), intent(inout) :: lane
+      type(pipeline_result_type), intent(inout) :: result
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: view
+      integer(int64) :: i
+
+      do i = 1, part%samples
+         part%value(i, k) = part%value(i, k) - lane%centre
+      end do
+      call view_channel(record, k, view)
+      if (allocated(part%present)) then
+         call find_drift(part%value(:, k), view, options, result%channel(k), error, part%present(:, k))
+      else
+         call find_drift(part%value(:, k), view, options, result%channel(k), error)
+      end if
+      if (allocated(error)) return
+      call begin_drift_lane(lane, difference_variance, record%audit%samples, options, result%channel(k), error)
+   end subroutine identify_channel
+
+end module gyroakf_pipeline_streamed_drift
