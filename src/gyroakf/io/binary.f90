@@ -170,6 +170,11 @@ contains
       integer(int8) :: more(1)
       integer(int64) :: got
 
+      if (table%rows == 0) then
+         call fatal_error(error, status%parse, table%name//": the file is empty"//new_line("a")// &
+            "check what should have written it")
+         return
+      end if
       if (binary%rounded > 0) call add_text(table%warnings, integer_text(binary%rounded)//" of the "// &
          element_name(binary%element)//" values are beyond 2^53 and were rounded to 16 digits")
       if (binary%descriptor >= 0 .or. binary%rows < 0) return

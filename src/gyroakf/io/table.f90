@@ -118,6 +118,7 @@ contains
       end if
       table%layout%columns = int(columns)
       call choose(options, table, error)
+      if (.not. allocated(error)) call set_slots(0, table)
    end subroutine begin_numbers
 
    !> Reads comments and names up to the first line of numbers, which stays at hand.
@@ -212,7 +213,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(fields_type) :: fields
       integer(int64) :: last
-      integer :: named
+      integer :: named, partner
 
       last = line_end(lines)
       call settle_commas(lines, last, options, table, error)
@@ -241,7 +242,9 @@ contains
       table%layout%last_optional = fields%trailing
       call find_kinds(lines%bytes, fields, table%layout%columns, table%layout)
       call choose(options, table, error)
-      if (.not. allocated(error)) call set_slots(lines, fields, table)
+      if (allocated(error)) return
+      call pair_stamps(lines%bytes, fields, table%time, table%chosen, table%layout, partner)
+      call set_slots(partner, table)
    end subroutine lay_out
 
    !> How many names the columns have, wherever they stand.
@@ -449,14 +452,12 @@ contains
 
    !> Where the columns are kept: the chosen ones in their order, then the time, unless it is one of them. A date and a time of day
    !> in two columns are kept in one place.
-   subroutine set_slots(lines, fields, table)
-      type(lines_type), intent(in) :: lines
-      !> Of the first row
-      type(fields_type), intent(in) :: fields
+   subroutine set_slots(partner, table)
+      !> The column of dates or times of day that goes with the time's, 0 where there is none
+      integer, intent(in) :: partner
       type(table_type), intent(inout) :: table
-      integer :: i, partner
+      integer :: i
 
-      call pair_stamps(lines%bytes, fields, table%time, table%chosen, table%layout, partner)
       allocate (table%layout%slot(table%layout%columns))
       table%layout%slot(:) = 0
       do i = 1, size(table%chosen)
