@@ -3,14 +3,14 @@
 module gyroakf_app_check
    use gyroakf_error, only : error_type
    use gyroakf_report_files, only : result_files
-   use gyroakf_app_config, only : cli_config, reading_config, analysis_config, simulate_config
+   use gyroakf_app_config, only : cli_config, has_many_files, reading_config, analysis_config, simulate_config
    use gyroakf_app_setting_input, only : check_input
    use gyroakf_app_setting_method, only : check_method
    use gyroakf_app_setting_record, only : check_record
    use gyroakf_app_words, only : words_type, is_given, usage_error
    implicit none (type, external)
    private
-   public :: check_job
+   public :: check_job, is_result
 
 contains
 
@@ -29,11 +29,13 @@ contains
       end if
       select type (config)
       class is (reading_config)
-         if (config%path == "") then
+         if (has_many_files(config)) then
+            call check_many(config, error)
+         else if (config%path == "") then
             call usage_error(error, "no file; '-' reads standard input, gyroakf --help tells more")
-            return
+         else
+            call check_outputs(config, error)
          end if
-         call check_outputs(config, error)
          if (allocated(error)) return
          call check_input(config%reader, error)
       type is (simulate_config)
@@ -49,6 +51,40 @@ contains
          call check_method(config%pipeline, is_given(words, "--outlier-threshold"), error)
       end select
    end subroutine check_job
+
+   !> What many files cannot have: one file that all would write, two that read standard input.
+   subroutine check_many(config, error)
+      class(reading_config), intent(in) :: config
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i, inputs
+
+      inputs = 0
+      if (allocated(config%list)) then
+         if (config%list == "-") inputs = 1
+      end if
+      do i = 1, size(config%paths)
+         if (config%paths(i)%text == "-") inputs = inputs + 1
+         if (allocated(config%json)) then
+            if (without_dot(config%json) == without_dot(config%paths(i)%text) .and. config%json /= "-") then
+               call usage_error(error, "--json would overwrite the recording '"//config%json//"'")
+               return
+            end if
+         end if
+      end do
+      if (inputs > 1) call usage_error(error, "standard input ('-') can be read once")
+      if (allocated(error)) return
+      select type (config)
+      type is (analysis_config)
+         if (.not. allocated(config%kalibr)) return
+         if (.not. allocated(config%out)) then
+            call usage_error(error, "--kalibr with many files needs --out: it is written into the folder of each")
+         else if (scan(config%kalibr, "/") > 0) then
+            call usage_error(error, "--kalibr with many files needs a name without a folder: it is written into that of each")
+         else if (any(result_files == config%kalibr)) then
+            call usage_error(error, "--kalibr and --out name the same file '"//config%kalibr//"'")
+         end if
+      end select
+   end subroutine check_many
 
    !> The recording is not overwritten by a result, and no result by another.
    subroutine check_outputs(config, error)
@@ -67,10 +103,10 @@ contains
                return
             end if
          end if
-         if (config%path == "-" .or. .not. allocated(config%out)) return
-         if (is_result(config%out, config%path)) call usage_error(error, "--out would overwrite the recording '"// &
-                                                                  without_dot(config%path)//"'")
       end select
+      if (config%path == "-" .or. .not. allocated(config%out)) return
+      if (is_result(config%out, config%path)) call usage_error(error, "--out would overwrite the recording '"// &
+                                                               without_dot(config%path)//"'")
    end subroutine check_outputs
 
    !> A file that is to be written: not the recording, not one that --out writes.
@@ -86,15 +122,13 @@ contains
          call usage_error(error, option//" would overwrite the recording '"//without_dot(config%path)//"'")
          return
       end if
-      select type (config)
-      type is (analysis_config)
-         if (.not. allocated(config%out) .or. option == "--json") return
-         if (is_result(config%out, target)) call usage_error(error, option//" and --out name the same file '"//target//"'")
-      end select
+      if (.not. allocated(config%out) .or. option == "--json") return
+      if (is_result(config%out, target)) call usage_error(error, option//" and --out name the same file '"//target//"'")
    end subroutine check_target
 
    !> Whether --out writes that file.
    pure logical function is_result(directory, path)
+      !> Of --out, and the file
       character(*), intent(in) :: directory, path
       integer :: i
 

@@ -33,38 +33,35 @@ contains
       !> usage
       type(error_type), allocatable, intent(out) :: error
       type(words_type) :: words
-      character(:), allocatable :: command, path
+      character(:), allocatable :: command
+      integer :: first
 
       call sort_words(arguments, words, error)
       if (allocated(error)) return
-      call find_command(words, command, path, error)
+      call find_command(words, command, first, error)
       if (allocated(error)) return
       call make_text(words, config)
       if (allocated(config)) return
-      call make_job(words, command, path, config, error)
+      call make_job(words, command, first, config, error)
    end subroutine get_config
 
-   !> The command and the file among the words that are no options.
-   subroutine find_command(words, command, path, error)
+   !> The command among the words that are no options, and the first file.
+   subroutine find_command(words, command, first, error)
       type(words_type), intent(in) :: words
-      character(:), allocatable, intent(out) :: command, path
+      character(:), allocatable, intent(out) :: command
+      !> Number of the word
+      integer, intent(out) :: first
       type(error_type), allocatable, intent(out) :: error
-      integer :: file
 
       command = "run"
-      path = ""
+      first = 1
       if (words%positional == 0) return
-      file = 1
       if (any(command_names == words%word(1)%text) .and. .not. words%behind_dashes) then
          command = words%word(1)%text
-         file = 2
+         first = 2
       else
          call check_command(words, error)
-         if (allocated(error)) return
       end if
-      if (words%positional >= file) path = words%word(file)%text
-      if (words%positional > file) call usage_error(error, "more than one file: '"//path//"' and '"// &
-                                                   words%word(file + 1)%text//"'; one recording at a time")
    end subroutine find_command
 
    !> The first word is no command: is it meant as one? Yes where another word follows or no such file is there.
@@ -110,14 +107,26 @@ contains
    end subroutine make_text
 
    !> A command that works on data: its defaults, then --preset, then the other options in order.
-   subroutine make_job(words, command, path, config, error)
+   subroutine make_job(words, command, first, config, error)
       type(words_type), intent(in) :: words
-      character(*), intent(in) :: command, path
+      character(*), intent(in) :: command
+      !> Word of the first file
+      integer, intent(in) :: first
       class(cli_config), allocatable, intent(inout) :: config
       type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: path
       integer :: i
 
+      path = ""
+      if (words%positional >= first) path = words%word(first)%text
       call new_config(command, path, config)
+      select type (config)
+      class is (reading_config)
+         allocate (config%paths(max(0, words%positional - first + 1)))
+         do i = 1, size(config%paths)
+            config%paths(i)%text = words%word(first + i - 1)%text
+         end do
+      end select
       do i = 1, words%used
          call apply_option(words%given(i), config, .true., error)
          if (allocated(error)) return

@@ -3,11 +3,12 @@
 module gyroakf_app_config
    use gyroakf_io_reader, only : reader_options
    use gyroakf_pipeline, only : pipeline_options
+   use gyroakf_record, only : text_type
    use gyroakf_simulate_record, only : simulate_options
    implicit none (type, external)
    private
    public :: cli_config, text_config, reading_config, inspect_config, analysis_config, simulate_config
-   public :: new_config
+   public :: new_config, has_many_files
 
    !> Common to all commands
    type, abstract :: cli_config
@@ -35,6 +36,13 @@ module gyroakf_app_config
       type(reader_options) :: reader
       !> File of the JSON document, "-" is standard output; unallocated: none
       character(:), allocatable :: json
+      !> Directory of the result files; unallocated: none
+      character(:), allocatable :: out
+      !> Further recordings, `path` first, and the file that names more; unallocated: none
+      type(text_type), allocatable :: paths(:)
+      character(:), allocatable :: list
+      !> The memory is a share of what there is, others work beside: what does not fit into it is not streamed but refused
+      logical :: shared = .false.
    end type reading_config
 
    !> inspect
@@ -45,8 +53,6 @@ module gyroakf_app_config
    type, extends(reading_config) :: analysis_config
       !> What is computed and how
       type(pipeline_options) :: pipeline
-      !> Directory of the result files; unallocated: none
-      character(:), allocatable :: out
       !> File of Kalibr's imu.yaml; unallocated: none
       character(:), allocatable :: kalibr
    end type analysis_config
@@ -92,6 +98,15 @@ contains
          call choose_rooms(command, config%pipeline)
       end select
    end subroutine new_config
+
+   !> Whether several files are worked on, or a list of them.
+   pure logical function has_many_files(config)
+      !> A checked job
+      class(reading_config), intent(in) :: config
+
+      has_many_files = allocated(config%list)
+      if (allocated(config%paths)) has_many_files = has_many_files .or. size(config%paths) > 1
+   end function has_many_files
 
    !> A single command: the record as it is, and only the rooms that it names.
    subroutine choose_rooms(command, pipeline)

@@ -13,9 +13,11 @@ module gyroakf_app_driver
    use gyroakf_simulate_record, only : simulate_record
    use gyroakf_app_argument, only : argument_list, process_source, read_arguments
    use gyroakf_app_cli, only : get_config
-   use gyroakf_app_config, only : cli_config, text_config, inspect_config, analysis_config, simulate_config
+   use gyroakf_app_config, only : cli_config, has_many_files, text_config, reading_config, inspect_config, analysis_config, &
+      & simulate_config
    use gyroakf_app_interrupt, only : guard_files, interrupt_signal, watch_signals
    use gyroakf_app_job, only : analyse, inspect
+   use gyroakf_app_many, only : work_on_many
    use gyroakf_app_progress_bar, only : bar_type, clear_bar, start_bar
    implicit none (type, external)
    private
@@ -34,8 +36,8 @@ contains
       call watch_signals()
       call read_arguments(process_source(), arguments, error)
       if (.not. allocated(error)) call get_config(arguments, config, error)
-      if (.not. allocated(error)) call execute(config, error)
       code = 0
+      if (.not. allocated(error)) call execute(config, code, error)
       if (.not. allocated(error)) return
       write (error_unit, "(a)") "gyroakf: error: "//error%message
       code = exit_code(error%code)
@@ -43,14 +45,24 @@ contains
    end subroutine run_program
 
    !> The job of one command.
-   subroutine execute(config, error)
+   subroutine execute(config, code, error)
       class(cli_config), intent(in) :: config
+      !> The largest of many files
+      integer, intent(out) :: code
       type(error_type), allocatable, intent(out) :: error
       type(bar_type) :: bar
       type(record_type) :: record
       type(pipeline_result_type) :: result
 
+      code = 0
       call start_bar(bar, config%progress)
+      select type (config)
+      class is (reading_config)
+         if (has_many_files(config)) then
+            call work_on_many(config, bar, code, error)
+            return
+         end if
+      end select
       if (config%threads > 0) call omp_set_num_threads(config%threads)
       select type (config)
       type is (text_config); call print_text(config%text, error)

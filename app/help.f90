@@ -13,10 +13,11 @@ module gyroakf_app_help
    integer, parameter :: first_column = 31, last_column = 98
 
    !> Commands and examples of them
-   character(92), parameter :: examples(2, 20) = reshape([character(92) :: &
+   character(92), parameter :: examples(2, 21) = reshape([character(92) :: &
       "run", "gyroakf log.csv --rate 100 --unit deg/s", &
       "run", "gyroakf run log.csv --column gx,gy,gz --time-column t --unit deg/s --out results", &
       "run", "gyroakf run mems.txt --preset paper --json - > results.json", &
+      "run", "gyroakf run day/*.csv --rate 100 --unit deg/s --out results", &
       "inspect", "gyroakf inspect log.csv", &
       "inspect", "gyroakf inspect increments.dat --input increment --unit arcsec --scale 0.1 --rate 100", &
       "allan", "gyroakf allan log.csv --rate 100 --unit deg/s", &
@@ -33,7 +34,7 @@ module gyroakf_app_help
       "simulate", "gyroakf simulate --preset paper --output mems.txt", &
       "simulate", "gyroakf simulate --samples 360000 --rate 100 --coefficients N=0.005,B=0.001 --seed 7", &
       "simulate", "gyroakf simulate --rate 10 --coefficients N=0.005 --ar 0.99 --ar-variance 1e-4", &
-      "simulate", "gyroakf simulate --ar 0.7,-0.2 --ar-variance 1e-4 --missing 0.003 | gyroakf run -"], [2, 20])
+      "simulate", "gyroakf simulate --ar 0.7,-0.2 --ar-variance 1e-4 --missing 0.003 | gyroakf run -"], [2, 21])
 
 contains
 
@@ -67,8 +68,9 @@ contains
       integer :: i
 
       text = "gyroakf "//release_string//": random errors of gyroscopes, from a recording to numbers"//nl//nl// &
-         "Usage: gyroakf [COMMAND] FILE [OPTIONS]"//nl// &
-         "       FILE may be - (standard input); -- ends the options."//nl//nl//"Commands"//nl
+         "Usage: gyroakf [COMMAND] FILE... [OPTIONS]"//nl// &
+         "       FILE may be - (standard input); -- ends the options. Several files, or --list FILE: each"//nl// &
+         "       is worked on as if alone, then all are summed up; exit code: the largest of theirs."//nl//nl//"Commands"//nl
       do i = 1, size(commands)
          text = text//"  "//commands(i)%name//"  "//trim(commands(i)%purpose)//nl
       end do
@@ -77,7 +79,7 @@ contains
       text = text//nl//"Examples"//nl//first_examples()//nl// &
          "A header in the data file (# rate_hz: 5, # unit: deg/h, # columns: t gx gy gz) is honoured; an"//nl// &
          "option overrides it. Where nobody gave a rate or a unit, results are per sample and in input units."//nl// &
-         "Exit codes: 0 done; 1 wrong usage; 2 the data or a file; 3 a numerical failure."//nl// &
+         "Exit codes: 0 done; 1 wrong usage; 2 the data or a file; 3 a numerical failure; 130 Ctrl-C."//nl// &
          "All options of a command: gyroakf COMMAND --help"//nl
    end function program_help
 
@@ -89,7 +91,7 @@ contains
       integer :: i
 
       text = "gyroakf "//command//": "//trim(purpose_of(command))//nl//nl//"Usage: gyroakf "//command
-      if (command /= "simulate") text = text//" FILE"
+      if (command /= "simulate") text = text//" FILE..."
       text = text//" [OPTIONS]"//nl
       do i = 1, size(group_titles, 2)
          text = text//options_of(command, trim(group_titles(1, i)))

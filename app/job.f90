@@ -4,7 +4,8 @@
 !> Nothing is written before everything is computed, and standard output comes last: where something fails it stays empty.
 module gyroakf_app_job
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_writer, only : writer_type, open_writer, complete_writer, commit_writer, discard_writer
+   use gyroakf_io_writer, only : writer_type, open_writer, complete_writer, commit_writer, discard_writer, &
+      & make_directory
    use gyroakf_pipeline, only : pipeline_result_type, channel_result_type
    use gyroakf_record, only : record_type
    use gyroakf_report_document, only : write_document
@@ -36,6 +37,8 @@ contains
       call read_and_look(config, record, error, bar)
       if (allocated(error)) return
       call clear_bar(bar)
+      if (allocated(config%out)) call write_inspection(config%out, record, error)
+      if (allocated(error)) return
       if (allocated(config%json)) then
          call begin_document(config%json, record, writer, error)
          if (.not. allocated(error)) call commit_writer(writer, error)
@@ -47,6 +50,29 @@ contains
       call report_inspect(writer, record)
       call commit_writer(writer, error)
    end subroutine inspect
+
+   !> inspect --out: report.txt and results.json.
+   subroutine write_inspection(directory, record, error)
+      character(*), intent(in) :: directory
+      type(record_type), intent(in) :: record
+      type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: report, document
+
+      call guard_files()
+      call make_directory(directory, error)
+      if (.not. allocated(error)) call open_writer(report, directory//"/report.txt", error)
+      if (.not. allocated(error)) then
+         call report_inspect(report, record)
+         call complete_writer(report, error)
+      end if
+      if (.not. allocated(error)) call begin_document(directory//"/results.json", record, document, error)
+      if (.not. allocated(error)) call complete_writer(document, error)
+      if (.not. allocated(error)) call commit_writer(report, error)
+      if (.not. allocated(error)) call commit_writer(document, error)
+      call discard_writer(report)
+      call discard_writer(document)
+      call release_files()
+   end subroutine write_inspection
 
    !> run, allan, tests, ar, filter: the files first, standard output last.
    subroutine analyse(config, bar, record, result, error)
@@ -80,6 +106,8 @@ contains
       type(writer_type) :: document, kalibr
       logical :: to_file
 
+      if (allocated(config%kalibr) .and. allocated(config%out)) call make_directory(config%out, error)
+      if (allocated(error)) return
       to_file = .false.
       if (allocated(config%json)) to_file = config%json /= "-"
       if (to_file) then

@@ -158,11 +158,16 @@ module gyroakf_app_option
       option_type("--output", "FILE", "text", "simulate", "record", "write FILE instead of standard output")]
 
    type(option_type), parameter :: common_options(*) = [ &
-      option_type("--out", "DIR", "text", analysing, "common", "write the result files into DIR"), &
+      option_type("--out", "DIR", "text", reading, "common", "write the result files into DIR"), &
+      option_type("--list", "FILE", "text", reading, "common", &
+                  "work on the files named in FILE, one a line; - is standard input"), &
       option_type("--kalibr", "FILE", "text", "run allan", "common", &
-                  "write N and K as Kalibr's imu.yaml: SI, of each sensor the largest axis; needs rate and unit"), &
-      option_type("--json", "FILE", "text", reading, "common", "write the results as JSON; - is standard output"), &
-      option_type("--threads", "N", "count", every, "common", "number of threads (default: all)"), &
+                  "write N and K as Kalibr's imu.yaml: SI, of each sensor the largest axis; needs rate and unit; of many "// &
+                  "files into the folder of each"), &
+      option_type("--json", "FILE", "text", reading, "common", &
+                  "write the results (of many files the summary) as JSON; - is standard output"), &
+      option_type("--threads", "N", "count", every, "common", &
+                  "number of threads (default: all); many files are worked on side by side"), &
       option_type("--memory", "SIZE", "text", reading, "common", &
                   "memory that may be used, 28MB or more, as 500MB or 2GB (default: what is free); "// &
                   "allan, inspect and filter stream a larger recording, the others refuse it"), &

@@ -14,7 +14,7 @@ module gyroakf_app_reading
    use gyroakf_app_config, only : analysis_config, inspect_config
    implicit none (type, external)
    private
-   public :: read_and_look, read_and_run
+   public :: find_bound, read_and_look, read_and_run
 
    !> Share of the memory that can be had which a recording may take
    real(dp), parameter :: usable_share = 0.95_dp
@@ -48,7 +48,11 @@ contains
 
       reader = config%reader
       call find_bound(reader)
-      call summarise_record(config%path, reader, record, error, progress)
+      if (config%shared) then
+         call read_record(config%path, reader, record, error, progress)
+      else
+         call summarise_record(config%path, reader, record, error, progress)
+      end if
    end subroutine read_and_look
 
    !> run, allan, tests, ar, filter: what was read, and what came out; allan and filter stream what is larger than the memory.
@@ -69,7 +73,7 @@ contains
       reader = config%reader
       call tell_memory(config%pipeline, reader%work_bytes, reader%channel_bytes)
       call find_bound(reader)
-      if (config%command == "allan" .or. config%command == "filter") then
+      if ((config%command == "allan" .or. config%command == "filter") .and. .not. config%shared) then
          call open_recording(config%path, reader, recording, error)
          if (.not. allocated(error)) call hold_rows(recording, error, progress)
          if (allocated(error)) then

@@ -164,8 +164,13 @@ contains
          end select
       case ("--out")
          select type (config)
-         type is (analysis_config)
+         class is (reading_config)
             config%out = value%text
+         end select
+      case ("--list")
+         select type (config)
+         class is (reading_config)
+            config%list = value%text
          end select
       case ("--memory")
          select type (config)

@@ -32,8 +32,7 @@ while IFS= read -r line; do
    bad "usage: ${line##* ; }" 1 "${line%% ; *}" ${line##* ; }
 done <<'LINES'
 no file; '-' reads standard input ; allan
-more than one file: 'x.txt' and 'y.txt' ; x.txt y.txt
-more than one file: 'x.txt' and 'y.txt' ; allan x.txt y.txt
+standard input ('-') can be read once ; allan - -
 simulate reads no file ; simulate x.txt
 'abc' is not a number ; x.txt --rate abc
 '-3' is not larger than 0 ; x.txt --rate=-3

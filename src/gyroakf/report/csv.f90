@@ -10,7 +10,7 @@ module gyroakf_report_csv
    use gyroakf_report_layout, only : count_text
    implicit none (type, external)
    private
-   public :: write_series, write_allan, write_coefficients, write_dynamic
+   public :: write_series, write_allan, write_coefficients, write_dynamic, quoted
 
    !> Enough for every number of a file that was written with 15 digits
    integer, parameter :: digits = 15
@@ -273,6 +273,7 @@ contains
 
    !> A field of text, in quotes where it needs them.
    pure function quoted(text) result(field)
+      !> Any
       character(*), intent(in) :: text
       character(:), allocatable :: field
       integer :: i

@@ -12,7 +12,7 @@ module gyroakf_report_document
    use gyroakf_report_document_parts, only : put_preprocess, put_tests, put_ar, put_filters, put_allan, put_coefficients
    implicit none (type, external)
    private
-   public :: write_document, schema_number
+   public :: write_document, gather_warnings, schema_number
 
    !> Keys are never renamed within a schema
    integer, parameter :: schema_number = 1
@@ -116,8 +116,11 @@ contains
 
    !> Warnings of the record, then of the channels, with the channel's name where there are several.
    pure subroutine gather_warnings(record, warnings, result)
+      !> What was read
       type(record_type), intent(in) :: record
+      !> One sentence each
       type(text_type), allocatable, intent(out) :: warnings(:)
+      !> What came out
       type(pipeline_result_type), intent(in), optional :: result
       integer :: c
 

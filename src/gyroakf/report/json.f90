@@ -18,7 +18,7 @@ module gyroakf_report_json
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
    private
-   public :: json_type, open_object, close_object, open_array, close_array, put_member, put_null
+   public :: json_type, open_object, close_object, open_array, close_array, put_member, put_null, put_json
    public :: json_text, flush_json, json_string
 
    !> Objects and arrays may be nested this deep
@@ -86,6 +86,18 @@ contains
 
       call put_raw(json, key, "null")
    end subroutine put_null
+
+   !> Writes a text that is JSON already: what [[json_text]] gave of another document.
+   subroutine put_json(json, key, text)
+      !> The document
+      type(json_type), intent(inout) :: json
+      !> Name of the member, "" in an array
+      character(*), intent(in) :: key
+      !> One value, without a line feed at its ends
+      character(*), intent(in) :: text
+
+      call put_raw(json, key, text)
+   end subroutine put_json
 
    !> What was written since the last flush.
    pure function json_text(json) result(text)

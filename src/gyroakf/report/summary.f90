@@ -1,0 +1,344 @@
+! SPDX-License-Identifier: MIT
+!> The summary of many files: summary.csv, summary.json (`doc/summary.schema.json`) and a table for a terminal.
+module gyroakf_report_summary
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_record, only : record_type, sample_count, text_type, view_channel
+   use gyroakf_release, only : release_string
+   use gyroakf_units, only : term_names
+   use gyroakf_io_writer, only : put, put_line, writer_type
+   use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage
+   use gyroakf_report_document, only : gather_warnings
+   use gyroakf_report_document_stated, only : put_known
+   use gyroakf_report_json, only : close_array, close_object, flush_json, json_text, json_type, open_array, open_object, put_json, &
+      & put_member, put_null
+   use gyroakf_report_layout, only : plural, report_width
+   use gyroakf_report_summary_row, only : column_heads, csv_head, make_failed_row, make_row, summary_row_type
+   use gyroakf_report_table, only : new_table, put_table, set_cell, table_type
+   use gyroakf_report_utf8, only : is_continuation, text_width
+   implicit none (type, external)
+   private
+   public :: summary_row_type, summarise, summarise_failure, write_summary_csv, write_summary_json, write_summary_table
+
+   !> Warnings of a file that are told in full
+   integer, parameter :: most_warnings = 3
+   !> A file's name has at least so many characters in the table, and a channel's at most
+   integer, parameter :: least_name = 12, most_channel = 12
+
+contains
+
+   !> A file that was worked on.
+   subroutine summarise(command, path, folder, record, row, result)
+      !> run, inspect, allan, tests, ar, filter
+      character(*), intent(in) :: command
+      !> As it was given
+      character(*), intent(in) :: path
+      !> Of its results, "" where none are written
+      character(*), intent(in) :: folder
+      !> What was read
+      type(record_type), intent(in) :: record
+      !> The row
+      type(summary_row_type), intent(out) :: row
+      !> What came out; absent for inspect
+      type(pipeline_result_type), intent(in), optional :: result
+      type(json_type) :: json
+
+      call make_row(command, path, folder, record, row, result)
+      call begin_file(json, row)
+      call put_record(json, record, result)
+      call end_file(json, row)
+   end subroutine summarise
+
+   !> A file that failed.
+   subroutine summarise_failure(command, path, folder, code, message, row)
+      !> run, inspect, allan, tests, ar, filter
+      character(*), intent(in) :: command
+      !> As it was given
+      character(*), intent(in) :: path
+      !> Of its results, "" where none are written
+      character(*), intent(in) :: folder
+      !> What a run of this file alone would end with
+      integer, intent(in) :: code
+      !> What went wrong
+      character(*), intent(in) :: message
+      !> The row
+      type(summary_row_type), intent(out) :: row
+      type(json_type) :: json
+      integer :: i
+      character(10), parameter :: unknown(4) = [character(10) :: "samples", "rate_hz", "duration_s", "missing"]
+
+      call make_failed_row(command, path, folder, code, message, row)
+      call begin_file(json, row)
+      do i = 1, size(unknown)
+         call put_null(json, trim(unknown(i)))
+      end do
+      call put_member(json, "warning_count", 0)
+      call open_array(json, "warnings")
+      call close_array(json)
+      call open_array(json, "channels")
+      call close_array(json)
+      call end_file(json, row)
+   end subroutine summarise_failure
+
+   !> Opens the element of a file, as deep as it stands in the whole document.
+   subroutine begin_file(json, row)
+      type(json_type), intent(inout) :: json
+      type(summary_row_type), intent(in) :: row
+
+      call open_object(json)
+      call open_array(json, "files")
+      call open_object(json)
+      call put_member(json, "path", row%path)
+      call put_text(json, "folder", row%folder)
+      call put_member(json, "exit_code", row%code)
+      call put_text(json, "message", row%message)
+   end subroutine begin_file
+
+   !> Closes it and keeps its text without what stands around it.
+   subroutine end_file(json, row)
+      type(json_type), intent(inout) :: json
+      type(summary_row_type), intent(inout) :: row
+      character(:), allocatable :: text
+
+      call close_object(json)
+      text = json_text(json)
+      row%json = text(index(text, "[") + index(text(index(text, "["):), "{") - 1:)
+   end subroutine end_file
+
+   !> What was read and what came out.
+   subroutine put_record(json, record, result)
+      type(json_type), intent(inout) :: json
+      type(record_type), intent(in) :: record
+      type(pipeline_result_type), intent(in), optional :: result
+      type(text_type), allocatable :: warnings(:)
+      type(channel_result_type) :: nothing
+      integer :: c
+
+      call gather_warnings(record, warnings, result)
+      call put_member(json, "samples", sample_count(record))
+      call put_known(json, "rate_hz", 1.0_dp/record%sample_interval, record%rate_known)
+      call put_known(json, "duration_s", real(sample_count(record), dp)*record%sample_interval, record%rate_known)
+      call put_member(json, "missing", record%audit%missing)
+      call put_member(json, "warning_count", size(warnings))
+      call put_member(json, "warnings", warnings(:min(size(warnings), most_warnings)))
+      call open_array(json, "channels")
+      do c = 1, size(record%channel)
+         if (present(result)) then
+            call put_channel(json, record, c, result%channel(c), .true.)
+         else
+            call put_channel(json, record, c, nothing, .false.)
+         end if
+      end do
+      call close_array(json)
+   end subroutine put_record
+
+   !> One channel.
+   subroutine put_channel(json, record, c, channel, there)
+      type(json_type), intent(inout) :: json
+      type(record_type), intent(in) :: record
+      integer, intent(in) :: c
+      type(channel_result_type), intent(in) :: channel
+      !> False: nothing was computed
+      logical, intent(in) :: there
+      type(record_type) :: view
+      integer :: term
+
+      call view_channel(record, c, view)
+      call open_object(json)
+      call put_member(json, "name", record%channel(c)%text)
+      if (allocated(view%unit%name)) then
+         call put_text(json, "unit", view%unit%name)
+      else
+         call put_null(json, "unit")
+      end if
+      call put_known(json, "mean", channel%raw%mean, there)
+      call put_known(json, "std", channel%raw%std, there)
+      call put_count(json, "outliers_removed", channel%clean%removed, channel%available%preprocess)
+      call open_object(json, "coefficients")
+      do term = 1, 5
+         associate (stated => channel%allan(stage%input)%stated%term(term))
+            if (.not. stated%fitted) then
+               call put_null(json, term_names(term))
+               cycle
+            end if
+            call open_object(json, term_names(term))
+            call put_member(json, "value", stated%value)
+            call put_member(json, "std_error", stated%std_error)
+            call put_member(json, "upper_limit", stated%upper_limit)
+            call put_member(json, "detected", stated%detected)
+            call put_member(json, "unit", stated%unit)
+            call close_object(json)
+         end associate
+      end do
+      call close_object(json)
+      call put_methods(json, channel, there)
+      call close_object(json)
+   end subroutine put_channel
+
+   !> Tests, model, filters of a channel.
+   subroutine put_methods(json, channel, there)
+      type(json_type), intent(inout) :: json
+      type(channel_result_type), intent(in) :: channel
+      !> False: nothing was computed
+      logical, intent(in) :: there
+
+      call put_known(json, "adf_p_value", channel%adf%p_value, channel%available%adf)
+      call put_known(json, "jarque_bera_p_value", channel%jarque_bera%p_value, channel%available%jarque_bera)
+      call put_known(json, "ljung_box_p_value", channel%ljung_box%p_value, channel%available%ljung_box)
+      call put_count(json, "ar_order", int(channel%ar%order, int64), channel%available%ar)
+      call put_known(json, "ar_noise_variance", channel%ar%noise_variance, channel%available%ar)
+      call put_known(json, "cleaned_variance", channel%cleaned%variance, there)
+      call put_known(json, "kf_variance", channel%kf%variance, channel%available%kf)
+      call put_known(json, "akf_variance", channel%akf%variance, channel%available%akf)
+      call put_known(json, "drift_kf_variance", channel%drift_kf%variance, channel%available%drift_kf)
+      call put_known(json, "drift_akf_variance", channel%drift_akf%variance, channel%available%drift_akf)
+      call put_known(json, "akf_dc_gain", channel%akf%dc_gain, channel%available%akf)
+   end subroutine put_methods
+
+   !> A count, null where it is not known.
+   subroutine put_count(json, key, value, known)
+      type(json_type), intent(inout) :: json
+      character(*), intent(in) :: key
+      integer(int64), intent(in) :: value
+      logical, intent(in) :: known
+
+      if (known) then
+         call put_member(json, key, value)
+      else
+         call put_null(json, key)
+      end if
+   end subroutine put_count
+
+   !> A text, null where it is empty.
+   subroutine put_text(json, key, text)
+      type(json_type), intent(inout) :: json
+      character(*), intent(in) :: key, text
+
+      if (text == "") then
+         call put_null(json, key)
+      else
+         call put_member(json, key, text)
+      end if
+   end subroutine put_text
+
+   !> summary.csv: a line per file and channel; a file that failed has one line. nan where a number is not known.
+   subroutine write_summary_csv(writer, rows)
+      !> Open
+      type(writer_type), intent(inout) :: writer
+      !> In the order of the files
+      type(summary_row_type), intent(in) :: rows(:)
+      integer :: i
+
+      call put_line(writer, csv_head())
+      do i = 1, size(rows)
+         call put(writer, rows(i)%csv)
+      end do
+   end subroutine write_summary_csv
+
+   !> summary.json.
+   subroutine write_summary_json(writer, command, rows)
+      !> Open
+      type(writer_type), intent(inout) :: writer
+      !> run, inspect, allan, tests, ar, filter
+      character(*), intent(in) :: command
+      !> In the order of the files
+      type(summary_row_type), intent(in) :: rows(:)
+      type(json_type) :: json
+      integer :: i
+
+      call open_object(json)
+      call put_member(json, "schema", 1)
+      call put_member(json, "program", "gyroakf")
+      call put_member(json, "version", release_string)
+      call put_member(json, "command", command)
+      call put_member(json, "failed", count(rows%code /= 0))
+      call open_array(json, "files")
+      do i = 1, size(rows)
+         call put_json(json, "", rows(i)%json)
+         call flush_json(json, writer)
+      end do
+      call close_array(json)
+      call close_object(json)
+      call flush_json(json, writer)
+   end subroutine write_summary_json
+
+   !> A table of at most 100 columns where names and units allow it, and how many files failed.
+   subroutine write_summary_table(writer, command, rows)
+      !> Open
+      type(writer_type), intent(inout) :: writer
+      !> run, inspect, allan, tests, ar, filter
+      character(*), intent(in) :: command
+      !> In the order of the files
+      type(summary_row_type), intent(in) :: rows(:)
+      type(text_type), allocatable :: heads(:)
+      type(table_type) :: table
+      integer :: i, j, k, line, width
+
+      call column_heads(command, heads)
+      line = 1
+      do i = 1, size(rows)
+         line = line + size(rows(i)%cell, 1)
+      end do
+      call new_table(table, line, size(heads))
+      width = max(least_name, report_width - rest_width(heads, rows))
+      do j = 1, size(heads)
+         call set_cell(table, 1, j, heads(j)%text)
+      end do
+      line = 1
+      do i = 1, size(rows)
+         do k = 1, size(rows(i)%cell, 1)
+            line = line + 1
+            call set_cell(table, line, 1, tail_of(rows(i)%cell(k, 1)%text, width))
+            call set_cell(table, line, 2, tail_of(rows(i)%cell(k, 2)%text, most_channel))
+            do j = 3, size(heads)
+               call set_cell(table, line, j, rows(i)%cell(k, j)%text)
+            end do
+         end do
+      end do
+      call put_table(writer, table, 2)
+      call put_line(writer, "")
+      if (any(rows%code /= 0)) then
+         call put_line(writer, "  "//plural(size(rows, kind=int64), "file")//", "//plural(count(rows%code /= 0, kind=int64), &
+                       "failure"))
+      else
+         call put_line(writer, "  "//plural(size(rows, kind=int64), "file"))
+      end if
+   end subroutine write_summary_table
+
+   !> Characters that all columns but the first take.
+   pure integer function rest_width(heads, rows) result(width)
+      type(text_type), intent(in) :: heads(:)
+      type(summary_row_type), intent(in) :: rows(:)
+      integer :: i, j, k, widest
+
+      width = 2
+      do j = 2, size(heads)
+         widest = text_width(heads(j)%text)
+         do i = 1, size(rows)
+            do k = 1, size(rows(i)%cell, 1)
+               widest = max(widest, text_width(rows(i)%cell(k, j)%text))
+            end do
+         end do
+         if (j == 2) widest = min(widest, most_channel)
+         width = width + 2 + widest
+      end do
+   end function rest_width
+
+   !> The end of a text that is too long, with "..." in front.
+   pure function tail_of(text, width) result(tail)
+      character(*), intent(in) :: text
+      integer, intent(in) :: width
+      character(:), allocatable :: tail
+      integer :: first, characters
+
+      tail = text
+      if (text_width(text) <= width) return
+      first = len(text) + 1
+      characters = 0
+      do while (characters < width - 3)
+         first = first - 1
+         if (.not. is_continuation(text(first:first))) characters = characters + 1
+      end do
+      tail = "..."//text(first:)
+   end function tail_of
+
+end module gyroakf_report_summary

@@ -1,0 +1,167 @@
+# shellcheck shell=bash
+# SPDX-License-Identifier: MIT
+# Many files: their folders, the summary, files that fail, processes that end badly, an end by the user.
+mkdir many many/sub
+for i in 1 2 3; do
+   "$gyroakf" simulate --samples 3000 --rate 100 --unit deg/s --coefficients N=0.01,B=0.001 --seed $i --output many/f$i.txt
+done
+cp many/f1.txt many/sub/f2.csv
+awk 'BEGIN { print "# rate_hz: 10\n# units: rad/s m/s^2\na,b"; for (i = 0; i < 500; i++) print (i*7919)%101/1e4 "," (i*104729)%211/1e4 }' >many/two.csv
+printf '1\n2\nx\n' >many/broken.txt
+
+# the same results as of a run of each file alone, whatever the threads, in the order of the arguments
+for command in run allan tests ar filter inspect; do
+   good "$command of many files" $command many/f1.txt many/two.csv many/sub/f2.csv many/f2.txt --out many_$command
+   is "$command: summary on standard output fits 100 columns" "$(LC_ALL=C.UTF-8 awk 'length > 100' out)" ""
+   is "$command: files of the summary" "$(awk '{ sub(/.*\//, "", $1); print $1 }' out | tr '\n' ' ')" \
+      "file f1.txt two.csv two.csv f2.csv f2.txt  4 "
+   is "$command: folders" "$(cd many_$command && echo *)" "f1 f2 f2-2 summary.csv summary.json two"
+   good "$command alone" $command many/two.csv --out alone_$command
+   for file in alone_$command/*; do
+      if cmp -s "$file" "many_$command/two/$(basename "$file")"; then pass; else fail "$command: many/two/$(basename "$file") differs"; fi
+   done
+   rm -rf many_1; good "$command on one thread" $command many/f1.txt many/two.csv many/sub/f2.csv many/f2.txt --out many_1 --threads 1
+   if sed 's/many_1/many_'$command'/' many_1/summary.json | cmp -s - many_$command/summary.json; then pass
+   else fail "$command: the summary depends on the threads"; fi
+   is "$command: lines of summary.csv" "$(wc -l <many_$command/summary.csv)" 6
+   is "$command: columns of summary.csv" "$(awk -F, '{ print NF }' <(grep -v '"' many_$command/summary.csv) | sort -u)" 49
+done
+good "summary as JSON" tests many/f1.txt many/f2.txt --json -
+is "standard output is the document" "$(head -c 1 out)" "{"
+good "summary as a JSON file" tests many/f1.txt many/f2.txt --json tests.json --quiet
+is "--quiet prints no table" "$(cat out)" ""
+if [ -s tests.json ]; then pass; else fail "no tests.json"; fi
+if command -v python3 >/dev/null; then
+   if python3 - many_run tests.json "$root/doc/summary.schema.json" >wrong 2>&1 <<'PYTHON'
+import csv, json, math, sys
+folder, other, schema = sys.argv[1:]
+document = json.load(open(folder + "/summary.json"))
+lines = list(csv.DictReader(open(folder + "/summary.csv")))
+schema = json.load(open(schema))
+def check(value, rule, path):                   # the part of JSON schema that doc/summary.schema.json uses
+    kinds = rule.get("type", [])
+    kinds = [kinds] if isinstance(kinds, str) else kinds
+    names = {dict: "object", list: "array", str: "string", bool: "boolean", int: "integer", float: "number", type(None): "null"}
+    kind = names[type(value)]
+    assert not kinds or kind in kinds or (kind == "integer" and "number" in kinds), (path, kind, kinds)
+    if "const" in rule: assert value == rule["const"], path
+    if "$ref" in rule: check(value, schema["$defs"][rule["$ref"].split("/")[-1]], path)
+    if isinstance(value, dict):
+        for key in rule.get("required", []): assert key in value, (path, key)
+        for key in value:
+            if "properties" in rule: assert key in rule["properties"], (path, key, "is not in the schema")
+            check(value[key], rule.get("properties", {}).get(key, {}), path + "/" + key)
+    if isinstance(value, list):
+        for i, item in enumerate(value): check(item, rule.get("items", {}), "%s/%d" % (path, i))
+for name in folder + "/summary.json", other: check(json.load(open(name)), schema, name)
+channels = [(f, c) for f in document["files"] for c in f["channels"]]
+assert len(channels) == len(lines) == 5 and document["failed"] == 0
+for (file, channel), line in zip(channels, lines):
+    alone = json.load(open(file["folder"] + "/results.json"))
+    result = [c for c in alone["channels"] if c["name"] == channel["name"]][0]
+    assert line["path"] == file["path"] and line["channel"] == channel["name"] and int(line["exit_code"]) == 0
+    assert channel["std"] == result["raw"]["std"] and math.isclose(float(line["std"]), channel["std"], rel_tol=1e-14)
+    for term in "QNBKR":
+        for key in "value", "std_error", "upper_limit", "detected", "unit":
+            assert (channel["coefficients"][term] or {}).get(key) == result["coefficients"]["input"][term][key] or \
+                channel["coefficients"][term] is None, (term, key)
+    assert channel["kf_variance"] == result["filters"]["kf"]["variance"]
+    assert channel["akf_variance"] == result["filters"]["akf"]["variance"]
+    assert channel["ar_order"] == result["ar"]["order"] and channel["adf_p_value"] == result["tests"]["adf"]["p_value"]
+PYTHON
+   then pass; else fail "the summary: $(tail -n 2 wrong)"; fi
+fi
+
+# names of folders
+cp many/f1.txt many/f2-2.txt
+cp many/f1.txt many/summary.csv.txt
+cp many/f1.txt many/.hidden
+cp many/f1.txt "many/with blank, comma.txt"
+good "names that are taken" inspect many/f2.txt many/sub/f2.csv many/f2-2.txt many/f2.txt many/summary.csv.txt many/.hidden \
+   "many/with blank, comma.txt" --out names/
+is "folders" "$(cd names && ls -A | tr '\n' '|')" \
+   ".hidden|f2|f2-2|f2-2-2|f2-3|summary.csv|summary.csv-2|summary.json|with blank, comma|"
+is "a comma in a name" "$(grep -c '^"many/with blank, comma.txt","names/with blank, comma",0,' names/summary.csv)" 1
+
+# a bad file does not stop the others
+run run many/f1.txt many/broken.txt nowhere.txt many many/f2.txt --out some --json failed.json
+is "the largest code" $code 2
+is "messages of the files that failed, in order" "$(grep -c '^gyroakf: error: ' err) $(grep 'error: ' err | cut -d: -f3 | tr -d '\n')" \
+   "3  many/broken.txt nowhere.txt many"
+is "folders of the others" "$(cd some && echo *)" "f1 f2 summary.csv summary.json"
+is "failed files in the table" "$(grep -c ' failed$' out)" 3
+holds "count of failures" "5 files, 3 failures" out
+is "codes in summary.csv" "$(cut -d, -f3 some/summary.csv | tr '\n' ' ')" "exit_code 0 2 2 2 0 "
+is "failed files in the document" "$(grep -c '"exit_code": 2' failed.json)" 3
+good "what --progress draws is none of the results" inspect many/f1.txt many/f2.txt --progress off
+
+# a list
+printf '# of today\n\n  many/f1.txt \r\nmany/f2.txt\n# many/f3.txt\nmany/sub/f2.csv' >list.txt
+good "a list" tests --list list.txt
+is "files of the list" "$(awk '/many/ { print $1 }' out | tr '\n' ' ')" "many/f1.txt many/f2.txt many/sub/f2.csv "
+good "a list of one" tests --list <(echo many/f3.txt) --json -
+is "a list gives a summary" "$(grep -c '"failed": 0' out)" 1
+good "files, then a list" tests many/f3.txt --list list.txt
+is "all of them" "$(grep -c many out)" 4
+"$gyroakf" tests --list - <list.txt >out 2>err
+is "a list on standard input" "$? $(grep -c many out)" "0 3"
+"$gyroakf" tests - many/f2.txt <many/f1.txt >out 2>err
+is "a record on standard input beside a file" "$? $(awk 'NR > 1 { print $1 }' out | head -n 2 | tr '\n' ' ')" "0 - many/f2.txt "
+printf '# nothing\n' >empty.txt
+bad "a list without a file" 2 "empty.txt: names no file" run --list empty.txt
+bad "a list that is not there" 2 "nowhere.txt: no such file" run --list nowhere.txt
+head -c 1000 /dev/zero >zero.bin
+bad "a list that is no text" 2 "is no list of files" run --list zero.bin
+bad "standard input twice" 1 "can be read once" run - --list -
+bad "standard input twice as a record" 1 "can be read once" run - -
+bad "Kalibr's file of many without --out" 1 "needs --out" allan many/f1.txt many/f2.txt --kalibr imu.yaml
+bad "Kalibr's file of many with a folder" 1 "without a folder" allan many/f1.txt many/f2.txt --kalibr x/imu.yaml --out k
+bad "Kalibr's file named as a result" 1 "same file" allan many/f1.txt many/f2.txt --kalibr report.txt --out k
+bad "the document over a recording" 1 "overwrite" allan many/f1.txt ./many/f2.txt --json many/f2.txt
+good "Kalibr's file of many" allan many/f1.txt many/f2.txt --kalibr imu.yaml --out k --quiet
+is "Kalibr's files" "$(ls k/*/imu.yaml | tr '\n' ' ')" "k/f1/imu.yaml k/f2/imu.yaml "
+
+# the memory is divided; what does not fit into a share is worked on alone, as it would be
+"$gyroakf" simulate --samples 1200000 --rate 100 --unit deg/s --coefficients N=0.01 --output many/large.txt
+good "larger than a share" allan many/large.txt many/f1.txt many/f2.txt --memory 97MB --threads 2 --out shared
+good "alone in that memory" allan many/large.txt --memory 97MB --quiet --json alone.json
+if cmp -s alone.json shared/large/results.json; then pass; else fail "a share of the memory changes the results"; fi
+run run many/large.txt many/f1.txt --memory 97MB --threads 2
+is "larger than a share is an error only alone" "$code" 0
+run run many/large.txt many/f1.txt --memory 60MB --threads 2
+is "larger than the memory" "$code $(grep -c ' failed$' out)" "2 1"
+
+# a process that ends badly is a failed file; Ctrl-C ends all of them
+children() { # of a process
+   for stat in /proc/[0-9]*/stat; do
+      awk -v p="$1" '{ sub(/^.*\) /, ""); split($0, f, " "); if (f[2] == p) print FILENAME }' "$stat" 2>/dev/null
+   done | sed 's/[^0-9]//g'
+}
+if [ -r /proc/self/stat ]; then
+   mkfifo never1 never2
+   "$gyroakf" inspect many/f1.txt never1 many/f2.txt --threads 2 >out 2>err & parent=$!
+   sleep 1
+   child=$(children $parent)
+   kill -KILL "$child"
+   wait $parent
+   is "a process that is killed" "$? $(grep -c many/f out)" "3 2"
+   holds "how it ended" "never1: the process that worked on it was ended by signal 9" err
+   "$gyroakf" inspect never1 never2 many/f1.txt --threads 2 --out ended >out 2>err & parent=$!
+   sleep 1
+   child=$(children $parent)
+   kill -TERM $parent
+   wait $parent
+   is "an end by the user" "$? $(cat out)" "143 "
+   if [ -e ended ]; then fail "a folder is left after an end by the user"; else pass; fi
+   for process in $child; do
+      if [ -e "/proc/$process" ]; then fail "a process is left after an end by the user"; else pass; fi
+   done
+   rm -f never1 never2
+fi
+
+# a thousand files with a few descriptors
+mkdir thousand
+for ((i = 0; i < 1000; i++)); do echo "thousand/f$((i % 10)).txt"; done >thousand.txt
+for i in 0 1 2 3 4 5 6 7 8 9; do seq 1 $((20 + i)) >thousand/f$i.txt; done
+(ulimit -n 40; "$gyroakf" inspect --list thousand.txt --json thousand.json --quiet --threads 4 2>err)
+is "a thousand files" "$? $(grep -c '"exit_code": 0' thousand.json) $(cat err)" "0 1000 "
