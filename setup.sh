@@ -11,6 +11,7 @@
 #   FPM_FFLAGS=...      other compiler flags; empty: fpm's own debug flags
 #   GYROAKF_PLOTS=1     install gnuplot too (figures)
 #   GYROAKF_LINT=1      install fortitude too (style checks)
+#   GYROAKF_FUZZ=1      install clang too (libFuzzer for ci/fuzz)
 # shellcheck disable=SC2016,SC2086  # lists of words are split on purpose
 set -eu
 root=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd)
@@ -64,6 +65,7 @@ if { [ -n "$own_fpm" ] && ! is_fpm "$venv/bin/fpm"; } ||
   have python3 && python3 -c 'import ensurepip, venv' >/dev/null 2>&1 || need="$need python"
 fi
 [ -z "${GYROAKF_PLOTS:-}" ] || have gnuplot || need="$need gnuplot"
+[ -z "${GYROAKF_FUZZ:-}" ] || "$root/ci/fuzz/clang.sh" >/dev/null || need="$need clang"
 
 # --- packages of the system ------------------------------------------------------------------
 if [ -n "$need" ]; then
@@ -71,14 +73,18 @@ if [ -n "$need" ]; then
   list=
   add() { list="$list $*"; }
   if have apt-get; then
+    as_root apt-get update -qq >&2 || say "the package index was not refreshed"
     for n in $need; do case $n in
       compiler) add gfortran gcc libc6-dev binutils ;;
       lapack) add liblapack-dev libblas-dev ;;
       git) add git ca-certificates ;;
       python) add python3 python3-venv ca-certificates ;;
       gnuplot) add gnuplot-nox ;;
+      clang)
+        add clang
+        # where the sanitizers' libraries are a package of their own
+        ! apt-cache show libclang-rt-dev >/dev/null 2>&1 || add libclang-rt-dev ;;
     esac; done
-    as_root apt-get update -qq >&2 || say "the package index was not refreshed"
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $list >&2 ||
       die "not installed; please run as root: apt-get install$list"
   elif have dnf; then
@@ -88,17 +94,18 @@ if [ -n "$need" ]; then
       git) add git-core ;;
       python) add python3 python3-pip ;;
       gnuplot) add gnuplot ;;
+      clang) add clang compiler-rt ;;
     esac; done
     as_root dnf install -y $list >&2 || die "not installed; please run as root: dnf install$list"
   elif have brew; then
     for n in $need; do case $n in
-      compiler) add gcc ;; *) add "$n" ;;
+      compiler) add gcc ;; clang) add llvm ;; *) add "$n" ;;
     esac; done
     brew install $list >&2
   elif have mamba || have conda; then
     tool=conda; if have mamba; then tool=mamba; fi
     for n in $need; do case $n in
-      compiler) add gfortran gcc binutils ;; lapack) add liblapack libblas ;; *) add "$n" ;;
+      compiler) add gfortran gcc binutils ;; lapack) add liblapack libblas ;; clang) add clang compiler-rt ;; *) add "$n" ;;
     esac; done
     $tool install -y -c conda-forge $list >&2
   else

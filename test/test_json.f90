@@ -7,7 +7,7 @@ module test_json
    use gyroakf_record, only : text_type
    use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, &
       json_text, json_string
-   use gyroakf_report_utf8, only : text_width, sequence_length
+   use gyroakf_utf8, only : text_width, sequence_length
    use json_reader, only : json_item, read_json, json_text_at, json_real
    implicit none (type, external)
    private

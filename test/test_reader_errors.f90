@@ -207,7 +207,8 @@ contains
       type(reader_options) :: options
       integer :: code
 
-      call check(error, message("1", reader_options(rate_hz=-5.0_dp), code), "the rate has to be positive, not -5 Hz")
+      call check(error, message("1", reader_options(rate_hz=-5.0_dp), code), &
+                 "the rate has to lie between 1e-30 and 1e30 Hz, and is -5 Hz")
       if (allocated(error)) return
       call check(error, message("gx"//nl//"1"//nl//"-2e99", reader_options(), code), &
                  "sample 2 of 'gx' is -2e+99; at most 1e+60 can be analysed")

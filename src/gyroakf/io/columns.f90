@@ -8,6 +8,7 @@ module gyroakf_io_columns
    use gyroakf_io_text, only : bytes_text, fields_type, split, split_line
    use gyroakf_record, only : add_text, text_type
    use gyroakf_spelling, only : lower, nearest_word
+   use gyroakf_utf8, only : make_readable
    implicit none (type, external)
    private
    public :: column_names_type, read_names, names_way, name_of, label_of, find_column, choose_columns
@@ -48,6 +49,7 @@ contains
       count = 0
       do i = 1, fields%count
          word = bytes_text(bytes, fields%first(i), fields%last(i))
+         call make_readable(word)
          if (way == split%mixed .and. count > 0 .and. scan(word, "[(") == 1) then
             names%unit(count)%text = without_brackets(word)
          else
@@ -174,7 +176,7 @@ contains
          known(i) = names%name(i)%text
       end do
       near = nearest_word(word, known)
-      if (near > 0) message = message//", perhaps '"//trim(known(near))//"'"
+      if (near > 0) message = message//", perhaps '"//names%name(near)%text//"'"
       message = message//"; the file has"
       do i = 1, min(size(known), 40)
          message = message//" '"//names%name(i)%text//"'"

@@ -3,7 +3,6 @@
 !>
 !> They are read leniently (the first number counts); a value that cannot be understood is a warning, never an error.
 module gyroakf_io_header
-   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
    use gyroakf_io_columns, only : column_names_type, read_names
@@ -16,7 +15,10 @@ module gyroakf_io_header
    use gyroakf_units, only : parse_unit, unit_type
    implicit none (type, external)
    private
-   public :: header_type, read_comment, time_scale
+   public :: header_type, read_comment, time_scale, smallest_rate, largest_rate
+
+   !> Hz; what lies outside is no rate (and products of times would overflow)
+   real(dp), parameter :: smallest_rate = 1.0e-30_dp, largest_rate = 1.0e30_dp
 
    !> What the header says
    type :: header_type
@@ -101,7 +103,7 @@ contains
 
       call first_number(bytes, first, last, x, word)
       if (word == "khz") x = 1.0e3_dp*x
-      if (x > 0.0_dp .and. ieee_is_finite(x)) then
+      if (x >= smallest_rate .and. x <= largest_rate) then
          call set_rate(x, line, header, warnings)
       else
          call warn(bytes, first, last, line, "rate_hz", "is not a positive number", warnings)
@@ -134,7 +136,7 @@ contains
       call first_number(bytes, first, last, x, word)
       scale = time_scale(word)
       if (scale > 0.0_dp) x = x*scale
-      if (x > 1.0e-300_dp .and. ieee_is_finite(x)) then
+      if (x >= 1.0_dp/largest_rate .and. x <= 1.0_dp/smallest_rate) then
          call set_rate(1.0_dp/x, line, header, warnings)
       else
          call warn(bytes, first, last, line, "dt", "is not a positive number", warnings)

@@ -11,6 +11,7 @@ module gyroakf_io_recording
    use gyroakf_io_format, only : content_type, recognise
    use gyroakf_io_hdf5, only : close_hdf5, hdf5_type
    use gyroakf_io_hdf5_rows, only : begin_hdf5, read_hdf5_rows
+   use gyroakf_io_header, only : largest_rate, smallest_rate
    use gyroakf_io_lines, only : close_lines, lines_type, open_lines
    use gyroakf_io_opening, only : begin_npy, begin_raw
    use gyroakf_io_place, only : integer_text
@@ -406,8 +407,9 @@ contains
 
       if (ieee_is_nan(options%rate_hz)) then
          call fatal_error(error, status%invalid_argument, "the rate is not a number")
-      else if (options%rate_hz < 0.0_dp .or. .not. ieee_is_finite(options%rate_hz)) then
-         call fatal_error(error, status%invalid_argument, "the rate has to be positive, not "// &
+      else if (options%rate_hz < 0.0_dp .or. options%rate_hz > largest_rate .or. &
+               (options%rate_hz > 0.0_dp .and. options%rate_hz < smallest_rate)) then
+         call fatal_error(error, status%invalid_argument, "the rate has to lie between 1e-30 and 1e30 Hz, and is "// &
                           format_real(options%rate_hz, 6)//" Hz")
       else if (.not. ieee_is_finite(options%scale)) then
          call fatal_error(error, status%invalid_argument, "the scale has to be finite")

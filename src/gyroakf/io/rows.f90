@@ -320,7 +320,7 @@ contains
       to = last
       if (last - first >= 40) then
          to = first + 36
-         do while (bytes(to + 1) < -64)
+         do while (bytes(to + 1) < -64 .and. to > first + 32)
             to = to - 1
          end do
       end if

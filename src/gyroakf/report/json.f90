@@ -14,7 +14,7 @@ module gyroakf_report_json
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_writer, only : writer_type, put, format_real
    use gyroakf_record, only : text_type
-   use gyroakf_report_utf8, only : sequence_length
+   use gyroakf_utf8, only : sequence_length
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
    private

@@ -4,7 +4,7 @@ module gyroakf_report_layout
    use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : text_type
    use gyroakf_io_writer, only : writer_type, put_line, format_real
-   use gyroakf_report_utf8, only : text_width, is_continuation
+   use gyroakf_utf8, only : text_width, is_continuation
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
    private

@@ -4,7 +4,7 @@ module gyroakf_report_table
    use gyroakf_record, only : text_type
    use gyroakf_io_writer, only : writer_type, put_line
    use gyroakf_report_layout, only : pad_left, pad_right
-   use gyroakf_report_utf8, only : text_width
+   use gyroakf_utf8, only : text_width
    implicit none (type, external)
    private
    public :: table_type, new_table, set_cell, put_table

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: MIT
-!> Characters in a row of bytes: how many there are, and whether they are UTF-8 at all.
-module gyroakf_report_utf8
+!> Characters in a row of bytes: how many there are, whether they are UTF-8 at all, and UTF-8 made of what is not.
+module gyroakf_utf8
    implicit none (type, external)
    private
-   public :: text_width, is_continuation, sequence_length
+   public :: text_width, is_continuation, sequence_length, make_readable
 
 contains
 
@@ -53,6 +53,38 @@ contains
       if (lead == 244 .and. second > 143) sequence_length = 0
    end function sequence_length
 
+   !> Makes text that can be shown: control characters become question marks, and what is not UTF-8 is taken as Latin-1.
+   pure subroutine make_readable(text)
+      !> Any bytes; afterwards UTF-8 without control characters
+      character(:), allocatable, intent(inout) :: text
+      character(:), allocatable :: room
+      integer :: code, filled, i, length
+
+      do i = 1, len(text)
+         if (byte(text, i) < 32 .or. byte(text, i) > 126) exit
+      end do
+      if (i > len(text)) return
+      allocate (character(2*len(text)) :: room)
+      i = 1
+      filled = 0
+      do while (i <= len(text))
+         length = sequence_length(text(i:))
+         code = byte(text, i)
+         if (length == 0 .and. code >= 160) then
+            room(filled + 1:filled + 2) = achar(192 + code/64)//achar(128 + modulo(code, 64))
+            filled = filled + 2
+         else if (code < 32 .or. code == 127 .or. length == 0) then
+            room(filled + 1:filled + 1) = "?"
+            filled = filled + 1
+         else
+            room(filled + 1:filled + length) = text(i:i + length - 1)
+            filled = filled + length
+         end if
+         i = i + max(length, 1)
+      end do
+      text = room(:filled)
+   end subroutine make_readable
+
    !> The i-th byte as 0..255; 0 past the end.
    pure integer function byte(text, i)
       character(*), intent(in) :: text
@@ -62,4 +94,4 @@ contains
       if (i <= len(text)) byte = iand(ichar(text(i:i)), 255)
    end function byte
 
-end module gyroakf_report_utf8
+end module gyroakf_utf8
