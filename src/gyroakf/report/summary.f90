@@ -14,7 +14,7 @@ module gyroakf_report_summary
    use gyroakf_report_layout, only : plural, report_width
    use gyroakf_report_summary_row, only : column_heads, csv_head, make_failed_row, make_row, summary_row_type
    use gyroakf_report_table, only : new_table, put_table, set_cell, table_type
-   use gyroakf_report_utf8, only : is_continuation, text_width
+   use gyroakf_utf8, only : is_continuation, text_width
    implicit none (type, external)
    private
    public :: summary_row_type, summarise, summarise_failure, write_summary_csv, write_summary_json, write_summary_table
