@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> What no single option can tell: options that exclude each other, files that are missing or would be overwritten.
 module gyroakf_app_check
-   use gyroakf_error, only : error_type
-   use gyroakf_report_files, only : result_files
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_writer, only : is_file
+   use gyroakf_report_files, only : existing_result, result_files
    use gyroakf_app_config, only : cli_config, has_many_files, reading_config, analysis_config, simulate_config
    use gyroakf_app_setting_input, only : check_input
    use gyroakf_app_setting_method, only : check_method
@@ -10,7 +11,7 @@ module gyroakf_app_check
    use gyroakf_app_words, only : words_type, is_given, usage_error
    implicit none (type, external)
    private
-   public :: check_job, is_result
+   public :: check_job, check_existing, keep_file, is_result
 
 contains
 
@@ -85,6 +86,52 @@ contains
          end if
       end select
    end subroutine check_many
+
+   !> Results that are there already are kept, unless --force says otherwise: found out before anything is read.
+   subroutine check_existing(config, error)
+      !> A checked job
+      class(cli_config), intent(in) :: config
+      !> io
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: path
+
+      if (config%force) return
+      path = ""
+      select type (config)
+      class is (reading_config)
+         path = existing(config%json)
+      type is (simulate_config)
+         path = existing(config%output)
+      end select
+      select type (config)
+      type is (analysis_config)
+         if (path == "" .and. .not. has_many_files(config)) path = existing(config%kalibr)
+         if (path == "" .and. allocated(config%out)) path = existing_result(config%out)
+      end select
+      call keep_file(path, error)
+   end subroutine check_existing
+
+   !> The error that a file is there.
+   subroutine keep_file(path, error)
+      !> "" for no file and no error
+      character(*), intent(in) :: path
+      !> io
+      type(error_type), allocatable, intent(out) :: error
+
+      if (path /= "") call fatal_error(error, status%io, path//": is there already and is kept"//new_line("a")// &
+                                       "--force overwrites it")
+   end subroutine keep_file
+
+   !> The path where a file is there, else "".
+   function existing(path)
+      character(:), allocatable, intent(in) :: path
+      character(:), allocatable :: existing
+
+      existing = ""
+      if (.not. allocated(path)) return
+      if (path == "-") return
+      if (is_file(path)) existing = path
+   end function existing
 
    !> The recording is not overwritten by a result, and no result by another.
    subroutine check_outputs(config, error)

@@ -4,6 +4,7 @@ module gyroakf_app_config
    use gyroakf_io_reader, only : reader_options
    use gyroakf_pipeline, only : pipeline_options
    use gyroakf_record, only : text_type
+   use gyroakf_report_files, only : series_output_type
    use gyroakf_simulate_record, only : simulate_options
    implicit none (type, external)
    private
@@ -20,6 +21,8 @@ module gyroakf_app_config
       logical :: quiet = .false.
       !> When a bar is drawn: "auto", "on", "off"
       character(4) :: progress = "auto"
+      !> Files that are there already are overwritten
+      logical :: force = .false.
    end type cli_config
 
    !> `--help`, `--version`, `--citation`
@@ -53,6 +56,8 @@ module gyroakf_app_config
    type, extends(reading_config) :: analysis_config
       !> What is computed and how
       type(pipeline_options) :: pipeline
+      !> How the series are written into `out`
+      type(series_output_type) :: series
       !> File of Kalibr's imu.yaml; unallocated: none
       character(:), allocatable :: kalibr
    end type analysis_config

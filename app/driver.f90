@@ -12,6 +12,7 @@ module gyroakf_app_driver
    use gyroakf_record, only : record_type, text_type
    use gyroakf_simulate_record, only : simulate_record
    use gyroakf_app_argument, only : argument_list, process_source, read_arguments
+   use gyroakf_app_check, only : check_existing
    use gyroakf_app_cli, only : get_config
    use gyroakf_app_config, only : cli_config, has_many_files, text_config, reading_config, inspect_config, analysis_config, &
       & simulate_config
@@ -55,6 +56,8 @@ contains
       type(pipeline_result_type) :: result
 
       code = 0
+      call check_existing(config, error)
+      if (allocated(error)) return
       call start_bar(bar, config%progress)
       select type (config)
       class is (reading_config)
@@ -68,7 +71,7 @@ contains
       type is (text_config); call print_text(config%text, error)
       type is (inspect_config); call inspect(config, bar, record, error)
       type is (analysis_config); call analyse(config, bar, record, result, error)
-      type is (simulate_config); call simulate(config, error)
+      type is (simulate_config); call simulate(config, bar, error)
       end select
       call clear_bar(bar)
    end subroutine execute
@@ -86,8 +89,9 @@ contains
    end subroutine print_text
 
    !> simulate: a record as a text file.
-   subroutine simulate(config, error)
+   subroutine simulate(config, bar, error)
       type(simulate_config), intent(in) :: config
+      type(bar_type), intent(inout) :: bar
       type(error_type), allocatable, intent(out) :: error
       type(record_type) :: record
       type(text_type) :: header(1)
@@ -99,7 +103,7 @@ contains
       end if
       header(1)%text = "made by: "//config%origin
       if (config%output /= "-") call guard_files()
-      call write_record(config%output, record, header, config%digits, error)
+      call write_record(config%output, record, header, config%digits, error, bar)
    end subroutine simulate
 
 end module gyroakf_app_driver

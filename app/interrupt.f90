@@ -9,7 +9,7 @@ module gyroakf_app_interrupt
    use, intrinsic :: iso_c_binding, only : c_associated, c_char, c_funloc, c_funptr, c_int, c_loc, c_long, c_null_funptr, &
       c_size_t
    use gyroakf_app_system, only : c_exit, c_raise, c_signal, c_write, ignore_signal, signal_hangup, signal_interrupt, &
-      & signal_pipe, signal_terminate
+      & signal_pipe, signal_file_size, signal_terminate
    implicit none (type, external)
    private
    public :: watch_signals, guard_files, release_files, enter_child, interrupted, interrupt_signal, bar_is_shown
@@ -25,14 +25,15 @@ module gyroakf_app_interrupt
 
 contains
 
-   !> From now on signals are caught. A closed pipe is no signal but a write that fails; a signal that was ignored when the program
-   !> began (nohup) stays so.
+   !> From now on signals are caught. A closed pipe and a file larger than allowed are no signals but writes that fail; a signal
+   !> that was ignored when the program began (nohup) stays so.
    subroutine watch_signals()
       type(c_funptr) :: before
 
       wiped(1:1) = achar(13)
       wiped(81:81) = achar(13)
       before = c_signal(signal_pipe, ignore_signal())
+      before = c_signal(signal_file_size, ignore_signal())
       call watch(signal_interrupt)
       call watch(signal_terminate)
       call watch(signal_hangup)

@@ -91,15 +91,16 @@ contains
       if (.not. allocated(error)) call check_result(config, result, error)
       if (allocated(error)) return
       call guard_files()
-      call write_files(config, record, result, error)
+      call write_files(config, bar, record, result, error)
       call release_files()
       call clear_bar(bar)
       if (.not. allocated(error)) call print_result(config, record, result, error)
    end subroutine analyse
 
    !> The document, Kalibr's file and the result files: all are complete before the first one appears.
-   subroutine write_files(config, record, result, error)
+   subroutine write_files(config, bar, record, result, error)
       type(analysis_config), intent(in) :: config
+      type(bar_type), intent(inout) :: bar
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in) :: result
       type(error_type), allocatable, intent(out) :: error
@@ -116,7 +117,7 @@ contains
       end if
       if (.not. allocated(error) .and. allocated(config%kalibr)) call begin_kalibr(config%kalibr, record, result, kalibr, error)
       if (.not. allocated(error) .and. allocated(config%out)) call write_results(config%out, config%command, record, &
-                                                                                config%pipeline, result, error)
+                                                                                config%pipeline, result, error, config%series, bar)
       if (allocated(error)) then
          call discard_writer(document)
          call discard_writer(kalibr)

@@ -10,9 +10,11 @@ module gyroakf_app_many
    use gyroakf_error, only : error_type, exit_code, fatal_error, status
    use gyroakf_io_recording, only : base_bytes
    use gyroakf_pipeline, only : pipeline_result_type
+   use gyroakf_io_writer, only : is_file
    use gyroakf_record, only : record_type, text_type
+   use gyroakf_report_files, only : existing_result
    use gyroakf_report_summary, only : summarise, summarise_failure, summary_row_type
-   use gyroakf_app_check, only : is_result
+   use gyroakf_app_check, only : is_result, keep_file
    use gyroakf_app_config, only : analysis_config, inspect_config, reading_config
    use gyroakf_app_file_list, only : read_list
    use gyroakf_app_folders, only : name_folders, summary_files
@@ -107,7 +109,15 @@ contains
             if (files%paths(i)%text == files%config%out//"/"//trim(summary_files(j))) forbidden = .true.
          end do
          if (forbidden) call usage_error(error, "--out would overwrite the recording '"//files%paths(i)%text//"'")
+         if (.not. (forbidden .or. files%config%force)) call keep_file(existing_result(files%folders(i)%text), error)
          if (allocated(error)) return
+      end do
+      if (files%config%force) return
+      do j = 1, size(summary_files)
+         if (is_file(files%config%out//"/"//trim(summary_files(j)))) then
+            call keep_file(files%config%out//"/"//trim(summary_files(j)), error)
+            return
+         end if
       end do
    end subroutine gather_files
 

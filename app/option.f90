@@ -155,12 +155,19 @@ module gyroakf_app_option
       option_type("--outlier-size", "K", "real", "simulate", "record", "their size in standard deviations of the rest"), &
       option_type("--rounding", "X", "positive", "simulate", "record", "round the values to multiples of X"), &
       option_type("--missing", "P", "real", "simulate", "record", "share of the samples lost at random, 0 to 0.9"), &
-      option_type("--output", "FILE", "text", "simulate", "record", "write FILE instead of standard output")]
+      option_type("--output", "FILE", "text", "simulate", "record", &
+                  "write FILE instead of standard output; FILE.npy and FILE.f64 are binary")]
 
    type(option_type), parameter :: common_options(*) = [ &
       option_type("--out", "DIR", "text", reading, "common", "write the result files into DIR"), &
       option_type("--list", "FILE", "text", reading, "common", &
                   "work on the files named in FILE, one a line; - is standard input"), &
+      option_type("--series-format", "csv|npy|f64", "choice", "run filter", "common", &
+                  "how --out writes the series: series.csv (default), series.npy or series.f64 (float64, a row per sample: "// &
+                  "time, and of each channel raw, cleaned, kf, akf)"), &
+      option_type("--digits", "N", "natural", "run filter simulate", "common", &
+                  "significant digits of series and records as text (default 0: as few as read back to the same number)"), &
+      option_type("--force", "", "flag", every, "common", "overwrite results that are there already"), &
       option_type("--kalibr", "FILE", "text", "run allan", "common", &
                   "write N and K as Kalibr's imu.yaml: SI, of each sensor the largest axis; needs rate and unit; of many "// &
                   "files into the folder of each"), &

@@ -7,7 +7,7 @@ module gyroakf_app_setting_input
    use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_reader, only : reader_options
    use gyroakf_units, only : unit_type, parse_unit, parse_units, quantity
-   use gyroakf_app_config, only : cli_config, reading_config, analysis_config
+   use gyroakf_app_config, only : cli_config, reading_config, analysis_config, simulate_config
    use gyroakf_app_option, only : option_type, suggest_word
    use gyroakf_app_value, only : value_type, value_error, not_wired
    implicit none (type, external)
@@ -154,6 +154,13 @@ contains
       select case (option%name)
       case ("--quiet"); config%quiet = .true.
       case ("--progress"); config%progress = value%text
+      case ("--force"); config%force = .true.
+      case ("--digits"); call set_digits(config, option, value, error)
+      case ("--series-format")
+         select type (config)
+         type is (analysis_config)
+            config%series%form = value%text
+         end select
       case ("--threads")
          config%threads = int(min(value%count, most_threads))
          if (value%count > most_threads) call value_error(option, "'"//value%text//"' is more than 4096", error)
@@ -186,6 +193,26 @@ contains
       case default; call not_wired(option, error)
       end select
    end subroutine set_common
+
+   !> Digits of the numbers in text.
+   subroutine set_digits(config, option, value, error)
+      class(cli_config), intent(inout) :: config
+      type(option_type), intent(in) :: option
+      type(value_type), intent(in) :: value
+      !> usage
+      type(error_type), allocatable, intent(out) :: error
+
+      if (value%count > 17) then
+         call value_error(option, "'"//value%text//"' is more than the 17 digits that a number has", error)
+         return
+      end if
+      select type (config)
+      type is (analysis_config)
+         config%series%digits = int(value%count)
+      type is (simulate_config)
+         config%digits = int(value%count)
+      end select
+   end subroutine set_digits
 
    !> 500MB, 2GB, 1.5G, 300MiB, or a number of bytes.
    subroutine set_memory(reader, option, text, error)

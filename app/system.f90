@@ -7,10 +7,11 @@ module gyroakf_app_system
    private
    public :: c_close, c_exit, c_fork, c_isatty, c_kill, c_pipe, c_poll, c_raise, c_read, c_signal, c_waitpid, c_write, poll_type
    public :: write_bytes, ignore_signal
-   public :: signal_hangup, signal_interrupt, signal_kill, signal_pipe, signal_terminate, poll_in
+   public :: signal_hangup, signal_interrupt, signal_kill, signal_pipe, signal_terminate, signal_file_size, poll_in
 
    !> Numbers that are the same on every POSIX system
-   integer(c_int), parameter :: signal_hangup = 1, signal_interrupt = 2, signal_kill = 9, signal_pipe = 13, signal_terminate = 15
+   integer(c_int), parameter :: signal_hangup = 1, signal_interrupt = 2, signal_kill = 9, signal_pipe = 13, &
+      signal_terminate = 15, signal_file_size = 25
    !> Something can be read
    integer(c_short), parameter :: poll_in = 1_c_short
 

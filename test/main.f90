@@ -59,6 +59,7 @@ program test_main
    use test_streamed_filter, only : collect_streamed_filter
    use test_text, only : collect_text
    use test_trend, only : collect_trend
+   use test_columns_writer, only : collect_columns_writer
    use test_conventions, only : collect_conventions
    use test_kalibr, only : collect_kalibr
    use test_units, only : collect_units
@@ -121,6 +122,7 @@ program test_main
    call add("streamed_filter", collect_streamed_filter)
    call add("text", collect_text)
    call add("trend", collect_trend)
+   call add("columns_writer", collect_columns_writer)
    call add("conventions", collect_conventions)
    call add("kalibr", collect_kalibr)
    call add("units", collect_units)

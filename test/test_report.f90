@@ -13,7 +13,8 @@ module test_report
    use gyroakf_utf8, only : text_width
    use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_report_document, only : write_document
-   use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, write_dynamic
+   use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, write_dynamic, &
+      series_output_type
    use json_reader, only : json_item, read_json, json_text_at, json_real, check_schema, file_text
    use report_fixture, only : make_record, make_result, begin_text, end_text
    implicit none (type, external)
@@ -518,6 +519,7 @@ contains
       type(writer_type) :: writer
       type(record_type) :: record
       type(pipeline_result_type) :: one, two
+      type(gyro_error), allocatable :: failed
       character(:), allocatable :: text
       integer :: c
 
@@ -535,7 +537,7 @@ contains
       two%channel(2)%name = "gy"
       two%channel(2)%series_present = record%present(:, 2)
       call begin_text(writer)
-      call write_series(writer, record, two)
+      call write_series(writer, record, two, series_output_type(), failed)
       call end_text(writer, text)
       call check(error, index(text, "time,gx_raw,gx_cleaned,gx_kf,gx_akf,gy_raw,gy_cleaned,gy_kf,gy_akf"//lf// &
                               "0,0.25,0.5,0.75,nan,-0.25,-0.5,-0.75,nan"//lf// &

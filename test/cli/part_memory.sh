@@ -41,14 +41,14 @@ grep -v '^ *\(Memory\|blocks were\|kept\)' out >streamed.txt
 holds "inspect says streamed" "streamed, for the recording is larger" out
 good "inspect in memory" inspect large.txt
 if [ "$(diff out streamed.txt | grep -c '^[<>]')" = 0 ]; then pass; else fail "inspect streamed: $(diff out streamed.txt | head -n 5)"; fi
-good "inspect as JSON" inspect large.txt --json whole.json --quiet
+good "inspect as JSON" inspect large.txt --json whole.json --quiet --force
 good "inspect streamed as JSON" inspect large.txt --memory 30MB --json streamed_inspect.json --quiet
 is "inspect's JSON, in memory and streamed" "$(diff whole.json streamed_inspect.json | grep '^[<>]' | tr -d ' \n')" \
    '<"streamed":false>"streamed":true'
-good "filter in memory" filter large.txt --json whole.json --quiet
+good "filter in memory" filter large.txt --json whole.json --quiet --force
 good "filter streamed with drift" filter large.txt --memory 56MB --json drift.json
 holds "filter with drift says streamed" "streamed, for the recording is larger" out
-good "filter without drift" filter large.txt --memory 30MB --json streamed.json
+good "filter without drift" filter large.txt --memory 30MB --json streamed.json --force
 holds "what a streamed filter lacks" "drift and its filters: to identify it from a part of the record" out
 if command -v python3 >/dev/null; then
    # every number of raw, ar, kf and akf alike to rounding

@@ -31,7 +31,7 @@ if cmp -s results/results.json all.json; then pass; else fail "results.json and 
 if cmp -s results/report.txt out; then pass; else fail "report.txt and standard output differ"; fi
 is "series.csv is complete" "$(grep -c '^[-0-9]' results/series.csv)" 12000
 sum=$(cat results/* | cksum)
-good "run into the same directory again" run "$example" --out results --quiet
+good "run into the same directory again" run "$example" --out results --quiet --force
 is "--quiet prints nothing" "$(cat out)" ""
 is "the same results again" "$(cat results/* | cksum)" "$sum"
 is "nothing is left aside" "$(cd results && echo * .[!.]*)" "allan.csv coefficients.csv report.txt results.json series.csv .[!.]*"

@@ -1,44 +1,64 @@
 ! SPDX-License-Identifier: MIT
-!> A record written as the text file that the readers understand: header keys, then a line for every sample.
+!> A record written as a file that the readers understand: text with header keys, NumPy's .npy, bare numbers.
 module gyroakf_io_record_writer
    use gyroakf_kinds, only : int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_record, only : record_type, text_type
    use gyroakf_units, only : unit_type, quantity
-   use gyroakf_io_writer, only : writer_type, open_writer, put, put_line, put_real, commit_writer
+   use gyroakf_progress, only : progress_type
+   use gyroakf_io_columns_writer, only : begin_rows, column_type, form_of, put_rows, row_layout_type
+   use gyroakf_io_writer, only : writer_type, open_writer, put, put_line, put_real, commit_writer, discard_writer
    implicit none (type, external)
    private
    public :: write_record
 
 contains
 
-   !> Writes a record: the given lines and the keys `rate_hz`, `unit` (where known) and `columns`, each behind "# ", then
-   !> the samples, channels separated by a blank, "nan" where missing. The file appears whole or not at all.
-   subroutine write_record(path, record, header, digits, error)
+   !> Writes a record; the file appears whole or not at all.
+   !>
+   !> As text: the given lines and the keys `rate_hz`, `unit` (where known) and `columns`, each behind "# ", then the samples,
+   !> channels separated by a blank, "nan" where missing. A path that ends in `.npy` or `.f64` gets the samples alone.
+   subroutine write_record(path, record, header, digits, error, progress)
       !> The file; "-" is standard output
       character(*), intent(in) :: path
       !> The record
-      type(record_type), intent(in) :: record
+      type(record_type), intent(in), target :: record
       !> Lines to begin with, without "# ": where the record comes from
       type(text_type), intent(in) :: header(:)
       !> Significant digits, 1 .. 17; 0: as few as read back to the same numbers
       integer, intent(in) :: digits
-      !> invalid_argument: digits; io: the file cannot be written
+      !> invalid_argument: digits; io: the file cannot be written; no_memory; cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Is told the samples
+      class(progress_type), intent(inout), optional :: progress
       type(writer_type) :: writer
-      integer(int64) :: i
+      type(row_layout_type) :: layout
+      type(column_type) :: columns(size(record%value, 2))
+      integer(int64) :: n
+      integer :: j
 
       if (digits < 0 .or. digits > 17) then
          call fatal_error(error, status%invalid_argument, "a record is written with 0 .. 17 significant digits")
          return
       end if
+      n = size(record%value, 1, kind=int64)
+      do j = 1, size(columns)
+         columns(j)%value => record%value(:, j)
+         if (allocated(record%present)) columns(j)%present => record%present(:, j)
+         columns(j)%digits = digits
+      end do
+      layout%separator = " "
+      layout%form = form_of(path)
       call open_writer(writer, path, error)
       if (allocated(error)) return
-      call put_header(writer, record, header)
-      do i = 1, size(record%value, 1, kind=int64)
-         call put_sample(writer, record, i, digits)
-      end do
-      call commit_writer(writer, error)
+      if (layout%form == "text") call put_header(writer, record, header)
+      call begin_rows(writer, size(columns), n, layout)
+      call put_rows(writer, columns, 1_int64, n, layout, error, progress)
+      if (allocated(error)) then
+         call discard_writer(writer)
+      else
+         call commit_writer(writer, error)
+      end if
    end subroutine write_record
 
    !> The lines that begin with "# "
@@ -82,27 +102,5 @@ contains
       word = "-"
       if (unit%quantity /= quantity%unknown) word = unit%name
    end function unit_word
-
-   !> One line of samples
-   subroutine put_sample(writer, record, i, digits)
-      type(writer_type), intent(inout) :: writer
-      type(record_type), intent(in) :: record
-      integer(int64), intent(in) :: i
-      integer, intent(in) :: digits
-      integer :: k
-      logical :: here
-
-      do k = 1, size(record%value, 2)
-         if (k > 1) call put(writer, " ")
-         here = .true.
-         if (allocated(record%present)) here = record%present(i, k) == 1
-         if (here) then
-            call put_real(writer, record%value(i, k), digits)
-         else
-            call put(writer, "nan")
-         end if
-      end do
-      call put_line(writer, "")
-   end subroutine put_sample
 
 end module gyroakf_io_record_writer

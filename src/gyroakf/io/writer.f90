@@ -5,15 +5,16 @@
 !>     call put_line(writer, "tau,deviation")        ! any number of these; failures are kept
 !>     call commit_writer(writer, error)             ! ... and reported here, where the file appears
 module gyroakf_io_writer
-   use, intrinsic :: iso_c_binding, only : c_char, c_int, c_long, c_null_char, c_size_t
-   use gyroakf_kinds, only : dp, int64
+   use, intrinsic :: iso_c_binding, only : c_char, c_f_pointer, c_int, c_loc, c_long, c_null_char, c_ptr, c_size_t
+   use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_decimal, only : format_real, longest_real, real_to_text
    use gyroakf_io_source, only : is_directory
    implicit none (type, external)
    private
-   public :: writer_type, open_writer, put, put_line, put_real, complete_writer, commit_writer, discard_writer, format_real
-   public :: make_directory
+   public :: writer_type, open_writer, put, put_line, put_real, put_reals
+   public :: complete_writer, commit_writer, discard_writer, format_real
+   public :: make_directory, is_file, remove_file
 
    !> A file that is being written
    type :: writer_type
@@ -47,10 +48,10 @@ module gyroakf_io_writer
       end function c_creat
 
       function c_write(descriptor, buffer, count) result(done) bind(C, name="write")
-         import :: c_char, c_int, c_long, c_size_t
+         import :: c_int, c_long, c_ptr, c_size_t
          implicit none (type, external)
          integer(c_int), intent(in), value :: descriptor
-         character(kind=c_char), intent(in) :: buffer(*)
+         type(c_ptr), intent(in), value :: buffer
          integer(c_size_t), intent(in), value :: count
          integer(c_long) :: done
       end function c_write
@@ -208,22 +209,47 @@ contains
       writer%used = writer%used + length
    end subroutine put_real
 
+   !> Writes numbers as the bytes that they are.
+   subroutine put_reals(writer, values)
+      !> An open writer
+      type(writer_type), intent(inout) :: writer
+      !> Any numbers
+      real(dp), intent(in), contiguous, target :: values(:)
+
+      if (writer%unit < 0 .or. size(values) == 0) return
+      call flush_buffer(writer)
+      call write_bytes(writer, c_loc(values), 8*size(values, kind=int64))
+   end subroutine put_reals
+
    !> Hands the buffer to the system.
    subroutine flush_buffer(writer)
-      type(writer_type), intent(inout) :: writer
-      integer(c_long) :: done
-      integer :: from, tries
+      type(writer_type), intent(inout), target :: writer
 
-      from = 1
-      tries = 0
-      do while (from <= writer%used .and. .not. writer%failed)
-         done = c_write(writer%unit, writer%buffer(from:writer%used), int(writer%used - from + 1, c_size_t))
-         tries = merge(0, tries + 1, done > 0)
-         if (done > 0) from = from + int(done)
-         writer%failed = tries > most_tries
-      end do
+      if (writer%used > 0) call write_bytes(writer, c_loc(writer%buffer), int(writer%used, int64))
       writer%used = 0
    end subroutine flush_buffer
+
+   !> Hands bytes to the system, which may take them in pieces.
+   subroutine write_bytes(writer, start, count)
+      type(writer_type), intent(inout) :: writer
+      !> The first byte, and how many
+      type(c_ptr), intent(in) :: start
+      integer(int64), intent(in) :: count
+      integer(int8), pointer, contiguous :: bytes(:)
+      integer(int64) :: from
+      integer(c_long) :: done
+      integer :: tries
+
+      call c_f_pointer(start, bytes, [count])
+      from = 1
+      tries = 0
+      do while (from <= count .and. .not. writer%failed)
+         done = c_write(writer%unit, c_loc(bytes(from)), int(count - from + 1, c_size_t))
+         tries = merge(0, tries + 1, done > 0)
+         if (done > 0) from = from + done
+         writer%failed = tries > most_tries
+      end do
+   end subroutine write_bytes
 
    !> Writes the rest and closes the file, which does not appear yet: where several files belong together, all are completed
    !> before the first one is committed.
@@ -290,6 +316,24 @@ contains
 
       if (writer%aside /= writer%path) ignored = c_unlink(writer%aside//c_null_char)
    end subroutine remove_aside
+
+   !> True where a regular file is there, which a new one would replace.
+   logical function is_file(path)
+      !> Any path
+      character(*), intent(in) :: path
+
+      inquire (file=path, exist=is_file)
+      if (is_file) is_file = .not. (is_directory(path) .or. is_special(path))
+   end function is_file
+
+   !> Removes a file; content where there is none.
+   subroutine remove_file(path)
+      !> Any path
+      character(*), intent(in) :: path
+      integer(c_int) :: ignored
+
+      ignored = c_unlink(path//c_null_char)
+   end subroutine remove_file
 
    !> Makes a directory and those above it; content where it is there already.
    subroutine make_directory(path, error)

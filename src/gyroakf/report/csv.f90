@@ -2,94 +2,112 @@
 !> Results as tables for other programs: comma-separated, one head line, `nan` where something is missing.
 module gyroakf_report_csv
    use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : error_type
+   use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
    use gyroakf_units, only : term_names
+   use gyroakf_io_columns_writer, only : begin_rows, column_type, put_rows, row_layout_type, set_even
    use gyroakf_io_writer, only : writer_type, put, put_line, put_real
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_pipeline_result, only : pipeline_result_type, channel_result_type, stated_coefficient_type, stage, stage_names
    use gyroakf_report_layout, only : count_text
    implicit none (type, external)
    private
-   public :: write_series, write_allan, write_coefficients, write_dynamic, quoted
+   public :: write_series, write_allan, write_coefficients, write_dynamic, series_output_type, quoted
+
+   !> How the series are written
+   type :: series_output_type
+      !> "csv", "npy" (NumPy's, float64, a row per sample) or "f64" (the same without a header)
+      character(3) :: form = "csv"
+      !> Significant digits in csv; 0: as few as read back to the same numbers
+      integer :: digits = 0
+   end type series_output_type
 
    !> Enough for every number of a file that was written with 15 digits
    integer, parameter :: digits = 15
 
 contains
 
-   !> series.csv: time, raw, cleaned, kf, akf, a line per sample.
+   !> series.csv: time, raw, cleaned, kf, akf, a line per sample; or the same columns as binary rows.
    !>
    !> Several channels stand side by side, `gx_raw, gx_cleaned, gx_kf, gx_akf, gy_raw, ...`. Time is in s from the first
    !> sample, the sample's number from 0 where no rate is known. `cleaned` is nan where an outlier was removed; the filters
    !> bridge what is missing. kf and akf are those of the cleaned series without its mean.
-   subroutine write_series(writer, record, result)
+   subroutine write_series(writer, record, result, output, error, progress, before, samples)
       !> Open
       type(writer_type), intent(inout) :: writer
       !> As read
-      type(record_type), intent(in) :: record
+      type(record_type), intent(in), target :: record
       !> With the series kept
+      type(pipeline_result_type), intent(in), target :: result
+      !> Form and digits
+      type(series_output_type), intent(in) :: output
+      !> no_memory, cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Is told the samples
+      class(progress_type), intent(inout), optional :: progress
+      !> Where record and result are a block of a longer one: samples before it (the head is written where these are 0), and all
+      integer(int64), intent(in), optional :: before, samples
+      type(column_type) :: columns(1 + 4*size(result%channel))
+      type(row_layout_type) :: layout
+      integer(int64) :: n, all_samples, first
+      integer :: c
+
+      n = size(record%value, 1, kind=int64)
+      first = 0
+      if (present(before)) first = before
+      all_samples = n
+      if (present(samples)) all_samples = samples
+      columns%digits = output%digits
+      call set_even(columns(1), first, record%sample_interval)
+      do c = 1, size(result%channel)
+         call set_columns(columns(4*c - 2:4*c + 1), record, result%channel(c), c)
+      end do
+      layout%form = "text"
+      if (output%form /= "csv") layout%form = output%form
+      layout%stage = "writing series."//output%form
+      if (first == 0) then
+         if (layout%form == "text") call put_heads(writer, result)
+         call begin_rows(writer, size(columns), all_samples, layout)
+      end if
+      call put_rows(writer, columns, 1_int64, n, layout, error, progress)
+   end subroutine write_series
+
+   !> The line of names.
+   subroutine put_heads(writer, result)
+      type(writer_type), intent(inout) :: writer
       type(pipeline_result_type), intent(in) :: result
-      integer(int64) :: i
       integer :: c
 
       call put(writer, "time")
       do c = 1, size(result%channel)
-         call put_head(writer, result%channel(c)%name, size(result%channel) > 1)
+         associate (name => result%channel(c)%name)
+            if (size(result%channel) > 1) then
+               call put(writer, ","//quoted(name//"_raw")//","//quoted(name//"_cleaned")//","//quoted(name//"_kf")//","// &
+                        quoted(name//"_akf"))
+            else
+               call put(writer, ",raw,cleaned,kf,akf")
+            end if
+         end associate
       end do
       call put_line(writer, "")
-      do i = 1, size(record%value, 1, kind=int64)
-         call put_real(writer, real(i - 1, dp)*record%sample_interval, digits)
-         do c = 1, size(result%channel)
-            call put_sample(writer, record, result%channel(c), c, i)
-         end do
-         call put_line(writer, "")
-      end do
-   end subroutine write_series
+   end subroutine put_heads
 
-   !> Names of one channel's columns.
-   subroutine put_head(writer, name, named)
-      type(writer_type), intent(inout) :: writer
-      character(*), intent(in) :: name
-      logical, intent(in) :: named
-
-      if (named) then
-         call put(writer, ","//quoted(name//"_raw")//","//quoted(name//"_cleaned")//","//quoted(name//"_kf")//","// &
-                  quoted(name//"_akf"))
-      else
-         call put(writer, ",raw,cleaned,kf,akf")
-      end if
-   end subroutine put_head
-
-   !> One channel's columns of one line.
-   subroutine put_sample(writer, record, channel, c, i)
-      type(writer_type), intent(inout) :: writer
-      type(record_type), intent(in) :: record
-      type(channel_result_type), intent(in) :: channel
+   !> One channel's columns: raw, cleaned, kf, akf; what was not computed stays nan.
+   subroutine set_columns(columns, record, channel, c)
+      type(column_type), intent(inout) :: columns(4)
+      type(record_type), intent(in), target :: record
+      type(channel_result_type), intent(in), target :: channel
       integer, intent(in) :: c
-      integer(int64), intent(in) :: i
-      logical :: as_read, kept
 
-      as_read = .true.
-      if (allocated(record%present)) as_read = record%present(i, c) /= 0
-      kept = as_read
-      if (allocated(channel%series_present)) kept = channel%series_present(i) /= 0
-      call put_value(writer, record%value(i, c), as_read)
-      if (allocated(channel%series_cleaned)) then
-         call put_value(writer, channel%series_cleaned(i), kept)
-      else
-         call put(writer, ",nan")
-      end if
-      if (allocated(channel%series_kf)) then
-         call put_value(writer, channel%series_kf(i), channel%available%kf)
-      else
-         call put(writer, ",nan")
-      end if
-      if (allocated(channel%series_akf)) then
-         call put_value(writer, channel%series_akf(i), channel%available%akf)
-      else
-         call put(writer, ",nan")
-      end if
-   end subroutine put_sample
+      columns(1)%value => record%value(:, c)
+      if (allocated(record%present)) columns(1)%present => record%present(:, c)
+      if (allocated(channel%series_cleaned)) columns(2)%value => channel%series_cleaned
+      columns(2)%present => columns(1)%present
+      if (allocated(channel%series_present)) columns(2)%present => channel%series_present
+      if (allocated(channel%series_kf) .and. channel%available%kf) columns(3)%value => channel%series_kf
+      if (allocated(channel%series_akf) .and. channel%available%akf) columns(4)%value => channel%series_akf
+   end subroutine set_columns
 
    subroutine put_value(writer, value, known)
       type(writer_type), intent(inout) :: writer

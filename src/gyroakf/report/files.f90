@@ -2,25 +2,43 @@
 !> The result files of `--out DIR`: all are written aside first and renamed when the last one is complete.
 module gyroakf_report_files
    use gyroakf_error, only : error_type
+   use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
-   use gyroakf_io_writer, only : writer_type, open_writer, complete_writer, commit_writer, discard_writer, make_directory
+   use gyroakf_io_writer, only : writer_type, open_writer, complete_writer, commit_writer, discard_writer, is_file, &
+      make_directory, remove_file
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_report_text, only : write_report
    use gyroakf_report_document, only : write_document
-   use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, write_dynamic
+   use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, write_dynamic, &
+      series_output_type
    implicit none (type, external)
    private
-   public :: write_results, result_files
+   public :: write_results, result_files, existing_result, series_output_type
 
-   !> In the order in which they are written
-   character(16), parameter :: result_files(6) = [character(16) :: "series.csv", "allan.csv", "coefficients.csv", &
-                                                  "dynamic.csv", "report.txt", "results.json"]
+   !> In the order in which they are written; one of the first three
+   character(16), parameter :: result_files(8) = [character(16) :: "series.csv", "series.npy", "series.f64", "allan.csv", &
+      "coefficients.csv", "dynamic.csv", "report.txt", "results.json"]
 
 contains
 
-   !> Writes series.csv (where the series were kept), allan.csv and coefficients.csv (where there are curves), dynamic.csv
-   !> (where it was asked for), report.txt and results.json.
-   subroutine write_results(directory, command, record, options, result, error)
+   !> The first result file that a directory holds, "" where there is none.
+   function existing_result(directory) result(path)
+      !> May be missing
+      character(*), intent(in) :: directory
+      character(:), allocatable :: path
+      integer :: i
+
+      do i = 1, size(result_files)
+         path = directory//"/"//trim(result_files(i))
+         if (is_file(path)) return
+      end do
+      path = ""
+   end function existing_result
+
+   !> Writes the series (where they were kept), allan.csv and coefficients.csv (where there are curves), dynamic.csv (where it
+   !> was asked for), report.txt and results.json; those that an earlier run left and this one does not write are removed.
+   !> The series of a streamed record are not here: they are written while it goes by.
+   subroutine write_results(directory, command, record, options, result, error, output, progress)
       !> Made where it does not exist
       character(*), intent(in) :: directory
       !> Which report: run, allan, tests, ar, filter
@@ -31,31 +49,35 @@ contains
       type(pipeline_options), intent(in) :: options
       !> What came out
       type(pipeline_result_type), intent(in) :: result
-      !> io: a file cannot be written; no file of an earlier run is touched then, unless a rename failed
+      !> io: a file cannot be written; no file of an earlier run is touched then, unless a rename failed; no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Form of the series; series.csv if absent
+      type(series_output_type), intent(in), optional :: output
+      !> Is told while the series are written
+      class(progress_type), intent(inout), optional :: progress
       type(writer_type) :: writer(size(result_files))
+      type(series_output_type) :: series
       logical :: wanted(size(result_files))
       integer :: i
 
+      if (present(output)) series = output
       call make_directory(directory, error)
       if (allocated(error)) return
-      wanted = [options%keep_series .and. .not. record%streamed, options%do_allan, options%do_allan, &
-                options%do_allan .and. options%dynamic_segments > 0, .true., .true.]
+      wanted(:3) = options%keep_series .and. .not. record%streamed .and. [character(3) :: "csv", "npy", "f64"] == series%form
+      wanted(4:) = [options%do_allan, options%do_allan, options%do_allan .and. options%dynamic_segments > 0, .true., .true.]
       do i = 1, size(result_files)
-         if (wanted(i)) call open_writer(writer(i), directory//"/"//trim(result_files(i)), error)
-         if (allocated(error)) then
-            call discard_all(writer, wanted, i - 1)
-            return
-         end if
-         if (wanted(i)) call write_file(writer(i), i, command, record, options, result)
-         if (wanted(i)) call complete_writer(writer(i), error)
-         if (allocated(error)) then
-            call discard_all(writer, wanted, i)
-            return
-         end if
+         if (.not. wanted(i)) cycle
+         call open_writer(writer(i), directory//"/"//trim(result_files(i)), error)
+         if (.not. allocated(error)) call write_file(writer(i), trim(result_files(i)), command, record, options, result, series, &
+                                                     error, progress)
+         if (.not. allocated(error)) call complete_writer(writer(i), error)
+         if (.not. allocated(error)) cycle
+         call discard_all(writer, wanted, i)
+         return
       end do
       do i = 1, size(result_files)
          if (wanted(i)) call commit_writer(writer(i), error)
+         if (.not. (wanted(i) .or. record%streamed)) call remove_file(directory//"/"//trim(result_files(i)))
          if (.not. allocated(error)) cycle
          call discard_all(writer, wanted, size(result_files))
          return
@@ -63,21 +85,23 @@ contains
    end subroutine write_results
 
    !> Content of one file.
-   subroutine write_file(writer, which, command, record, options, result)
+   subroutine write_file(writer, name, command, record, options, result, series, error, progress)
       type(writer_type), intent(inout) :: writer
-      integer, intent(in) :: which
-      character(*), intent(in) :: command
+      character(*), intent(in) :: name, command
       type(record_type), intent(in) :: record
       type(pipeline_options), intent(in) :: options
       type(pipeline_result_type), intent(in) :: result
+      type(series_output_type), intent(in) :: series
+      type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
 
-      select case (which)
-      case (1); call write_series(writer, record, result)
-      case (2); call write_allan(writer, result)
-      case (3); call write_coefficients(writer, result)
-      case (4); call write_dynamic(writer, result)
-      case (5); call write_report(writer, command, record, options, result)
-      case default; call write_document(writer, record, result)
+      select case (name)
+      case ("allan.csv"); call write_allan(writer, result)
+      case ("coefficients.csv"); call write_coefficients(writer, result)
+      case ("dynamic.csv"); call write_dynamic(writer, result)
+      case ("report.txt"); call write_report(writer, command, record, options, result)
+      case ("results.json"); call write_document(writer, record, result)
+      case default; call write_series(writer, record, result, series, error, progress)
       end select
    end subroutine write_file
 

@@ -1,0 +1,233 @@
+! SPDX-License-Identifier: MIT
+!> Columns of numbers, line by line or as binary rows, at the speed of memory rather than of formatted output.
+!>
+!>     type(column_type) :: columns(2)
+!>     call set_even(columns(1), 0_int64, 0.01_dp)                     ! time: 0, 0.01, ...
+!>     columns(2)%value => x
+!>     call begin_rows(writer, size(columns), n, layout)
+!>     call put_rows(writer, columns, 1_int64, n, layout, error)       ! any number of these
+!>
+!> Pieces of a few thousand rows are turned into text by several threads and written in order, so that the file does not
+!> depend on their number.
+module gyroakf_io_columns_writer
+   use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   use omp_lib, only : omp_get_max_threads
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_io_decimal, only : longest_real, real_to_text
+   use gyroakf_io_npy, only : npy_header
+   use gyroakf_io_writer, only : put, put_reals, writer_type
+   implicit none (type, external)
+   private
+   public :: column_type, row_layout_type, set_even, begin_rows, put_rows, form_of
+
+   !> One column: an array, an even grid, or nothing (nan in every row)
+   type :: column_type
+      !> [row]; not associated: the grid, or nothing
+      real(dp), pointer, contiguous :: value(:) => null()
+      !> 1 where present, 0 where nan is written; [row]; not associated: all present
+      integer(int8), pointer, contiguous :: present(:) => null()
+      !> Value of row i is (before + i - 1)*step where `even`
+      integer(int64) :: before = 0
+      real(dp) :: step = 0.0_dp
+      logical :: even = .false.
+      !> Significant digits; 0: as few as read back to the same number
+      integer :: digits = 0
+   end type column_type
+
+   !> How the rows are written
+   type :: row_layout_type
+      !> Between the numbers of a line
+      character(1) :: separator = ","
+      !> "text", or float64 in the machine's byte order row after row: bare ("f64"), or with NumPy's header ("npy")
+      character(4) :: form = "text"
+      !> For the progress
+      character(32) :: stage = "writing"
+   end type row_layout_type
+
+   !> Characters of the longest number, with what follows it
+   integer(int64), parameter :: widest = 25
+   !> Characters, roughly, that a thread turns out at once
+   integer(int64), parameter :: piece_size = 131072
+
+contains
+
+   !> An even grid, with the 15 digits that show it as it is meant.
+   pure subroutine set_even(column, before, step)
+      !> Has no array
+      type(column_type), intent(inout) :: column
+      !> Rows that were written before row 1
+      integer(int64), intent(in) :: before
+      !> From row to row
+      real(dp), intent(in) :: step
+
+      column%even = .true.
+      column%before = before
+      column%step = step
+      column%digits = 15
+   end subroutine set_even
+
+   !> The form that a file's name asks for: "npy" and "f64" by .npy and .f64, else "text".
+   pure function form_of(path) result(form)
+      !> Any
+      character(*), intent(in) :: path
+      character(4) :: form
+
+      form = "text"
+      if (len(path) < 5) return
+      if (path(len(path) - 3:) == ".npy") form = "npy"
+      if (path(len(path) - 3:) == ".f64") form = "f64"
+   end function form_of
+
+   !> What stands before the rows; of a text its lines are the caller's.
+   subroutine begin_rows(writer, columns, rows, layout)
+      !> Open
+      type(writer_type), intent(inout) :: writer
+      !> How many of each there will be
+      integer, intent(in) :: columns
+      integer(int64), intent(in) :: rows
+      !> Its form
+      type(row_layout_type), intent(in) :: layout
+
+      if (layout%form == "npy") call put(writer, npy_header(rows, merge(int(columns, int64), 0_int64, columns > 1), .false.))
+   end subroutine begin_rows
+
+   !> Writes rows.
+   subroutine put_rows(writer, columns, first, last, layout, error, progress)
+      !> Open; what cannot be written is told when it is completed
+      type(writer_type), intent(inout) :: writer
+      !> From left to right; arrays begin with row 1
+      type(column_type), intent(in) :: columns(:)
+      !> Rows that are written; none where last < first
+      integer(int64), intent(in) :: first, last
+      !> Text or binary
+      type(row_layout_type), intent(in) :: layout
+      !> no_memory, cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Is told the rows
+      class(progress_type), intent(inout), optional :: progress
+      character(:), allocatable :: text(:)
+      integer, allocatable :: used(:)
+      integer(int64) :: piece_rows, room, at
+      integer :: piece, pieces, failed
+
+      piece_rows = max(1_int64, min(last - first + 1, piece_size/(widest*max(1, size(columns)))))
+      room = merge(0_int64, piece_rows*widest*size(columns) + longest_real, layout%form /= "text")
+      pieces = 16*omp_get_max_threads()
+      allocate (character(room) :: text(pieces), stat=failed)
+      if (failed == 0) allocate (used(pieces), stat=failed)
+      if (failed /= 0) then
+         call fatal_error(error, status%no_memory, "no memory to write "//writer%path)
+         return
+      end if
+      do at = first, last, piece_rows*pieces
+         if (layout%form /= "text") then
+            call put_binary(writer, columns, at, min(last, at + piece_rows*pieces - 1))
+         else
+            call spell_pieces(columns, at, piece_rows, last, layout%separator, text, used)
+            do piece = 1, pieces
+               call put(writer, text(piece)(:used(piece)))
+            end do
+         end if
+         if (writer%failed) return
+         call tell_progress(trim(layout%stage), at - first, last - first + 1, error, progress)
+         if (allocated(error)) return
+      end do
+   end subroutine put_rows
+
+   !> Pieces of so many rows as text, each by one thread.
+   subroutine spell_pieces(columns, first, piece_rows, last, separator, text, used)
+      type(column_type), intent(in) :: columns(:)
+      integer(int64), intent(in) :: first, piece_rows, last
+      character(1), intent(in) :: separator
+      !> [piece]
+      character(*), intent(inout) :: text(:)
+      !> Characters of it: [piece]
+      integer, intent(out) :: used(:)
+      integer :: piece
+
+      !$omp parallel do schedule(dynamic)
+      do piece = 1, size(text)
+         call spell_rows(columns, first + (piece - 1)*piece_rows, min(last, first + piece*piece_rows - 1), separator, &
+                         text(piece), used(piece))
+      end do
+   end subroutine spell_pieces
+
+   !> Rows as text.
+   subroutine spell_rows(columns, first, last, separator, text, used)
+      type(column_type), intent(in) :: columns(:)
+      integer(int64), intent(in) :: first, last
+      character(1), intent(in) :: separator
+      !> Filled from the start
+      character(*), intent(inout) :: text
+      !> Characters of it
+      integer, intent(out) :: used
+      integer(int64) :: i
+      integer :: j, length
+
+      used = 0
+      do i = first, last
+         do j = 1, size(columns)
+            call real_to_text(value_of(columns(j), i), columns(j)%digits, text(used + 1:used + longest_real), length)
+            used = used + length + 1
+            text(used:used) = separator
+         end do
+         text(used:used) = new_line("a")
+      end do
+   end subroutine spell_rows
+
+   !> Rows as numbers; a single array goes as it lies in memory.
+   subroutine put_binary(writer, columns, first, last)
+      type(writer_type), intent(inout) :: writer
+      type(column_type), intent(in) :: columns(:)
+      integer(int64), intent(in) :: first, last
+      real(dp) :: block(size(columns)*min(last - first + 1, 4096_int64))
+      integer(int64) :: at, to, i
+      integer :: j, wide
+
+      wide = size(columns)
+      if (wide == 1 .and. is_whole(columns(1))) then
+         call put_reals(writer, columns(1)%value(first:last))
+         return
+      end if
+      do at = first, last, 4096
+         to = min(last, at + 4095)
+         do j = 1, wide
+            if (is_whole(columns(j))) then
+               block(j:wide*(to - at + 1):wide) = columns(j)%value(at:to)
+            else
+               do i = at, to
+                  block(j + wide*(i - at)) = value_of(columns(j), i)
+               end do
+            end if
+         end do
+         call put_reals(writer, block(:wide*(to - at + 1)))
+      end do
+   end subroutine put_binary
+
+   !> An array without missing samples.
+   pure logical function is_whole(column)
+      type(column_type), intent(in) :: column
+
+      is_whole = associated(column%value) .and. .not. (column%even .or. associated(column%present))
+   end function is_whole
+
+   !> The value in a row, nan where there is none.
+   pure real(dp) function value_of(column, row) result(value)
+      type(column_type), intent(in) :: column
+      integer(int64), intent(in) :: row
+
+      if (column%even) then
+         value = real(column%before + row - 1, dp)*column%step
+         return
+      end if
+      value = ieee_value(value, ieee_quiet_nan)
+      if (.not. associated(column%value)) return
+      if (associated(column%present)) then
+         if (column%present(row) == 0) return
+      end if
+      value = column%value(row)
+   end function value_of
+
+end module gyroakf_io_columns_writer

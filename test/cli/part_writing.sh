@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: MIT
+# shellcheck shell=bash
+# Results: their forms, what is there already, what cannot be written. Read by run.sh.
+
+good "a record as text" simulate --samples 3000 --rate 100 --coefficients N=0.01 --seed 4 --output w.txt
+good "a record for NumPy" simulate --samples 3000 --rate 100 --coefficients N=0.01 --seed 4 --output w.npy
+good "a record as numbers" simulate --samples 3000 --rate 100 --coefficients N=0.01 --seed 4 --output w.f64
+is "bytes of the numbers" "$(wc -c <w.f64)" 24000
+if cmp -s <(tail -c 24000 w.npy) w.f64; then pass; else fail "w.npy does not end with the numbers of w.f64"; fi
+good "digits" simulate --samples 30 --rate 100 --coefficients N=0.01 --seed 4 --digits 3 --output w3.txt
+is "three digits" "$(grep -v '^#' w3.txt | tr -d '0.\n-' | awk '{ print (length($0) <= 90) }')" 1
+bad "too many digits" 1 "17 digits" simulate --digits 18
+
+# what was written reads back as the same numbers
+good "the series" filter w.txt --out w_csv --quiet
+good "the series for NumPy" filter w.txt --out w_npy --series-format npy --quiet
+good "the series as numbers" filter w.txt --out w_f64 --series-format f64 --quiet
+is "files of the series" "$(ls w_csv w_npy w_f64 | grep series | tr '\n' ' ')" "series.csv series.f64 series.npy "
+is "bytes of the series" "$(wc -c <w_f64/series.f64)" $((5 * 8 * 3000))
+if command -v python3 >/dev/null; then
+   if python3 - w_csv/series.csv w_f64/series.f64 w.txt <<'END'
+import array, math, sys
+rows = [list(map(float, line.split(","))) for line in open(sys.argv[1]).readlines()[1:]]
+flat = array.array("d", open(sys.argv[2], "rb").read())
+as_read = [float(line) for line in open(sys.argv[3]) if line[0] != "#"]
+same = lambda a, b: a == b or (math.isnan(a) and math.isnan(b))
+assert len(rows) == 3000 and [r[1] for r in rows] == as_read
+assert all(same(a, b) for r, i in zip(rows, range(0, len(flat), 5)) for a, b in zip(r[1:], flat[i + 1:i + 5]))
+assert all(abs(r[0] - flat[5 * i]) < 1e-13 for i, r in enumerate(rows))
+END
+   then pass; else fail "series.csv and series.f64 hold other numbers"; fi
+fi
+
+# results that are there already are kept
+sum=$(cat w_csv/* | cksum)
+bad "results that are there" 2 "--force overwrites it" run w.txt --out w_csv
+is "they are kept" "$(cat w_csv/* | cksum)" "$sum"
+echo old >w.json
+bad "a JSON file that is there" 2 "w.json: is there already" run w.txt --json w.json
+bad "a record that is there" 2 "w.txt: is there already" simulate --output w.txt
+is "it is kept, too" "$(cat w.json)" old
+good "by force" run w.txt --json w.json --out w_csv --series-format f64 --force --quiet
+is "an earlier run's series are gone" "$(ls w_csv | tr '\n' ' ')" "allan.csv coefficients.csv report.txt results.json series.f64 "
+good "a device is no result" run w.txt --json /dev/null
+
+# nothing half written: a full disk, a folder that is read-only, a request to end
+if [ -e /dev/full ]; then
+   bad "a full disk" 2 "cannot be written" simulate --output /dev/full
+fi
+if [ "$(id -u)" -ne 0 ]; then
+   mkdir w_locked && chmod 555 w_locked
+   bad "a folder that is read-only" 2 "w_locked" simulate --output w_locked/x.txt
+fi
+(ulimit -f 40; "$gyroakf" simulate --samples 100000 --output w_large.txt) >out 2>err
+is "a file that grows too large" "$? $(ls w_large* 2>/dev/null)" "2 "
+holds "it is said" "w_large.txt: cannot be written" err
+"$gyroakf" simulate --samples 10000000 --output w_endless.txt >out 2>err &
+process=$!
+while kill -0 $process 2>/dev/null && ! ls w_endless.txt.part* >/dev/null 2>&1; do sleep 0.02; done
+kill -TERM $process
+wait $process
+is "a request to end leaves nothing" "$? $(ls w_endless* 2>/dev/null)" "143 "
+good "many files" allan w.txt w.f64 --rate 100 --out w_many --quiet
+bad "many files whose results are there" 2 "w_many/w/" allan w.txt w.f64 --rate 100 --out w_many
+rm -r w_many/w w_many/w-2
+bad "a summary that is there" 2 "w_many/summary" allan w.txt w.f64 --rate 100 --out w_many

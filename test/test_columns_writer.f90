@@ -1,0 +1,211 @@
+! SPDX-License-Identifier: MIT
+!> Columns as text and as numbers: layout, missing samples, long files, cancelling, one thread as many.
+module test_columns_writer
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
+   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
+   use testdrive, only : check, error_type, new_unittest, unittest_type
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_progress, only : progress_type
+   use gyroakf_io_columns_writer, only : begin_rows, column_type, form_of, put_rows, row_layout_type, set_even
+   use gyroakf_io_writer, only : commit_writer, discard_writer, open_writer, writer_type
+   use scratch_file, only : file_exists, read_bytes, remove_file, scratch_path
+   implicit none (type, external)
+   private
+   public :: collect_columns_writer
+
+   !> Cancels the second time
+   type, extends(progress_type) :: impatient_type
+      integer :: calls = 0
+   contains
+      procedure :: advance => lose_patience
+   end type impatient_type
+
+contains
+
+   subroutine collect_columns_writer(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [new_unittest("text", test_text), new_unittest("numbers", test_numbers), &
+                   new_unittest("threads", test_threads), new_unittest("blocks", test_blocks), &
+                   new_unittest("cancelled", test_cancelled), new_unittest("form_by_name", test_form)]
+   end subroutine collect_columns_writer
+
+   subroutine lose_patience(self, stage, done, total, cancel)
+      class(impatient_type), intent(inout) :: self
+      character(*), intent(in) :: stage
+      integer(int64), intent(in) :: done, total
+      logical, intent(out) :: cancel
+
+      self%calls = self%calls + 1
+      cancel = self%calls > 1 .and. done <= total .and. stage == "writing"
+   end subroutine lose_patience
+
+   !> A time, an array with its marks, nothing.
+   subroutine make_columns(columns, x, present)
+      type(column_type), intent(out) :: columns(3)
+      real(dp), intent(in), target :: x(:)
+      integer(int8), intent(in), target :: present(:)
+
+      call set_even(columns(1), 0_int64, 0.1_dp)
+      columns(2)%value => x
+      columns(2)%present => present
+   end subroutine make_columns
+
+   subroutine write_file(columns, rows, layout, failed, progress)
+      type(column_type), intent(in) :: columns(:)
+      integer(int64), intent(in) :: rows
+      type(row_layout_type), intent(in) :: layout
+      type(gyro_error), allocatable, intent(out) :: failed
+      class(progress_type), intent(inout), optional :: progress
+      type(writer_type) :: writer
+
+      call open_writer(writer, path(), failed)
+      if (.not. allocated(failed)) call begin_rows(writer, size(columns), rows, layout)
+      if (.not. allocated(failed)) call put_rows(writer, columns, 1_int64, rows, layout, failed, progress)
+      if (allocated(failed)) call discard_writer(writer)
+      if (.not. allocated(failed)) call commit_writer(writer, failed)
+   end subroutine write_file
+
+   function path()
+      character(:), allocatable :: path
+
+      path = scratch_path("columns")
+   end function path
+
+   subroutine test_text(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), target :: x(4)
+      integer(int8), target :: present(4)
+      type(column_type) :: columns(3)
+      type(row_layout_type) :: layout
+      type(gyro_error), allocatable :: failed
+      character(:), allocatable :: bytes
+
+      x = [1.5_dp, 0.0_dp, 0.1_dp + 0.2_dp, -1.0e-7_dp]
+      present = [1_int8, 0_int8, 1_int8, 1_int8]
+      call make_columns(columns, x, present)
+      call write_file(columns, 4_int64, layout, failed)
+      bytes = read_bytes(path())
+      call remove_file(path())
+      call check(error, bytes, "0,1.5,nan"//new_line("a")//"0.1,nan,nan"//new_line("a")//"0.2,0.30000000000000004,nan"// &
+                 new_line("a")//"0.3,-1e-07,nan"//new_line("a"))
+   end subroutine test_text
+
+   !> The bytes are the numbers, row after row, behind a header whose length is a multiple of 64.
+   subroutine test_numbers(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: n = 10000
+      real(dp), target :: x(n)
+      integer(int8), target :: present(n)
+      type(column_type) :: columns(3)
+      type(row_layout_type) :: layout
+      type(gyro_error), allocatable :: failed
+      character(:), allocatable :: bytes
+      real(dp) :: back(3, n)
+      integer :: i
+
+      x = [(sin(real(i, dp)), i=1, n)]
+      present = 1_int8
+      present(7) = 0_int8
+      call make_columns(columns, x, present)
+      layout%form = "npy"
+      call write_file(columns, int(n, int64), layout, failed)
+      bytes = read_bytes(path())
+      call remove_file(path())
+      call check(error, len(bytes) - 24*n, 128)
+      if (allocated(error)) return
+      call check(error, index(bytes(:128), "'shape': (10000, 3), }") > 0)
+      if (allocated(error)) return
+      back = reshape(transfer(bytes(129:), back, 3*n), [3, n])
+      call check(error, all(abs(back(2, 8:) - x(8:)) <= 0.0_dp) .and. ieee_is_nan(back(2, 7)) .and. all(ieee_is_nan(back(3, :))))
+      if (allocated(error)) return
+      call check(error, back(1, n), 0.1_dp*real(n - 1, dp))
+   end subroutine test_numbers
+
+   !> One thread writes what three write.
+   subroutine test_threads(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: n = 60000
+      real(dp), target :: x(n)
+      integer(int8), target :: present(n)
+      type(column_type) :: columns(3)
+      type(row_layout_type) :: layout
+      type(gyro_error), allocatable :: failed
+      character(:), allocatable :: one, three
+      integer :: i, before
+
+      x = [(sin(real(i, dp))*10.0_dp**mod(i, 30), i=1, n)]
+      present = [(int(min(1, mod(i, 11)), int8), i=1, n)]
+      call make_columns(columns, x, present)
+      before = omp_get_max_threads()
+      call omp_set_num_threads(1)
+      call write_file(columns, int(n, int64), layout, failed)
+      one = read_bytes(path())
+      call omp_set_num_threads(3)
+      call write_file(columns, int(n, int64), layout, failed)
+      call omp_set_num_threads(before)
+      three = read_bytes(path())
+      call remove_file(path())
+      call check(error, len(one) > 20*n .and. one == three, "the file depends on the number of threads")
+   end subroutine test_threads
+
+   !> Rows in several calls are the rows in one.
+   subroutine test_blocks(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), target :: x(100)
+      integer(int8), target :: present(100)
+      type(column_type) :: columns(3)
+      type(row_layout_type) :: layout
+      type(gyro_error), allocatable :: failed
+      type(writer_type) :: writer
+      character(:), allocatable :: whole, parts
+      integer :: i
+
+      x = [(sqrt(real(i, dp)), i=1, 100)]
+      present = 1_int8
+      call make_columns(columns, x, present)
+      call write_file(columns, 100_int64, layout, failed)
+      whole = read_bytes(path())
+      call open_writer(writer, path(), failed)
+      call put_rows(writer, columns, 1_int64, 33_int64, layout, failed)
+      call put_rows(writer, columns, 34_int64, 33_int64, layout, failed)
+      call put_rows(writer, columns, 34_int64, 100_int64, layout, failed)
+      call commit_writer(writer, failed)
+      parts = read_bytes(path())
+      call remove_file(path())
+      call check(error, parts == whole .and. len(whole) > 1000)
+   end subroutine test_blocks
+
+   subroutine test_cancelled(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: n = 400000
+      real(dp), allocatable, target :: x(:)
+      integer(int8), allocatable, target :: present(:)
+      type(column_type) :: columns(3)
+      type(row_layout_type) :: layout
+      type(gyro_error), allocatable :: failed
+      type(impatient_type) :: impatient
+
+      allocate (x(n), present(n))
+      x = 1.0_dp
+      present = 1_int8
+      call make_columns(columns, x, present)
+      call omp_set_num_threads(1)
+      call write_file(columns, int(n, int64), layout, failed, impatient)
+      call omp_set_num_threads(2)
+      call check(error, allocated(failed), "nothing was cancelled")
+      if (allocated(error)) return
+      call check(error, failed%code, status%cancelled)
+      if (allocated(error)) return
+      call check(error, .not. file_exists(path()), "half a file is left")
+   end subroutine test_cancelled
+
+   subroutine test_form(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      call check(error, form_of("a.npy")//form_of("a.f64")//form_of("npy")//form_of("-")//form_of("a.npy.txt"), &
+                 "npy f64 texttexttext")
+   end subroutine test_form
+
+end module test_columns_writer
