@@ -673,6 +673,26 @@ static void test_record_options(void) {
   gyroakf_record_free(r);
 }
 
+/* Numbers that are no text. */
+static void test_record_raw(void) {
+  static const double rows[6] = {1.0, -1.0, 2.0, NAN, 3.0, -3.0};
+  gyroakf_reader_options opt;
+  gyroakf_record *r = NULL;
+  gyroakf_reader_options_init(&opt);
+  opt.format = "f64";
+  opt.channels = 2;
+  check_success(gyroakf_record_parse(rows, sizeof rows, &opt, &r, &err), "raw numbers");
+  check(gyroakf_record_samples(r) == 3 && gyroakf_record_channels(r) == 2, "raw numbers: shape");
+  check(gyroakf_record_values(r, 0)[2] == 3.0 && isnan(gyroakf_record_values(r, 1)[1]), "raw numbers: values");
+  check(strcmp(gyroakf_record_format(r), "f64le") == 0, "raw numbers: format");
+  gyroakf_record_free(r);
+  gyroakf_reader_options_init(&opt);
+  opt.decimal_comma = 1;
+  check_success(gyroakf_record_parse("1,5 2\n3,5 4", 11, &opt, &r, &err), "decimal commas");
+  check(gyroakf_record_values(r, 0)[1] == 3.5, "decimal commas: a value");
+  gyroakf_record_free(r);
+}
+
 static void test_record_failures(void) {
   gyroakf_record *r = (gyroakf_record *)&err;
   gyroakf_reader_options opt;
@@ -740,6 +760,8 @@ static void test_record_options_failures(void) {
   REFUSED(to, NAN);
   REFUSED(to, 0.0);
   REFUSED(memory, 1);
+  REFUSED(channels, -1);
+  REFUSED(channels, 2);
 #undef REFUSED
 }
 
@@ -748,6 +770,7 @@ int main(void) {
   test_release();
   test_record_values();
   test_record_options();
+  test_record_raw();
   test_record_failures();
   test_record_options_failures();
   test_allan_values();

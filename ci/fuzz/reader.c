@@ -88,7 +88,10 @@ static void choose(const uint8_t *choice, gyroakf_reader_options *opt) {
   static const char *const times[8] = {NULL, NULL, NULL, NULL, "none", "1", "2", "time"};
   static const char *const inputs[4] = {NULL, NULL, "increment", "angle"};
   static const char *const units[4] = {NULL, NULL, "deg/s", "rad/s,deg/h"};
-  static const char *const formats[4] = {NULL, NULL, NULL, "text"};
+  static const char *const formats[16] = {NULL, "f64", "f32be", "i16", "i64be", "u8", "text", "npy", "f32", "i32be", "u64", "csv"};
+  static const char *const resamples[4] = {NULL, NULL, "nearest", "linear"};
+  static const char *const wraps[4] = {NULL, "none", "65536", "360"};
+  static const int64_t channels[4] = {0, 0, 2, 5};
   static const double rates[4] = {0, 0, 100, 1e-3};
   static const int64_t skips[4] = {0, 0, 1, 7};
   gyroakf_reader_options_init(opt);
@@ -100,9 +103,13 @@ static void choose(const uint8_t *choice, gyroakf_reader_options *opt) {
   opt->rate_hz = rates[choice[1] >> 3 & 3];
   opt->unit = units[choice[1] >> 5 & 3];
   opt->scale = choice[1] >> 7 ? -1e-9 : 1.0;
-  opt->format = formats[choice[2] & 3];
   opt->from = choice[2] >> 2 & 1 ? 0.05 : 0.0;
   if (choice[2] >> 3 & 1) opt->to = 0.25;
+  opt->format = formats[choice[2] >> 4];
+  opt->resample = resamples[choice[3] & 3];
+  opt->wrap = wraps[choice[3] >> 2 & 3];
+  opt->decimal_comma = choice[3] >> 4 & 1;
+  opt->channels = channels[choice[3] >> 5 & 3];
 }
 
 int LLVMFuzzerInitialize(int *argc, char ***argv);

@@ -78,6 +78,7 @@ seed part '1\n2\n3\n4\n5\n6\n7\n8\n9\n' '\0\x10\x0c\0'
 seed by-number 'a,b\n1,2\n3,4\n' '\x06\0\0\0'
 seed by-name 'time,gx,gy\n0,1,2\n1,3,4\n' '\x3f\0\0\0'
 seed wrap '32766\n32767\n-32768\n-32767\n' '\xc0\x10\0\0'
+seed wrap-360 '358\n359\n0.5\n1\n' '\xc0\x10\0\x0c'
 
 # --- what is no text
 seed gzip '\x1f\x8b\x08\0\0\0\0\0\0\x03\x01\x02'
@@ -121,4 +122,9 @@ seed npy-record "$(npy "[('t', '<f8'), ('x', '<f4')]" '1,' False '\0\0\0\0\0\0\x
 seed npy-cut '\x93NUMPY\1\0\x76'
 seed npy-header '\x93NUMPY\1\0\xff\xff{'
 seed raw-f8 "$doubles" '\0\0\x10\0'
+seed raw-f8-rows "$doubles" '\0\0\x10\x40'
 seed raw-i2 '\1\0\2\0\3\0\4\0\5' '\0\0\x30\0'
+seed raw-skip '#1\0\2\0\3\0\4\0' '\0\2\x30\0'
+seed nearest 'time,x\n0,1\n1,2\n2.1,3\n4,4\n5,5\n' '\0\0\0\2'
+seed linear 'time,x\n0,1\n1,2\n2.1,3\n4,4\n5,5\n' '\0\0\0\3'
+seed commas-decimal '1,5 2,5\n3,25 4\n' '\0\0\0\x10'

@@ -26,6 +26,9 @@ module gyroakf_c_api_record
       type(c_ptr) :: input, unit
       real(c_double) :: scale, rate_hz, from, to
       integer(c_int64_t) :: memory
+      type(c_ptr) :: resample, wrap, dataset
+      integer(c_int64_t) :: channels
+      integer(c_int32_t) :: decimal_comma
    end type reader_options_c
 
    !> `gyroakf_audit`
@@ -66,6 +69,11 @@ contains
       opt%from = defaults%from
       opt%to = defaults%to
       opt%memory = defaults%memory
+      opt%resample = c_null_ptr
+      opt%wrap = c_null_ptr
+      opt%dataset = c_null_ptr
+      opt%channels = defaults%channels
+      opt%decimal_comma = merge(1_c_int32_t, 0_c_int32_t, defaults%decimal_comma)
    end subroutine gyroakf_reader_options_init
 
    !> `gyroakf_record_read`
@@ -387,6 +395,11 @@ contains
       options%from = opt%from
       options%to = opt%to
       options%memory = opt%memory
+      if (c_associated(opt%resample)) call copy_c_text(opt%resample, "", options%resample)
+      if (c_associated(opt%wrap)) call copy_c_text(opt%wrap, "", options%wrap)
+      if (c_associated(opt%dataset)) call copy_c_text(opt%dataset, "", options%dataset)
+      options%channels = opt%channels
+      options%decimal_comma = opt%decimal_comma /= 0
    end subroutine read_options
 
 end module gyroakf_c_api_record
