@@ -12,7 +12,7 @@ module gyroakf_app_file_list
    !> A longer list is a data file by mistake
    integer, parameter :: largest = 100000000
    !> What some editors put before UTF-8
-   character(3), parameter :: byte_order_mark = achar(239)//achar(187)//achar(191)
+   character(3), parameter :: byte_order_mark = char(239)//char(187)//char(191)
 
 contains
 
