@@ -100,13 +100,13 @@ contains
       select type (config)
       class is (reading_config)
          path = existing(config%json)
+         if (path == "" .and. allocated(config%out)) path = existing_result(config%out)
       type is (simulate_config)
          path = existing(config%output)
       end select
       select type (config)
       type is (analysis_config)
          if (path == "" .and. .not. has_many_files(config)) path = existing(config%kalibr)
-         if (path == "" .and. allocated(config%out)) path = existing_result(config%out)
       end select
       call keep_file(path, error)
    end subroutine check_existing
