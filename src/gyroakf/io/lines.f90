@@ -4,13 +4,19 @@ module gyroakf_io_lines
    use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_number, only : digits_ahead
-   use gyroakf_io_source, only : close_source, open_source, read_block, source_type
+   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_source, only : close_source, has_places, open_source, read_block, source_left, source_type
    implicit none (type, external)
    private
-   public :: lines_type, open_lines, more_lines, line_end, next_line, close_lines, line_map_type, map_row, line_of
+   public :: lines_type, open_lines, more_lines, make_room, check_length, end_last_line, turn_returns
+   public :: line_end, next_line, close_lines, line_map_type, map_row, line_of
 
-   !> Bytes read at once; a longer line makes the room grow
+   !> Bytes of the first block
    integer(int64), parameter :: block_size = 524288
+   !> Bytes that are read at once where a file has grown
+   integer(int64), parameter :: tail_size = 4096
+   !> Bytes behind those that are filled: a line feed that may be missing, and what the search for digits looks at
+   integer(int64), parameter :: behind = digits_ahead + 1
    integer(int8), parameter :: line_feed = 10, carriage_return = 13
 
    !> Lines of a source
@@ -58,7 +64,7 @@ contains
       if (allocated(error)) return
       room = block_size
       if (lines%source%length > 0 .or. associated(lines%source%bytes)) room = min(room, lines%source%length + 64)
-      allocate (lines%bytes(room + digits_ahead), stat=failed)
+      allocate (lines%bytes(room + behind), stat=failed)
       if (failed /= 0) then
          call fatal_error(error, status%no_memory, "no memory for a block of "//path)
          return
@@ -80,30 +86,47 @@ contains
       !> Allocated where reading fails: io, no_memory
       type(error_type), allocatable, intent(out) :: error
       integer(int64) :: rest
-      integer(int8), allocatable :: longer(:)
-      integer :: failed
 
       do while (lines%at > lines%last .and. .not. lines%ended)
-         rest = lines%filled - lines%at + 1
-         if (rest > size(lines%bytes, kind=int64)/2) then
-            allocate (longer(2*size(lines%bytes, kind=int64)), stat=failed)
-            if (failed /= 0) then
-               call fatal_error(error, status%no_memory, "no memory for a line of "//lines%source%name)
-               return
-            end if
-            longer(:rest) = lines%bytes(lines%at:lines%filled)
-            call move_alloc(longer, lines%bytes)
-         else
-            call move_down(lines%bytes, lines%at, rest)
-         end if
-         lines%at = 1
-         lines%last = 0
-         lines%filled = rest
+         call make_room(lines, block_size/2, error)
+         if (allocated(error)) return
+         rest = lines%filled
          call fill(lines, error)
          if (allocated(error)) return
          call find_last(lines, rest + 1)
       end do
    end subroutine more_lines
+
+   !> Moves the bytes from `at` on to the start and makes room for more behind them: `wanted`, or as many as there are already.
+   subroutine make_room(lines, wanted, error)
+      !> Its `at` is 1 and its `last` 0 afterwards
+      type(lines_type), intent(inout) :: lines
+      !> Bytes
+      integer(int64), intent(in) :: wanted
+      !> Allocated where there is no memory: no_memory
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: rest, needed
+      integer(int8), allocatable :: longer(:)
+      integer :: failed
+
+      rest = lines%filled - lines%at + 1
+      needed = rest + max(wanted, 1_int64) + behind
+      if (needed > size(lines%bytes, kind=int64)) then
+         allocate (longer(needed + rest), stat=failed)
+         if (failed /= 0) then
+            call fatal_error(error, status%no_memory, lines%source%name//": no memory for a line of more than "// &
+                             integer_text(rest)//" bytes")
+            return
+         end if
+         longer(:rest) = lines%bytes(lines%at:lines%filled)
+         call move_alloc(longer, lines%bytes)
+      else if (lines%at > 1) then
+         call move_down(lines%bytes, lines%at, rest)
+      end if
+      lines%at = 1
+      lines%last = 0
+      lines%filled = rest
+   end subroutine make_room
 
    !> Moves bytes to the start; they may overlap.
    pure subroutine move_down(bytes, from, count)
@@ -116,22 +139,88 @@ contains
       end do
    end subroutine move_down
 
-   !> Reads behind what is filled; gives the last line of the source a line feed.
+   !> Reads behind what is filled.
    subroutine fill(lines, error)
       type(lines_type), intent(inout) :: lines
       type(error_type), allocatable, intent(out) :: error
-      integer(int64) :: got, room
+      integer(int64) :: got, room, expected
 
-      room = size(lines%bytes, kind=int64) - digits_ahead - lines%filled - 1
+      room = size(lines%bytes, kind=int64) - behind - lines%filled
+      expected = min(room, source_left(lines%source))
       call read_block(lines%source, lines%bytes(lines%filled + 1:lines%filled + room), got, error)
+      if (.not. allocated(error)) call check_length(lines, expected, got, error)
       if (allocated(error)) return
       lines%filled = lines%filled + got
       lines%ended = got < room
-      if (.not. lines%ended .or. lines%filled == 0) return
+      if (lines%ended) call end_last_line(lines, error)
+   end subroutine fill
+
+   !> A file that holds less than when it was opened was cut by somebody: an error, but for the first block (what is a file in name
+   !> only may state any length).
+   subroutine check_length(lines, expected, got, error)
+      !> Its source delivered `got` bytes
+      type(lines_type), intent(inout) :: lines
+      !> Bytes that should have come
+      integer(int64), intent(in) :: expected, got
+      !> Allocated where the file became shorter: io
+      type(error_type), allocatable, intent(out) :: error
+
+      if (.not. has_places(lines%source) .or. got >= expected) return
+      if (lines%source%delivered > got) then
+         call fatal_error(error, status%io, lines%source%name//": the file became shorter while it was read: "// &
+                          integer_text(lines%source%delivered)//" of "//integer_text(lines%source%length)//" bytes are left"// &
+                          new_line("a")//"read it when nobody writes to it")
+      end if
+      lines%source%length = lines%source%delivered
+   end subroutine check_length
+
+   !> Gives the last line of the source a line feed; where the file has grown since it was opened, and had been cut within a line,
+   !> the rest of this line first.
+   subroutine end_last_line(lines, error)
+      !> All its bytes were read
+      type(lines_type), intent(inout) :: lines
+      !> Allocated where reading fails: io, no_memory
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: got, first, i
+
+      if (lines%filled == 0) return
+      do while (has_places(lines%source) .and. .not. ends_line(lines%bytes(lines%filled)))
+         call make_room(lines, tail_size, error)
+         if (allocated(error)) return
+         first = lines%filled + 1
+         lines%source%length = lines%source%length + tail_size
+         call read_block(lines%source, lines%bytes(first:lines%filled + tail_size), got, error)
+         if (allocated(error)) return
+         do i = first, lines%filled + got
+            if (ends_line(lines%bytes(i))) exit
+         end do
+         lines%filled = min(i, lines%filled + got)
+         lines%source%delivered = lines%source%delivered - got + (lines%filled - first + 1)
+         lines%source%length = lines%source%delivered
+         if (got < tail_size) exit
+      end do
       if (lines%bytes(lines%filled) == line_feed) return
       lines%filled = lines%filled + 1
       lines%bytes(lines%filled) = line_feed
-   end subroutine fill
+   end subroutine end_last_line
+
+   !> True for a line feed or a carriage return.
+   pure logical function ends_line(byte)
+      integer(int8), intent(in) :: byte
+
+      ends_line = byte == line_feed .or. byte == carriage_return
+   end function ends_line
+
+   !> Carriage returns become line feeds.
+   pure subroutine turn_returns(bytes)
+      !> Of a file without line feeds
+      integer(int8), intent(inout), contiguous :: bytes(:)
+      integer(int64) :: i
+
+      do i = 1, size(bytes, kind=int64)
+         bytes(i) = merge(line_feed, bytes(i), bytes(i) == carriage_return)
+      end do
+   end subroutine turn_returns
 
    !> Finds the last line feed; what is new begins at `from`.
    subroutine find_last(lines, from)
@@ -139,11 +228,7 @@ contains
       integer(int64), intent(in) :: from
       integer(int64) :: i
 
-      if (lines%only_returns) then
-         do i = from, lines%filled
-            if (lines%bytes(i) == carriage_return) lines%bytes(i) = line_feed
-         end do
-      end if
+      if (lines%only_returns) call turn_returns(lines%bytes(from:lines%filled))
       do i = lines%filled, from, -1
          if (lines%bytes(i) == line_feed) exit
       end do
@@ -217,14 +302,20 @@ contains
       type(line_map_type), intent(in) :: map
       !> From 1
       integer(int64), intent(in) :: row
-      integer :: i
+      integer :: before, behind_it, middle
 
       line_of = row
-      do i = map%count, 1, -1
-         if (map%row(i) > row) cycle
-         line_of = map%line(i) + row - map%row(i)
-         return
+      before = 0
+      behind_it = map%count + 1
+      do while (behind_it - before > 1)
+         middle = before + (behind_it - before)/2
+         if (map%row(middle) > row) then
+            behind_it = middle
+         else
+            before = middle
+         end if
       end do
+      if (before > 0) line_of = map%line(before) + row - map%row(before)
    end function line_of
 
 end module gyroakf_io_lines

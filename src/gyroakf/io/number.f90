@@ -17,7 +17,7 @@ module gyroakf_io_number
    use gyroakf_io_power, only : most_exponent, times_power
    implicit none (type, external)
    private
-   public :: scan_number, parse_number, is_missing_word, number, digits_ahead
+   public :: scan_number, parse_number, is_missing_word, is_missing_field, number, digits_ahead
 
    !> What scanning found, reached as `number%ok`
    type :: number_enum
@@ -369,5 +369,21 @@ contains
       if (first > len(word)) return
       is_missing_word = any(known == low(first:))
    end function is_missing_word
+
+   !> True for bytes that are such a word.
+   pure logical function is_missing_field(bytes, first, last)
+      !> Holds it at first:last
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      character(10) :: word
+      integer(int64) :: i
+
+      is_missing_field = .false.
+      if (last < first .or. last - first >= len(word)) return
+      do i = first, last
+         word(i - first + 1:i - first + 1) = achar(iand(int(bytes(i)), 255))
+      end do
+      is_missing_field = is_missing_word(word(:last - first + 1))
+   end function is_missing_field
 
 end module gyroakf_io_number

@@ -4,7 +4,7 @@ module gyroakf_io_recording
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_is_nan
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type
    use gyroakf_io_binary, only : binary_type, read_binary_rows
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_element, only : element_name, element_type, element_word, parse_element
@@ -15,7 +15,6 @@ module gyroakf_io_recording
    use gyroakf_io_lines, only : close_lines, lines_type, open_lines
    use gyroakf_io_opening, only : begin_npy, begin_raw
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_store, only : count_rows
    use gyroakf_io_positioned, only : close_positioned
    use gyroakf_io_table, only : begin_table, table_options, table_type
    use gyroakf_io_text_rows, only : read_rows
@@ -90,8 +89,6 @@ module gyroakf_io_recording
    integer(int64), parameter :: base_bytes = 24000000
    !> The record: 8 bytes a value, 1 for its mark where something is missing
    integer(int64), parameter :: value_bytes = 9, stamp_bytes = 8
-   !> Values that are read before the progress is told again
-   integer(int64), parameter :: slice_values = 1048576
 
 contains
 
@@ -286,33 +283,13 @@ contains
       class(progress_type), intent(inout), optional :: progress
 
       if (recording%format == "text") then
-         call next_text(recording, most, error, progress)
+         call read_rows(recording%lines, recording%wanted, most, recording%table, error, progress)
       else if (recording%format == "hdf5") then
          call read_hdf5_rows(recording%hdf5, most, recording%table, error, progress)
       else
          call read_binary_rows(recording%binary, recording%lines%source, most, recording%table, error, progress)
       end if
    end subroutine next_rows
-
-   !> The same for text.
-   subroutine next_text(recording, most, error, progress)
-      type(recording_type), intent(inout) :: recording
-      integer(int64), intent(in) :: most
-      type(error_type), allocatable, intent(out) :: error
-      class(progress_type), intent(inout), optional :: progress
-      integer(int64) :: so_far, slice
-
-      slice = most
-      if (present(progress)) slice = max(1_int64, slice_values/max(1, recording%table%layout%stored))
-      do
-         call tell_progress("reading", recording%lines%source%delivered, recording%lines%source%length, error, progress)
-         if (allocated(error)) return
-         so_far = count_rows(recording%table%store)
-         call read_rows(recording%lines, recording%wanted, so_far + min(most - so_far, slice), recording%table, error)
-         if (allocated(error)) return
-         if (recording%table%whole .or. count_rows(recording%table%store) >= most) return
-      end do
-   end subroutine next_text
 
    !> Closes the file.
    subroutine close_recording(recording)

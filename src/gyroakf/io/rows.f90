@@ -7,7 +7,7 @@ module gyroakf_io_rows
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_date, only : kind_of_field, scan_stamp, stamp_kind
    use gyroakf_io_format, only : comma_advice, comma_found, decimal_comma
-   use gyroakf_io_number, only : is_missing_word, number, scan_number
+   use gyroakf_io_number, only : is_missing_field, number, scan_number
    use gyroakf_io_place, only : integer_text, shown_bytes
    use gyroakf_io_text, only : bytes_text, fields_type, split, split_line
    implicit none (type, external)
@@ -41,7 +41,7 @@ module gyroakf_io_rows
       logical :: found = .false.
       !> The byte
       integer(int64) :: at = 0
-      !> What is wrong, and what to do
+      !> What is wrong, and what to do; unallocated where nobody wants to know
       character(:), allocatable :: what, advice
    end type problem_type
 
@@ -154,7 +154,9 @@ contains
    end subroutine skip_field
 
    !> Reads one row of any kind: missing values, quotes, blank fields, comments behind it.
-   subroutine read_row(bytes, first, last, layout, fields, row, problem)
+   !>
+   !> Thread-safe where `explain` is false: texts of any length are not, in gfortran.
+   subroutine read_row(bytes, first, last, layout, fields, row, problem, explain)
       !> Holds the line at first:last, without its end
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
@@ -166,6 +168,8 @@ contains
       real(dp), intent(out) :: row(:)
       !> What is wrong
       type(problem_type), intent(out) :: problem
+      !> False leaves out the texts
+      logical, intent(in) :: explain
       integer(int64) :: comma_at
       integer :: j, slot
 
@@ -175,20 +179,22 @@ contains
          call split_row(bytes, first, last, split%tabs, layout, fields)
          if (.not. fits(layout, fields)) call split_row(bytes, first, last, split%mixed, layout, fields)
       end if
+      problem%found = fields%open_quote /= 0 .or. .not. fits(layout, fields)
+      if (problem%found .and. .not. explain) return
       if (fields%open_quote /= 0) then
          call set_problem(problem, fields%open_quote, "a quote that is not closed", mend)
-         return
-      end if
-      if (.not. fits(layout, fields)) then
+      else if (problem%found) then
          comma_at = decimal_comma(bytes, first, last)
          if (comma_at > 0) call set_problem(problem, comma_at, comma_found, comma_advice)
          if (comma_at == 0) call count_problem(layout, fields, last, problem)
-         return
       end if
+      if (problem%found) return
       do j = 1, min(layout%columns, fields%count)
          slot = layout%slot(j)
-         if (slot > 0) call read_field(bytes, fields%first(j), fields%last(j), layout, j, row(slot), problem)
-         if (problem%found) return
+         if (slot > 0) call read_field(bytes, fields%first(j), fields%last(j), layout, j, row(slot), problem%found)
+         if (.not. problem%found) cycle
+         if (explain) call field_problem(bytes, fields%first(j), fields%last(j), layout, j, problem)
+         return
       end do
    end subroutine read_row
 
@@ -235,80 +241,112 @@ contains
              .or. (fields%count == layout%columns - 1 .and. layout%last_optional)
    end function fits
 
-   !> The number in first:last, NaN where it is missing.
-   subroutine read_field(bytes, first, last, layout, column, value, problem)
+   !> The number or stamp in first:last; unchanged where a number is missing, NaN where a stamp is.
+   pure subroutine read_field(bytes, first, last, layout, column, value, wrong)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       type(layout_type), intent(in) :: layout
       integer, intent(in) :: column
       real(dp), intent(inout) :: value
-      type(problem_type), intent(inout) :: problem
-      character(:), allocatable :: advice
+      !> True where it is no number, or one that is too large
+      logical, intent(out) :: wrong
       integer(int64) :: p
       real(dp) :: x
       integer :: found
 
-      if (allocated(layout%kind)) then
-         if (layout%kind(column) /= stamp_kind%number) then
-            if (last >= first) call read_stamp(bytes, first, last, layout, column, value, problem)
-            if (last < first) value = ieee_value(1.0_dp, ieee_quiet_nan)
-            return
-         end if
+      wrong = .false.
+      if (kind_of(layout, column) /= stamp_kind%number) then
+         call read_stamp(bytes, first, last, layout, column, value, wrong)
+         return
       end if
       if (last < first) return
       p = first
       call scan_number(bytes, p, x, found)
       if (found /= number%none .and. p == last + 1) then
          value = x
-         if (found == number%overflow) call set_problem(problem, first, &
-            "the number '"//excerpt(bytes, first, last)//"' is too large (at most 1.8e308)", mend)
-         return
+         wrong = found == number%overflow
+      else
+         wrong = .not. is_missing_field(bytes, first, last)
       end if
-      if (is_missing_word(bytes_text(bytes, first, last))) return
-      advice = mend//"; --column chooses columns"
-      if (kind_of_field(bytes, first, last) /= stamp_kind%number) advice = "the first row has a number in this column, not a "// &
-         "date or a time of day; "//mend
-      call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not a number", advice)
    end subroutine read_field
 
+   !> What is expected in a column, a component of stamp_kind.
+   pure integer function kind_of(layout, column)
+      type(layout_type), intent(in) :: layout
+      integer, intent(in) :: column
+
+      kind_of = stamp_kind%number
+      if (allocated(layout%kind)) kind_of = abs(layout%kind(column))
+   end function kind_of
+
    !> The stamp in first:last, NaN where it is missing.
-   subroutine read_stamp(bytes, first, last, layout, column, value, problem)
+   pure subroutine read_stamp(bytes, first, last, layout, column, value, wrong)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       type(layout_type), intent(in) :: layout
       integer, intent(in) :: column
       real(dp), intent(inout) :: value
-      type(problem_type), intent(inout) :: problem
+      logical, intent(out) :: wrong
       integer(int64) :: p
       integer :: kind, plain
       real(dp) :: x
       logical :: found
 
-      kind = abs(layout%kind(column))
-      p = first
-      if (first > 1) then
-         if (bytes(first - 1) == 34 .or. bytes(first - 1) == 39) p = first - 1
-      end if
-      call scan_stamp(bytes, p, kind, layout%origin, x, found)
-      if (found) found = p > last .and. p <= last + 2
-      if (.not. found .and. kind == stamp_kind%long) then
+      wrong = .false.
+      kind = kind_of(layout, column)
+      found = .false.
+      if (last >= first) then
          p = first
-         call scan_number(bytes, p, x, plain)
-         found = plain == number%ok .and. p == last + 1
-         x = x - real(layout%origin, dp)
+         if (first > 1) then
+            if (bytes(first - 1) == 34 .or. bytes(first - 1) == 39) p = first - 1
+         end if
+         call scan_stamp(bytes, p, kind, layout%origin, x, found)
+         if (found) found = p > last .and. p <= last + 2
+         if (.not. found .and. kind == stamp_kind%long) then
+            p = first
+            call scan_number(bytes, p, x, plain)
+            found = plain == number%ok .and. p == last + 1
+            x = x - real(layout%origin, dp)
+         end if
+         if (.not. found) wrong = .not. is_missing_field(bytes, first, last)
       end if
       if (found .and. layout%kind(column) < 0) x = value + x
-      if (found) value = x
-      if (found) return
-      if (is_missing_word(bytes_text(bytes, first, last))) then
-         value = ieee_value(1.0_dp, ieee_quiet_nan)
-      else if (kind == stamp_kind%long) then
+      if (.not. found) x = ieee_value(1.0_dp, ieee_quiet_nan)
+      if (.not. wrong) value = x
+   end subroutine read_stamp
+
+   !> What is wrong with the field in first:last.
+   subroutine field_problem(bytes, first, last, layout, column, problem)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      type(layout_type), intent(in) :: layout
+      integer, intent(in) :: column
+      type(problem_type), intent(inout) :: problem
+      character(:), allocatable :: advice
+      integer(int64) :: p
+      real(dp) :: x
+      integer :: found, kind
+
+      kind = kind_of(layout, column)
+      if (kind == stamp_kind%long) then
          call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not a number", mend)
-      else
+         return
+      else if (kind /= stamp_kind%number) then
          call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not "//trim(merge("a time of day", &
             "a date       ", kind == stamp_kind%clock))//" as in the first row", mend)
+         return
       end if
-   end subroutine read_stamp
+      p = first
+      call scan_number(bytes, p, x, found)
+      if (found /= number%none .and. p == last + 1) then
+         call set_problem(problem, first, "the number '"//excerpt(bytes, first, last)//"' is too large (at most 1.8e308)", mend)
+         return
+      end if
+      advice = mend//"; --column chooses columns"
+      if (kind_of_field(bytes, first, last) /= stamp_kind%number) advice = "the first row has a number in this column, not a "// &
+         "date or a time of day; "//mend
+      call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not a number", advice)
+   end subroutine field_problem
 
    !> The start of a field, for a message.
    pure function excerpt(bytes, first, last) result(text)

@@ -1,23 +1,23 @@
 ! SPDX-License-Identifier: MIT
 !> Bytes of a file, of standard input, of a FIFO or of the caller's memory, in blocks.
 !>
-!> Regular files are read by stream access. Anything that may deliver in pieces (`-`, FIFOs, devices) is read by the system's
-!> `read`, again and again until it says that there is no more.
+!> Regular files are read by the system's `pread`, so that several threads can read their own pieces at a time, up to the length
+!> that they had when they were opened; where that cut a line, to the end of this line. A file that becomes shorter meanwhile is an
+!> error. Anything that may deliver in pieces (`-`, FIFOs, devices) is read by `read`, again and again until it says that there
+!> is no more. Reads that a signal interrupts are taken up again.
 module gyroakf_io_source
    use, intrinsic :: iso_c_binding, only : c_associated, c_char, c_int, c_loc, c_long, c_null_char, c_ptr, c_short, c_size_t
    use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    implicit none (type, external)
    private
-   public :: source_type, open_source, read_block, close_source, is_directory
+   public :: source_type, open_source, read_block, read_piece, source_left, has_places, close_source, is_directory
 
    !> An open source of bytes
    type :: source_type
       !> For messages: the path, or `<stdin>`
       character(:), allocatable :: name
-      !> Of stream access, -1 where the system's calls are used
-      integer :: unit = -1
-      !> Of the system's calls, -1 where it is closed
+      !> -1 where it is closed
       integer(c_int) :: descriptor = -1
       !> Of the caller, where there is no file
       integer(int8), pointer, contiguous :: bytes(:) => null()
@@ -53,6 +53,16 @@ module gyroakf_io_source
          integer(c_size_t), intent(in), value :: count
          integer(c_long) :: got
       end function c_read
+
+      function c_pread(descriptor, buffer, count, offset) result(got) bind(C, name="pread")
+         import :: c_int, c_long, c_ptr, c_size_t
+         implicit none (type, external)
+         integer(c_int), intent(in), value :: descriptor
+         type(c_ptr), intent(in), value :: buffer
+         integer(c_size_t), intent(in), value :: count
+         integer(c_long), intent(in), value :: offset
+         integer(c_long) :: got
+      end function c_pread
 
       function c_close(descriptor) result(failed) bind(C, name="close")
          import :: c_int
@@ -110,7 +120,7 @@ contains
       !> Where associated they are the content, and the path is a name for messages; they have to stay until the source is closed
       integer(int8), pointer, contiguous, intent(in), optional :: bytes(:)
       character(len(path) + 256) :: reason
-      integer :: failed
+      integer :: failed, unit
       logical :: exists
 
       source%name = path
@@ -134,22 +144,32 @@ contains
                           "check the path; - reads standard input")
          return
       end if
-      if (source%length > 0) then
-         reason = "unknown reason"
-         open (newunit=source%unit, file=path, access="stream", form="unformatted", action="read", status="old", &
-               iostat=failed, iomsg=reason)
-         if (failed == 0) return
-         source%unit = -1
-         call fatal_error(error, status%io, path//": cannot be opened: "// &
-                          trim(reason(index(reason, ": ", back=.true.) + 2:))//new_line("a")// &
-                          "check the file's permissions")
-         return
-      end if
-      source%length = 0
+      source%length = max(source%length, 0_int64)
       source%descriptor = c_open(path//c_null_char, 0_c_int)
       if (source%descriptor >= 0) return
-      call fatal_error(error, status%io, path//": cannot be opened"//new_line("a")//"check the file's permissions")
+      reason = "unknown reason"
+      open (newunit=unit, file=path, access="stream", form="unformatted", action="read", status="old", iostat=failed, iomsg=reason)
+      if (failed == 0) close (unit)
+      call fatal_error(error, status%io, path//": cannot be opened: "//trim(reason(index(reason, ": ", back=.true.) + 2:))// &
+                       new_line("a")//"check the file's permissions")
    end subroutine open_source
+
+   !> True where any place can be read at any time: regular files and the caller's bytes.
+   pure logical function has_places(source)
+      !> An open source
+      type(source_type), intent(in) :: source
+
+      has_places = source%length > 0 .or. associated(source%bytes)
+   end function has_places
+
+   !> Bytes that are to come at most.
+   pure integer(int64) function source_left(source)
+      !> An open source
+      type(source_type), intent(in) :: source
+
+      source_left = huge(source_left)
+      if (has_places(source)) source_left = max(0_int64, source%length - source%delivered)
+   end function source_left
 
    !> Reads until the room is full or the source has no more.
    subroutine read_block(source, room, got, error)
@@ -161,48 +181,70 @@ contains
       integer(int64), intent(out) :: got
       !> Allocated where reading fails: io
       type(error_type), allocatable, intent(out) :: error
+      logical :: failed
 
-      if (associated(source%bytes)) then
-         got = min(size(room, kind=int64), source%length - source%delivered)
-         room(:got) = source%bytes(source%delivered + 1:source%delivered + got)
-      else if (source%unit /= -1) then
-         call read_stream(source, room, got, error)
+      failed = .false.
+      if (has_places(source)) then
+         got = min(size(room, kind=int64), source_left(source))
+         call read_piece(source, source%delivered, room(:got), got, failed)
       else
-         call read_pieces(source, room, got, error)
+         call read_pieces(source, room, got, failed)
       end if
+      if (failed) call fatal_error(error, status%io, source%name//": cannot be read")
       source%delivered = source%delivered + got
    end subroutine read_block
 
-   !> A block of a regular file.
-   subroutine read_stream(source, room, got, error)
-      type(source_type), intent(inout) :: source
-      integer(int8), intent(inout), contiguous :: room(:)
+   !> Reads at a place; several threads may do so at a time.
+   subroutine read_piece(source, offset, room, got, failed)
+      !> One that [[has_places]]
+      type(source_type), intent(in) :: source
+      !> Bytes before the first that is read
+      integer(int64), intent(in) :: offset
+      !> Filled from its first byte
+      integer(int8), intent(inout), contiguous, target :: room(:)
+      !> Bytes read; fewer than the room has only at the end of the file
       integer(int64), intent(out) :: got
-      type(error_type), allocatable, intent(out) :: error
-      character(256) :: reason
-      integer(int64) :: before, after
-      integer :: failed
+      !> True where the system refuses
+      logical, intent(out) :: failed
+      integer(c_long) :: piece
+      integer :: tries
 
-      inquire (unit=source%unit, pos=before)
-      read (source%unit, iostat=failed, iomsg=reason) room
-      inquire (unit=source%unit, pos=after)
-      got = after - before
-      if (failed == 0 .or. is_iostat_end(failed)) return
-      call fatal_error(error, status%io, source%name//": cannot be read: "//trim(reason))
-   end subroutine read_stream
+      got = 0
+      failed = .false.
+      if (associated(source%bytes)) then
+         got = max(0_int64, min(size(room, kind=int64), size(source%bytes, kind=int64) - offset))
+         room(:got) = source%bytes(offset + 1:offset + got)
+         return
+      end if
+      tries = 0
+      do while (got < size(room, kind=int64))
+         piece = c_pread(source%descriptor, c_loc(room(got + 1)), size(room, kind=c_size_t) - int(got, c_size_t), &
+                         int(offset + got, c_long))
+         if (piece == 0) return
+         if (piece > 0) then
+            got = got + piece
+            tries = 0
+            cycle
+         end if
+         tries = tries + 1
+         failed = tries > most_tries
+         if (failed) return
+      end do
+   end subroutine read_piece
 
    !> A block of something that may deliver in pieces.
-   subroutine read_pieces(source, room, got, error)
+   subroutine read_pieces(source, room, got, failed)
       type(source_type), intent(inout) :: source
       integer(int8), intent(inout), contiguous, target :: room(:)
       integer(int64), intent(out) :: got
-      type(error_type), allocatable, intent(out) :: error
+      logical, intent(out) :: failed
       integer(c_long) :: piece
       type(poll_type) :: waiting
       integer(c_int) :: ready
       integer :: tries
 
       got = 0
+      failed = .false.
       tries = 0
       do while (got < size(room, kind=int64))
          piece = c_read(source%descriptor, c_loc(room(got + 1)), size(room, kind=c_size_t) - int(got, c_size_t))
@@ -213,10 +255,8 @@ contains
             cycle
          end if
          tries = tries + 1
-         if (tries > most_tries) then
-            call fatal_error(error, status%io, source%name//": cannot be read")
-            return
-         end if
+         failed = tries > most_tries
+         if (failed) return
          waiting%descriptor = source%descriptor
          waiting%events = 1_c_short
          waiting%happened = 0_c_short
@@ -230,9 +270,7 @@ contains
       type(source_type), intent(inout) :: source
       integer(c_int) :: ignored
 
-      if (source%unit /= -1) close (source%unit)
       if (source%descriptor > 0) ignored = c_close(source%descriptor)
-      source%unit = -1
       source%descriptor = -1
       nullify (source%bytes)
    end subroutine close_source

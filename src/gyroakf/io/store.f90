@@ -1,13 +1,21 @@
 ! SPDX-License-Identifier: MIT
 !> Columns that grow while a file is read: a list of chunks, so that growing copies nothing and the whole is held once.
+!>
+!> A chunk of a long record is so large that the system gives it a mapping of its own, and takes it back as soon as it is freed:
+!> while the chunks are joined, no more than one of them is held twice.
 module gyroakf_io_store
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_large_pages, only : prefer_large_pages
    implicit none (type, external)
    private
    public :: chunk_rows, chunk_type, store_type, next_chunk, add_chunk, count_rows, take_columns
 
-   !> Rows of every chunk
+   !> Rows of a chunk where nobody says how many are to come
    integer(int64), parameter :: chunk_rows = 65536
+   !> Values of a chunk: 40 MB, more than 32 MiB, from which on C libraries have no choice
+   integer(int64), parameter :: chunk_values = 5000000
+   !> Rows that a thread moves at a time
+   integer(int64), parameter :: moved_rows = 65536
 
    !> Some rows of all stored columns
    type :: chunk_type
@@ -27,50 +35,85 @@ module gyroakf_io_store
 
 contains
 
-   !> Makes the last chunk one that has room for a row.
-   subroutine next_chunk(store, columns, failed)
+   !> Makes the last chunk one that has room for some rows; a chunk behind the last one that still has its memory is used again.
+   subroutine next_chunk(store, columns, failed, rows, expected)
       !> May be fresh
       type(store_type), intent(inout) :: store
       !> Stored columns
       integer, intent(in) :: columns
       !> Not 0 where memory cannot be had
       integer, intent(out) :: failed
+      !> At least so many, 1 if absent
+      integer(int64), intent(in), optional :: rows
+      !> So many rows are expected from here on, [[chunk_rows]] if absent; a new chunk has room for them unless it would be
+      !> too large
+      integer(int64), intent(in), optional :: expected
+      integer(int64) :: least, room
 
       failed = 0
+      least = 1
+      if (present(rows)) least = rows
+      room = chunk_rows
+      if (present(expected)) room = min(expected, max(1_int64, chunk_values/columns))
       if (store%count > 0) then
-         if (store%chunk(store%count)%rows < chunk_rows) return
+         associate (chunk => store%chunk(store%count))
+            if (size(chunk%value, 1, kind=int64) - chunk%rows >= least) return
+         end associate
       end if
-      call add_chunk(store, chunk_rows, columns, failed)
+      call add_chunk(store, max(room, least), columns, failed)
    end subroutine next_chunk
 
-   !> Appends a chunk of any number of rows.
+   !> Appends an empty chunk of any number of rows.
    subroutine add_chunk(store, rows, columns, failed)
       !> May be fresh
       type(store_type), intent(inout) :: store
-      !> Room of the chunk
+      !> Room of the chunk, at least
       integer(int64), intent(in) :: rows
       !> Stored columns
       integer, intent(in) :: columns
       !> Not 0 where memory cannot be had
       integer, intent(out) :: failed
+      integer :: j
+
+      call lengthen(store, failed)
+      if (failed /= 0) return
+      associate (chunk => store%chunk(store%count + 1))
+         chunk%rows = 0
+         if (allocated(chunk%value)) then
+            if (size(chunk%value, 1, kind=int64) < rows .or. size(chunk%value, 2) /= columns) deallocate (chunk%value)
+         end if
+         if (allocated(chunk%value)) then
+            store%count = store%count + 1
+            return
+         end if
+         allocate (chunk%value(rows, columns), stat=failed)
+         if (failed /= 0) return
+         store%count = store%count + 1
+         do j = 1, columns
+            call prefer_large_pages(chunk%value(:, j))
+         end do
+      end associate
+   end subroutine add_chunk
+
+   !> Room for one chunk more in the list.
+   subroutine lengthen(store, failed)
+      type(store_type), intent(inout) :: store
+      integer, intent(out) :: failed
       type(chunk_type), allocatable :: longer(:)
       integer :: i
 
       failed = 0
-      if (.not. allocated(store%chunk)) allocate (store%chunk(16))
-      if (store%count == size(store%chunk)) then
-         allocate (longer(2*store%count), stat=failed)
-         if (failed /= 0) return
-         do i = 1, store%count
-            longer(i)%rows = store%chunk(i)%rows
-            call move_alloc(store%chunk(i)%value, longer(i)%value)
-         end do
-         call move_alloc(longer, store%chunk)
-      end if
-      store%count = store%count + 1
-      allocate (store%chunk(store%count)%value(rows, columns), stat=failed)
-      if (failed /= 0) store%count = store%count - 1
-   end subroutine add_chunk
+      if (.not. allocated(store%chunk)) allocate (store%chunk(16), stat=failed)
+      if (failed /= 0) return
+      if (store%count < size(store%chunk)) return
+      allocate (longer(2*store%count), stat=failed)
+      if (failed /= 0) return
+      do i = 1, store%count
+         longer(i)%rows = store%chunk(i)%rows
+         call move_alloc(store%chunk(i)%value, longer(i)%value)
+      end do
+      call move_alloc(longer, store%chunk)
+   end subroutine lengthen
 
    !> Rows in the store.
    pure integer(int64) function count_rows(store)
@@ -98,7 +141,7 @@ contains
       real(dp), allocatable, intent(out) :: stamps(:)
       !> Not 0 where memory cannot be had
       integer, intent(out) :: failed
-      integer(int64) :: at, rows, n
+      integer(int64) :: at, n
       integer :: i, j
 
       n = count_rows(store)
@@ -115,16 +158,21 @@ contains
       if (failed /= 0) return
       allocate (stamps(merge(n, 0_int64, time_slot > 0)), stat=failed)
       if (failed /= 0) return
+      do j = 1, size(columns)
+         call prefer_large_pages(value(:, j))
+      end do
+      call prefer_large_pages(stamps)
       at = 0
       do i = 1, store%count
-         rows = store%chunk(i)%rows
-         do j = 1, size(columns)
-            value(at + 1:at + rows, j) = store%chunk(i)%value(:rows, columns(j))
-         end do
-         if (time_slot > 0) stamps(at + 1:at + rows) = store%chunk(i)%value(:rows, time_slot)
-         at = at + rows
-         deallocate (store%chunk(i)%value)
-         store%chunk(i)%rows = 0
+         associate (chunk => store%chunk(i))
+            do j = 1, size(columns)
+               call move_rows(chunk%value(:chunk%rows, columns(j)), value(at + 1:at + chunk%rows, j))
+            end do
+            if (time_slot > 0) call move_rows(chunk%value(:chunk%rows, time_slot), stamps(at + 1:at + chunk%rows))
+            at = at + chunk%rows
+            deallocate (chunk%value)
+            chunk%rows = 0
+         end associate
       end do
       store%count = 0
    end subroutine take_columns
@@ -141,5 +189,19 @@ contains
                                  .and. size(store%chunk(1)%value, 2) == size(columns)
       if (is_record) is_record = all(columns == [(j, j=1, size(columns))])
    end function is_record
+
+   !> Copies rows, by several threads: the first touch of the memory takes longer than the copying.
+   subroutine move_rows(from, to)
+      real(dp), intent(in), contiguous :: from(:)
+      real(dp), intent(inout), contiguous :: to(:)
+      integer(int64) :: first, last
+
+      !$omp parallel do schedule(static) private(last) if(size(from, kind=int64) > moved_rows)
+      do first = 1, size(from, kind=int64), moved_rows
+         last = min(first + moved_rows - 1, size(from, kind=int64))
+         to(first:last) = from(first:last)
+      end do
+      !$omp end parallel do
+   end subroutine move_rows
 
 end module gyroakf_io_store

@@ -1,24 +1,52 @@
 ! SPDX-License-Identifier: MIT
-!> The rows of a table in text, read into its store.
+!> The rows of a table in text, read into its store by several threads.
+!>
+!> A block of the file is cut into pieces of equal length. Each thread reads a piece of a regular file into its place, and the whole
+!> lines within it; then the lines that lie on the borders are read; then the rows of all these spans are joined in their order.
+!> What is read does not depend on the number of threads, nor on where the pieces are cut.
 module gyroakf_io_text_rows
-   use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
-   use gyroakf_kinds, only : dp, int64
+   use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_lines, only : line_end, lines_type, map_row, more_lines, next_line
+   use gyroakf_io_lines, only : check_length, end_last_line, line_end, lines_type, make_room, map_row, turn_returns
+   use gyroakf_io_number, only : digits_ahead
    use gyroakf_io_place, only : integer_text, place_error
-   use gyroakf_io_rows, only : parse_rows, problem_type, read_row
+   use gyroakf_io_rows, only : layout_type, problem_type, read_row
+   use gyroakf_io_source, only : has_places, read_block, read_piece, source_left
+   use gyroakf_io_span, only : read_span, span_type
    use gyroakf_io_stamp_columns, only : make_points
    use gyroakf_io_store, only : count_rows, next_chunk
    use gyroakf_io_table, only : table_options, table_type
-   use gyroakf_io_text, only : fields_type, first_visible, is_comment
+   use gyroakf_io_text, only : fields_type
+   use gyroakf_progress, only : progress_type, tell_progress
    implicit none (type, external)
    private
    public :: read_rows
 
+   !> Bytes of a piece: text and numbers stay in a core's cache. Bytes of a block at most: pieces for 32 threads
+   integer(int64), parameter :: piece_size = 131072, block_size = 32*piece_size
+   !> Bytes that a file may have grown by within a line, see [[end_last_line]]
+   integer(int64), parameter :: reserve = 4096
+   integer(int8), parameter :: line_feed = 10
+
+   !> A block of bytes: pieces of new bytes behind those that are at hand
+   type :: block_type
+      !> First and last of the new bytes
+      integer(int64) :: first = 1, last = 0
+      !> True where the pieces are to be read by the threads, from this place of the source on
+      logical :: by_pieces = .false.
+      integer(int64) :: offset = 0
+      !> What the pieces delivered
+      integer(int64), allocatable :: got(:)
+      logical, allocatable :: failed(:)
+      !> Spans: 2k is within piece k, 2k - 1 lies before it and the last one behind the last piece
+      integer :: pieces = 0
+      type(span_type), allocatable :: span(:)
+   end type block_type
+
 contains
 
    !> Reads rows into the store until it has as many as wanted, or a few more, or there are no more.
-   subroutine read_rows(lines, options, most, table, error)
+   subroutine read_rows(lines, options, most, table, error, progress)
       !> Of [[begin_table]]
       type(lines_type), intent(inout) :: lines
       !> What is wanted
@@ -27,67 +55,299 @@ contains
       integer(int64), intent(in) :: most
       !> Its store grows
       type(table_type), intent(inout) :: table
-      !> Allocated on failure: io, parse, no_memory
+      !> Allocated on failure: io, parse, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      type(fields_type) :: fields
-      integer(int64) :: rows
-      integer :: failed
-      logical :: odd
+      !> Told the bytes that were read
+      class(progress_type), intent(inout), optional :: progress
+      type(block_type) :: block
+      integer(int64) :: missing
 
-      do while (count_rows(table%store) < most)
-         call more_lines(lines, error)
+      allocate (block%got(0), block%failed(0))
+      do
+         missing = most - count_rows(table%store)
+         if (missing <= 0) return
+         call tell_progress("reading", lines%source%delivered, lines%source%length, error, progress)
          if (allocated(error)) return
-         table%whole = lines%at > lines%last
-         if (table%whole) exit
-         if (table%layout%commas /= 0) call make_points(lines%bytes, lines%at, lines%last, table%layout%commas)
-         call next_chunk(table%store, table%layout%stored, failed)
-         if (failed /= 0) then
-            call fatal_error(error, status%no_memory, table%name//": no memory for more than "//integer_text(table%rows)//" rows")
-            return
-         end if
-         associate (chunk => table%store%chunk(table%store%count))
-            rows = chunk%rows
-            call parse_rows(lines%bytes, lines%at, lines%last, table%layout, chunk%value, chunk%rows, odd)
-            lines%number = lines%number + chunk%rows - rows
-            table%rows = table%rows + chunk%rows - rows
-         end associate
-         if (odd) call take_odd_line(lines, options, table, fields, error)
+         table%whole = lines%ended .and. lines%at > lines%filled
+         if (table%whole) return
+         call begin_block(lines, wanted_bytes(lines, table, missing), block, error)
+         if (.not. allocated(error)) call read_pieces(lines, options, table, block)
+         if (.not. allocated(error) .and. block%by_pieces) call take_bytes(lines, block, error)
+         if (.not. allocated(error)) call read_borders(lines, options, table, block)
+         if (.not. allocated(error)) call join_spans(lines, missing, table, block, error)
          if (allocated(error)) return
       end do
    end subroutine read_rows
 
-   !> Reads the line at hand, whatever it is.
-   subroutine take_odd_line(lines, options, table, fields, error)
+   !> Bytes of the next block: for so many rows, by the length of those that were read.
+   pure integer(int64) function wanted_bytes(lines, table, rows) result(bytes)
+      type(lines_type), intent(in) :: lines
+      type(table_type), intent(in) :: table
+      integer(int64), intent(in) :: rows
+      integer(int64) :: row_bytes
+
+      row_bytes = 24
+      if (table%rows > 0) row_bytes = max(2_int64, lines%source%delivered/table%rows)
+      bytes = block_size
+      if (rows < block_size/row_bytes) bytes = max(piece_size, rows*row_bytes)
+   end function wanted_bytes
+
+   !> Decides on the next block; reads it where that cannot be left to the threads.
+   subroutine begin_block(lines, wanted, block, error)
+      type(lines_type), intent(inout) :: lines
+      integer(int64), intent(in) :: wanted
+      type(block_type), intent(inout) :: block
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: got
+
+      block%by_pieces = .false.
+      if (lines%last >= lines%at) then
+         block%first = lines%at
+      else
+         call make_room(lines, wanted + reserve, error)
+         if (allocated(error)) return
+         block%first = lines%filled + 1
+         block%by_pieces = has_places(lines%source)
+         if (.not. block%by_pieces) then
+            call read_block(lines%source, lines%bytes(block%first:lines%filled + wanted), got, error)
+            if (allocated(error)) return
+            lines%filled = lines%filled + got
+            lines%ended = got < wanted
+            if (lines%ended) call end_last_line(lines, error)
+            if (allocated(error)) return
+         end if
+      end if
+      block%last = lines%filled
+      block%offset = lines%source%delivered
+      if (block%by_pieces) block%last = block%first - 1 + min(wanted, source_left(lines%source))
+      block%pieces = int((block%last - block%first + piece_size)/piece_size)
+      call provide_spans(block)
+   end subroutine begin_block
+
+   !> Spans for all pieces and borders; those that are there keep their room.
+   subroutine provide_spans(block)
+      type(block_type), intent(inout) :: block
+      type(span_type), allocatable :: more(:)
+      integer :: i
+
+      if (size(block%got) < block%pieces) then
+         deallocate (block%got, block%failed)
+         allocate (block%got(block%pieces), block%failed(block%pieces))
+      end if
+      if (.not. allocated(block%span)) allocate (block%span(0))
+      if (size(block%span) > 2*block%pieces) return
+      allocate (more(2*block%pieces + 1))
+      do i = 1, size(block%span)
+         call move_alloc(block%span(i)%value, more(i)%value)
+         call move_alloc(block%span(i)%row, more(i)%row)
+      end do
+      call move_alloc(more, block%span)
+   end subroutine provide_spans
+
+   !> Reads the pieces and the whole lines within them.
+   subroutine read_pieces(lines, options, table, block)
       type(lines_type), intent(inout) :: lines
       type(table_options), intent(in) :: options
-      type(table_type), intent(inout) :: table
-      type(fields_type), intent(inout) :: fields
-      type(error_type), allocatable, intent(out) :: error
-      type(problem_type) :: problem
-      real(dp) :: row(table%layout%stored)
-      integer(int64) :: last
+      type(table_type), intent(in) :: table
+      type(block_type), intent(inout) :: block
+      integer(int64) :: first, last
+      integer :: k
 
-      last = line_end(lines)
-      if (first_visible(lines%bytes, lines%at, last) > last .or. is_comment(lines%bytes, lines%at, last)) then
-         call map_row(table%map, table%rows + 1, lines%number + 1)
-      else
-         call read_row(lines%bytes, lines%at, last, table%layout, fields, row, problem)
-         if (problem%found .and. .not. options%bad_lines_missing) then
-            call place_error(error, table%name, lines%number, lines%bytes, lines%at, last, problem%at, problem%what, problem%advice)
+      !$omp parallel do schedule(dynamic) private(first, last) if(block%pieces > 1)
+      do k = 1, block%pieces
+         first = block%first + (k - 1)*piece_size
+         last = min(first + piece_size - 1, block%last)
+         if (block%by_pieces) then
+            call read_piece(lines%source, block%offset + first - block%first, lines%bytes(first:last), block%got(k), &
+                            block%failed(k))
+            last = first - 1 + block%got(k)
+         end if
+         if (lines%only_returns) call turn_returns(lines%bytes(first:last))
+         call find_lines(lines%bytes, first, last, block%span(2*k)%first, block%span(2*k)%last)
+         call read_lines(lines%bytes, table%layout, options%bad_lines_missing, block%span(2*k))
+      end do
+      !$omp end parallel do
+   end subroutine read_pieces
+
+   !> Reads the lines of a span, decimal commas becoming points.
+   subroutine read_lines(bytes, layout, bad_lines_missing, span)
+      integer(int8), intent(inout), contiguous :: bytes(:)
+      type(layout_type), intent(in) :: layout
+      logical, intent(in) :: bad_lines_missing
+      type(span_type), intent(inout) :: span
+
+      if (layout%commas /= 0 .and. span%last >= span%first) call make_points(bytes, span%first, span%last, layout%commas)
+      call read_span(bytes, layout, bad_lines_missing, span)
+   end subroutine read_lines
+
+   !> The lines behind the first line feed of a piece; the last ones are left out where they are nearer to its end than
+   !> the search for digits looks ahead.
+   pure subroutine find_lines(bytes, first, last, from, to)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      integer(int64), intent(out) :: from, to
+
+      to = last - digits_ahead
+      do from = first, to
+         if (bytes(from) == line_feed) exit
+      end do
+      from = from + 1
+      do to = to, from, -1
+         if (bytes(to) == line_feed) exit
+      end do
+   end subroutine find_lines
+
+   !> What the threads read of the file becomes part of the lines.
+   subroutine take_bytes(lines, block, error)
+      type(lines_type), intent(inout) :: lines
+      type(block_type), intent(in) :: block
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: got, wanted
+      integer :: k
+
+      got = 0
+      do k = 1, block%pieces
+         if (block%failed(k)) then
+            call fatal_error(error, status%io, lines%source%name//": cannot be read")
             return
          end if
-         if (problem%found) then
-            row = ieee_value(1.0_dp, ieee_quiet_nan)
-            table%bad_lines = table%bad_lines + 1
-            if (table%first_bad_line == 0) table%first_bad_line = lines%number
-         end if
-         associate (chunk => table%store%chunk(table%store%count))
-            chunk%rows = chunk%rows + 1
-            chunk%value(chunk%rows, :) = row
+         got = got + block%got(k)
+         if (block%got(k) < piece_size) exit
+      end do
+      wanted = block%last - block%first + 1
+      lines%source%delivered = lines%source%delivered + got
+      lines%filled = lines%filled + got
+      call check_length(lines, wanted, got, error)
+      if (allocated(error)) return
+      lines%ended = source_left(lines%source) == 0
+      if (lines%ended) call end_last_line(lines, error)
+   end subroutine take_bytes
+
+   !> Reads the lines between those that the pieces hold; none is left but what may be the start of a line.
+   subroutine read_borders(lines, options, table, block)
+      type(lines_type), intent(inout) :: lines
+      type(table_options), intent(in) :: options
+      type(table_type), intent(in) :: table
+      type(block_type), intent(inout) :: block
+      integer(int64) :: at, feed
+      integer :: k
+
+      lines%bytes(lines%filled + 1:lines%filled + digits_ahead) = line_feed
+      at = lines%at
+      do k = 1, block%pieces
+         associate (border => block%span(2*k - 1), within => block%span(2*k))
+            border%first = at
+            border%last = at - 1
+            if (within%last < within%first) cycle
+            border%last = within%first - 1
+            at = within%last + 1
          end associate
-         table%rows = table%rows + 1
+      end do
+      do feed = lines%filled, max(at, block%first), -1
+         if (lines%bytes(feed) == line_feed) exit
+      end do
+      if (feed < max(at, block%first)) feed = at - 1
+      block%span(2*block%pieces + 1)%first = at
+      block%span(2*block%pieces + 1)%last = feed
+      !$omp parallel do schedule(dynamic) if(block%pieces > 1)
+      do k = 1, 2*block%pieces + 1, 2
+         call read_lines(lines%bytes, table%layout, options%bad_lines_missing, block%span(k))
+      end do
+      !$omp end parallel do
+      lines%at = feed + 1
+      lines%last = feed
+   end subroutine read_borders
+
+   !> Puts the rows of the spans behind those of the store, up to the first line that cannot be read.
+   subroutine join_spans(lines, missing, table, block, error)
+      type(lines_type), intent(inout) :: lines
+      integer(int64), intent(in) :: missing
+      type(table_type), intent(inout) :: table
+      type(block_type), intent(in) :: block
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: rows, before(2*block%pieces + 1)
+      integer :: k, i, failed
+
+      rows = 0
+      failed = 0
+      do k = 1, 2*block%pieces + 1
+         associate (span => block%span(k))
+            before(k) = rows
+            rows = rows + span%rows
+            do i = 1, span%map%count
+               call map_row(table%map, table%rows + span%map%row(i), lines%number - 1 + span%map%line(i))
+            end do
+            if (table%bad_lines == 0 .and. span%bad_lines > 0) table%first_bad_line = lines%number - 1 + span%first_bad_line
+            table%bad_lines = table%bad_lines + span%bad_lines
+            table%rows = table%rows + span%rows
+            lines%number = lines%number + span%lines
+            if (span%problem_at > 0) then
+               call explain_problem(lines, table, span%problem_at, error)
+               return
+            end if
+            if (span%no_memory) failed = 1
+         end associate
+      end do
+      if (rows == 0 .and. failed == 0) return
+      if (failed == 0) call next_chunk(table%store, table%layout%stored, failed, rows, expected_rows(lines, table, rows, missing))
+      if (failed /= 0) then
+         call fatal_error(error, status%no_memory, table%name//": no memory for more than "//integer_text(table%rows)//" rows")
+         return
       end if
-      call next_line(lines)
-   end subroutine take_odd_line
+      associate (chunk => table%store%chunk(table%store%count))
+         !$omp parallel do schedule(dynamic) if(block%pieces > 1)
+         do k = 1, 2*block%pieces + 1
+            call copy_rows(block%span(k), chunk%rows + before(k), chunk%value)
+         end do
+         !$omp end parallel do
+         chunk%rows = chunk%rows + rows
+      end associate
+   end subroutine join_spans
+
+   !> Copies the rows of a span behind a row of a chunk.
+   pure subroutine copy_rows(span, before, value)
+      type(span_type), intent(in) :: span
+      integer(int64), intent(in) :: before
+      real(dp), intent(inout), contiguous :: value(:, :)
+      integer :: j
+
+      do j = 1, merge(size(value, 2), 0, span%rows > 0)
+         value(before + 1:before + span%rows, j) = span%value(:span%rows, j)
+      end do
+   end subroutine copy_rows
+
+   !> So many rows may be to come, those of this block included, but not many more than are wanted.
+   pure integer(int64) function expected_rows(lines, table, rows, missing) result(expected)
+      type(lines_type), intent(in) :: lines
+      type(table_type), intent(in) :: table
+      integer(int64), intent(in) :: rows, missing
+      real(dp) :: left
+
+      expected = table%rows
+      if (has_places(lines%source)) then
+         left = real(source_left(lines%source), dp)*real(table%rows, dp)/real(max(lines%source%delivered, 1_int64), dp)
+         expected = rows + int(1.02_dp*left, int64) + 64
+      end if
+      if (missing < expected) expected = max(rows, missing + missing/4)
+      if (lines%ended) expected = rows
+   end function expected_rows
+
+   !> The message for a line that cannot be read, which is that with the number `lines%number`.
+   subroutine explain_problem(lines, table, at, error)
+      type(lines_type), intent(inout) :: lines
+      type(table_type), intent(in) :: table
+      integer(int64), intent(in) :: at
+      type(error_type), allocatable, intent(out) :: error
+      type(fields_type) :: fields
+      type(problem_type) :: problem
+      real(dp), allocatable :: row(:)
+      integer(int64) :: last
+
+      allocate (row(table%layout%stored))
+      lines%at = at
+      last = line_end(lines)
+      call read_row(lines%bytes, at, last, table%layout, fields, row, problem, .true.)
+      call place_error(error, table%name, lines%number, lines%bytes, at, last, problem%at, problem%what, problem%advice)
+   end subroutine explain_problem
 
 end module gyroakf_io_text_rows

@@ -1,0 +1,136 @@
+! SPDX-License-Identifier: MIT
+!> Some whole lines of a table, read into rows of their own: what a thread does.
+!>
+!> Nothing here builds a text or keeps a state, so that any number of spans can be read at a time; what is wrong with a line is
+!> said by who puts the spans together, for the first in the order of the file only.
+module gyroakf_io_span
+   use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_io_lines, only : line_map_type, map_row
+   use gyroakf_io_rows, only : layout_type, parse_rows, problem_type, read_row
+   use gyroakf_io_text, only : fields_type, first_visible, is_comment
+   implicit none (type, external)
+   private
+   public :: span_type, read_span
+
+   !> Rows of some lines; its arrays are used again for the next lines
+   type :: span_type
+      !> The lines are in first:last, last being a line feed; there are none where last < first
+      integer(int64) :: first = 1, last = 0
+      !> Rows that were read, lines that were left behind
+      integer(int64) :: rows = 0, lines = 0
+      !> [row, stored column]; NaN where missing
+      real(dp), allocatable :: value(:, :)
+      !> Where rows stood, both counted from the start of the span
+      type(line_map_type) :: map
+      !> Lines that could not be read and count as missing, and the first of them, counted from the start of the span
+      integer(int64) :: bad_lines = 0, first_bad_line = 0
+      !> First byte of a line that could not be read, where nothing behind it was read; 0 where there is none
+      integer(int64) :: problem_at = 0
+      !> True where there was no memory for the rows
+      logical :: no_memory = .false.
+      !> Room for the fields and the numbers of one line
+      type(fields_type) :: fields
+      real(dp), allocatable :: row(:)
+   end type span_type
+
+   integer(int8), parameter :: line_feed = 10, carriage_return = 13
+
+contains
+
+   !> Reads the lines of a span.
+   subroutine read_span(bytes, layout, bad_lines_missing, span)
+      !> Holds the lines, and more bytes behind them
+      integer(int8), intent(in), contiguous :: bytes(:)
+      !> The columns
+      type(layout_type), intent(in) :: layout
+      !> Lines that cannot be read are missing samples
+      logical, intent(in) :: bad_lines_missing
+      !> `first` and `last` tell the lines; the rest is filled
+      type(span_type), intent(inout) :: span
+      integer(int64) :: at, before
+      logical :: odd
+
+      span%rows = 0
+      span%lines = 0
+      span%map%count = 0
+      span%bad_lines = 0
+      span%first_bad_line = 0
+      span%problem_at = 0
+      span%no_memory = .false.
+      at = span%first
+      do while (at <= span%last)
+         call provide_room(layout, at, span)
+         if (span%no_memory) return
+         before = span%rows
+         call parse_rows(bytes, at, span%last, layout, span%value, span%rows, odd)
+         span%lines = span%lines + span%rows - before
+         if (odd) call take_odd_line(bytes, at, layout, bad_lines_missing, span)
+         if (span%problem_at > 0) return
+      end do
+   end subroutine read_span
+
+   !> Room for one row more at least: a guess by the length of the lines at first, then by the rows so far.
+   pure subroutine provide_room(layout, at, span)
+      type(layout_type), intent(in) :: layout
+      integer(int64), intent(in) :: at
+      type(span_type), intent(inout) :: span
+      real(dp), allocatable :: longer(:, :)
+      integer(int64) :: room, row_bytes
+      integer :: failed
+
+      failed = 0
+      if (allocated(span%value)) then
+         if (span%rows < size(span%value, 1, kind=int64)) return
+         row_bytes = (at - span%first)/max(span%rows, 1_int64)
+         room = span%rows + 8 + (span%last - at)/max(row_bytes, 1_int64)
+      else
+         allocate (span%row(layout%stored), stat=failed)
+         room = 8 + (span%last - at)/max(20, 7*layout%columns)
+      end if
+      if (failed == 0) allocate (longer(room, layout%stored), stat=failed)
+      span%no_memory = failed /= 0
+      if (span%no_memory) return
+      if (span%rows > 0) longer(:span%rows, :) = span%value(:span%rows, :)
+      call move_alloc(longer, span%value)
+   end subroutine provide_room
+
+   !> Reads the line at a byte, whatever it is, and moves behind it.
+   subroutine take_odd_line(bytes, at, layout, bad_lines_missing, span)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(inout) :: at
+      type(layout_type), intent(in) :: layout
+      logical, intent(in) :: bad_lines_missing
+      type(span_type), intent(inout) :: span
+      type(problem_type) :: problem
+      integer(int64) :: feed, last
+
+      feed = at
+      do while (bytes(feed) /= line_feed)
+         feed = feed + 1
+      end do
+      last = feed - 1
+      if (last >= at) then
+         if (bytes(last) == carriage_return) last = last - 1
+      end if
+      if (first_visible(bytes, at, last) > last .or. is_comment(bytes, at, last)) then
+         call map_row(span%map, span%rows + 1, span%lines + 2)
+      else
+         call read_row(bytes, at, last, layout, span%fields, span%row, problem, .false.)
+         if (problem%found .and. .not. bad_lines_missing) then
+            span%problem_at = at
+            return
+         end if
+         if (problem%found) then
+            span%row(:) = ieee_value(1.0_dp, ieee_quiet_nan)
+            span%bad_lines = span%bad_lines + 1
+            if (span%first_bad_line == 0) span%first_bad_line = span%lines + 1
+         end if
+         span%rows = span%rows + 1
+         span%value(span%rows, :) = span%row
+      end if
+      at = feed + 1
+      span%lines = span%lines + 1
+   end subroutine take_odd_line
+
+end module gyroakf_io_span

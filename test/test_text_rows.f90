@@ -1,0 +1,366 @@
+! SPDX-License-Identifier: MIT
+!> Rows of text read by several threads: the same as by one, and as line by line; files that change while they are read.
+module test_text_rows
+   !$ use omp_lib, only : omp_get_max_threads, omp_set_num_threads
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
+   use testdrive, only : new_unittest, unittest_type, error_type, check, test_failed
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_io_lines, only : close_lines, line_of, lines_type, open_lines
+   use gyroakf_io_store, only : count_rows
+   use gyroakf_io_table, only : begin_table, table_options, table_type
+   use gyroakf_io_text_rows, only : read_rows
+   use scratch_file, only : remove_file, scratch_path, write_bytes
+   implicit none (type, external)
+   private
+   public :: collect_text_rows
+
+   character(1), parameter :: nl = new_line("a")
+   !> Kinds of lines, one of which is drawn for each line of [[odd_content]]
+   character(*), parameter :: kinds(12) = [character(24) :: "1.25,-3", "-0.5 2e3", " 7; 8", "nan,4", "5,NA", "# comment", "", &
+                                           "'1',""2""", ",3", "x 3", "1 2 3", "1.00000000000000001,2"]
+   !> What these lines hold; huge for missing
+   real(dp), parameter :: gone = huge(1.0_dp)
+   real(dp), parameter :: held(2, 12) = reshape([1.25_dp, -3.0_dp, -0.5_dp, 2000.0_dp, 7.0_dp, 8.0_dp, gone, 4.0_dp, 5.0_dp, gone, &
+      0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, 2.0_dp, gone, 3.0_dp, gone, gone, gone, gone, 1.0_dp, 2.0_dp], [2, 12])
+
+contains
+
+   !> Names the tests.
+   subroutine collect_text_rows(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         new_unittest("every-kind-of-line", test_every_kind), &
+         new_unittest("returns-only", test_returns), &
+         new_unittest("first-problem", test_first_problem), &
+         new_unittest("blank-lines", test_blank_lines), &
+         new_unittest("many-columns", test_many_columns), &
+         new_unittest("line-of-megabytes", test_huge_line), &
+         new_unittest("few-rows-at-a-time", test_few_rows), &
+         new_unittest("file-that-grows", test_growing), &
+         new_unittest("file-that-shrinks", test_shrinking)]
+   end subroutine collect_text_rows
+
+   !> Many lines of every kind, in an order drawn by a generator; begins with a plain one.
+   subroutine odd_content(lines, ending, content, kind)
+      integer, intent(in) :: lines
+      character(*), intent(in) :: ending
+      character(:), allocatable, intent(out) :: content
+      integer, allocatable, intent(out) :: kind(:)
+      integer(int64) :: state
+      integer :: i, at
+
+      allocate (character(26*lines) :: content)
+      allocate (kind(lines))
+      state = 4711
+      at = 0
+      do i = 1, lines
+         state = mod(state*48271_int64, 2147483647_int64)
+         kind(i) = 1 + int(mod(state/1000, 12_int64))
+         if (i == 1) kind(i) = 1
+         if (i > lines/2 .and. i < lines/2 + 20000) kind(i) = 1
+         content(at + 1:at + len_trim(kinds(kind(i))) + len(ending)) = trim(kinds(kind(i)))//ending
+         at = at + len_trim(kinds(kind(i))) + len(ending)
+      end do
+      content = content(:at)
+   end subroutine odd_content
+
+   !> Opens a file and reads what stands above its rows.
+   subroutine begin(lines, path, options, table, failed)
+      type(lines_type), intent(out) :: lines
+      character(*), intent(in) :: path
+      type(table_options), intent(in) :: options
+      type(table_type), intent(out) :: table
+      type(gyro_error), allocatable, intent(out) :: failed
+
+      call open_lines(lines, path, failed)
+      if (.not. allocated(failed)) call begin_table(lines, options, table, failed)
+   end subroutine begin
+
+   !> Reads a content with a number of threads.
+   subroutine read_with(content, threads, table, failed)
+      character(*), intent(in) :: content
+      integer, intent(in) :: threads
+      type(table_type), intent(out) :: table
+      type(gyro_error), allocatable, intent(out) :: failed
+      type(lines_type) :: lines
+      type(table_options) :: options
+      integer :: usual
+
+      usual = 1
+      !$ usual = omp_get_max_threads()
+      !$ call omp_set_num_threads(threads)
+      options%bad_lines_missing = index(content, "strict") == 0
+      call write_bytes(scratch_path("rows.txt"), content)
+      call begin(lines, scratch_path("rows.txt"), options, table, failed)
+      if (.not. allocated(failed)) call read_rows(lines, options, huge(1_int64), table, failed)
+      call close_lines(lines)
+      call remove_file(scratch_path("rows.txt"))
+      !$ call omp_set_num_threads(usual)
+   end subroutine read_with
+
+   !> A stored value by its row.
+   real(dp) function stored(table, row, column)
+      type(table_type), intent(in) :: table
+      integer(int64), intent(in) :: row
+      integer, intent(in) :: column
+      integer(int64) :: before
+      integer :: i
+
+      before = 0
+      stored = 0.0_dp
+      do i = 1, table%store%count
+         if (row <= before + table%store%chunk(i)%rows) then
+            stored = table%store%chunk(i)%value(row - before, column)
+            return
+         end if
+         before = before + table%store%chunk(i)%rows
+      end do
+   end function stored
+
+   !> Compares a table with the lines that were written.
+   subroutine compare(table, kind, error)
+      type(table_type), intent(in) :: table
+      integer, intent(in) :: kind(:)
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: row
+      integer :: i, j
+
+      call check(error, table%bad_lines, count(kind == 10 .or. kind == 11, kind=int64), "bad lines")
+      if (allocated(error)) return
+      call check(error, table%first_bad_line, int(findloc(kind == 10 .or. kind == 11, .true., 1), int64), "first bad line")
+      row = 0
+      do i = 1, size(kind)
+         if (allocated(error)) return
+         if (kind(i) == 6 .or. kind(i) == 7) cycle
+         row = row + 1
+         if (mod(i, 97) == 0 .or. i > size(kind) - 9) call check(error, line_of(table%map, row), int(i, int64), "line of a row")
+         do j = 1, 2
+            if (same(stored(table, row, j), held(j, kind(i)))) cycle
+            call test_failed(error, "a line '"//trim(kinds(kind(i)))//"' was read wrong")
+            return
+         end do
+      end do
+      if (.not. allocated(error)) call check(error, count_rows(table%store), row, "rows")
+   end subroutine compare
+
+   !> True for the same number, or NaN for one that is gone.
+   logical function same(x, y)
+      real(dp), intent(in) :: x, y
+
+      same = ieee_is_nan(x) .eqv. y >= gone
+      if (same .and. y < gone) same = abs(x - y) <= 0.0_dp
+   end function same
+
+   !> A million lines of every kind: line by line what was written, for any number of threads.
+   subroutine test_every_kind(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(table_type) :: table
+      type(gyro_error), allocatable :: failed
+      character(:), allocatable :: content
+      integer, allocatable :: kind(:)
+      integer :: threads
+
+      call odd_content(300000, nl, content, kind)
+      do threads = 1, 3
+         call read_with(content, threads, table, failed)
+         call check(error, .not. allocated(failed))
+         if (.not. allocated(error)) call compare(table, kind, error)
+         if (allocated(error)) return
+      end do
+   end subroutine test_every_kind
+
+   !> The same with the line ends of old systems, and with both characters.
+   subroutine test_returns(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(table_type) :: table
+      type(gyro_error), allocatable :: failed
+      character(:), allocatable :: content
+      integer, allocatable :: kind(:)
+
+      call odd_content(150000, achar(13), content, kind)
+      call read_with(content, 2, table, failed)
+      call check(error, .not. allocated(failed))
+      if (.not. allocated(error)) call compare(table, kind, error)
+      if (allocated(error)) return
+      call odd_content(150000, achar(13)//nl, content, kind)
+      call read_with(content, 2, table, failed)
+      call check(error, .not. allocated(failed))
+      if (.not. allocated(error)) call compare(table, kind, error)
+   end subroutine test_returns
+
+   !> Of several lines that cannot be read the first one is told, wherever the others are.
+   subroutine test_first_problem(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: lines = 400000
+      type(table_type) :: table
+      type(gyro_error), allocatable :: failed
+      character(:), allocatable :: content
+      integer :: at
+
+      content = "# strict"//nl//repeat("0.125 4"//nl, lines)
+      at = lines
+      do while (at > 10)
+         content(8 + 8*at:8 + 8*at) = "x"
+         call read_with(content, 2, table, failed)
+         call check(error, allocated(failed))
+         if (allocated(error)) return
+         call check(error, index(failed%message, place(at + 1)//": 'x' is not a number") > 0, failed%message)
+         if (allocated(error)) return
+         at = at/3
+      end do
+   end subroutine test_first_problem
+
+   !> ":12:7" for line 12.
+   pure function place(line) result(text)
+      integer, intent(in) :: line
+      character(16) :: room
+      character(:), allocatable :: text
+
+      write (room, "(a, i0, a)") ":", line, ":7"
+      text = trim(room)
+   end function place
+
+   !> A million blank lines in the midst take one entry in the map of lines.
+   subroutine test_blank_lines(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(table_type) :: table
+      type(gyro_error), allocatable :: failed
+
+      call read_with("1 2"//nl//repeat(nl, 1000000)//"3 4"//nl//"5 6", 2, table, failed)
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      call check(error, count_rows(table%store), 3_int64)
+      if (allocated(error)) return
+      call check(error, line_of(table%map, 2_int64), 1000002_int64)
+      if (allocated(error)) return
+      call check(error, line_of(table%map, 3_int64), 1000003_int64)
+      if (allocated(error)) return
+      call check(error, table%map%count <= 2)
+   end subroutine test_blank_lines
+
+   !> Rows longer than a piece; ten thousand columns.
+   subroutine test_many_columns(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: columns = 10000
+      type(table_type) :: table
+      type(gyro_error), allocatable :: failed
+      character(20*columns) :: line
+      integer :: j
+
+      do j = 1, columns
+         write (line(20*j - 19:20*j), "(i17, 3x)") j
+      end do
+      call read_with(repeat(line//nl, 20), 2, table, failed)
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      call check(error, count_rows(table%store), 20_int64)
+      if (allocated(error)) return
+      do j = 1, columns
+         call check(error, abs(stored(table, 1_int64, j) - j) + abs(stored(table, 20_int64, j) - j) <= 0.0_dp)
+         if (allocated(error)) return
+      end do
+   end subroutine test_many_columns
+
+   !> A line of 20 MB, longer than any block.
+   subroutine test_huge_line(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(table_type) :: table
+      type(gyro_error), allocatable :: failed
+
+      call read_with("1 2"//nl//"3"//repeat(" ", 20000000)//"4"//nl//"5 6", 2, table, failed)
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      call check(error, count_rows(table%store), 3_int64)
+      if (allocated(error)) return
+      call check(error, abs(stored(table, 2_int64, 2) - 4) + abs(stored(table, 3_int64, 2) - 6) <= 0.0_dp)
+   end subroutine test_huge_line
+
+   !> Rows can be asked for in parts; what is not asked for stays in the file.
+   subroutine test_few_rows(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(table_type) :: table
+      type(lines_type) :: lines
+      type(table_options) :: options
+      type(gyro_error), allocatable :: failed
+      integer(int64) :: rows
+      integer :: calls
+
+      call write_bytes(scratch_path("parts.txt"), repeat("1.5"//nl, 1000000))
+      call begin(lines, scratch_path("parts.txt"), options, table, failed)
+      rows = 0
+      do calls = 1, 1000
+         call read_rows(lines, options, 1000_int64, table, failed)
+         if (allocated(failed) .or. count_rows(table%store) == 0) exit
+         rows = rows + count_rows(table%store)
+         table%store%count = 0
+      end do
+      call close_lines(lines)
+      call remove_file(scratch_path("parts.txt"))
+      call check(error, .not. allocated(failed) .and. table%whole)
+      if (allocated(error)) return
+      call check(error, rows, 1000000_int64)
+      if (allocated(error)) return
+      call check(error, calls > 5)
+   end subroutine test_few_rows
+
+   !> Opens a file, appends to it or writes it anew, reads it.
+   subroutine read_changed(before, after, anew, table, failed)
+      character(*), intent(in) :: before, after
+      logical, intent(in) :: anew
+      type(table_type), intent(out) :: table
+      type(gyro_error), allocatable, intent(out) :: failed
+      type(lines_type) :: lines
+      type(table_options) :: options
+      integer :: unit
+
+      call write_bytes(scratch_path("changed.txt"), before)
+      call begin(lines, scratch_path("changed.txt"), options, table, failed)
+      if (anew) call write_bytes(scratch_path("changed.txt"), after)
+      if (.not. anew) then
+         open (newunit=unit, file=scratch_path("changed.txt"), access="stream", form="unformatted", status="old", action="write", &
+               position="append")
+         write (unit) after
+         close (unit)
+      end if
+      if (.not. allocated(failed)) call read_rows(lines, options, huge(1_int64), table, failed)
+      call close_lines(lines)
+      call remove_file(scratch_path("changed.txt"))
+   end subroutine read_changed
+
+   !> A file is read to the length that it had, and to the end of the line that this cuts.
+   subroutine test_growing(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: lines = 300000
+      type(table_type) :: table
+      type(gyro_error), allocatable :: failed
+
+      call read_changed(repeat("1.5"//nl, lines), "2.5"//nl//"3.5"//nl, .false., table, failed)
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      call check(error, count_rows(table%store), int(lines, int64))
+      if (allocated(error)) return
+      call read_changed(repeat("1.5"//nl, lines)//"2", ".5"//nl//"3.5"//nl, .false., table, failed)
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      call check(error, count_rows(table%store), int(lines + 1, int64))
+      if (allocated(error)) return
+      call check(error, abs(stored(table, int(lines + 1, int64), 1) - 2.5_dp) <= 0.0_dp)
+   end subroutine test_growing
+
+   !> A file that was cut is refused: what was cut cannot be known.
+   subroutine test_shrinking(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(table_type) :: table
+      type(gyro_error), allocatable :: failed
+
+      call read_changed(repeat("1.5"//nl, 300000), repeat("1.5"//nl, 200000), .true., table, failed)
+      call check(error, allocated(failed))
+      if (allocated(error)) return
+      call check(error, failed%code, status%io)
+      if (allocated(error)) return
+      call check(error, index(failed%message, ": the file became shorter while it was read: 800000 of 1200000 bytes") > 0)
+   end subroutine test_shrinking
+
+end module test_text_rows
