@@ -12,6 +12,7 @@
 #   GYROAKF_PLOTS=1     install gnuplot too (figures)
 #   GYROAKF_LINT=1      install fortitude too (style checks)
 #   GYROAKF_FUZZ=1      install clang too (libFuzzer for ci/fuzz)
+#   GYROAKF_HDF5=1      install the HDF5 library too (ci/hdf5.sh builds with it)
 # shellcheck disable=SC2016,SC2086  # lists of words are split on purpose
 set -eu
 root=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd)
@@ -66,6 +67,8 @@ if { [ -n "$own_fpm" ] && ! is_fpm "$venv/bin/fpm"; } ||
 fi
 [ -z "${GYROAKF_PLOTS:-}" ] || have gnuplot || need="$need gnuplot"
 [ -z "${GYROAKF_FUZZ:-}" ] || "$root/ci/fuzz/clang.sh" >/dev/null || need="$need clang"
+[ -z "${GYROAKF_HDF5:-}" ] || { have pkg-config && { pkg-config --exists hdf5 || pkg-config --exists hdf5_fortran; }; } ||
+  need="$need hdf5"
 
 # --- packages of the system ------------------------------------------------------------------
 if [ -n "$need" ]; then
@@ -84,6 +87,7 @@ if [ -n "$need" ]; then
         add clang
         # where the sanitizers' libraries are a package of their own
         ! apt-cache show libclang-rt-dev >/dev/null 2>&1 || add libclang-rt-dev ;;
+      hdf5) add libhdf5-dev pkg-config ;;
     esac; done
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $list >&2 ||
       die "not installed; please run as root: apt-get install$list"
@@ -95,11 +99,12 @@ if [ -n "$need" ]; then
       python) add python3 python3-pip ;;
       gnuplot) add gnuplot ;;
       clang) add clang compiler-rt ;;
+      hdf5) add hdf5-devel pkgconf-pkg-config ;;
     esac; done
     as_root dnf install -y $list >&2 || die "not installed; please run as root: dnf install$list"
   elif have brew; then
     for n in $need; do case $n in
-      compiler) add gcc ;; clang) add llvm ;; *) add "$n" ;;
+      compiler) add gcc ;; clang) add llvm ;; hdf5) add hdf5 pkg-config ;; *) add "$n" ;;
     esac; done
     brew install $list >&2
   elif have mamba || have conda; then

@@ -48,21 +48,22 @@ contains
                        "numpy.save('x.npy', h5py.File('"//path//"')['DATASET'][:])")
    end subroutine open_hdf5
 
-   !> Reads a part: entries first to first + size(value) - 1 of one side, at one index of the other.
-   subroutine read_hdf5(hdf5, side, other, first, value, error)
+   !> Reads a part: entries first to first + count - 1 of one side, and from:to of the other; the last side in the order of C
+   !> runs fastest.
+   subroutine read_hdf5(hdf5, side, first, count, from, to, value, error)
       !> Open
       type(hdf5_type), intent(in) :: hdf5
       !> The side that the entries are counted along, 1 or 2
       integer, intent(in) :: side
-      !> Index on the other side, and of the first entry; both from 1
-      integer(int64), intent(in) :: other, first
-      !> Filled
+      !> From 1
+      integer(int64), intent(in) :: first, count, from, to
+      !> [count*(to - from + 1)] filled
       real(dp), intent(inout), contiguous :: value(:)
       !> Allocated: not_supported
       type(error_type), allocatable, intent(out) :: error
 
       call fatal_error(error, status%not_supported, "this build reads no HDF5")
-      if (hdf5%file + first + other + side < 0) value = 0.0_dp
+      if (hdf5%file + first + count + from + to + side < 0) value = 0.0_dp
    end subroutine read_hdf5
 
    !> Closes the file; harmless where it is closed.

@@ -3,6 +3,7 @@
 module gyroakf_io_hdf5_rows
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_element, only : drop_infinite
    use gyroakf_io_hdf5, only : hdf5_type, open_hdf5, read_hdf5
    use gyroakf_io_opening, only : orient, tell_integer
    use gyroakf_io_place, only : integer_text
@@ -15,6 +16,9 @@ module gyroakf_io_hdf5_rows
    implicit none (type, external)
    private
    public :: begin_hdf5, read_hdf5_rows
+
+   !> Values that are read at once
+   integer(int64), parameter :: block_values = 1048576
 
 contains
 
@@ -83,7 +87,7 @@ contains
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: rows, n
-      integer :: failed, side, j, slot
+      integer :: failed, side
 
       rows = maxval(hdf5%shape(:hdf5%rank))
       side = maxloc(hdf5%shape(:hdf5%rank), dim=1)
@@ -97,20 +101,58 @@ contains
             call fatal_error(error, status%no_memory, table%name//": no memory for "//integer_text(n)//" rows")
             return
          end if
-         associate (chunk => table%store%chunk(table%store%count))
-            do j = 1, table%layout%columns
-               call tell_progress("reading", table%rows, rows, error, progress)
-               if (allocated(error)) return
-               slot = table%layout%slot(j)
-               if (slot == 0) cycle
-               call read_hdf5(hdf5, side, int(j, int64), table%rows + 1, chunk%value(:, slot), error)
-               if (allocated(error)) return
-            end do
-            chunk%rows = n
-         end associate
+         call fill_chunk(hdf5, side, n, table, rows, error, progress)
+         if (allocated(error)) return
          table%rows = table%rows + n
          table%whole = table%rows == rows
       end do
    end subroutine read_hdf5_rows
+
+   !> Fills the last chunk, in blocks of all columns that are wanted where these lie together.
+   subroutine fill_chunk(hdf5, side, n, table, rows, error, progress)
+      type(hdf5_type), intent(in) :: hdf5
+      !> The side that is the time, its part that is read, and its length
+      integer, intent(in) :: side
+      integer(int64), intent(in) :: n, rows
+      type(table_type), intent(inout) :: table
+      type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
+      real(dp), allocatable :: room(:)
+      integer(int64) :: at, part, from, to, width
+      integer :: j, slot, failed
+
+      from = findloc(table%layout%slot > 0, .true., dim=1)
+      to = findloc(table%layout%slot > 0, .true., dim=1, back=.true.)
+      width = merge(to - from + 1, 1_int64, side == 1)
+      part = max(1_int64, block_values/width)
+      allocate (room(width*min(part, n)), stat=failed)
+      if (failed /= 0) then
+         call fatal_error(error, status%no_memory, table%name//": no memory for "//integer_text(width)//" columns")
+         return
+      end if
+      associate (chunk => table%store%chunk(table%store%count))
+         at = 0
+         do while (at < n)
+            part = min(part, n - at)
+            call tell_progress("reading", table%rows + at, rows, error, progress)
+            if (allocated(error)) return
+            if (side == 1) call read_hdf5(hdf5, side, table%rows + at + 1, part, from, to, room(:width*part), error)
+            do j = 1, table%layout%columns
+               if (allocated(error)) return
+               slot = table%layout%slot(j)
+               if (slot == 0) cycle
+               if (side == 1) then
+                  chunk%value(at + 1:at + part, slot) = room(j - from + 1:width*part:width)
+               else
+                  call read_hdf5(hdf5, side, table%rows + at + 1, part, int(j, int64), int(j, int64), &
+                                 chunk%value(at + 1:at + part, slot), error)
+               end if
+               call drop_infinite(chunk%value(at + 1:at + part, slot))
+            end do
+            at = at + part
+         end do
+         chunk%rows = n
+      end associate
+   end subroutine fill_chunk
 
 end module gyroakf_io_hdf5_rows
