@@ -8,6 +8,7 @@
 module gyroakf_io_audit
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_io_scan, only : scan_extremes
    use gyroakf_record, only : audit_type
    implicit none (type, external)
    private
@@ -374,7 +375,7 @@ contains
             audit%missing = audit%missing + audit%samples - sum(int(present_mask(:, j), int64))
             call extremes(value(:, j), audit%minimum(j), audit%maximum(j), audit%quantisation(j), present_mask(:, j))
          else
-            call extremes(value(:, j), audit%minimum(j), audit%maximum(j), audit%quantisation(j))
+            call scan_extremes(value(:, j), audit%minimum(j), audit%maximum(j), audit%quantisation(j))
          end if
       end do
    end subroutine audit_values
@@ -383,7 +384,7 @@ contains
    pure subroutine extremes(x, low, high, step, mask)
       real(dp), intent(in), contiguous :: x(:)
       real(dp), intent(out) :: low, high, step
-      integer(int8), intent(in), optional :: mask(:)
+      integer(int8), intent(in) :: mask(:)
       real(dp) :: change
       integer(int64) :: i, before
 
@@ -391,15 +392,11 @@ contains
       high = -huge(high)
       step = huge(step)
       do i = 1, size(x, kind=int64)
-         if (present(mask)) then
-            if (mask(i) == 0) cycle
-         end if
+         if (mask(i) == 0) cycle
          low = min(low, x(i))
          high = max(high, x(i))
          before = max(i - 1, 1_int64)
-         if (present(mask)) then
-            if (mask(before) == 0) cycle
-         end if
+         if (mask(before) == 0) cycle
          change = abs(x(i) - x(before))
          if (change > 0.0_dp) step = min(step, change)
       end do

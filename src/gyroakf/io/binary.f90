@@ -45,7 +45,7 @@ module gyroakf_io_binary
 
    !> Bytes that are converted at once: they stay in the cache
    integer(int64), parameter :: block_bytes = 262144
-   !> Rows of a chunk where the time is taken out of it, so that the record is not held twice
+   !> Rows of a chunk that is copied later: the record is not held twice then; so many values where they come through a pipe
    integer(int64), parameter :: part_rows = 1048576
    !> Values between two reports of progress
    integer(int64), parameter :: slice_values = 8388608
@@ -75,7 +75,9 @@ contains
          held = count_rows(table%store)
          if (held >= most) return
          rows = max(chunk_rows, most - held)
-         if (binary%descriptor < 0 .and. .not. one_piece(binary)) rows = chunk_rows
+         if (binary%descriptor < 0 .and. .not. one_piece(binary)) then
+            rows = max(1_int64, min(chunk_rows, part_rows/table%layout%stored))
+         end if
          if (table%layout%stored > size(table%chosen) .and. binary%descriptor >= 0) rows = min(rows, part_rows)
          if (binary%rows >= 0) rows = min(rows, binary%rows - binary%row)
          if (one_piece(binary) .and. binary%descriptor < 0) then

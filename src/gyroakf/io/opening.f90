@@ -43,9 +43,9 @@ contains
       binary%element = element
       binary%columns = channels
       binary%first = options%skip
-      row_bytes = channels*element%bytes
       call begin_numbers(source%name, channels, options, table, error)
       if (allocated(error)) return
+      row_bytes = channels*element%bytes
       call tell_integer(element, table)
       if (source%length > 0) then
          rest = source%length - options%skip

@@ -7,6 +7,7 @@ module gyroakf_io_shape
    use gyroakf_io_audit, only : gap_type
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_place, only : integer_text
+   use gyroakf_io_scan, only : all_sound
    use gyroakf_record, only : record_type
    use gyroakf_units, only : angle_to_rate_unit
    implicit none (type, external)
@@ -64,6 +65,7 @@ contains
       integer :: j, failed
 
       do j = 1, size(record%value, 2)
+         if (all_sound(record%value(:, j), largest)) cycle
          do i = 1, size(record%value, 1, kind=int64)
             if (.not. ieee_is_nan(record%value(i, j))) then
                if (abs(record%value(i, j)) <= largest) cycle
