@@ -8,7 +8,7 @@ module test_summary
    use gyroakf_record, only : record_type
    use gyroakf_report_summary, only : summarise, summarise_failure, summary_row_type, write_summary_csv, write_summary_json, &
       & write_summary_table
-   use gyroakf_report_utf8, only : text_width
+   use gyroakf_utf8, only : text_width
    use json_reader, only : check_schema, file_text, json_at, json_item, json_real, json_text_at, read_json
    use report_fixture, only : begin_text, end_text, make_record, make_result
    implicit none (type, external)
