@@ -25,6 +25,8 @@ module test_progress
       integer :: calls = 0, last = huge(1)
       !> Every call was in the range of its total
       logical :: in_range = .true.
+      !> The last one
+      character(:), allocatable :: stage
    contains
       procedure :: advance => quit
    end type quitter_type
@@ -35,7 +37,8 @@ contains
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [new_unittest("told_and_cancelled", told_and_cancelled), new_unittest("nobody_listens", nobody_listens), &
-                   new_unittest("job_is_the_same", job_is_the_same), new_unittest("job_is_cancelled", job_is_cancelled)]
+                   new_unittest("job_is_the_same", job_is_the_same), new_unittest("job_is_cancelled", job_is_cancelled), &
+                   new_unittest("channels_are_named", channels_are_named)]
    end subroutine collect_progress
 
    subroutine note(self, stage, done, total, cancel)
@@ -84,6 +87,7 @@ contains
       logical, intent(out) :: cancel
 
       self%calls = self%calls + 1
+      self%stage = stage
       self%in_range = self%in_range .and. len(stage) > 0 .and. done >= 0 .and. (done <= total .or. total == 0)
       cancel = self%calls >= self%last
    end subroutine quit
@@ -107,6 +111,28 @@ contains
       if (allocated(error)) return
       call check(error, all(abs(alone%channel(1)%allan(4)%curve%deviation - watched%channel(1)%allan(4)%curve%deviation) <= 0.0_dp))
    end subroutine job_is_the_same
+
+   !> A stage names its channel where there are several.
+   subroutine channels_are_named(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failed
+      type(record_type) :: one, record
+      type(pipeline_options) :: options
+      type(pipeline_result_type) :: result
+      type(quitter_type) :: quitter
+
+      call simulate_record(paper_preset(paper_seed), one, failed)
+      record = one
+      deallocate (record%value, record%channel)
+      allocate (record%value(size(one%value, 1), 2), record%channel(2))
+      record%value(:, 1) = one%value(:, 1)
+      record%value(:, 2) = one%value(:, 1)
+      record%channel(1)%text = "gx"
+      record%channel(2)%text = "gy"
+      options%do_allan = .false.
+      call run_pipeline(record, options, result, failed, quitter)
+      call check(error, .not. allocated(failed) .and. quitter%stage == "filtering gy", quitter%stage)
+   end subroutine channels_are_named
 
    !> At whichever call.
    subroutine job_is_cancelled(error)

@@ -16,6 +16,7 @@ module gyroakf_pipeline
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, available_type, &
       allan_result_type, stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, stage, stage_names
    use gyroakf_pipeline_channel, only : run_channel
+   use gyroakf_pipeline_channel_progress, only : channel_progress_type
    use gyroakf_pipeline_series_sink, only : series_sink_type
    use gyroakf_pipeline_streamed, only : run_streamed
    use gyroakf_pipeline_streamed_filter, only : filter_streamed
@@ -95,8 +96,8 @@ contains
       !> A room that fails for one channel is no error: see `channel%unavailable`
       type(error_type), allocatable, intent(out) :: error
       !> Told how far it is; may cancel
-      class(progress_type), intent(inout), optional :: progress
-      type(record_type) :: view
+      class(progress_type), intent(inout), optional, target :: progress
+      type(channel_progress_type) :: named
       character(24) :: digits
       integer :: channel, channels
 
@@ -115,15 +116,34 @@ contains
       do channel = 1, channels
          result%channel(channel)%name = "channel"
          if (allocated(record%channel)) result%channel(channel)%name = record%channel(channel)%text
-         call view_channel(record, channel, view)
-         if (allocated(record%present)) then
-            call run_channel(view, record%value(:, channel), options, result%channel(channel), error, &
-                             record%present(:, channel), progress)
+         if (present(progress) .and. channels > 1) then
+            named%listener => progress
+            named%name = result%channel(channel)%name
+            call run_one(record, channel, options, result%channel(channel), error, named)
          else
-            call run_channel(view, record%value(:, channel), options, result%channel(channel), error, progress=progress)
+            call run_one(record, channel, options, result%channel(channel), error, progress)
          end if
          if (allocated(error)) return
       end do
    end subroutine run_pipeline
+
+   !> One channel of a record.
+   subroutine run_one(record, channel, options, result, error, progress)
+      type(record_type), intent(in) :: record
+      !> Its number
+      integer, intent(in) :: channel
+      type(pipeline_options), intent(in) :: options
+      type(channel_result_type), intent(inout) :: result
+      type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
+      type(record_type) :: view
+
+      call view_channel(record, channel, view)
+      if (allocated(record%present)) then
+         call run_channel(view, record%value(:, channel), options, result, error, record%present(:, channel), progress)
+      else
+         call run_channel(view, record%value(:, channel), options, result, error, progress=progress)
+      end if
+   end subroutine run_one
 
 end module gyroakf_pipeline

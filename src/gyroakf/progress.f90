@@ -31,7 +31,7 @@ module gyroakf_progress
          class(progress_type), intent(inout) :: self
          !> What is being done: "reading", "filtering", "writing series.csv"
          character(*), intent(in) :: stage
-         !> So much of `total`; bytes while reading and writing, else samples
+         !> So much of `total`; bytes while reading, else samples (rows while writing)
          integer(int64), intent(in) :: done
          !> 0 where it is not known
          integer(int64), intent(in) :: total

@@ -4,8 +4,8 @@
 !>     reading  [#########...........]  46 %  312 MB/s  0:12 left
 !>     reading  1.23 GB  312 MB/s
 !>
-!> The second where the whole is not known. Amounts are bytes while reading and writing, files, else samples, as
-!> [[gyroakf_progress]] has them.
+!> The second where the whole is not known. Amounts are bytes while reading, files, else samples, as [[gyroakf_progress]] has
+!> them.
 module gyroakf_progress_text
    use gyroakf_kinds, only : dp, int64
    implicit none (type, external)
@@ -60,7 +60,7 @@ contains
       character(:), allocatable :: unit
 
       unit = "samples"
-      if (index(stage, "reading") == 1 .or. index(stage, "writing") == 1) unit = "B"
+      if (index(stage, "reading") == 1) unit = "B"
       if (stage == "files") unit = "files"
    end function unit_of
 
