@@ -86,23 +86,27 @@ contains
       type(pipeline_result_type), intent(out) :: result
       !> As of [[read_record]] and [[run_pipeline]]; io; cancelled
       type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: series
 
-      call read_and_run(config, record, result, error, bar)
+      call read_and_run(config, record, result, error, bar, series)
       if (.not. allocated(error)) call check_result(config, result, error)
+      if (allocated(error)) call discard_writer(series)
       if (allocated(error)) return
       call guard_files()
-      call write_files(config, bar, record, result, error)
+      call write_files(config, bar, record, result, series, error)
       call release_files()
       call clear_bar(bar)
       if (.not. allocated(error)) call print_result(config, record, result, error)
    end subroutine analyse
 
    !> The document, Kalibr's file and the result files: all are complete before the first one appears.
-   subroutine write_files(config, bar, record, result, error)
+   subroutine write_files(config, bar, record, result, series, error)
       type(analysis_config), intent(in) :: config
       type(bar_type), intent(inout) :: bar
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in) :: result
+      !> Of a streamed record: complete; else not open
+      type(writer_type), intent(inout) :: series
       type(error_type), allocatable, intent(out) :: error
       type(writer_type) :: document, kalibr
       logical :: to_file
@@ -121,10 +125,12 @@ contains
       if (allocated(error)) then
          call discard_writer(document)
          call discard_writer(kalibr)
+         call discard_writer(series)
          return
       end if
       if (to_file) call commit_writer(document, error)
       if (.not. allocated(error) .and. allocated(config%kalibr)) call commit_writer(kalibr, error)
+      if (.not. allocated(error)) call commit_writer(series, error)
    end subroutine write_files
 
    !> Where not one channel gives what the command is for, there is nothing to report: an error of the data.

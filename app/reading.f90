@@ -7,11 +7,14 @@ module gyroakf_app_reading
    use gyroakf_io_reader, only : complete_record, read_record, reader_options
    use gyroakf_io_record_summary, only : summarise_record
    use gyroakf_io_recording, only : base_bytes, close_recording, hold_rows, open_recording, recording_type
-   use gyroakf_pipeline, only : filter_streamed, pipeline_result_type, run_pipeline, run_streamed, tell_memory
+   use gyroakf_io_writer, only : complete_writer, discard_writer, writer_type
+   use gyroakf_pipeline, only : check_filter, filter_streamed, pipeline_result_type, run_pipeline, run_streamed, tell_memory
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
    use gyroakf_report_kalibr, only : check_kalibr
+   use gyroakf_report_series_file, only : open_series_file, series_file_type
    use gyroakf_app_config, only : analysis_config, inspect_config
+   use gyroakf_app_interrupt, only : guard_files, release_files
    implicit none (type, external)
    private
    public :: find_bound, read_and_look, read_and_run
@@ -56,7 +59,7 @@ contains
    end subroutine read_and_look
 
    !> run, allan, tests, ar, filter: what was read, and what came out; allan and filter stream what is larger than the memory.
-   subroutine read_and_run(config, record, result, error, progress)
+   subroutine read_and_run(config, record, result, error, progress, series)
       !> The file, how it is read and what is computed
       type(analysis_config), intent(in) :: config
       !> What was read
@@ -67,6 +70,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Told how far it is; may cancel
       class(progress_type), intent(inout) :: progress
+      !> The file of the series where the recording was filtered block by block: complete but not yet in its place
+      type(writer_type), intent(inout) :: series
       type(reader_options) :: reader
       type(recording_type) :: recording
 
@@ -83,7 +88,7 @@ contains
          else if (config%command == "allan") then
             call run_streamed(recording, config%pipeline, record, result, error, progress)
          else
-            call filter_streamed(recording, config%pipeline, record, result, error, progress=progress)
+            call filter_in_blocks(recording, config, record, result, error, progress, series)
          end if
          call close_recording(recording)
       else
@@ -92,5 +97,31 @@ contains
       if (.not. allocated(error) .and. allocated(config%kalibr)) call check_kalibr(record, error)
       if (.not. allocated(error) .and. .not. record%streamed) call run_pipeline(record, config%pipeline, result, error, progress)
    end subroutine read_and_run
+
+   !> Filters what is larger than the memory, and writes the series with --out while they go by.
+   subroutine filter_in_blocks(recording, config, record, result, error, progress, series)
+      type(recording_type), intent(inout) :: recording
+      type(analysis_config), intent(in) :: config
+      type(record_type), intent(out) :: record
+      type(pipeline_result_type), intent(out) :: result
+      type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout) :: progress
+      type(writer_type), intent(inout) :: series
+      type(series_file_type) :: file
+
+      call check_filter(recording, config%pipeline, error)
+      if (allocated(error)) return
+      if (.not. allocated(config%out)) then
+         call filter_streamed(recording, config%pipeline, record, result, error, progress=progress)
+         return
+      end if
+      call guard_files()
+      call open_series_file(file, config%out, config%series, error)
+      if (.not. allocated(error)) call filter_streamed(recording, config%pipeline, record, result, error, file, progress)
+      if (.not. allocated(error)) call complete_writer(file%writer, error)
+      if (allocated(error)) call discard_writer(file%writer)
+      call release_files()
+      if (.not. allocated(error)) series = file%writer
+   end subroutine filter_in_blocks
 
 end module gyroakf_app_reading

@@ -61,9 +61,10 @@ module gyroakf
    use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, design_drift_kf, design_drift_akf
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, channel_result_type, available_type, allan_result_type, &
       stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, stage, stage_names, apply_preset, &
-      run_pipeline, run_streamed, filter_streamed, series_sink_type, tell_memory, minimum_samples
+      run_pipeline, run_streamed, check_filter, filter_streamed, series_sink_type, tell_memory, minimum_samples
    use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_report_files, only : write_results
+   use gyroakf_report_series_file, only : series_file_type, open_series_file
    use gyroakf_report_kalibr, only : check_kalibr, write_kalibr
    use gyroakf_report_document, only : write_document, schema_number
    implicit none (type, external)

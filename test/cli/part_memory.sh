@@ -73,6 +73,22 @@ compare(a["filters"], c["filters"], "with drift")
 PYTHON
    then pass; else fail "filter streamed and in memory: $(tail -n 1 alike)"; fi
 fi
+# the series are written while they go by, the same as in memory but for rounding
+good "series of a streamed filter" filter large.txt --memory 30MB --out filtered_streamed --digits 9 --quiet
+good "series in memory" filter large.txt --out filtered_whole --digits 9 --quiet
+is "result files of a streamed filter" "$(ls filtered_streamed | tr '\n' ' ')" "report.txt results.json series.csv "
+is "lines of the series" "$(wc -l <filtered_streamed/series.csv)" 1000001
+is "lines that differ beyond rounding" "$(paste -d, filtered_whole/series.csv filtered_streamed/series.csv |
+   awk -F, 'NR == 1 { if ($0 != "time,raw,cleaned,kf,akf,time,raw,cleaned,kf,akf") n++; next }
+   { for (i = 1; i <= 5; i++) { d = $i - $(i + 5); if (d > 1e-7 || d < -1e-7) n++ } } END { print n + 0 }')" 0
+good "binary series of a streamed filter" filter large.txt --memory 30MB --out filtered_streamed --series-format npy --force --quiet
+is "the other series is gone" "$(ls filtered_streamed | tr '\n' ' ')" "report.txt results.json series.npy "
+good "which can be read" inspect filtered_streamed/series.npy --quiet --json npy.json
+holds "samples of the series" '"samples": 1000000' npy.json
+bad "a streamed filter keeps results" 2 "is there already and is kept" filter large.txt --memory 30MB --out filtered_streamed \
+   --series-format npy
+bad "a refused filter leaves no directory" 2 "without --outliers" filter large.txt --memory 30MB --out never --outliers auto
+is "no directory" "$([ -e never ] && echo there)" ""
 "$gyroakf" filter - --memory 30MB <large.txt >out 2>err; is "filter of a pipe that does not fit" $? 2
 holds "why" "standard input or a pipe comes only once" err
 bad "filter cleaning" 2 "without --detrend" filter large.txt --memory 30MB --detrend 1

@@ -24,7 +24,7 @@ module gyroakf_pipeline_streamed_filter
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure
    implicit none (type, external)
    private
-   public :: filter_streamed
+   public :: filter_streamed, check_filter
 
    !> Sums of one channel in the first pass
    type :: sums_type
@@ -66,9 +66,11 @@ contains
       call finish_lanes(lane, result, error)
    end subroutine filter_streamed
 
-   !> What cannot be done block by block says what it would need.
+   !> What cannot be done block by block says what it would need; [[filter_streamed]] asks it first.
    subroutine check_filter(recording, options, error)
+      !> Open
       type(recording_type), intent(in) :: recording
+      !> Of the main job
       type(pipeline_options), intent(in) :: options
       !> no_memory
       type(error_type), allocatable, intent(out) :: error

@@ -77,7 +77,8 @@ contains
       end do
       do i = 1, size(result_files)
          if (wanted(i)) call commit_writer(writer(i), error)
-         if (.not. (wanted(i) .or. record%streamed)) call remove_file(directory//"/"//trim(result_files(i)))
+         if (.not. (wanted(i) .or. (record%streamed .and. result_files(i) == "series."//series%form))) &
+            call remove_file(directory//"/"//trim(result_files(i)))
          if (.not. allocated(error)) cycle
          call discard_all(writer, wanted, size(result_files))
          return
