@@ -17,7 +17,7 @@ module gyroakf_io_number
    use gyroakf_io_power, only : most_exponent, times_power
    implicit none (type, external)
    private
-   public :: scan_number, parse_number, is_missing_word, is_missing_field, number, digits_ahead
+   public :: scan_number, skip_digits, parse_number, is_missing_word, is_missing_field, number, digits_ahead
 
    !> What scanning found, reached as `number%ok`
    type :: number_enum
@@ -52,6 +52,10 @@ module gyroakf_io_number
    integer(int64), parameter :: nibbles = int(z'0F0F0F0F0F0F0F0F', int64), zeros = int(z'3030303030303030', int64)
    integer(int64), parameter :: sixes = int(z'0606060606060606', int64), bytes_even = int(z'00FF00FF00FF00FF', int64)
    integer(int64), parameter :: words_even = int(z'0000FFFF0000FFFF', int64), low32 = 2_int64**32 - 1
+   !> 10^n, and the largest number before which n more digits do not overflow
+   integer(int64), parameter :: tens(0:7) = [1_int64, 10_int64, 100_int64, 1000_int64, 10000_int64, 100000_int64, 1000000_int64, &
+                                             10000000_int64]
+   integer(int64), parameter :: most_before(0:7) = huge(1_int64)/tens - 1
    logical, parameter :: little_endian = transfer([1_int8, 0_int8, 0_int8, 0_int8, 0_int8, 0_int8, 0_int8, 0_int8], 0_int64) == 1
 
    interface
@@ -87,7 +91,7 @@ contains
    !> The number that begins at a byte: `[+-] digits [. digits] [e|E|d|D [+-] digits]`, one digit at least.
    !>
    !> Whether what follows may follow is the caller's business. Thread-safe; no allocation but for a number of more than
-   !> 120 characters.
+   !> 120 characters. What most numbers look like is taken eight digits at a time; the rest goes to [[scan_any]].
    pure subroutine scan_number(bytes, at, value, found)
       !> The text; [[digits_ahead]] more bytes than the text, the first of them no digit
       integer(int8), intent(in), contiguous :: bytes(:)
@@ -96,6 +100,108 @@ contains
       !> The number; 0 where there is none, +-huge on overflow
       real(dp), intent(out) :: value
       !> One of the components of [[number]]
+      integer, intent(out) :: found
+      integer(int64) :: p, m, word, minus, q, tail
+      integer :: n, letter
+      logical :: usual
+
+      call skip_sign(bytes(at), p, minus, at)
+      word = transfer(bytes(p:p + 7), word)
+      n = count_digits(word)
+      m = eight_digits(shiftl(word, 64 - 8*max(n, 1)))
+      usual = little_endian .and. n > 0 .and. n < 8
+      letter = int(iand(shiftr(word, 8*iand(n, 7)), 255_int64))
+      p = p + n
+      q = 0
+      tail = -1
+      if (letter == 46 .and. usual) then
+         p = p + 1
+         word = transfer(bytes(p:p + 7), word)
+         n = count_digits(word)
+         if (n == 8) call take_eight(bytes, p, m, q, word, n)
+         if (n == 8 .and. m < 10000000000_int64) call take_eight(bytes, p, m, q, word, n)
+         usual = n < 8
+         if (usual .and. n > 0) then
+            tail = eight_digits(shiftl(word, 64 - 8*n))
+            p = p + n
+            q = q - n
+            if (m <= most_before(n)) then
+               m = m*tens(n) + tail
+               tail = -1
+            else
+               usual = n == 2 .and. m < huge(m)/25
+            end if
+         end if
+         letter = int(iand(shiftr(word, 8*iand(n, 7)), 255_int64))
+      end if
+      if (usual .and. (ior(letter, 32) == 101 .or. ior(letter, 32) == 100)) call take_exponent(bytes, p, q, usual)
+      if (usual) call finish(m, tail, q, value, usual)
+      if (.not. usual) then
+         call scan_any(bytes, at, value, found)
+         return
+      end if
+      found = number%ok
+      value = transfer(ieor(transfer(value, m), shiftl(minus, 63)), value)
+      at = p
+   end subroutine scan_number
+
+   !> Appends the eight digits of a word that was read at p, and reads the next word.
+   pure subroutine take_eight(bytes, p, m, q, word, n)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(inout) :: p, m, q, word
+      integer, intent(out) :: n
+
+      m = m*100000000_int64 + eight_digits(word)
+      q = q - 8
+      p = p + 8
+      word = transfer(bytes(p:p + 7), word)
+      n = count_digits(word)
+   end subroutine take_eight
+
+   !> Adds the exponent whose letter is at p to q; not usual where its digits are none or more than four.
+   pure subroutine take_exponent(bytes, p, q, usual)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(inout) :: p, q
+      logical, intent(out) :: usual
+      integer(int64) :: first, minus, exponent
+      integer :: digit
+
+      call skip_sign(bytes(p + 1), first, minus, p + 1)
+      exponent = 0
+      do p = first, first + 4
+         digit = bytes(p) - 48
+         if (digit < 0 .or. digit > 9) exit
+         exponent = 10*exponent + digit
+      end do
+      usual = p > first .and. p < first + 5
+      q = q + merge(-exponent, exponent, minus == 1)
+   end subroutine take_exponent
+
+   !> m * 10^q, or (100 m + tail) * 10^q where the tail is not negative; the paths 1 and 2, not sure where 3 is needed.
+   pure subroutine finish(m, tail, q, value, sure)
+      integer(int64), intent(in) :: m, tail, q
+      real(dp), intent(out) :: value
+      logical, intent(out) :: sure
+
+      sure = .true.
+      if (tail >= 0) then
+         call round_decimal(decimal_type(25*m + tail/4, min(mod(tail, 4_int64), 1_int64), q, 0_int64), 2_int64, value, sure)
+      else if (m <= 2_int64**53 .and. q <= 0 .and. q >= -22) then
+         value = real(m, dp)/exact_ten(-q)
+      else if (m <= 2_int64**53 .and. q > 0 .and. q <= 22) then
+         value = real(m, dp)*exact_ten(q)
+      else if (m > 0) then
+         call round_decimal(decimal_type(m, 0_int64, q, 0_int64), 0_int64, value, sure)
+      else
+         value = 0.0_dp
+      end if
+   end subroutine finish
+
+   !> The same for a number of any form.
+   pure subroutine scan_any(bytes, at, value, found)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(inout) :: at
+      real(dp), intent(out) :: value
       integer, intent(out) :: found
       type(decimal_type) :: decimal
       integer(int64) :: next
@@ -113,7 +219,7 @@ contains
          if (decimal%exponent < 0) value = value/exact_ten(-decimal%exponent)
          if (decimal%exponent > 0) value = value*exact_ten(decimal%exponent)
       else if (decimal%mantissa > 0) then
-         call round_decimal(decimal, value, sure)
+         call round_decimal(decimal, 0_int64, value, sure)
          if (.not. sure) then
             call library_value(bytes(at:next - 1), value)
             value = abs(value)
@@ -125,7 +231,7 @@ contains
       end if
       value = transfer(ieor(transfer(value, next), shiftl(decimal%minus, 63)), value)
       at = next
-   end subroutine scan_number
+   end subroutine scan_any
 
    !> Takes the number apart; `next` is `at` where there is none.
    pure subroutine scan_decimal(bytes, at, next, decimal)
@@ -135,11 +241,10 @@ contains
       type(decimal_type), intent(out) :: decimal
       integer(int64) :: p, first, m, q, eight
       integer :: digit
-      logical :: any_digit, all_digits
+      logical :: any_digit
 
-      p = at
       next = at
-      call skip_sign(bytes(p), p, decimal%minus)
+      call skip_sign(bytes(at), p, decimal%minus, at)
       m = 0
       q = 0
       decimal%excess = 0
@@ -160,9 +265,9 @@ contains
          p = p + 1
          first = p
          do while (little_endian .and. m < 10000000000_int64)
-            call eight_digits(bytes(p:p + 7), eight, all_digits)
-            if (.not. all_digits) exit
-            m = m*100000000_int64 + eight
+            eight = transfer(bytes(p:p + 7), eight)
+            if (count_digits(eight) < 8) exit
+            m = m*100000000_int64 + eight_digits(eight)
             q = q - 8
             p = p + 8
          end do
@@ -188,17 +293,17 @@ contains
       if (next < 0) next = at
    end subroutine scan_decimal
 
-   !> Moves on where the byte is + or -; without a branch, as signs of noise cannot be predicted.
-   pure subroutine skip_sign(byte, p, minus)
+   !> The byte behind one that is + or -, else that one; without a branch, as signs of noise cannot be predicted.
+   pure subroutine skip_sign(byte, p, minus, at)
       integer(int8), intent(in) :: byte
-      integer(int64), intent(inout) :: p
-      integer(int64), intent(out) :: minus
+      integer(int64), intent(out) :: p, minus
+      integer(int64), intent(in) :: at
       integer :: sign_bits, signed
 
       sign_bits = byte - 43
       signed = shiftr(iand(sign_bits, 253) - 1, 31)
       minus = iand(shiftr(sign_bits, 1), signed)
-      p = p + signed
+      p = at + signed
    end subroutine skip_sign
 
    !> Adds the exponent that may begin at `next`; -1 where its digits are missing.
@@ -211,8 +316,7 @@ contains
 
       letter = ior(int(bytes(next)), 32)
       if (letter /= 101 .and. letter /= 100) return
-      p = next + 1
-      call skip_sign(bytes(p), p, minus)
+      call skip_sign(bytes(next + 1), p, minus, next + 1)
       first = p
       exponent = 0
       do
@@ -226,27 +330,49 @@ contains
       decimal%exponent = decimal%exponent + merge(-exponent, exponent, minus == 1)
    end subroutine scan_exponent
 
-   !> Eight digits at once, in one 64-bit word (no lane overflows into the next).
-   pure subroutine eight_digits(bytes, value, all_digits)
-      integer(int8), intent(in) :: bytes(8)
-      integer(int64), intent(out) :: value
-      logical, intent(out) :: all_digits
+   !> So many of the eight bytes, from the first on, are digits (no lane overflows into the next).
+   pure integer function count_digits(word)
+      integer(int64), intent(in) :: word
+      integer(int64) :: other
+
+      other = ieor(word, zeros)
+      other = ior(iand(other, not(nibbles)), iand(iand(other, nibbles) + sixes, not(nibbles)))
+      count_digits = shiftr(trailz(other), 3)
+   end function count_digits
+
+   !> Moves behind digits, eight at a time.
+   pure subroutine skip_digits(bytes, at)
+      !> The text; [[digits_ahead]] more bytes than the text, the first of them no digit
+      integer(int8), intent(in), contiguous :: bytes(:)
+      !> Any byte; afterwards the next that is no digit
+      integer(int64), intent(inout) :: at
+      integer(int64) :: word
+      integer :: n
+
+      n = 8
+      do while (n == 8 .and. little_endian)
+         word = transfer(bytes(at:at + 7), word)
+         n = count_digits(word)
+         at = at + n
+      end do
+   end subroutine skip_digits
+
+   !> The number that eight digits are; bytes of zero count as digits.
+   pure integer(int64) function eight_digits(word)
+      integer(int64), intent(in) :: word
       integer(int64) :: w
 
-      w = transfer(bytes, w)
-      value = 0
-      all_digits = iand(w, not(nibbles)) == zeros
-      if (all_digits) all_digits = iand(w + sixes, not(nibbles)) == zeros
-      if (.not. all_digits) return
-      w = iand(w, nibbles)
+      w = iand(word, nibbles)
       w = iand(w*10 + shiftr(w, 8), bytes_even)
       w = iand(w*100 + shiftr(w, 16), words_even)
-      value = iand(w*10000 + shiftr(w, 32), low32)
-   end subroutine eight_digits
+      eight_digits = iand(w*10000 + shiftr(w, 32), low32)
+   end function eight_digits
 
    !> Path 2. The number is between lower and lower + width, times 2^scale, all the way; not sure where these round differently.
-   pure subroutine round_decimal(decimal, value, sure)
+   pure subroutine round_decimal(decimal, twos, value, sure)
       type(decimal_type), intent(in) :: decimal
+      !> The number is to be multiplied by 2^twos
+      integer(int64), intent(in) :: twos
       real(dp), intent(out) :: value
       logical, intent(out) :: sure
       integer(int64) :: lower, width, scale, rest, biased
@@ -262,7 +388,7 @@ contains
          lower = shiftr(lower, 1)
          width = width + 1
       end if
-      scale = -shift
+      scale = twos - shift
       call times_power(lower, width, scale, decimal%exponent)
       rest = iand(lower, 511_int64)
       sure = rest + width < 256 .or. (rest > 256 .and. rest + width < 768)

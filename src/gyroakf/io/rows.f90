@@ -7,7 +7,7 @@ module gyroakf_io_rows
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_date, only : kind_of_field, scan_stamp, stamp_kind
    use gyroakf_io_format, only : comma_advice, comma_found, decimal_comma
-   use gyroakf_io_number, only : is_missing_field, number, scan_number
+   use gyroakf_io_number, only : is_missing_field, number, scan_number, skip_digits
    use gyroakf_io_place, only : integer_text, shown_bytes
    use gyroakf_io_text, only : bytes_text, fields_type, split, split_line
    implicit none (type, external)
@@ -46,6 +46,9 @@ module gyroakf_io_rows
    end type problem_type
 
    character(*), parameter :: mend = "mend the line, or let such lines count as missing samples with --bad-lines missing"
+   !> Bytes of a word that may stand for a missing number, and the bytes behind a field
+   integer(int64), parameter :: longest_word = 11
+   integer(int8), parameter :: ends(6) = [9_int8, 10_int8, 13_int8, 32_int8, 44_int8, 59_int8]
    integer(int8), parameter :: tab = 9, line_feed = 10, carriage_return = 13, blank = 32, comma = 44, semicolon = 59
 
 contains
@@ -91,16 +94,19 @@ contains
             else if (slot > 0) then
                call scan_number(bytes, p, value(rows + 1, slot), found)
                odd = found /= number%ok
+               if (found == number%none) call scan_missing(bytes, p, value(rows + 1, slot), odd)
             end if
             if (odd) return
-            if (bytes(p) == blank .or. bytes(p) == tab .or. bytes(p) == carriage_return) then
+            if (bytes(p) == line_feed .and. j == layout%columns) then
+               exit
+            else if (bytes(p) == blank .or. bytes(p) == tab .or. bytes(p) == carriage_return) then
                do while (bytes(p) == blank .or. bytes(p) == tab .or. bytes(p) == carriage_return)
                   p = p + 1
                end do
                if (bytes(p) == comma .or. bytes(p) == semicolon) p = p + 1
             else if (bytes(p) == comma .or. bytes(p) == semicolon) then
                p = p + 1
-            else if (bytes(p) /= line_feed .or. j < layout%columns) then
+            else
                odd = .true.
                return
             end if
@@ -132,6 +138,36 @@ contains
       row(slot) = x
    end subroutine scan_time
 
+   !> NaN for a field before a comma that is empty, and for a word that stands for a missing number; odd where it is neither.
+   pure subroutine scan_missing(bytes, p, value, odd)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(inout) :: p
+      real(dp), intent(out) :: value
+      logical, intent(out) :: odd
+      integer(int64) :: first
+
+      value = ieee_value(1.0_dp, ieee_quiet_nan)
+      first = p
+      odd = bytes(p) == line_feed
+      if (odd .or. bytes(p) == comma) return
+      do while (p < first + longest_word .and. .not. any(bytes(p) == ends))
+         p = p + 1
+      end do
+      odd = .not. is_nan(bytes, first, p)
+      if (odd) odd = .not. is_missing_field(bytes, first, p - 1)
+      if (odd) p = first
+   end subroutine scan_missing
+
+   !> True for the word that is met most, in any case, before a byte.
+   pure logical function is_nan(bytes, first, behind)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, behind
+
+      is_nan = behind == first + 3
+      if (is_nan) is_nan = ior(int(bytes(first)), 32) == 110 .and. ior(int(bytes(first + 1)), 32) == 97 &
+                           .and. ior(int(bytes(first + 2)), 32) == 110
+   end function is_nan
+
    !> Moves behind a field that is not wanted; odd where it is empty, quoted or the start of a comment.
    pure subroutine skip_field(bytes, p, odd)
       integer(int8), intent(in), contiguous :: bytes(:)
@@ -140,17 +176,16 @@ contains
       integer(int64) :: first
 
       first = p
+      odd = .true.
+      if (any(bytes(p) == [34_int8, 35_int8, 37_int8, 39_int8, 47_int8])) return
       do
+         call skip_digits(bytes, p)
          select case (bytes(p))
          case (tab, line_feed, carriage_return, blank, comma, semicolon); exit
-         case (34, 35, 37, 39, 47)
-            odd = .true.
-            return
-         case default
-            p = p + 1
+         case default; p = p + 1
          end select
       end do
-      odd = p == first
+      odd = p == first .and. bytes(p) /= comma
    end subroutine skip_field
 
    !> Reads one row of any kind: missing values, quotes, blank fields, comments behind it.
