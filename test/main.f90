@@ -45,6 +45,7 @@ program test_main
    use test_progress, only : collect_progress
    use test_progress_text, only : collect_progress_text
    use test_random, only : collect_random
+   use test_raw, only : collect_raw
    use test_reader, only : collect_reader
    use test_reader_errors, only : collect_reader_errors
    use test_odd, only : collect_odd
@@ -110,6 +111,7 @@ program test_main
    call add("progress", collect_progress)
    call add("progress_text", collect_progress_text)
    call add("random", collect_random)
+   call add("raw", collect_raw)
    call add("reader", collect_reader)
    call add("reader_errors", collect_reader_errors)
    call add("odd", collect_odd)

@@ -221,7 +221,7 @@ contains
          if (one_piece(binary) .or. (binary%columns == 1 .and. size(column) == 1)) then
             call read_column(binary, column(j), start, value(from:to, j), rounded, short)
          else
-            call read_interleaved(binary, column, start, value(from:to, :), rounded, short)
+            call read_interleaved(binary, column, start, from, to, value, rounded, short)
          end if
          if (short > 0) missing = max(missing, before + rows - (to - short))
       end do
@@ -271,13 +271,13 @@ contains
       short = n - got
    end subroutine read_column
 
-   !> Reads rows, all columns of a row together.
-   subroutine read_interleaved(binary, column, start, value, rounded, short)
+   !> Reads rows, all columns of a row together, into value(from:to, :).
+   subroutine read_interleaved(binary, column, start, from, to, value, rounded, short)
       type(binary_type), intent(in) :: binary
       integer, intent(in) :: column(:)
       !> Rows of the file before these
-      integer(int64), intent(in) :: start
-      real(dp), intent(inout) :: value(:, :)
+      integer(int64), intent(in) :: start, from, to
+      real(dp), intent(inout), contiguous :: value(:, :)
       integer(int64), intent(inout) :: rounded
       !> Rows at the end that are not there
       integer(int64), intent(out) :: short
@@ -285,27 +285,28 @@ contains
       integer(int64) :: row_bytes, got, n
 
       row_bytes = binary%columns*binary%element%bytes
-      n = size(value, 1, kind=int64)
+      n = to - from + 1
       allocate (room((n*row_bytes + 7)/8))
       call read_at(binary%descriptor, binary%first + start*row_bytes, c_loc(room), n*row_bytes, got)
       got = got/row_bytes
-      call spread_rows(binary, c_loc(room), column, value(:got, :), rounded)
+      call spread_rows(binary, c_loc(room), column, from, from + got - 1, value, rounded)
       short = n - got
    end subroutine read_interleaved
 
    !> Converts rows that are at hand.
-   subroutine spread_rows(binary, address, column, value, rounded)
+   subroutine spread_rows(binary, address, column, from, to, value, rounded)
       type(binary_type), intent(in) :: binary
       type(c_ptr), intent(in) :: address
       integer, intent(in) :: column(:)
-      !> As many rows as are at hand
-      real(dp), intent(inout) :: value(:, :)
+      !> Where they go
+      integer(int64), intent(in) :: from, to
+      real(dp), intent(inout), contiguous :: value(:, :)
       integer(int64), intent(inout) :: rounded
       integer :: j
 
-      call swap_elements(address, size(value, 1, kind=int64)*binary%columns, binary%element)
+      call swap_elements(address, (to - from + 1)*binary%columns, binary%element)
       do j = 1, size(column)
-         call convert_elements(address, binary%element, int(column(j), int64), binary%columns, value(:, j), rounded)
+         call convert_elements(address, binary%element, int(column(j), int64), binary%columns, value(from:to, j), rounded)
       end do
    end subroutine spread_rows
 
@@ -345,7 +346,7 @@ contains
             if (modulo(came, row_bytes) /= 0) call rest_of_row(binary, table, got, came, row_bytes, error)
             if (allocated(error)) return
             if (.not. one_piece(binary)) then
-               call spread_rows(binary, c_loc(room), column, value(got + 1:got + came/row_bytes, :), binary%rounded)
+               call spread_rows(binary, c_loc(room), column, got + 1, got + came/row_bytes, value, binary%rounded)
             else if (table%layout%slot(j) > 0) then
                call swap_elements(c_loc(room), came/row_bytes, binary%element)
                call convert_elements(c_loc(room), binary%element, 1_int64, 1_int64, &
