@@ -13,7 +13,7 @@ module gyroakf_app_job
    use gyroakf_report_kalibr, only : write_kalibr
    use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_app_config, only : analysis_config, inspect_config
-   use gyroakf_app_interrupt, only : guard_files, release_files
+   use gyroakf_app_interrupt, only : guard_files, interrupted, release_files
    use gyroakf_app_progress_bar, only : bar_type, clear_bar
    use gyroakf_app_reading, only : read_and_look, read_and_run
    implicit none (type, external)
@@ -90,12 +90,16 @@ contains
 
       call read_and_run(config, record, result, error, bar, series)
       if (.not. allocated(error)) call check_result(config, result, error)
-      if (allocated(error)) call discard_writer(series)
-      if (allocated(error)) return
+      if (allocated(error)) then
+         call discard_writer(series)
+         call release_files()
+         return
+      end if
       call guard_files()
       call write_files(config, bar, record, result, series, error)
       call release_files()
       call clear_bar(bar)
+      if (.not. allocated(error) .and. interrupted()) call fatal_error(error, status%cancelled, "ended; the files are complete")
       if (.not. allocated(error)) call print_result(config, record, result, error)
    end subroutine analyse
 

@@ -70,7 +70,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Told how far it is; may cancel
       class(progress_type), intent(inout) :: progress
-      !> The file of the series where the recording was filtered block by block: complete but not yet in its place
+      !> The file of the series where the recording was filtered block by block: complete but not yet in its place, files guarded
       type(writer_type), intent(inout) :: series
       type(reader_options) :: reader
       type(recording_type) :: recording
@@ -120,7 +120,7 @@ contains
       if (.not. allocated(error)) call filter_streamed(recording, config%pipeline, record, result, error, file, progress)
       if (.not. allocated(error)) call complete_writer(file%writer, error)
       if (allocated(error)) call discard_writer(file%writer)
-      call release_files()
+      if (allocated(error)) call release_files()
       if (.not. allocated(error)) series = file%writer
    end subroutine filter_in_blocks
 
