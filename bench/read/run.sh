@@ -1,13 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Reading one-column text, against pandas and polars on the same file.
+# Reading text of one column, and one of three, against pandas and polars on the same file; and the memory it takes.
 #
-#   ./run.sh [LINES...]           default: 1000000
+#   ./run.sh [LINES...]           default: 10000000
+#   OMP_NUM_THREADS=1 ./run.sh    this library on one thread (polars: POLARS_MAX_THREADS)
 #
 # pandas and polars are installed into a virtual environment in build/ here.
 set -eu
 cd "$(dirname "$0")"
-[ $# -gt 0 ] || set -- 1000000
+[ $# -gt 0 ] || set -- 10000000
 mkdir -p build
 if [ ! -x build/venv/bin/python3 ] || ! build/venv/bin/python3 -c 'import pandas, polars' 2>/dev/null; then
   python3 -m venv build/venv
