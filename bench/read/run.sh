@@ -9,6 +9,8 @@
 set -eu
 cd "$(dirname "$0")"
 [ $# -gt 0 ] || set -- 10000000
+: "${OMP_WAIT_POLICY=passive}" # as setup.sh: waiting threads sleep
+export OMP_WAIT_POLICY
 mkdir -p build
 if [ ! -x build/venv/bin/python3 ] || ! build/venv/bin/python3 -c 'import pandas, polars' 2>/dev/null; then
   python3 -m venv build/venv
