@@ -10,7 +10,7 @@ root=$(cd ../.. && pwd)
 (cd "$root" && ./setup.sh fpm build >/dev/null)
 program=$(cd "$root" && ./setup.sh fpm run gyroakf --runner echo 2>/dev/null | tail -n 1)
 mkdir -p build
-"$root/$program" simulate --samples 1000 --rate 100 --coefficients N=0.01,K=1e-4 --output build/small.txt
+[ -f build/small.txt ] || "$root/$program" simulate --samples 1000 --rate 100 --coefficients N=0.01,K=1e-4 --output build/small.txt
 for samples; do
   file=build/white_$samples.txt
   [ -f "$file" ] || "$root/$program" simulate --samples "$samples" --rate 100 --coefficients N=0.01,K=1e-4 --output "$file"

@@ -15,7 +15,7 @@ module gyroakf_pipeline_filter_lane
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_centred, warn_model, warn_order
    implicit none (type, external)
    private
-   public :: filter_lane_type, begin_lane, begin_drift_lane, feed_lane, finish_lane
+   public :: filter_lane_type, begin_lane, begin_drift_lane, feed_lane, free_block, finish_lane
 
    !> A filter at work
    type :: worker_type
@@ -148,6 +148,21 @@ contains
       if (.not. allocated(error) .and. lane%drift_kf%works) call work(lane%drift_kf, lane%z, lane%x, error, valid)
       if (.not. allocated(error) .and. lane%drift_akf%works) call work(lane%drift_akf, lane%z, lane%x, error, valid)
    end subroutine feed_lane
+
+   !> Frees what a block took.
+   subroutine free_block(lane, part)
+      !> Its filters stay
+      type(filter_lane_type), intent(inout) :: lane
+      !> Its series go
+      type(channel_result_type), intent(inout) :: part
+
+      if (allocated(lane%z)) deallocate (lane%z)
+      if (allocated(lane%x)) deallocate (lane%x)
+      if (allocated(part%series_cleaned)) deallocate (part%series_cleaned)
+      if (allocated(part%series_present)) deallocate (part%series_present)
+      if (allocated(part%series_kf)) deallocate (part%series_kf)
+      if (allocated(part%series_akf)) deallocate (part%series_akf)
+   end subroutine free_block
 
    !> Runs a filter over some samples.
    subroutine work(worker, z, x, error, valid)

@@ -16,7 +16,7 @@ module gyroakf_pipeline_streamed_filter
    use gyroakf_series_moments, only : compute_moments, join_moments, moments_type
    use gyroakf_ar_lag_stream, only : begin_lag_stream, feed_lag_stream, finish_lag_stream, lag_stream_type
    use gyroakf_ar_model, only : fit_ar_of
-   use gyroakf_pipeline_filter_lane, only : begin_lane, feed_lane, filter_lane_type, finish_lane
+   use gyroakf_pipeline_filter_lane, only : begin_lane, feed_lane, filter_lane_type, finish_lane, free_block
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_pipeline_series_sink, only : series_sink_type
    use gyroakf_pipeline_streamed, only : channel_bytes, scale_moments
@@ -273,11 +273,15 @@ contains
             end if
             if (allocated(error)) return
          end do
-         if (.not. present(sink)) cycle
-         call keep_columns(block, columns)
-         block%channel = record%channel
-         call sink%take(block, part, before, record%audit%samples, error)
-         if (allocated(error)) return
+         if (present(sink)) then
+            call keep_columns(block, columns)
+            block%channel = record%channel
+            call sink%take(block, part, before, record%audit%samples, error)
+            if (allocated(error)) return
+         end if
+         do k = 1, size(lane)                              ! blocks differ in length: nothing stays between them, the heap grows else
+            call free_block(lane(k), part%channel(k))
+         end do
       end do
    end subroutine filter_blocks
 
