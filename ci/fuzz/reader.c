@@ -112,14 +112,6 @@ static void choose(const uint8_t *choice, gyroakf_reader_options *opt) {
   opt->channels = channels[choice[3] >> 5 & 3];
 }
 
-int LLVMFuzzerInitialize(int *argc, char ***argv);
-int LLVMFuzzerInitialize(int *argc, char ***argv) {
-  (void)argc;
-  (void)argv;
-  omp_set_num_threads(1);
-  return 0;
-}
-
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   gyroakf_reader_options opt;
@@ -128,6 +120,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   int status;
   if (size < 5) return 0;
   choose(data, &opt);
+  omp_set_num_threads(data[3] >> 7 && (data[2] & 3) == 3 ? 2 : 1);
   status = gyroakf_record_parse(data + 4, (int64_t)size - 4, &opt, &r, &err);
   if (status) {
     promise(r == NULL, "no recording after a failure");
