@@ -23,7 +23,9 @@ contains
          new_unittest("readable", test_readable), &
          new_unittest("names", test_names), &
          new_unittest("long-field", test_long_field), &
-         new_unittest("impossible-rate", test_impossible_rate)]
+         new_unittest("impossible-rate", test_impossible_rate), &
+         new_unittest("said", test_said), &
+         new_unittest("columns", test_columns)]
    end subroutine collect_odd
 
    !> Reads a content from memory.
@@ -104,5 +106,48 @@ contains
       call parse("1", reader_options(rate_hz=1.0e-310_dp), record, message)
       call check(error, index(message, "the rate has to lie between 1e-30 and 1e30 Hz, and is 1e-310") == 1)
    end subroutine test_impossible_rate
+
+   !> What is said of a content, and what to do.
+   subroutine test_said(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(1), parameter :: cr = achar(13)
+
+      call said(error, char(226)//char(136)//char(146)//"1.5"//nl//"2"//nl, "odd:1:1: ", "the minus sign is not that of ASCII")
+      if (allocated(error)) return
+      call said(error, '"1,234.5"'//nl//'"2"'//nl, "odd:1:2: '1,234.5' is not a number", "commas that group digits are not read")
+      if (allocated(error)) return
+      call said(error, "1 2"//cr//nl//"3 4"//cr//"5 6"//nl, "odd:2:5: 4 columns", "a carriage return stands within the line")
+      if (allocated(error)) return
+      call said(error, "time,x"//nl//"01/02/2024"//char(163)//",1"//nl, "odd:2:1: ", "'01/02/2024?' ")
+   end subroutine test_said
+
+   !> The message begins with the place and holds a text.
+   subroutine said(error, content, place, text)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), intent(in) :: content, place, text
+      type(record_type) :: record
+      character(:), allocatable :: message
+
+      call parse(content, reader_options(), record, message)
+      call check(error, index(message, place), 1, more=message)
+      if (allocated(error)) return
+      call check(error, index(message, text) > 0, more=message)
+   end subroutine said
+
+   !> More columns than can be meant, with and without names; a name for each of many.
+   subroutine test_columns(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      character(:), allocatable :: message
+
+      call said(error, repeat("1,", 65537)//nl, "odd:1:131073: 65538 columns, there may be 65536", "have line ends got lost?")
+      if (allocated(error)) return
+      call said(error, repeat("a,", 65537)//nl//repeat("1,", 65537), "odd:2:131073: 65538 columns", "have line ends got lost?")
+      if (allocated(error)) return
+      call parse(repeat("a,", 9999)//"b"//nl//repeat("1,", 9999)//"2"//nl, reader_options(), record, message)
+      call check(error, size(record%channel) == 10000 .and. message == "")
+      if (allocated(error)) return
+      call check(error, record%channel(10000)%text, "b")
+   end subroutine test_columns
 
 end module test_odd

@@ -6,12 +6,16 @@ module gyroakf_io_columns
    use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_text, only : bytes_text, fields_type, split, split_line
-   use gyroakf_record, only : add_text, text_type
+   use gyroakf_record, only : text_type
    use gyroakf_spelling, only : lower, nearest_word
    use gyroakf_utf8, only : make_readable
    implicit none (type, external)
    private
    public :: column_names_type, read_names, names_way, name_of, label_of, find_column, choose_columns
+   public :: most_columns
+
+   !> A file with more of them has lost its line ends
+   integer, parameter :: most_columns = 65536
 
    !> The names of a file's columns
    type :: column_names_type
@@ -44,8 +48,10 @@ contains
 
       way = names_way(bytes, first, last)
       call split_line(bytes, first, last, way, fields)
-      names%known = fields%count > 0
+      names%known = fields%count > 0 .and. fields%count <= most_columns
       names%line = line
+      if (.not. names%known) return
+      allocate (names%name(fields%count), names%unit(fields%count))
       count = 0
       do i = 1, fields%count
          word = bytes_text(bytes, fields%first(i), fields%last(i))
@@ -53,11 +59,28 @@ contains
          if (way == split%mixed .and. count > 0 .and. scan(word, "[(") == 1) then
             names%unit(count)%text = without_brackets(word)
          else
-            call add_name(names, word)
             count = count + 1
+            call take_name(word, names%name(count)%text, names%unit(count)%text)
          end if
       end do
+      call shorten(names%name, count)
+      call shorten(names%unit, count)
    end subroutine read_names
+
+   !> Keeps the first texts of a list.
+   pure subroutine shorten(list, count)
+      type(text_type), allocatable, intent(inout) :: list(:)
+      integer, intent(in) :: count
+      type(text_type), allocatable :: shorter(:)
+      integer :: i
+
+      if (count == size(list)) return
+      allocate (shorter(count))
+      do i = 1, count
+         call move_alloc(list(i)%text, shorter(i)%text)
+      end do
+      call move_alloc(shorter, list)
+   end subroutine shorten
 
    !> How a line of names is split: blanks belong to the names where there are other separators.
    pure integer function names_way(bytes, first, last)
@@ -69,21 +92,21 @@ contains
       if (any(bytes(first:last) == comma .or. bytes(first:last) == semicolon .or. bytes(first:last) == tab)) names_way = split%names
    end function names_way
 
-   !> Appends "gx [deg/s]" as name and unit.
-   subroutine add_name(names, word)
-      type(column_names_type), intent(inout) :: names
+   !> "gx [deg/s]" as name and unit.
+   subroutine take_name(word, name, unit)
       character(*), intent(in) :: word
+      character(:), allocatable, intent(out) :: name, unit
       integer :: bracket
 
       bracket = scan(word, "[(")
       if (bracket > 1 .and. scan(word, "])") == len(word)) then
-         call add_text(names%name, trim(word(:bracket - 1)))
-         call add_text(names%unit, without_brackets(word(bracket:)))
+         name = trim(word(:bracket - 1))
+         unit = without_brackets(word(bracket:))
       else
-         call add_text(names%name, word)
-         call add_text(names%unit, "")
+         name = word
+         unit = ""
       end if
-   end subroutine add_name
+   end subroutine take_name
 
    !> "[deg/s]" as "deg/s".
    pure function without_brackets(word) result(inner)

@@ -13,6 +13,8 @@ module gyroakf_io_lines
 
    !> Bytes of the first block
    integer(int64), parameter :: block_size = 524288
+   !> Bytes of a line; a source without line ends (a device, a pipe) shall not fill the memory
+   integer(int64), parameter :: longest_line = 1073741824
    !> Bytes that are read at once where a file has grown
    integer(int64), parameter :: tail_size = 4096
    !> Bytes behind those that are filled: a line feed that may be missing, and what the search for digits looks at
@@ -103,13 +105,19 @@ contains
       type(lines_type), intent(inout) :: lines
       !> Bytes
       integer(int64), intent(in) :: wanted
-      !> Allocated where there is no memory: no_memory
+      !> Allocated where there is no memory, no_memory, and where a line is absurdly long, parse
       type(error_type), allocatable, intent(out) :: error
       integer(int64) :: rest, needed
       integer(int8), allocatable :: longer(:)
       integer :: failed
 
       rest = lines%filled - lines%at + 1
+      if (rest > longest_line) then
+         call fatal_error(error, status%parse, lines%source%name//":"//integer_text(lines%number)//":1: a line of more than "// &
+                          integer_text(longest_line)//" bytes"//new_line("a")//"give one row of numbers per sample: have line "// &
+                          "ends got lost?")
+         return
+      end if
       needed = rest + max(wanted, 1_int64) + behind
       if (needed > size(lines%bytes, kind=int64)) then
          allocate (longer(needed + rest), stat=failed)

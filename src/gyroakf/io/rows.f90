@@ -12,7 +12,7 @@ module gyroakf_io_rows
    use gyroakf_io_text, only : bytes_text, fields_type, split, split_line
    implicit none (type, external)
    private
-   public :: layout_type, problem_type, parse_rows, read_row, join_fields
+   public :: layout_type, problem_type, parse_rows, read_row, join_fields, excerpt
 
    !> Which columns a file has, and which of them are kept
    type :: layout_type
@@ -45,6 +45,8 @@ module gyroakf_io_rows
       character(:), allocatable :: what, advice
    end type problem_type
 
+   !> The minus sign of mathematics, in UTF-8
+   character(*), parameter :: dash = char(226)//char(136)//char(146)
    character(*), parameter :: mend = "mend the line, or let such lines count as missing samples with --bad-lines missing"
    !> Bytes of a word that may stand for a missing number, and the bytes behind a field
    integer(int64), parameter :: longest_word = 11
@@ -221,7 +223,7 @@ contains
       else if (problem%found) then
          comma_at = decimal_comma(bytes, first, last)
          if (comma_at > 0) call set_problem(problem, comma_at, comma_found, comma_advice)
-         if (comma_at == 0) call count_problem(layout, fields, last, problem)
+         if (comma_at == 0) call count_problem(bytes, first, last, layout, fields, problem)
       end if
       if (problem%found) return
       do j = 1, min(layout%columns, fields%count)
@@ -378,13 +380,29 @@ contains
          return
       end if
       advice = mend//"; --column chooses columns"
+      if (index(bytes_text(bytes, first, last), dash) > 0) advice = "the minus sign is not that of ASCII: replace it by '-'"
+      if (has_groups(bytes, first, last)) advice = "commas that group digits are not read: take them out"
       if (kind_of_field(bytes, first, last) /= stamp_kind%number) advice = "the first row has a number in this column, not a "// &
          "date or a time of day; "//mend
       call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not a number", advice)
    end subroutine field_problem
 
+   !> True for "1,234" and "1,234,567.8".
+   pure logical function has_groups(bytes, first, last)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      character(:), allocatable :: text
+      integer :: comma_at, whole
+
+      text = bytes_text(bytes, first, last)
+      comma_at = index(text, ",", back=.true.)
+      whole = scan(text//".", ".") - 1
+      has_groups = comma_at > 1 .and. whole == comma_at + 3 .and. verify(text, "+-.,0123456789") == 0
+   end function has_groups
+
    !> The start of a field, for a message.
    pure function excerpt(bytes, first, last) result(text)
+      !> The field in first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       character(:), allocatable :: text
@@ -402,17 +420,22 @@ contains
    end function excerpt
 
    !> The problem of a row with another number of columns, at the first field that is too much or at the end.
-   subroutine count_problem(layout, fields, last, problem)
+   subroutine count_problem(bytes, first, last, layout, fields, problem)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
       type(layout_type), intent(in) :: layout
       type(fields_type), intent(in) :: fields
-      integer(int64), intent(in) :: last
       type(problem_type), intent(inout) :: problem
+      character(:), allocatable :: advice
       integer(int64) :: at
 
+      advice = mend
+      if (any(bytes(first:last) == carriage_return)) advice = "a carriage return stands within the line: make all line "// &
+                                                              "ends the same, as with tr '\r' '\n'"
       at = last + 1
       if (fields%count > layout%columns) at = fields%first(layout%columns + 1)
       call set_problem(problem, at, integer_text(int(fields%count, int64))//trim(merge(" column ", " columns", fields%count == 1)) &
-                       //" where the rows above have "//integer_text(int(layout%columns, int64)), mend)
+                       //" where the rows above have "//integer_text(int(layout%columns, int64)), advice)
    end subroutine count_problem
 
    !> Fills the problem.

@@ -3,14 +3,14 @@
 module gyroakf_io_table
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_columns, only : choose_columns, column_names_type, find_column, label_of, names_way, read_names
+   use gyroakf_io_columns, only : choose_columns, column_names_type, most_columns, find_column, label_of, names_way, read_names
    use gyroakf_io_comment_names, only : suppose_names
    use gyroakf_io_format, only : comma_advice, comma_found, decimal_comma
    use gyroakf_io_header, only : header_type, read_comment, time_scale
    use gyroakf_io_lines, only : line_end, line_map_type, next_line, lines_type, map_row, more_lines
    use gyroakf_io_number, only : is_missing_word
    use gyroakf_io_place, only : integer_text, place_error
-   use gyroakf_io_rows, only : join_fields, layout_type
+   use gyroakf_io_rows, only : excerpt, join_fields, layout_type
    use gyroakf_io_date, only : stamp_kind
    use gyroakf_io_stamp_columns, only : ambiguous_date, comma_mode, date_advice, decimal_fields, find_joined, find_kinds, &
       make_points, pair_stamps, seconds_comma
@@ -75,8 +75,6 @@ module gyroakf_io_table
 
    !> So many lines at the start are looked at for decimal commas
    integer, parameter :: looked_at = 64
-   !> Columns of a file of numbers
-   integer(int64), parameter :: most_columns = 1000000
 
 contains
 
@@ -113,7 +111,7 @@ contains
       table%name = name
       if (columns < 1 .or. columns > most_columns) then
          call fatal_error(error, status%parse, name//": "//integer_text(columns)//" columns are not from 1 to "// &
-                          integer_text(most_columns))
+                          integer_text(int(most_columns, int64)))
          return
       end if
       table%layout%columns = int(columns)
@@ -170,17 +168,20 @@ contains
       call split_line(lines%bytes, lines%at, last, names_way(lines%bytes, lines%at, last), fields)
       do i = 1, fields%count
          if (fields%last(i) < fields%first(i)) cycle
-         if (begins_like_number(lines%bytes(fields%first(i)))) return
+         if (begins_like_number(lines%bytes, fields%first(i))) return
          if (.not. is_missing_word(bytes_text(lines%bytes, fields%first(i), fields%last(i)))) words = words + 1
       end do
       only_words = words > 0
    end function only_words
 
-   !> True for a byte that a name does not begin with: what begins so is a number, right or wrong.
-   pure logical function begins_like_number(byte)
-      integer(int8), intent(in) :: byte
+   !> True for a byte that a name does not begin with, and for the minus sign of mathematics (U+2212): what begins so is a number,
+   !> right or wrong.
+   pure logical function begins_like_number(bytes, at)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: at
 
-      begins_like_number = (byte >= 48 .and. byte <= 57) .or. byte == 43 .or. byte == 45 .or. byte == 46
+      begins_like_number = (bytes(at) >= 48 .and. bytes(at) <= 57) .or. bytes(at) == 43 .or. bytes(at) == 45 .or. bytes(at) == 46
+      if (bytes(at) == -30_int8) begins_like_number = bytes(at + 1) == -120_int8 .and. bytes(at + 2) == -110_int8
    end function begins_like_number
 
    !> Takes in a line of units below the names; not taken where a word of it is no unit.
@@ -195,7 +196,9 @@ contains
       integer :: i
 
       call read_names(lines%bytes, lines%at, last, lines%number, words)
-      taken = size(words%name) == size(names%name)
+      taken = words%known
+      if (taken) taken = size(words%name) == size(names%name)
+      if (.not. taken) return
       do i = 1, size(words%name)
          if (.not. taken) return
          if (len(words%name(i)%text) == 0 .or. time_scale(words%name(i)%text) > 0.0_dp) cycle
@@ -219,6 +222,12 @@ contains
       call settle_commas(lines, last, options, table, error)
       if (allocated(error)) return
       call split_line(lines%bytes, lines%at, last, split%mixed, fields)
+      if (fields%count > most_columns) then
+         call place_error(error, table%name, lines%number, lines%bytes, lines%at, last, fields%first(most_columns + 1), &
+            integer_text(int(fields%count, int64))//" columns, there may be "//integer_text(int(most_columns, int64)), &
+            "give one row of numbers per sample: have line ends got lost?")
+         return
+      end if
       call refuse_ambiguous_dates(lines, last, options, fields, table, error)
       if (allocated(error)) return
       call find_joined(lines%bytes, lines%at, last, names_at_hand(table), table%layout, fields)
@@ -297,7 +306,7 @@ contains
       column = ambiguous_date(lines%bytes, fields)
       if (column == 0) return
       call place_error(error, table%name, lines%number, lines%bytes, lines%at, last, fields%first(column), "'"// &
-         bytes_text(lines%bytes, fields%first(column), fields%last(column))//"' may have the day or the month first", date_advice)
+         excerpt(lines%bytes, fields%first(column), fields%last(column))//"' may have the day or the month first", date_advice)
    end subroutine refuse_ambiguous_dates
 
    !> True where the line has a field for every name.
