@@ -108,7 +108,7 @@ contains
       call skip_sign(bytes(at), p, minus, at)
       word = transfer(bytes(p:p + 7), word)
       n = count_digits(word)
-      m = eight_digits(shiftl(word, 64 - 8*max(n, 1)))
+      m = eight_digits(shiftl(word, min(63, 64 - 8*n)))                ! a shift by 63 leaves no digit
       usual = little_endian .and. n > 0 .and. n < 8
       letter = int(iand(shiftr(word, 8*iand(n, 7)), 255_int64))
       p = p + n
