@@ -67,6 +67,9 @@ module gyroakf_app_option
                   "arcsec) with --input increment or angle; a list has one unit for each channel"), &
       option_type("--input", "rate|increment|angle", "choice", reading, "input", &
                   "what the values are: rates (default), angle increments per sample, or accumulated angles"), &
+      option_type("--wrap", "auto|none|VALUE", "text", reading, "input", &
+                  "where the angles of --input angle begin again, in units of the file, as 65536 or 360; auto (default): the "// &
+                  "range of the integers of a binary file"), &
       option_type("--scale", "F", "real", reading, "input", "multiply every value by F"), &
       option_type("--column", "N|NAME[,...]", "text", reading, "input", "columns to read (default: all but the time)"), &
       option_type("--time-column", "N|NAME|none", "text", reading, "input", &

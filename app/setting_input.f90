@@ -49,6 +49,7 @@ contains
       case ("--from"); reader%from = value%number
          if (value%number < 0) call value_error(option, "'"//value%text//"' is before the first sample", error)
       case ("--to"); reader%to = value%number
+      case ("--wrap"); call set_wrap(reader, option, value%text, error)
       case ("--decimal-comma"); reader%decimal_comma = .true.
       case ("--bad-lines"); reader%bad_lines_missing = value%text == "missing"
       case default; call not_wired(option, error)
@@ -76,6 +77,23 @@ contains
          "' is none of auto, text, csv, npy, hdf5, f32, f64, i8, i16, i32, i64, u8, u16, u32, "// &
                        "which may have le or be behind them"//near, error)
    end subroutine set_format
+
+   !> auto, none or a positive number.
+   subroutine set_wrap(reader, option, text, error)
+      type(reader_options), intent(inout) :: reader
+      type(option_type), intent(in) :: option
+      character(*), intent(in) :: text
+      !> usage
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: x
+      integer :: found
+
+      reader%wrap = text
+      if (text == "auto" .or. text == "none") return
+      call parse_number(text, x, found)
+      if (found /= number%ok .or. x <= 0.0_dp) call value_error(option, &
+         "'"//text//"' is neither auto, none nor a positive number", error)
+   end subroutine set_wrap
 
    !> What is wrong with the options of a group as a whole.
    subroutine check_input(reader, error)

@@ -33,6 +33,7 @@ contains
          new_unittest("header-unit", test_header_unit), &
          new_unittest("names-in-comment", test_names_in_comment), &
          new_unittest("channel-units", test_channel_units), &
+         new_unittest("temperature", test_temperature), &
          new_unittest("channel-increments", test_channel_increments), &
          new_unittest("header-columns", test_header_columns), &
          new_unittest("choose-columns", test_choose_columns), &
@@ -312,7 +313,7 @@ contains
          call check(error, (index(warned(record), "the header lists 4 units, the file has 3") > 0) .eqv. i == 7, warned(record))
          if (allocated(error)) return
       end do
-      values = shown("t gx[rad/s] temperature[degC]"//rows, options, record)
+      values = shown("t gx[rad/s] humidity[percent]"//rows, options, record)
       call check(error, units_of(record)//record%unit_source, "rad/s ? header")
       if (allocated(error)) return
       values = shown("# units: s deg/s g"//nl//names//rows, reader_options(columns="ax,gx"), record)
@@ -326,6 +327,28 @@ contains
       call check(error, shown(names//rows, options, record), "--unit names 3 units, but the number of channels is 2 (gx ax): "// &
                  "give one unit for all of them, or one for each")
    end subroutine test_channel_units
+
+   !> A temperature is left out, and said to be, unless it is asked for; where there is nothing else it is read.
+   subroutine test_temperature(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      character(*), parameter :: rows = nl//"0 1 20"//nl//"1 3 21"//nl//"2 5 22"
+      character(:), allocatable :: values
+
+      values = shown("t gx[rad/s] temperature[degC]"//rows, reader_options(), record)
+      call check(error, channels(record)//units_of(record), "gx rad/s", more="left out")
+      if (allocated(error)) return
+      call check(error, index(warned(record), "'temperature' holds a temperature and is left out; --column reads it") > 0)
+      if (allocated(error)) return
+      values = shown("t gx[rad/s] temperature[degC]"//rows, reader_options(columns="temperature"), record)
+      call check(error, channels(record)//values, "temperature 20 / 21 / 22 ", more="asked for")
+      if (allocated(error)) return
+      values = shown("t gx[rad/s] temperature[degC]"//rows, reader_options(columns="temperature,gx"), record)
+      call check(error, channels(record)//units_of(record), "temperature gx ? rad/s ", more="both")
+      if (allocated(error)) return
+      values = shown("t temperature[degC]"//nl//"0 20"//nl//"1 21", reader_options(), record)
+      call check(error, channels(record), "temperature ", more="nothing else")
+   end subroutine test_temperature
 
    !> Increments of a unit for each channel become rates; a list of rates does not fit them.
    subroutine test_channel_increments(error)

@@ -245,16 +245,14 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(record_type) :: whole, streamed
 
-      ! single rows left out at even distances, too few of them in a window to see that: the user is told
+      ! single rows left out at even distances, as a clock does that counts in the interval: not filled
       call write_rows("time_s,gx", 1, "beat", rows)
       call compare(error, reader_options(time_column="none"), whole, streamed)
       if (allocated(error)) return
       call write_rows("time_s,gx", 1, "beat", 2*rows)
       call compare(error, reader_options(), whole, streamed, alike=.false.)
       if (allocated(error)) return
-      call check(error, streamed%audit%gaps, 5_int64)
-      if (allocated(error)) return
-      call check(error, index(streamed%warnings(size(streamed%warnings))%text, "single samples at even distances") > 0)
+      call check(error, streamed%audit%gaps, whole%audit%gaps)
    end subroutine test_beat
 
    subroutine test_increments(error)

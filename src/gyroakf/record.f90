@@ -44,6 +44,19 @@ module gyroakf_record
       real(dp), allocatable :: minimum(:), maximum(:)
       !> Smallest non-zero step between successive present samples: [channel], of the record's unit; 0 where there is none
       real(dp), allocatable :: quantisation(:)
+      !> Rows that repeat the one above, stamp and values, and were left out; the line of the first, 0 where there is none
+      integer(int64) :: repeated = 0, line_of_repeat = 0
+      !> Bursts: samples that were delivered at once, and late; the largest number; the line of the first
+      integer(int64) :: bursts = 0, longest_burst = 0, line_of_burst = 0
+      !> Changes of the rate for good; the line of the first, and the rates before and behind it, Hz
+      integer(int64) :: rate_changes = 0, line_of_change = 0
+      real(dp) :: rate_before = 0.0_dp, rate_after = 0.0_dp
+      !> Rates of the first and the second half of the samples, Hz; 0 without stamps
+      real(dp) :: rate_first = 0.0_dp, rate_second = 0.0_dp
+      !> The stamps count in this, s; 0 where it is not seen (below 1e-4 of the interval)
+      real(dp) :: resolution = 0.0_dp
+      !> Standard deviation of the distances of the stamps from the even grid, s
+      real(dp) :: jitter_rms = 0.0_dp
    end type audit_type
 
    !> A recording

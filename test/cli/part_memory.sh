@@ -44,7 +44,7 @@ if [ "$(diff out streamed.txt | grep -c '^[<>]')" = 0 ]; then pass; else fail "i
 good "inspect as JSON" inspect large.txt --json whole.json --quiet --force
 good "inspect streamed as JSON" inspect large.txt --memory 30MB --json streamed_inspect.json --quiet
 is "inspect's JSON, in memory and streamed" "$(diff whole.json streamed_inspect.json | grep '^[<>]' | tr -d ' \n')" \
-   '<"streamed":false>"streamed":true'
+   '<"streamed":false,>"streamed":true,'
 good "filter in memory" filter large.txt --json whole.json --quiet --force
 good "filter streamed with drift" filter large.txt --memory 56MB --json drift.json
 holds "filter with drift says streamed" "streamed, for the recording is larger" out

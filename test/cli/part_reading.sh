@@ -118,4 +118,4 @@ holds "jump not filled" "too long to be filled with missing samples" words
 awk 'BEGIN { print "t,gx"; for (i = 1; i < 2000; i++) if (i % 97) printf "%.2f,%.6f\n", i*0.01, sin(i*i) }' >beat.csv
 good "double steps at even distances" inspect beat.csv
 tr -s ' \n' ' ' <out >words
-holds "double steps told" "double step 20 times at even distances" words
+holds "double steps told" "double step in 20 places" words

@@ -26,3 +26,32 @@ sed 's/2026-05-\(..\)/05\/\1\/2026/' dates.csv >american.csv
 bad "a date that may be either" 2 "may have the day or the month first" inspect american.csv
 tail -n +2 american.csv >unnamed.csv
 good "such a column left out" inspect unnamed.csv --column 3 --time-column none
+
+# rates that change, repeated rows, bursts, a coarse clock
+awk 'BEGIN { print "t,gx"; for (i = 0; i < 8000; i++) { printf "%.4f,%.6f\n", t, sin(i*i); t += i < 4999 ? 0.01 : 0.005 } }' >change.csv
+good "a rate that changes" inspect change.csv --json change.json
+plain "both rates and the line" "the rate changes from 100 Hz to 200 Hz in line 500"
+plain "no gap at a change" "Missing 0 values, 0 gaps"
+is "change in JSON" "$(grep -c '"rate_changes": 1' change.json)" 1
+awk 'BEGIN { print "t,gx"; for (i = 0; i < 2000; i++) { r = sprintf("%.3f,%.6f", i*0.01 + 0.001*(i%3), sin(i*i)); print r; if (i%500 == 250) print r } }' >twice.csv
+good "repeated rows" inspect twice.csv
+plain "they are left out" "4 rows with stamp and values of the row above: left out; the first is in line 253"
+plain "and do not raise the rate" "Samples 2000 in"
+awk 'BEGIN { print "t,gx"; for (i = 0; i < 5000; i++) printf "%.3f,%.6f\n", int((i + 0.3*sin(i*i))/990*1000 + 5)/1000, sin(i*i) }' >coarse.csv
+good "990 Hz in ms" inspect coarse.csv
+plain "990 Hz, no gaps" "0 gaps"
+is "990 Hz within 1e-3" "$(awk '/Rate/ { print ($2 > 989.5 && $2 < 990.5) }' out | head -n 1)" 1
+
+# angles of a counter, and temperatures
+awk 'BEGIN { print "# rate_hz: 100\n# unit: deg"; for (i = 0; i < 2000; i++) print (i*700) % 65536 }' >counter.txt
+good "a counter that wraps" inspect counter.txt --input angle --scale 0.01
+plain "the option is named" "--wrap 65536 undoes it"
+good "wrapping undone" inspect counter.txt --input angle --scale 0.01 --wrap 65536 --json -
+holds "one rate" '"samples": 1999' out
+good "wrapping undone, as text" inspect counter.txt --input angle --scale 0.01 --wrap 65536
+plain "the rate is even" "column1 700 700 0"
+bad "a wrong value of --wrap" 1 "is neither auto, none nor a positive number" inspect counter.txt --input angle --wrap never
+awk 'BEGIN { print "t,gx,temp [degC]"; for (i = 0; i < 100; i++) print i*0.1 "," sin(i*i) "," 20 + i*0.01 }' >warm.csv
+good "a temperature" inspect warm.csv
+plain "left out" "column 'temp' holds a temperature and is left out; --column reads it"
+good "a temperature that is wanted" inspect warm.csv --column temp

@@ -2,53 +2,45 @@
 !> The audit of a record: what the time stamps show, and what the values show.
 !>
 !> Samples are taken as evenly spaced at the mean rate. Stamps that come in bursts (delivered late, several at once) are no
-!> gaps: samples were lost only where the lag, elapsed time * rate - count, rises and does not fall back. That is told by its
-!> median before and after a long step. Where almost all steps are near their median (regular stamps), one lost sample is
-!> seen; where they are not, a loss has to be larger than the bursts. Steps that are multiples of the median are regular too.
+!> gaps: samples were lost only where the lag, elapsed time * rate - count, rises and does not fall back. Where almost all steps
+!> are near their median (regular stamps, [[gyroakf_io_cadence]]), one lost sample is seen at its long step; where they are not, by
+!> the levels before and behind it ([[gyroakf_io_losses]]). Parts of different rates are looked at apart.
 module gyroakf_io_audit
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_scan, only : scan_extremes
+   use gyroakf_io_cadence, only : cadence_type, find_cadence, find_changes, sort
+   use gyroakf_io_losses, only : add_gap, find_losses, gap_type
    use gyroakf_record, only : audit_type
    implicit none (type, external)
    private
-   public :: gap_type, audit_stamps, audit_values
+   public :: gap_type, audit_stamps, audit_values, join_windows
 
-   !> Samples that were lost
-   type :: gap_type
-      !> The sample after the gap: [gap]
-      integer(int64), allocatable :: before(:)
-      !> How many were lost: [gap]
-      integer(int64), allocatable :: length(:)
-      !> How many gaps
-      integer :: count = 0
-      !> Jumps of the clock that are too long to be filled
-      integer(int64) :: jumps = 0
-      !> The sample after the first of them, 0 where there is none
-      integer(int64) :: first_jump = 0
-   end type gap_type
-
-   !> Stamps looked at for a first idea of the step
-   integer, parameter :: looked_at = 4001
    !> Window of the lags, samples; after a long step it is longer, up to most_window
    integer(int64), parameter :: window = 64, most_window = 20000
    !> So many samples may be filled in for one that was read
    integer(int64), parameter :: most_filled = 10
+   !> Rates that a record may have one after the other
+   integer, parameter :: most_changes = 8
 
 contains
 
    !> Counts what the stamps show and finds the gaps.
-   subroutine audit_stamps(t, audit, gaps)
-      !> Stamps in s: [n]; NaN where missing. Afterwards without backward jumps, missing ones interpolated
+   subroutine audit_stamps(t, audit, gaps, value)
+      !> Stamps in s: [n]; NaN where missing. Afterwards, in the first n - `audit%repeated`, without backward jumps, repeated rows
+      !> and jumps that are not filled, missing ones interpolated
       real(dp), intent(inout), contiguous :: t(:)
-      !> Filled: stamps, rate, duplicates, backward steps, jitter; `line_of_first` holds sample indices
+      !> Filled: stamps, rate, duplicates, backward steps, bursts, jitter; `line_of_*` hold sample indices
       type(audit_type), intent(inout) :: audit
-      !> Where samples were lost
+      !> Where samples were lost, and rows that are none
       type(gap_type), intent(out) :: gaps
-      integer(int64) :: n, inserted
-      integer :: round
-      real(dp) :: rate
-      logical :: regular
+      !> The rows, by which repeated ones are told from others of the same stamp: [n, channel]
+      real(dp), intent(in), contiguous, optional :: value(:, :)
+      type(cadence_type) :: cadence
+      integer(int64), allocatable :: repeated(:)
+      integer(int64) :: n, change(most_changes), lost
+      integer :: changes
+      real(dp) :: steps(most_changes + 1)
 
       n = size(t, kind=int64)
       audit%has_stamps = n > 0
@@ -57,28 +49,88 @@ contains
       allocate (gaps%before(16), gaps%length(16))
       if (n < 2) return
       call interpolate(t)
-      call first_rate(t, rate, regular)
-      call count_steps(t, rate, audit)
-      if (rate <= 0.0_dp) return
-      inserted = 0
-      do round = 1, 4
-         call find_gaps(t, rate, regular, gaps)
-         if (is_beat(gaps)) then
-            audit%beats = gaps%count
-            gaps%count = 0
-         end if
-         if (regular .or. sum(gaps%length(:gaps%count)) == inserted) exit
-         inserted = sum(gaps%length(:gaps%count))
-         rate = real(n - 1 + inserted, dp)/(t(n) - t(1))
-      end do
-      audit%gaps = gaps%count + gaps%jumps
-      audit%jumps = gaps%jumps
-      audit%line_of_first(3) = gaps%first_jump
-      if (gaps%count > 0) audit%line_of_first(3) = gaps%before(1)
-      if (gaps%count > 0 .and. gaps%first_jump > 0) audit%line_of_first(3) = min(gaps%before(1), gaps%first_jump)
-      if (t(n) > t(1)) audit%stamp_rate = real(n - 1 + sum(gaps%length(:gaps%count)), dp)/(t(n) - t(1))
-      call measure_jitter(t, gaps, audit)
+      if (present(value)) call drop_repeats(t, value, repeated)
+      if (allocated(repeated)) n = n - size(repeated)
+      call find_cadence(t(:n), cadence)
+      call count_steps(t(:n), cadence%step, audit)
+      if (cadence%step > 0.0_dp) then
+         audit%resolution = cadence%resolution
+         call find_changes(t(:n), change, steps, changes)
+         call audit_stretches(t(:n), cadence, change(:changes), audit, gaps)
+         audit%gaps = gaps%count + gaps%jumps
+         audit%jumps = gaps%jumps
+         call note_changes(change(:changes), steps, audit)
+         call note_first_gap(gaps, audit)
+         lost = sum(gaps%length(:gaps%count))
+         if (t(n) > t(1)) audit%stamp_rate = real(n - 1 + lost, dp)/(t(n) - t(1))
+         call measure_jitter(t(:n), gaps, audit)
+         call count_bursts(t(:n), cadence, audit)
+      end if
+      if (allocated(repeated)) call merge_repeats(repeated, audit, gaps)
    end subroutine audit_stamps
+
+   !> Finds the losses in each stretch of one rate.
+   subroutine audit_stretches(t, whole, change, audit, gaps)
+      real(dp), intent(inout), contiguous :: t(:)
+      !> Of the whole
+      type(cadence_type), intent(in) :: whole
+      !> First sample of each further rate
+      integer(int64), intent(in) :: change(:)
+      !> Its beats are counted
+      type(audit_type), intent(inout) :: audit
+      type(gap_type), intent(inout) :: gaps
+      type(cadence_type) :: cadence
+      type(gap_type) :: part
+      integer(int64) :: first, last
+      integer :: k, g
+
+      do k = 0, size(change)
+         first = 1
+         if (k > 0) first = change(k)
+         last = size(t, kind=int64)
+         if (k < size(change)) last = change(k + 1) - 1
+         if (last <= first) cycle
+         if (size(change) == 0) then
+            cadence = whole
+         else
+            call find_cadence(t(first:last), cadence)
+         end if
+         call audit_stretch(t(first:), last - first + 1, cadence, part, audit)
+         do g = 1, part%count
+            call add_gap(gaps, part%before(g) + first - 1, part%length(g))
+         end do
+         if (part%jumps > 0 .and. gaps%jumps == 0) gaps%first_jump = part%first_jump + first - 1
+         gaps%jumps = gaps%jumps + part%jumps
+      end do
+   end subroutine audit_stretches
+
+   !> The losses in a stretch of one rate; jumps that are too long to be filled are taken out of the stamps.
+   subroutine audit_stretch(t, n, cadence, gaps, audit)
+      !> From the first sample of the stretch to the last of the record
+      real(dp), intent(inout), contiguous :: t(:)
+      !> Samples of the stretch
+      integer(int64), intent(in) :: n
+      type(cadence_type), intent(in) :: cadence
+      type(gap_type), intent(out) :: gaps
+      type(audit_type), intent(inout) :: audit
+      real(dp) :: step
+
+      allocate (gaps%before(16), gaps%length(16))
+      if (cadence%step <= 0.0_dp) return
+      if (cadence%regular) then
+         call find_gaps(t(:n), cadence%step, gaps)
+         if (is_beat(gaps, cadence, n)) then
+            audit%beats = audit%beats + gaps%count
+            gaps%count = 0
+         else if (is_comb(gaps, cadence)) then
+            gaps%count = 0
+            call find_losses(t(:n), cadence, gaps, step)
+         end if
+      else
+         call find_losses(t(:n), cadence, gaps, step)
+      end if
+      call join_jumps(t, n, cadence%step, gaps)
+   end subroutine audit_stretch
 
    !> Fills missing stamps between their neighbours; at the ends by the mean step.
    subroutine interpolate(t)
@@ -110,82 +162,145 @@ contains
       end do
    end subroutine interpolate
 
-   !> The rate at which samples come where none is lost: from the steps near their median where most steps are there
-   !> (regular), else the mean over all forward steps.
-   subroutine first_rate(t, rate, regular)
-      real(dp), intent(in), contiguous :: t(:)
-      real(dp), intent(out) :: rate
-      logical, intent(out) :: regular
-      real(dp) :: step(looked_at), median, total
-      integer(int64) :: i, n, near
-      integer :: k, m
+   !> Takes rows out that repeat the one above: the same stamp and the same values.
+   !>
+   !> Where neighbours of different stamps are as often alike, it is chance (a coarse clock and coarse values), and they stay.
+   subroutine drop_repeats(t, value, repeated)
+      !> Afterwards the remaining ones stand first
+      real(dp), intent(inout), contiguous :: t(:)
+      !> [n, channel]
+      real(dp), intent(in), contiguous :: value(:, :)
+      !> The rows that were taken out, in order; unallocated where there are none
+      integer(int64), allocatable, intent(out) :: repeated(:)
+      integer(int64) :: i, n, equal, alike, chance, others, stride, kept
 
       n = size(t, kind=int64)
-      m = int(min(int(looked_at, int64), n - 1))
-      do k = 1, m
-         i = 2 + (int(k - 1, int64)*(n - 2))/max(m - 1, 1)
-         step(k) = t(i) - t(i - 1)
-      end do
-      call sort(step(:m))
-      median = step((m + 1)/2)
-      regular = is_regular(step(:m), median)
-      total = 0.0_dp
-      near = 0
+      equal = 0
+      alike = 0
       do i = 2, n
-         if (t(i) - t(i - 1) < 0.0_dp) cycle
-         if (regular .and. (t(i) - t(i - 1) < 0.5_dp*median .or. t(i) - t(i - 1) > 1.5_dp*median)) cycle
-         total = total + (t(i) - t(i - 1))
-         near = near + 1
+         if (abs(t(i) - t(i - 1)) > 0.0_dp) cycle
+         equal = equal + 1
+         if (same_row(value, i)) alike = alike + 1
       end do
-      rate = 0.0_dp
-      if (total > 0.0_dp) rate = real(near, dp)/total
-   end subroutine first_rate
-
-   !> True where almost all steps are near the median, or most are, none is far below it and almost all are whole multiples of
-   !> it: samples of an even grid, some of them lost. (Short steps as well are those of late samples and a coarse clock.)
-   pure logical function is_regular(step, median)
-      real(dp), intent(in) :: step(:), median
-      integer :: k, near, whole
-
-      is_regular = .false.
-      if (median <= 0.0_dp) return
-      near = 0
-      whole = 0
-      do k = 1, size(step)
-         if (step(k) <= 0.5_dp*median) cycle
-         if (step(k) < 1.5_dp*median) near = near + 1
-         if (abs(step(k)/median - anint(step(k)/median)) <= 0.25_dp) whole = whole + 1
+      if (alike == 0) return
+      chance = 0
+      others = 0
+      stride = 1 + n/100000
+      do i = 2, n, stride
+         if (abs(t(i) - t(i - 1)) <= 0.0_dp) cycle
+         others = others + 1
+         if (same_row(value, i)) chance = chance + 1
       end do
-      is_regular = 100*near >= 97*size(step) .or. &
-                   (100*near >= 80*size(step) .and. 100*whole >= 97*size(step) .and. minval(step) > 0.5_dp*median)
-   end function is_regular
+      if (real(alike, dp) <= 10.0_dp*real(equal, dp)*real(chance, dp)/real(max(others, 1_int64), dp)) return
+      allocate (repeated(alike))
+      kept = 1
+      alike = 0
+      do i = 2, n
+         if (abs(t(i) - t(kept)) <= 0.0_dp) then
+            if (same_row(value, i)) then
+               alike = alike + 1
+               repeated(alike) = i
+               cycle
+            end if
+         end if
+         kept = kept + 1
+         t(kept) = t(i)
+      end do
+      t(kept + 1:) = t(kept)
+   end subroutine drop_repeats
 
-   !> Sorts a short list.
-   pure subroutine sort(x)
-      real(dp), intent(inout) :: x(:)
-      integer :: gap, i, j
-      real(dp) :: held
+   !> True where a row has the values of the one above.
+   pure logical function same_row(value, i)
+      real(dp), intent(in), contiguous :: value(:, :)
+      integer(int64), intent(in) :: i
+      integer :: j
 
-      gap = size(x)/2
-      do while (gap > 0)
-         do i = gap + 1, size(x)
-            held = x(i)
-            j = i
-            do while (j > gap)
-               if (x(j - gap) <= held) exit
-               x(j) = x(j - gap)
-               j = j - gap
-            end do
-            x(j) = held
+      same_row = .false.
+      do j = 1, size(value, 2)
+         if (ieee_is_nan(value(i, j)) .or. ieee_is_nan(value(i - 1, j))) return
+         if (abs(value(i, j) - value(i - 1, j)) > 0.0_dp) return
+      end do
+      same_row = .true.
+   end function same_row
+
+   !> Puts the rows that were taken out among the gaps, and lets all indices count them.
+   subroutine merge_repeats(repeated, audit, gaps)
+      integer(int64), intent(in) :: repeated(:)
+      type(audit_type), intent(inout) :: audit
+      type(gap_type), intent(inout) :: gaps
+      type(gap_type) :: all
+      integer(int64) :: next, at
+      integer :: k
+
+      allocate (all%before(gaps%count + size(repeated)), all%length(gaps%count + size(repeated)))
+      next = 1
+      do k = 1, gaps%count
+         at = gaps%before(k) + next - 1
+         do while (next <= size(repeated))
+            if (repeated(next) > at) exit
+            call add_gap(all, repeated(next), -1_int64)
+            next = next + 1
+            at = at + 1
          end do
-         gap = gap/2
+         call add_gap(all, at, gaps%length(k))
       end do
-   end subroutine sort
+      do next = next, size(repeated)
+         call add_gap(all, repeated(next), -1_int64)
+      end do
+      call move_alloc(all%before, gaps%before)
+      call move_alloc(all%length, gaps%length)
+      gaps%count = all%count
+      gaps%first_jump = place_with(repeated, gaps%first_jump)
+      do k = 1, 3
+         audit%line_of_first(k) = place_with(repeated, audit%line_of_first(k))
+      end do
+      audit%line_of_burst = place_with(repeated, audit%line_of_burst)
+      audit%line_of_change = place_with(repeated, audit%line_of_change)
+      audit%repeated = size(repeated, kind=int64)
+      audit%line_of_repeat = repeated(1)
+   end subroutine merge_repeats
+
+   !> The index of a sample among all rows; 0 stays 0.
+   pure integer(int64) function place_with(repeated, i) result(place)
+      integer(int64), intent(in) :: repeated(:), i
+      integer(int64) :: k
+
+      place = i
+      if (i == 0) return
+      do k = 1, size(repeated, kind=int64)
+         if (repeated(k) > place) exit
+         place = place + 1
+      end do
+   end function place_with
+
+   !> The rates before and behind the first change.
+   subroutine note_changes(change, steps, audit)
+      integer(int64), intent(in) :: change(:)
+      real(dp), intent(in) :: steps(:)
+      type(audit_type), intent(inout) :: audit
+
+      audit%rate_changes = size(change, kind=int64)
+      if (size(change) == 0) return
+      audit%line_of_change = change(1)
+      audit%rate_before = 1.0_dp/steps(1)
+      audit%rate_after = 1.0_dp/steps(2)
+   end subroutine note_changes
+
+   !> Where the first samples are lost.
+   subroutine note_first_gap(gaps, audit)
+      type(gap_type), intent(in) :: gaps
+      type(audit_type), intent(inout) :: audit
+
+      audit%line_of_first(3) = gaps%first_jump
+      if (gaps%count > 0) audit%line_of_first(3) = gaps%before(1)
+      if (gaps%count > 0 .and. gaps%first_jump > 0) audit%line_of_first(3) = min(gaps%before(1), gaps%first_jump)
+   end subroutine note_first_gap
 
    !> Counts duplicates and backward steps; a clock that was set back by more than ten samples goes on by one sample.
-   subroutine count_steps(t, rate, audit)
+   subroutine count_steps(t, interval, audit)
       real(dp), intent(inout), contiguous :: t(:)
-      real(dp), intent(in) :: rate
+      !> Usual, s
+      real(dp), intent(in) :: interval
       type(audit_type), intent(inout) :: audit
       real(dp) :: step, shift
       integer(int64) :: i
@@ -198,9 +313,9 @@ contains
          if (step < 0.0_dp) then
             audit%backward_steps = audit%backward_steps + 1
             if (audit%line_of_first(2) == 0) audit%line_of_first(2) = i
-            if (rate <= 0.0_dp .or. step*rate > -10.0_dp) cycle
-            shift = shift - step + 1.0_dp/rate
-            t(i) = t(i - 1) + 1.0_dp/rate
+            if (interval <= 0.0_dp .or. step > -10.0_dp*interval) cycle
+            shift = shift - step + interval
+            t(i) = t(i - 1) + interval
          else
             audit%duplicates = audit%duplicates + 1
             if (audit%line_of_first(1) == 0) audit%line_of_first(1) = i
@@ -208,56 +323,93 @@ contains
       end do
    end subroutine count_steps
 
-   !> Finds where samples were lost; jumps that are too long to be filled are taken out of the stamps.
+   !> Finds where samples of regular stamps were lost: a long step behind which the lag stays higher.
    !>
    !> A loss is no longer than the step of the stamps there, and than the rise of the lag.
-   subroutine find_gaps(t, rate, regular, gaps)
-      real(dp), intent(inout), contiguous :: t(:)
-      real(dp), intent(in) :: rate
-      logical, intent(in) :: regular
+   subroutine find_gaps(t, interval, gaps)
+      real(dp), intent(in), contiguous :: t(:)
+      !> s from sample to sample
+      real(dp), intent(in) :: interval
       type(gap_type), intent(inout) :: gaps
-      integer(int64) :: i, n, since, room, after, length
-      real(dp) :: rise, enough, shift, step
+      integer(int64) :: i, n, since, after
+      real(dp) :: rise, rate, step
+      real(dp), parameter :: enough = 0.75_dp
 
       n = size(t, kind=int64)
-      gaps%count = 0
-      enough = 0.75_dp
-      if (.not. regular) enough = largest_burst(t, rate)
+      rate = 1.0_dp/interval
       since = 1
-      room = most_filled*max(n, 10000_int64)
-      shift = 0.0_dp
       do i = 2, n
-         t(i) = t(i) - shift
          step = (t(i) - t(i - 1))*rate
          if (step < 2.0_dp*enough) cycle
-         after = i - 1 + max(window, int(min(4.0_dp*step, real(most_window, dp)), int64))
-         if (.not. regular .and. after > n) cycle
-         rise = middle_lag(t, rate, i, min(after, n), shift) - middle_lag(t, rate, max(i - window, since), i - 1, 0.0_dp)
-         if (rise < enough) cycle
-         since = i
-         if (rise > real(room, dp)) then
-            gaps%jumps = gaps%jumps + 1
-            if (gaps%first_jump == 0) gaps%first_jump = i
-            shift = shift + (t(i) - t(i - 1)) - 1.0_dp/rate
-            t(i) = t(i - 1) + 1.0_dp/rate
+         if (even_around(t, i, max(i - window, since), min(i + window, n), interval)) then
+            rise = step - 1.0_dp
          else
-            length = max(1_int64, min(nint(rise, int64), nint(step, int64) - 1))
-            call add_gap(gaps, i, length)
-            room = room - length
+            after = min(i - 1 + max(window, int(min(4.0_dp*step, real(most_window, dp)), int64)), n)
+            rise = middle_lag(t, rate, i, after) - middle_lag(t, rate, max(i - window, since), i - 1)
          end if
+         if (rise < enough) cycle
+         if (falls_back(t, rate, i, rise)) cycle
+         since = i
+         call add_gap(gaps, i, max(1_int64, min(whole(rise), whole(step) - 1)))
       end do
    end subroutine find_gaps
 
-   !> True where single samples are lost at even distances: the beat of the samples with a clock that counts in nearly their
-   !> interval, or a loss that cannot be told from it.
-   pure logical function is_beat(gaps)
+   !> The nearest whole number, as far as there is one.
+   pure integer(int64) function whole(x)
+      real(dp), intent(in) :: x
+
+      whole = nint(min(x, 1.0e15_dp), int64)
+   end function whole
+
+   !> True where all steps but that before sample i are near the interval.
+   pure logical function even_around(t, i, first, last, interval)
+      real(dp), intent(in), contiguous :: t(:)
+      integer(int64), intent(in) :: i, first, last
+      real(dp), intent(in) :: interval
+      integer(int64) :: k
+
+      even_around = .false.
+      do k = first + 1, last
+         if (k /= i .and. abs(t(k) - t(k - 1) - interval) > 0.3_dp*interval) return
+      end do
+      even_around = abs(t(last) - t(i) - real(last - i, dp)*interval) <= 0.3_dp*interval .and. &
+                    abs(t(i - 1) - t(first) - real(i - 1 - first, dp)*interval) <= 0.3_dp*interval
+   end function even_around
+
+   !> True where the lag has lost half of a rise again after 512, 1024 or 2048 samples.
+   pure logical function falls_back(t, rate, i, rise)
+      real(dp), intent(in), contiguous :: t(:)
+      real(dp), intent(in) :: rate, rise
+      integer(int64), intent(in) :: i
+      integer(int64) :: ahead
+      integer :: k
+
+      falls_back = .false.
+      ahead = 512
+      do k = 1, 3
+         if (i + ahead > size(t, kind=int64)) return
+         if ((t(i + ahead) - t(i - 1))*rate - real(ahead + 1, dp) < 0.5_dp*rise - 0.25_dp) falls_back = .true.
+         ahead = 2*ahead
+      end do
+   end function falls_back
+
+   !> True where the double steps of single samples are the beat of the samples with a clock that counts in more than half of
+   !> their interval, or cannot be told from it: at even distances, or so few (0.03 %) that a clock explains them.
+   pure logical function is_beat(gaps, cadence, n)
       type(gap_type), intent(in) :: gaps
+      type(cadence_type), intent(in) :: cadence
+      integer(int64), intent(in) :: n
+      real(dp), parameter :: usual_drift = 3.0e-4_dp
       integer(int64) :: distance
       integer :: k, alike
 
       is_beat = .false.
-      if (gaps%count < 4) return
+      if (gaps%count == 0 .or. cadence%resolution < 0.5_dp*cadence%step) return
       if (any(gaps%length(:gaps%count) > 1)) return
+      if (gaps%count < 4) then
+         is_beat = real(gaps%count, dp) < usual_drift*real(n, dp)
+         return
+      end if
       distance = (gaps%before(gaps%count) - gaps%before(1))/(gaps%count - 1)
       alike = 0
       do k = 2, gaps%count
@@ -266,11 +418,60 @@ contains
       is_beat = 10*alike >= 9*(gaps%count - 1)
    end function is_beat
 
-   !> Median of the lag t*rate - index over a range (every k-th of a long one); all stamps but the first are still ahead by
-   !> `shift`.
-   real(dp) function middle_lag(t, rate, from, to, shift)
+   !> True where half of the double steps are at even distances: beats of a coarse clock and losses among them.
+   pure logical function is_comb(gaps, cadence)
+      type(gap_type), intent(in) :: gaps
+      type(cadence_type), intent(in) :: cadence
+      integer(int64) :: distance
+      integer :: k, j, alike, most
+
+      is_comb = .false.
+      if (count(gaps%length(:gaps%count) == 1) < 8 .or. cadence%resolution < 0.5_dp*cadence%step) return
+      most = 0
+      do j = 2, min(gaps%count, 12)
+         distance = gaps%before(j) - gaps%before(j - 1)
+         alike = 0
+         do k = 2, gaps%count
+            if (gaps%length(k) /= 1) cycle
+            if (abs(gaps%before(k) - gaps%before(k - 1) - distance) <= max(2_int64, distance/10)) alike = alike + 1
+         end do
+         most = max(most, alike)
+      end do
+      is_comb = 2*most >= gaps%count - 1
+   end function is_comb
+
+   !> Takes jumps that are too long to be filled out of the stamps and of the gaps.
+   subroutine join_jumps(t, n, interval, gaps)
+      !> From the first sample of the stretch to the last of the record
+      real(dp), intent(inout), contiguous :: t(:)
+      integer(int64), intent(in) :: n
+      real(dp), intent(in) :: interval
+      type(gap_type), intent(inout) :: gaps
+      integer(int64) :: room, i
+      integer :: k, kept
+
+      room = most_filled*max(n, 10000_int64)
+      kept = 0
+      do k = 1, gaps%count
+         i = gaps%before(k)
+         if (gaps%length(k) > room) then
+            gaps%jumps = gaps%jumps + 1
+            if (gaps%first_jump == 0) gaps%first_jump = i
+            t(i:) = t(i:) - (t(i) - t(i - 1) - interval)
+         else
+            room = room - gaps%length(k)
+            kept = kept + 1
+            gaps%before(kept) = i
+            gaps%length(kept) = gaps%length(k)
+         end if
+      end do
+      gaps%count = kept
+   end subroutine join_jumps
+
+   !> Median of the lag t*rate - index over a range (every k-th of a long one).
+   real(dp) function middle_lag(t, rate, from, to)
       real(dp), intent(in), contiguous :: t(:)
-      real(dp), intent(in) :: rate, shift
+      real(dp), intent(in) :: rate
       integer(int64), intent(in) :: from, to
       real(dp) :: lag(2*window)
       integer(int64) :: i, stride
@@ -280,71 +481,30 @@ contains
       k = 0
       do i = from, to, stride
          k = k + 1
-         lag(k) = (t(i) - merge(0.0_dp, shift, i == from) - t(1))*rate - real(i, dp)
+         lag(k) = (t(i) - t(1))*rate - real(i, dp)
       end do
       call sort(lag(:k))
       middle_lag = lag((k + 1)/2)
    end function middle_lag
 
-   !> Three times the usual difference between the largest and the smallest lag within a window (its upper quartile): a shorter
-   !> loss cannot be told from a burst.
-   real(dp) function largest_burst(t, rate)
-      real(dp), intent(in), contiguous :: t(:)
-      real(dp), intent(in) :: rate
-      real(dp) :: seen(looked_at), low, high, lag
-      integer(int64) :: n, at, i
-      integer :: k
-
-      n = size(t, kind=int64)
-      k = 0
-      do at = 1, n - window + 1, max(window, n/looked_at + 1)
-         k = k + 1
-         low = (t(at) - t(1))*rate - real(at, dp)
-         high = low
-         do i = at + 1, at + window - 1
-            lag = (t(i) - t(1))*rate - real(i, dp)
-            low = min(low, lag)
-            high = max(high, lag)
-         end do
-         seen(k) = high - low
-      end do
-      largest_burst = huge(largest_burst)/4
-      if (k < 4) return
-      call sort(seen(:k))
-      largest_burst = max(0.75_dp, 3.0_dp*seen((3*k + 3)/4))
-   end function largest_burst
-
-   !> Appends a gap.
-   subroutine add_gap(gaps, before, length)
-      type(gap_type), intent(inout) :: gaps
-      integer(int64), intent(in) :: before, length
-      integer(int64), allocatable :: longer(:)
-
-      if (gaps%count == size(gaps%before)) then
-         allocate (longer(2*gaps%count))
-         longer(:gaps%count) = gaps%before
-         call move_alloc(longer, gaps%before)
-         allocate (longer(2*gaps%count))
-         longer(:gaps%count) = gaps%length
-         call move_alloc(longer, gaps%length)
-      end if
-      gaps%count = gaps%count + 1
-      gaps%before(gaps%count) = before
-      gaps%length(gaps%count) = length
-   end subroutine add_gap
-
-   !> The largest distance of a stamp from the even grid between the first and the last.
+   !> The largest and the usual distance of a stamp from the even grid at the mean rate, and the rates of the halves.
    subroutine measure_jitter(t, gaps, audit)
       real(dp), intent(in), contiguous :: t(:)
       type(gap_type), intent(in) :: gaps
       type(audit_type), intent(inout) :: audit
-      integer(int64) :: i, at
+      integer(int64) :: i, at, n, middle, middle_at
       integer :: next
+      real(dp) :: distance, total, squares
 
       if (audit%stamp_rate <= 0.0_dp) return
+      n = size(t, kind=int64)
       next = 1
       at = -1
-      do i = 1, size(t, kind=int64)
+      total = 0.0_dp
+      squares = 0.0_dp
+      middle = (n + 1)/2
+      middle_at = 0
+      do i = 1, n
          at = at + 1
          if (next <= gaps%count) then
             if (gaps%before(next) == i) then
@@ -352,9 +512,78 @@ contains
                next = next + 1
             end if
          end if
-         audit%jitter_max = max(audit%jitter_max, abs(t(i) - t(1) - real(at, dp)/audit%stamp_rate))
+         if (i == middle) middle_at = at
+         distance = t(i) - t(1) - real(at, dp)/audit%stamp_rate
+         audit%jitter_max = max(audit%jitter_max, abs(distance))
+         total = total + distance
+         squares = squares + distance*distance
       end do
+      audit%jitter_rms = sqrt(max(0.0_dp, squares/n - (total/n)**2))
+      if (t(middle) > t(1)) audit%rate_first = real(middle_at, dp)/(t(middle) - t(1))
+      if (t(n) > t(middle)) audit%rate_second = real(at - middle_at, dp)/(t(n) - t(middle))
    end subroutine measure_jitter
+
+   !> Counts bursts: three samples or more at once, with less than 0.3 of the usual step between them, behind a long step; more
+   !> of them than a tick of the clock holds.
+   subroutine count_bursts(t, cadence, audit)
+      real(dp), intent(in), contiguous :: t(:)
+      type(cadence_type), intent(in) :: cadence
+      type(audit_type), intent(inout) :: audit
+      integer(int64) :: i, run, least, first
+      real(dp) :: short, long
+      logical :: late
+
+      short = 0.3_dp*cadence%step
+      long = 1.5_dp*cadence%step
+      least = max(2_int64, ceiling(1.5_dp*min(cadence%resolution/cadence%step, 1.0e6_dp), int64))
+      run = 0
+      first = 0
+      late = .false.
+      do i = 2, size(t, kind=int64)
+         if (abs(t(i) - t(i - 1)) < short) then
+            run = run + 1
+            cycle
+         end if
+         if (late .and. run >= least) call note(first, run + 1)
+         late = t(i) - t(i - 1) >= long
+         first = i
+         run = 0
+      end do
+      if (late .and. run >= least) call note(first, run + 1)
+   contains
+      subroutine note(from, length)
+         integer(int64), intent(in) :: from, length
+
+         audit%bursts = audit%bursts + 1
+         audit%longest_burst = max(audit%longest_burst, length)
+         if (audit%line_of_burst == 0) audit%line_of_burst = from
+      end subroutine note
+   end subroutine count_bursts
+
+   !> Adds what a window of a longer record shows: the rows from:to of it count.
+   pure subroutine join_windows(part, before, from, to, audit)
+      !> Of the window
+      type(audit_type), intent(in) :: part
+      !> Rows before the window, and the rows of it that count
+      integer(int64), intent(in) :: before, from, to
+      !> Of the record
+      type(audit_type), intent(inout) :: audit
+
+      audit%resolution = max(audit%resolution, part%resolution)
+      audit%jitter_rms = max(audit%jitter_rms, part%jitter_rms)
+      if (part%line_of_change >= from .and. part%line_of_change <= to) then
+         if (audit%rate_changes == 0) then
+            audit%line_of_change = before + part%line_of_change
+            audit%rate_before = part%rate_before
+            audit%rate_after = part%rate_after
+         end if
+         audit%rate_changes = audit%rate_changes + part%rate_changes
+      end if
+      if (part%bursts == 0 .or. part%line_of_burst > to) return
+      if (audit%line_of_burst == 0) audit%line_of_burst = before + max(part%line_of_burst, from)
+      audit%bursts = audit%bursts + part%bursts
+      audit%longest_burst = max(audit%longest_burst, part%longest_burst)
+   end subroutine join_windows
 
    !> Counts what is missing; extremes and the smallest non-zero step of every channel.
    subroutine audit_values(value, present_mask, audit)

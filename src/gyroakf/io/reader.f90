@@ -13,7 +13,7 @@ module gyroakf_io_reader
    use gyroakf_io_lines, only : line_of
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_stamps, only : infer_scale, named_scale, unwrap_days
-   use gyroakf_io_shape, only : cut, fill_gaps, make_rates, mark_missing
+   use gyroakf_io_shape, only : cut, fill_gaps, make_rates, mark_missing, warn_of_wraps, wrap_of
    use gyroakf_io_store, only : take_columns
    use gyroakf_io_recording, only : close_recording, hold_rows, memory_advice, open_recording, reader_options, &
       recording_type, too_large
@@ -69,6 +69,7 @@ contains
       type(gap_type) :: gaps
       real(dp), allocatable :: stamps(:)
       character(:), allocatable :: input, unit
+      real(dp) :: wrap
 
       associate (options => recording%options, table => recording%table)
          input = "rate"
@@ -86,7 +87,11 @@ contains
          if (.not. allocated(error)) call fill_gaps(gaps, record, error)
          if (.not. allocated(error)) call mark_missing(record, largest_value/max(1.0_dp, abs(options%scale)), error)
          if (.not. allocated(error)) call set_units(unit, input, table, record, error)
-         if (.not. allocated(error)) call make_rates(record, input, options%scale, error)
+         wrap = wrap_of(options, table)
+         if (.not. allocated(error) .and. input == "angle" .and. wrap <= 0.0_dp) then
+            if (.not. allocated(options%wrap)) call warn_of_wraps(record)
+         end if
+         if (.not. allocated(error)) call make_rates(record, input, options%scale, error, wrap)
          if (.not. allocated(error)) call cut(record, options%from, options%to, error)
          if (allocated(error)) return
          call audit_values(record%value, record%present, record%audit)
@@ -191,7 +196,7 @@ contains
       if (is_clock(table)) call unwrap_days(stamps, before, days)
       call find_scale(options, table, stamps, record, scale, origin)
       stamps = (stamps - origin)*scale
-      call audit_stamps(stamps, record%audit, gaps)
+      call audit_stamps(stamps, record%audit, gaps, record%value)
    end subroutine use_stamps
 
    !> The unit of the stamps and the first of them; what is no time becomes missing.
@@ -331,15 +336,47 @@ contains
       end do
       if (record%audit%jumps > 0) call add_text(record%warnings, "a jump of the time stamps is too long to be filled with "// &
          "missing samples; the parts before and after it are joined: analyse them apart with --from and --to")
-      if (record%audit%beats > 0) call add_text(record%warnings, "the time stamps make a double step "// &
-         integer_text(record%audit%beats)//" times at even distances: a clock too coarse for the rate, or lost samples; the "// &
-         "samples are taken as evenly spaced at the mean rate")
+      if (record%audit%beats > 0) call add_text(record%warnings, "the time stamps make a double step in "// &
+         counted(record%audit%beats, "place")//", as those of a clock do that is too coarse for the rate, or of lost samples; "// &
+         "the samples are taken as evenly spaced at the mean rate")
+      call tell_odd(table, record)
       if (record%audit%jitter_max > 1.0_dp*record%sample_interval .and. record%rate_known) then
          call add_text(record%warnings, "the time stamps are up to "//format_real(record%audit%jitter_max, 3)// &
                        " s away from an even grid; the samples are taken as evenly spaced at the mean rate")
       end if
-      if (table%bad_lines > 0) call add_text(record%warnings, integer_text(table%bad_lines)// &
-         " lines could not be read and count as missing; the first is line "//integer_text(table%first_bad_line))
+      if (table%bad_lines > 0) call add_text(record%warnings, counted(table%bad_lines, "line")// &
+         " could not be read, counted as missing; the first is line "//integer_text(table%first_bad_line))
    end subroutine tell
+
+   !> Repeated rows, bursts, a rate that changes.
+   subroutine tell_odd(table, record)
+      type(table_type), intent(in) :: table
+      type(record_type), intent(inout) :: record
+
+      associate (audit => record%audit)
+         if (audit%line_of_repeat > 0) audit%line_of_repeat = line_of(table%map, audit%line_of_repeat)
+         if (audit%line_of_burst > 0) audit%line_of_burst = line_of(table%map, audit%line_of_burst)
+         if (audit%line_of_change > 0) audit%line_of_change = line_of(table%map, audit%line_of_change)
+         if (audit%repeated > 0) call add_text(record%warnings, counted(audit%repeated, "row")//" with stamp and values of the "// &
+            "row above: left out; the first is in line "//integer_text(audit%line_of_repeat))
+         if (audit%bursts > 0) call add_text(record%warnings, "samples were delivered late and several at once in "// &
+            counted(audit%bursts, "place")//", up to "//integer_text(audit%longest_burst)//" at once; the first is in line "// &
+            integer_text(audit%line_of_burst))
+         if (audit%rate_changes > 0) call add_text(record%warnings, "the rate changes from "//format_real(audit%rate_before, 6)// &
+            " Hz to "//format_real(audit%rate_after, 6)//" Hz in line "//integer_text(audit%line_of_change)// &
+            trim(merge(", the first of several changes", "                              ", audit%rate_changes > 1))// &
+            "; analyse the parts apart with --from and --to")
+      end associate
+   end subroutine tell_odd
+
+   !> "1 row", "2 rows".
+   pure function counted(number, noun) result(text)
+      integer(int64), intent(in) :: number
+      character(*), intent(in) :: noun
+      character(:), allocatable :: text
+
+      text = integer_text(number)//" "//noun
+      if (number /= 1) text = text//"s"
+   end function counted
 
 end module gyroakf_io_reader

@@ -16,7 +16,7 @@ module gyroakf_io_record_stream
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_audit, only : audit_stamps, audit_values, gap_type
+   use gyroakf_io_audit, only : audit_stamps, audit_values, gap_type, join_windows
    use gyroakf_io_channel_units, only : set_units
    use gyroakf_io_columns, only : label_of, name_of
    use gyroakf_io_lines, only : line_of
@@ -25,7 +25,7 @@ module gyroakf_io_record_stream
    use gyroakf_io_recording, only : next_rows, recording_type
    use gyroakf_io_store, only : chunk_rows
    use gyroakf_io_stamps, only : unwrap_days
-   use gyroakf_io_shape, only : fill_gaps, keep_rows, make_rates, mark_missing
+   use gyroakf_io_shape, only : fill_gaps, keep_rows, make_rates, mark_missing, wrap_of
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_record, only : add_text, audit_type, record_type, text_type
    implicit none (type, external)
@@ -252,6 +252,7 @@ contains
          audit%jumps = audit%jumps + gaps%jumps
          audit%beats = audit%beats + nint(real(part%beats, dp)*real(to - from + 1, dp)/real(max(size(t), 1), dp), int64)
          audit%jitter_max = max(audit%jitter_max, part%jitter_max)
+         call join_windows(part, before, from, to, audit)
          if (to > start) stream%elapsed = stream%elapsed + (t(to) - t(start))
          stream%filled = stream%filled + sum(gaps%length(:kept))
          if (.not. stream%begun) audit%stamp_rate = part%stamp_rate
@@ -386,7 +387,7 @@ contains
          if (allocated(block%present)) deallocate (block%present)
          return
       end if
-      call make_rates(block, stream%input, recording%options%scale, error)
+      call make_rates(block, stream%input, recording%options%scale, error, wrap_of(recording%options, recording%table))
       if (allocated(error)) return
       n = size(block%value, 1, kind=int64)
       first = max(1_int64, stream%first - stream%samples)

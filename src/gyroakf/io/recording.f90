@@ -39,7 +39,7 @@ module gyroakf_io_recording
       character(:), allocatable :: columns
       !> Number or name; "none" forbids; unallocated: found by its name
       character(:), allocatable :: time_column
-      !> How samples get their place: "index" (also where unallocated), "nearest" or "linear"
+      !> How samples get their place: "index" (also where unallocated)
       character(:), allocatable :: resample
       !> Where angles wrap, in units of the file: a number, "auto" (also where unallocated) or "none"
       character(:), allocatable :: wrap
@@ -409,6 +409,11 @@ contains
          if (.not. known) call fatal_error(error, status%not_supported, "the format '"//options%format// &
             "' is not supported; "// &
             "known are auto, text, csv, npy, hdf5, f32, f64, i8, i16, i32, i64, u8, u16, u32, with be for big endian")
+      end if
+      if (allocated(error)) return
+      if (allocated(options%resample)) then
+         if (options%resample /= "index") call fatal_error(error, status%not_supported, "to resample by '"//options%resample// &
+                                                           "' is not supported; known is index")
       end if
       if (allocated(error)) return
       if (allocated(options%input)) then

@@ -8,11 +8,14 @@ module gyroakf_io_shape
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_scan, only : all_sound
-   use gyroakf_record, only : record_type
+   use gyroakf_io_number, only : parse_number
+   use gyroakf_io_recording, only : reader_options
+   use gyroakf_io_table, only : table_type
+   use gyroakf_record, only : add_text, record_type
    use gyroakf_units, only : angle_to_rate_unit
    implicit none (type, external)
    private
-   public :: fill_gaps, mark_missing, make_rates, cut, keep_rows
+   public :: fill_gaps, mark_missing, make_rates, cut, keep_rows, wrap_of, wrapped, warn_of_wraps
 
 contains
 
@@ -91,7 +94,7 @@ contains
    end subroutine mark_missing
 
    !> Scales, and turns increments or angles into rates.
-   subroutine make_rates(record, input, scale, error)
+   subroutine make_rates(record, input, scale, error, wrap)
       !> Holds what the file holds; afterwards rates
       type(record_type), intent(inout) :: record
       !> "rate", "increment" or "angle"
@@ -100,7 +103,9 @@ contains
       real(dp), intent(in) :: scale
       !> Allocated on failure: too_few_samples, no_memory
       type(error_type), allocatable, intent(out) :: error
-      real(dp) :: factor
+      !> Where angles begin again, in units of the file; 0 (also if absent): they do not
+      real(dp), intent(in), optional :: wrap
+      real(dp) :: factor, modulus
       integer(int64) :: i
       integer :: j
 
@@ -114,7 +119,9 @@ contains
             end do
          end if
       end if
-      if (input == "angle") call difference(record, error)
+      modulus = 0.0_dp
+      if (present(wrap)) modulus = wrap
+      if (input == "angle") call difference(record, modulus, error)
       if (allocated(error) .or. abs(factor - 1.0_dp) <= 0.0_dp) return
       do j = 1, size(record%value, 2)
          do i = 1, size(record%value, 1, kind=int64)
@@ -123,9 +130,90 @@ contains
       end do
    end subroutine make_rates
 
-   !> n angles become n - 1 differences; one is missing where one of its two angles is.
-   subroutine difference(record, error)
+   !> A difference of angles brought into (-modulus/2, modulus/2]; as it is where the modulus is 0.
+   pure elemental real(dp) function wrapped(change, modulus)
+      !> In units of the file
+      real(dp), intent(in) :: change, modulus
+
+      wrapped = change
+      if (modulus <= 0.0_dp .or. abs(change) <= 0.5_dp*modulus) then
+         if (modulus > 0.0_dp .and. change <= -0.5_dp*modulus) wrapped = change + modulus
+         return
+      end if
+      wrapped = modulo(change, modulus)
+      if (wrapped > 0.5_dp*modulus) wrapped = wrapped - modulus
+   end function wrapped
+
+   !> Where the angles begin again: what the option says, else the range of the integers that the file stores; 0 for nowhere.
+   pure real(dp) function wrap_of(options, table)
+      !> For `wrap`
+      type(reader_options), intent(in) :: options
+      !> For its integers
+      type(table_type), intent(in) :: table
+      character(:), allocatable :: word
+      integer :: found
+
+      wrap_of = 0.0_dp
+      word = "auto"
+      if (allocated(options%wrap)) word = options%wrap
+      if (word == "auto") then
+         if (table%integer_bits > 0 .and. table%integer_bits < 64) wrap_of = 2.0_dp**table%integer_bits
+      else if (word /= "none") then
+         call parse_number(word, wrap_of, found)
+      end if
+   end function wrap_of
+
+   !> Says where angles jump as a counter does that begins again, but nobody said that it does.
+   subroutine warn_of_wraps(record)
+      !> Angles, before they are differenced
       type(record_type), intent(inout) :: record
+      real(dp), parameter :: usual(10) = [6.283185307179586_dp, 256.0_dp, 360.0_dp, 4096.0_dp, 16384.0_dp, 32768.0_dp, 65536.0_dp, &
+                                          16777216.0_dp, 2147483648.0_dp, 4294967296.0_dp]
+      real(dp) :: largest, other, change
+      integer(int64) :: i, times
+      integer :: j, k
+
+      do j = 1, size(record%value, 2)
+         largest = 0.0_dp
+         do i = 2, size(record%value, 1, kind=int64)
+            if (.not. steps(record, i, j)) cycle
+            largest = max(largest, abs(record%value(i, j) - record%value(i - 1, j)))
+         end do
+         do k = 1, size(usual)
+            if (usual(k) >= largest) exit
+         end do
+         if (k > size(usual) .or. largest <= 0.0_dp) cycle
+         if (largest < 0.75_dp*usual(k)) cycle
+         other = 0.0_dp
+         times = 0
+         do i = 2, size(record%value, 1, kind=int64)
+            if (.not. steps(record, i, j)) cycle
+            change = abs(record%value(i, j) - record%value(i - 1, j))
+            if (change >= 0.75_dp*usual(k)) times = times + 1
+            if (change < 0.75_dp*usual(k)) other = max(other, change)
+         end do
+         if (other > 0.25_dp*usual(k)) cycle
+         call add_text(record%warnings, "the angle in "//record%channel(j)%text//" jumps by nearly "//format_real(usual(k), 10)// &
+                       trim(merge(" (2^n)", "      ", k == 2 .or. k > 3))//" in "//integer_text(times)// &
+                       trim(merge(" place ", " places", times == 1))//", as a counter does that begins again; --wrap "// &
+                       format_real(usual(k), 16)//" undoes it")
+      end do
+   end subroutine warn_of_wraps
+
+   !> True where a sample and the one before are there.
+   pure logical function steps(record, i, j)
+      type(record_type), intent(in) :: record
+      integer(int64), intent(in) :: i
+      integer, intent(in) :: j
+
+      steps = .true.
+      if (allocated(record%present)) steps = record%present(i, j) == 1 .and. record%present(i - 1, j) == 1
+   end function steps
+
+   !> n angles become n - 1 differences; one is missing where one of its two angles is.
+   subroutine difference(record, modulus, error)
+      type(record_type), intent(inout) :: record
+      real(dp), intent(in) :: modulus
       type(error_type), allocatable, intent(out) :: error
       integer(int64) :: i, n
       integer :: j
@@ -137,7 +225,7 @@ contains
       end if
       do j = 1, size(record%value, 2)
          do i = 1, n - 1
-            record%value(i, j) = record%value(i + 1, j) - record%value(i, j)
+            record%value(i, j) = wrapped(record%value(i + 1, j) - record%value(i, j), modulus)
             if (.not. allocated(record%present)) cycle
             record%present(i, j) = record%present(i, j)*record%present(i + 1, j)
             if (record%present(i, j) == 0) record%value(i, j) = 0.0_dp

@@ -417,6 +417,7 @@ contains
          table%chosen(:) = pack([(i, i=1, n)], [(i /= table%time .and. .not. is_stamp(table%layout, i), i=1, n)])
       end if
       if (allocated(error)) return
+      if (.not. table%asked) call leave_out_temperatures(table)
       if (size(table%chosen) == 0) then
          call fatal_error(error, status%parse, table%name//":"//integer_text(table%names%line)// &
                           ":1: there is no column besides the time in "//label_of(table%names, table%time)// &
@@ -424,6 +425,36 @@ contains
          return
       end if
    end subroutine choose
+
+   !> A temperature is no rate: its column is left out unless it was asked for or is the only one.
+   subroutine leave_out_temperatures(table)
+      type(table_type), intent(inout) :: table
+      logical :: stays(size(table%chosen))
+      integer :: i
+
+      if (.not. table%names%known) return
+      do i = 1, size(table%chosen)
+         associate (name => table%names%name(table%chosen(i))%text, unit => table%names%unit(table%chosen(i))%text)
+            stays(i) = .not. is_temperature(lower(name), lower(unit))
+         end associate
+      end do
+      if (all(stays) .or. .not. any(stays)) return
+      do i = 1, size(stays)
+         if (.not. stays(i)) call add_text(table%warnings, label_of(table%names, table%chosen(i))// &
+                                           " holds a temperature and is left out; --column reads it")
+      end do
+      table%chosen = pack(table%chosen, stays)
+   end subroutine leave_out_temperatures
+
+   !> True where the name or the unit says so.
+   pure logical function is_temperature(name, unit)
+      !> In lower case
+      character(*), intent(in) :: name, unit
+
+      is_temperature = name == "temp" .or. index(name, "temperature") > 0 .or. index(name, "temp_") == 1 .or. &
+         index(name//" ", "_temp ") > 0 .or. index(name//" ", ".temp ") > 0 .or. &
+         any(unit == [character(8) :: "degc", "deg c", "celsius", "kelvin", "degf", char(194)//char(176)//"c"])
+   end function is_temperature
 
    !> The column without a name for a time that holds dates or times of day: a date and time together before others.
    pure integer function first_stamps(layout)

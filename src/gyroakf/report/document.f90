@@ -83,8 +83,30 @@ contains
       call put_member(json, "warnings", warnings)
       call put_text_or_null(json, "stored_type", record%stored_type)
       call put_member(json, "streamed", record%streamed)
+      call put_stamps(json, record)
       call close_object(json)
    end subroutine put_input
+
+   !> What the time stamps show beyond gaps; zeros without stamps.
+   subroutine put_stamps(json, record)
+      type(json_type), intent(inout) :: json
+      type(record_type), intent(in) :: record
+
+      associate (audit => record%audit)
+         call put_member(json, "backward_steps", audit%backward_steps)
+         call put_member(json, "repeated_rows", audit%repeated)
+         call put_member(json, "bursts", audit%bursts)
+         call put_member(json, "longest_burst", audit%longest_burst)
+         call put_member(json, "rate_changes", audit%rate_changes)
+         call put_member(json, "rate_change_line", audit%line_of_change)
+         call put_member(json, "rate_before_hz", audit%rate_before)
+         call put_member(json, "rate_after_hz", audit%rate_after)
+         call put_member(json, "rate_first_half_hz", audit%rate_first)
+         call put_member(json, "rate_second_half_hz", audit%rate_second)
+         call put_member(json, "clock_resolution_s", audit%resolution)
+         call put_member(json, "jitter_rms_s", audit%jitter_rms)
+      end associate
+   end subroutine put_stamps
 
    !> One element of "channels".
    subroutine put_channel(json, writer, record, channel)

@@ -120,7 +120,8 @@ contains
       call put_item(writer, "Missing", text)
       if (.not. record%audit%has_stamps) return
       text = "mean rate "//number(record%audit%stamp_rate, 7)//" Hz, largest distance from an even grid "// &
-             number(record%audit%jitter_max, 3)//" s, "//plural(record%audit%duplicates, "duplicate")//", "// &
+             number(record%audit%jitter_max, 3)//" s (usual "//number(record%audit%jitter_rms, 2)//" s), "// &
+             plural(record%audit%duplicates, "duplicate")//", "// &
              plural(record%audit%backward_steps, "backward step")
       call put_item(writer, "Time stamps", text)
       if (.not. allocated(record%audit%line_of_first)) return
@@ -129,6 +130,15 @@ contains
       if (record%audit%line_of_first(2) > 0) text = text//", backward step: line "//count_text(record%audit%line_of_first(2))
       if (record%audit%line_of_first(3) > 0) text = text//", gap: line "//count_text(record%audit%line_of_first(3))
       if (len(text) > 0) call put_item(writer, "", "the first"//text(2:))
+      text = ""
+      if (record%audit%resolution > 0.0_dp) text = "; counts in "//number(record%audit%resolution, 4)//" s or less"
+      if (record%audit%rate_first > 0.0_dp) text = text//"; "//number(record%audit%rate_first, 7)//" Hz in the first half, "// &
+         number(record%audit%rate_second, 7)//" Hz in the second"
+      if (record%audit%repeated > 0) text = text//"; "//plural(record%audit%repeated, "repeated row")//", the first in line "// &
+         count_text(record%audit%line_of_repeat)
+      if (record%audit%bursts > 0) text = text//"; "//plural(record%audit%bursts, "burst")//" of up to "// &
+         plural(record%audit%longest_burst, "sample")//", the first in line "//count_text(record%audit%line_of_burst)
+      if (len(text) > 0) call put_item(writer, "Clock", text(3:))
    end subroutine put_missing
 
    !> Range and quantisation step of each channel.
