@@ -430,6 +430,7 @@ contains
       most = 0
       do j = 2, min(gaps%count, 12)
          distance = gaps%before(j) - gaps%before(j - 1)
+         if (distance < 50) cycle
          alike = 0
          do k = 2, gaps%count
             if (gaps%length(k) /= 1) cycle

@@ -345,7 +345,7 @@ contains
                        " s away from an even grid; the samples are taken as evenly spaced at the mean rate")
       end if
       if (table%bad_lines > 0) call add_text(record%warnings, counted(table%bad_lines, "line")// &
-         " could not be read, counted as missing; the first is line "//integer_text(table%first_bad_line))
+         " could not be read and count as missing; the first is line "//integer_text(table%first_bad_line))
    end subroutine tell
 
    !> Repeated rows, bursts, a rate that changes.
