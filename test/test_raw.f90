@@ -192,7 +192,7 @@ contains
       if (allocated(error)) return
       options%skip = 0
       options%channels = huge(1_int64)
-      call expect(error, "1234", options, status%parse, "columns are not from 1 to 1000000")
+      call expect(error, "1234", options, status%parse, "columns are not from 1 to 65536")
       if (allocated(error)) return
       options = reader_options()
       call expect(error, "1"//achar(0)//"2"//achar(1), options, status%parse, "--format f64, f32")
