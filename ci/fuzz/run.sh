@@ -23,5 +23,5 @@ case ${1-60s} in
   *) options+=(-runs="$1") ;;
 esac
 $out/reader -merge=1 "${options[@]:0:3}" $out/corpus $out/seeds >/dev/null 2>&1 || true
-exec $out/reader "${options[@]}" -dict=ci/fuzz/reader.dict -max_len="${GYROAKF_FUZZ_LENGTH-1024}" -reload=0 \
+exec $out/reader "${options[@]}" -dict=ci/fuzz/reader.dict -max_len="${GYROAKF_FUZZ_LENGTH-1024}" -reload=0 -entropic=0 \
   $out/corpus $out/seeds
