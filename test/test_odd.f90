@@ -25,7 +25,8 @@ contains
          new_unittest("long-field", test_long_field), &
          new_unittest("impossible-rate", test_impossible_rate), &
          new_unittest("said", test_said), &
-         new_unittest("columns", test_columns)]
+         new_unittest("columns", test_columns), &
+         new_unittest("only-dates", test_only_dates)]
    end subroutine collect_odd
 
    !> Reads a content from memory.
@@ -149,5 +150,20 @@ contains
       if (allocated(error)) return
       call check(error, record%channel(10000)%text, "b")
    end subroutine test_columns
+
+   !> Nothing but dates, which may not be the time either.
+   subroutine test_only_dates(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(reader_options) :: options
+      character(:), allocatable :: message
+      character(*), parameter :: content = "when"//nl//"2024-01-01T00:00:00Z"//nl//"2024-01-01T00:00:01Z"//nl
+
+      options%time_column = "none"
+      call parse(content, options, record, message)
+      call check(error, index(message, "odd:1:1: every column holds dates or times of day"), 1, more=message)
+      if (allocated(error)) return
+      call said(error, content, "odd:1:1: there is no column besides the time in column 'when'", "takes it for the record")
+   end subroutine test_only_dates
 
 end module test_odd

@@ -10,7 +10,7 @@ while IFS= read -r line; do
    message=${line#* ; }
    bad "odd: $name" 2 "${message% ; *}" inspect odd.txt
 done <<'LINES'
-empty ; odd.txt:1:1: the file is empty ; 
+empty ; odd.txt:1:1: the file is empty ; %s
 only a header ; odd.txt:1:1: the file holds no line of numbers ; time,gx,gy\n
 only comments ; odd.txt:2:1: the file holds no line of numbers ; # a\n# b\n
 only blank lines ; odd.txt:3:1: the file holds no line of numbers ; \n  \n\n

@@ -418,11 +418,13 @@ contains
       end if
       if (allocated(error)) return
       if (.not. table%asked) call leave_out_temperatures(table)
-      if (size(table%chosen) == 0) then
+      if (size(table%chosen) == 0 .and. table%time == 0) then
+         call fatal_error(error, status%parse, table%name//":"//integer_text(table%names%line)// &
+                          ":1: every column holds dates or times of day"//new_line("a")//"a record needs a column of numbers")
+      else if (size(table%chosen) == 0) then
          call fatal_error(error, status%parse, table%name//":"//integer_text(table%names%line)// &
                           ":1: there is no column besides the time in "//label_of(table%names, table%time)// &
                           new_line("a")//"--time-column none takes it for the record")
-         return
       end if
    end subroutine choose
 
