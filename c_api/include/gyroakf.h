@@ -111,6 +111,7 @@ GYROAKF_API void gyroakf_reader_options_init(gyroakf_reader_options *opt);
  *   out   the recording; free it with gyroakf_record_free
  * What the file says about rate, unit and columns is honoured, an option overrides it. GYROAKF_IO: the file cannot be
  * read; GYROAKF_PARSE: the message begins with FILE:LINE:COLUMN. Nothing but the file is touched.
+ * By exception, one recording is read at a time: two threads must not be in gyroakf_record_read or _parse at once.
  */
 GYROAKF_API int gyroakf_record_read(const char *path, const gyroakf_reader_options *opt, gyroakf_record **out,
                                     gyroakf_error *err);
