@@ -39,6 +39,10 @@ contains
          new_unittest("choose-columns", test_choose_columns), &
          new_unittest("time-column", test_time_column), &
          new_unittest("looks-like-time", test_looks_like_time), &
+         new_unittest("left-out", test_left_out), &
+         new_unittest("repeated-names", test_repeated_names), &
+         new_unittest("split-stamps", test_split_stamps), &
+         new_unittest("units-below", test_units_below), &
          new_unittest("rates-differ", test_rates_differ), &
          new_unittest("increments", test_increments), &
          new_unittest("angles", test_angles), &
@@ -437,6 +441,80 @@ contains
       if (allocated(error)) return
       call check(error, shown("a b"//nl//rising, reader_options(), record)//warned(record), "0 1 / 0.1 2 / 0.2 1 ")
    end subroutine test_looks_like_time
+
+   !> Text, temperatures, further times and repeated names are left out, and it is said.
+   subroutine test_left_out(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(reader_options) :: options
+      character(*), parameter :: content = "time,seconds_elapsed,frame,gx,temp"//nl//"0.0,0.0,imu,5,20"//nl//"0.5,0.5,imu,4,20"//nl
+
+      call check(error, shown(content, options, record), "5 / 4 ")
+      if (allocated(error)) return
+      call check(error, warned(record), "column 'frame' holds text and is left out|column 'temp' holds a temperature and is "// &
+                 "left out; --column reads it|column 'seconds_elapsed' holds a further time and is left out; --time-column "// &
+                 "takes it for the time|")
+      if (allocated(error)) return
+      options%columns = "frame"
+      call check(error, index(shown(content, options, record), "'imu' is not a number") > 0, "text as a channel")
+      if (allocated(error)) return
+      call check(error, shown("0 -> X: 1 Y: 2"//nl//"1 -> X: 3 Y: 4"//nl, reader_options(), record), "0 1 2 / 1 3 4 ")
+      if (allocated(error)) return
+      call check(error, index(warned(record), "3 columns hold text and are left out: column 2, column 3, column 5|") == 1, &
+                 warned(record))
+      if (allocated(error)) return
+      call check(error, index(shown("1 2 ERR"//nl//"1 2 3"//nl, reader_options(), record), "numbers stand in 1,2 here: "// &
+                              "--column 1,2") > 0, "advice about the columns")
+   end subroutine test_left_out
+
+   !> Files that were put behind one another repeat the names; other words are still an error.
+   subroutine test_repeated_names(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+
+      call check(error, shown("t,gx"//nl//"0,5"//nl//"1,4"//nl//" t,gx "//nl//"2,3"//nl//"t,gx"//achar(13)//nl//"3,2"//nl, &
+                              reader_options(rate_hz=1.0_dp), record), "5 / 4 / 3 / 2 ")
+      if (allocated(error)) return
+      call check(error, warned(record), "2 lines repeat the names of the columns, as in files that were put behind one "// &
+                 "another: left out; the first is line 4|")
+      if (allocated(error)) return
+      call check(error, index(shown("t,gx"//nl//"0,5"//nl//"t,gy"//nl, reader_options(), record), &
+                              ":3:1: 't' is not a number") > 0, "other names")
+   end subroutine test_repeated_names
+
+   !> Whole seconds and nanoseconds, or microseconds, in two columns.
+   subroutine test_split_stamps(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(reader_options) :: options
+
+      call check(error, shown("stamp.secs,stamp.nsecs,gx"//nl//"1700000000,500000000,5"//nl//"1700000001,0,4"//nl// &
+                              "1700000001,500000000,3"//nl, options, record)//warned(record), "5 / 4 / 3 ")
+      if (allocated(error)) return
+      call check(error, record%sample_interval, 0.5_dp)
+      if (allocated(error)) return
+      options%time_column = "tv_sec"
+      call check(error, shown("gx tv_usec tv_sec"//nl//"5 250000 7"//nl//"4 500000 7"//nl//"3 750000 7"//nl, options, record)// &
+                 warned(record), "5 / 4 / 3 ")
+      if (allocated(error)) return
+      call check(error, record%sample_interval, 0.25_dp)
+      if (allocated(error)) return
+      options%time_column = "stamp.secs"
+      call check(error, index(shown("stamp.secs,stamp.nsecs,gx"//nl//"1,0,5"//nl//"1,x,4"//nl, options, record), &
+                              ":3:3: 'x' is not a number") > 0, "a fraction that is none")
+   end subroutine test_split_stamps
+
+   !> A line of units below the names: in brackets, and beside units that are not known.
+   subroutine test_units_below(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+
+      call check(error, shown("t,gx,p"//nl//"[s],[deg/s],[bar]"//nl//"0,5,1"//nl//"1,4,1"//nl, reader_options(columns="gx"), &
+                              record)//warned(record)//record%unit%name, "5 / 4 deg/s")
+      if (allocated(error)) return
+      call check(error, index(shown("t,gx"//nl//"good,bad"//nl//"0,5"//nl, reader_options(), record), "'good' is not a number") &
+                 > 0, "words that are no units")
+   end subroutine test_units_below
 
    subroutine test_rates_differ(error)
       type(error_type), allocatable, intent(out) :: error

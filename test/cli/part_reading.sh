@@ -119,3 +119,18 @@ awk 'BEGIN { print "t,gx"; for (i = 1; i < 2000; i++) if (i % 97) printf "%.2f,%
 good "double steps at even distances" inspect beat.csv
 tr -s ' \n' ' ' <out >words
 holds "double steps told" "double step in 20 places" words
+
+# what a newcomer brings: the export of a ROS bag, labels between numbers, files put behind one another
+awk 'BEGIN { print "seq,stamp.secs,stamp.nsecs,frame_id,x"
+   for (i = 0; i < 300; i++) { n = i*5; printf "%d,%d,%d,imu,%.4f\n", i, 1700000000 + int(n/1000), n%1000*1000000, sin(i*i) } }' >ros.csv
+good "seconds and nanoseconds" inspect ros.csv --json ros.json
+holds "their rate" "Rate            200 Hz (from the time stamps); 1.5 s" out
+holds "text is left out" "column 'frame_id' holds text and is left out" out
+holds "a counter is said" "column 'seq' rises from row to row and looks like a counter" out
+awk '{ print "12:00:0" NR%10 ".5 -> X: " $1 " Y: " $2 }' <(sed 1,3d plain.txt | head -n 9) >labels.txt
+good "labels between numbers" inspect labels.txt --json -
+holds "the channels" '"channels": ["column4", "column6"]' out
+printf 'gx:1,gy:2\ngx:3,gy:4\n' >labelled.txt
+bad "labels before numbers" 2 "sed 's/[A-Za-z_]*[:=]//g' FILE" inspect labelled.txt
+printf '1 2 x\n3 4 5\n' >words.txt
+bad "columns of numbers are named" 2 "numbers stand in 1,2 here: --column 1,2" inspect words.txt

@@ -11,7 +11,7 @@ module gyroakf_io_columns
    use gyroakf_utf8, only : make_readable
    implicit none (type, external)
    private
-   public :: column_names_type, read_names, names_way, name_of, label_of, find_column, choose_columns
+   public :: column_names_type, read_names, without_brackets, names_way, name_of, label_of, find_column, choose_columns
    public :: most_columns
 
    !> A file with more of them has lost its line ends

@@ -26,6 +26,9 @@ module gyroakf_io_date
       integer :: clock = 3
       !> A number of more digits than a double has: its whole part is read exactly and counted from the first
       integer :: long = 4
+      !> The whole nanoseconds or microseconds beside a column of whole seconds
+      integer :: nano = 5
+      integer :: micro = 6
    end type stamp_kind_enum
 
    !> All kinds
@@ -75,6 +78,8 @@ contains
       select case (kind)
       case (stamp_kind%long)
          call scan_long(bytes, p, origin, whole, part, found)
+      case (stamp_kind%nano, stamp_kind%micro)
+         call scan_long(bytes, p, 0_int64, whole, part, found)
       case (stamp_kind%clock)
          call scan_clock(bytes, p, mark /= 0, whole, part, found)
       case default
@@ -88,6 +93,8 @@ contains
       end if
       if (.not. found) return
       value = real(whole, dp) + part
+      if (kind == stamp_kind%nano) value = 1.0e-9_dp*value
+      if (kind == stamp_kind%micro) value = 1.0e-6_dp*value
       at = p
    end subroutine scan_stamp
 

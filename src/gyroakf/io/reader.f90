@@ -25,12 +25,10 @@ module gyroakf_io_reader
    implicit none (type, external)
    private
    public :: reader_options, read_record, complete_record
-   public :: largest_value, drop_absurd, find_scale, is_clock, set_rate, tell, time_warning
+   public :: largest_value, drop_absurd, find_scale, is_clock, set_rate, tell, least_rows, may_be_time, time_warning
 
    !> A rate beyond it is an error: the fourth powers of the statistics would overflow
    real(dp), parameter :: largest_value = 1.0e60_dp
-   character(*), parameter :: time_warning = "column 1 rises from row to row and looks like time; it is read as a channel, "// &
-                                             "--time-column 1 takes it for the time"
 
 contains
 
@@ -156,7 +154,42 @@ contains
                        ":1: no column holds a number"//new_line("a")//"give one row of numbers per sample")
    end subroutine find_numbers
 
-   !> A first column that rises all the way, in a file without names, may be a time: it is not taken for one, but said.
+   !> True where a first channel that rises all the way is worth a word: it may be a time, or a counter.
+   pure logical function may_be_time(options, table)
+      !> What is wanted
+      type(reader_options), intent(in) :: options
+      !> Its columns are chosen
+      type(table_type), intent(in) :: table
+
+      may_be_time = table%layout%columns >= 2 .and. .not. (table%asked .or. allocated(options%time_column))
+      if (may_be_time .and. allocated(options%input)) may_be_time = options%input /= "angle"
+   end function may_be_time
+
+   !> More rows than so many have to rise: two without names, more with names, for a channel that has one may rise by chance.
+   pure integer(int64) function least_rows(table)
+      !> Of any format
+      type(table_type), intent(in) :: table
+
+      least_rows = merge(20, 2, table%names%known)
+   end function least_rows
+
+   !> What is said of it.
+   function time_warning(table) result(text)
+      !> Of any format
+      type(table_type), intent(in) :: table
+      character(:), allocatable :: text
+      character(:), allocatable :: number
+
+      number = integer_text(int(table%chosen(1), int64))
+      text = label_of(table%names, table%chosen(1))//" rises from row to row and looks like "
+      if (table%time > 0) then
+         text = text//"a counter; it is read as a channel, --column leaves it out"
+      else
+         text = text//"time; it is read as a channel, --time-column "//number//" takes it for the time"
+      end if
+   end function time_warning
+
+   !> A first channel that rises all the way may be a time: it is not taken for one, but said.
    subroutine warn_of_time(options, table, record)
       type(reader_options), intent(in) :: options
       type(table_type), intent(in) :: table
@@ -164,16 +197,15 @@ contains
       integer(int64) :: i, n
       logical :: rises
 
-      if (table%names%known .or. allocated(options%time_column) .or. table%layout%columns < 2) return
-      if (table%chosen(1) /= 1) return
+      if (.not. may_be_time(options, table)) return
       n = size(record%value, 1, kind=int64)
-      rises = n > 2
+      rises = n > least_rows(table)
       do i = 2, n
          if (.not. rises) return
          rises = .not. (ieee_is_nan(record%value(i, 1)) .or. ieee_is_nan(record%value(i - 1, 1)))
          if (rises) rises = record%value(i, 1) > record%value(i - 1, 1)
       end do
-      if (rises) call add_text(record%warnings, time_warning)
+      if (rises) call add_text(record%warnings, time_warning(table))
    end subroutine warn_of_time
 
    !> Turns the stamps into seconds from the first and audits them.
@@ -344,6 +376,9 @@ contains
          call add_text(record%warnings, "the time stamps are up to "//format_real(record%audit%jitter_max, 3)// &
                        " s away from an even grid; the samples are taken as evenly spaced at the mean rate")
       end if
+      if (table%headings > 0) call add_text(record%warnings, counted(table%headings, "line")// &
+         trim(merge(" repeats", " repeat ", table%headings == 1))//" the names of the columns, as in files that were put "// &
+         "behind one another: left out; the first is line "//integer_text(table%first_heading))
       if (table%bad_lines > 0) call add_text(record%warnings, counted(table%bad_lines, "line")// &
          " could not be read and count as missing; the first is line "//integer_text(table%first_bad_line))
    end subroutine tell

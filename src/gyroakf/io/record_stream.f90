@@ -21,7 +21,8 @@ module gyroakf_io_record_stream
    use gyroakf_io_columns, only : label_of, name_of
    use gyroakf_io_lines, only : line_of
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_reader, only : drop_absurd, find_scale, is_clock, largest_value, set_rate, tell, time_warning
+   use gyroakf_io_reader, only : drop_absurd, find_scale, is_clock, largest_value, least_rows, may_be_time, &
+      set_rate, tell, time_warning
    use gyroakf_io_recording, only : next_rows, recording_type
    use gyroakf_io_store, only : chunk_rows
    use gyroakf_io_stamps, only : unwrap_days
@@ -119,8 +120,7 @@ contains
          audit%line_of_first = 0
          audit%has_stamps = recording%table%time > 0
       end associate
-      stream%rises = .not. (recording%table%names%known .or. allocated(recording%options%time_column)) &
-                   .and. recording%table%layout%columns >= 2 .and. recording%table%chosen(1) == 1
+      stream%rises = may_be_time(recording%options, recording%table)
    end subroutine begin_record_stream
 
    !> The next samples, as [[read_record]] would have them.
@@ -492,7 +492,7 @@ contains
          call add_list(table%warnings, record%warnings)
          call check_numbers(recording, stream, record, error)
          if (allocated(error)) return
-         if (stream%rises .and. stream%counted > 2) call add_text(record%warnings, time_warning)
+         if (stream%rises .and. stream%counted > least_rows(table)) call add_text(record%warnings, time_warning(table))
          call add_list(found, record%warnings)
          record%audit%bad_lines = table%bad_lines
          record%audit%samples = stream%delivered

@@ -33,6 +33,9 @@ module gyroakf_io_rows
       integer :: joined = 0
       !> What commas are, a component of comma_mode
       integer :: commas = 0
+      !> The line of the names, from its first visible byte to the last: where it is met again it is no row; unallocated where
+      !> there is none
+      integer(int8), allocatable :: heading(:)
    end type layout_type
 
    !> What is wrong with a row
@@ -365,7 +368,7 @@ contains
       integer :: found, kind
 
       kind = kind_of(layout, column)
-      if (kind == stamp_kind%long) then
+      if (kind == stamp_kind%long .or. kind == stamp_kind%nano .or. kind == stamp_kind%micro) then
          call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not a number", mend)
          return
       else if (kind /= stamp_kind%number) then
@@ -382,10 +385,26 @@ contains
       advice = mend//"; --column chooses columns"
       if (index(bytes_text(bytes, first, last), dash) > 0) advice = "the minus sign is not that of ASCII: replace it by '-'"
       if (has_groups(bytes, first, last)) advice = "commas that group digits are not read: take them out"
+      if (has_label(bytes, first, last)) advice = "numbers behind labels are not read; take the labels out: "// &
+         "sed 's/[A-Za-z_]*[:=]//g' FILE | gyroakf inspect -"
       if (kind_of_field(bytes, first, last) /= stamp_kind%number) advice = "the first row has a number in this column, not a "// &
          "date or a time of day; "//mend
       call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not a number", advice)
    end subroutine field_problem
+
+   !> True for "gx:0.5" and "x=-1".
+   pure logical function has_label(bytes, first, last)
+      !> The field in first:last
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      character(:), allocatable :: text
+      integer :: mark
+
+      text = bytes_text(bytes, first, last)
+      mark = scan(text, ":=")
+      has_label = mark > 1 .and. mark < len(text)
+      if (has_label) has_label = verify(text(1:1), "0123456789+-.") > 0 .and. verify(text(mark + 1:), "0123456789+-.eE") == 0
+   end function has_label
 
    !> True for "1,234" and "1,234,567.8".
    pure logical function has_groups(bytes, first, last)

@@ -8,7 +8,7 @@ module gyroakf_io_span
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_lines, only : line_map_type, map_row
    use gyroakf_io_rows, only : layout_type, parse_rows, problem_type, read_row
-   use gyroakf_io_text, only : fields_type, first_visible, is_comment
+   use gyroakf_io_text, only : fields_type, first_visible, is_comment, last_visible
    implicit none (type, external)
    private
    public :: span_type, read_span
@@ -25,6 +25,8 @@ module gyroakf_io_span
       type(line_map_type) :: map
       !> Lines that could not be read and count as missing, and the first of them, counted from the start of the span
       integer(int64) :: bad_lines = 0, first_bad_line = 0
+      !> Lines that repeat the names of the columns, and the first of them
+      integer(int64) :: headings = 0, first_heading = 0
       !> First byte of a line that could not be read, where nothing behind it was read; 0 where there is none
       integer(int64) :: problem_at = 0
       !> True where there was no memory for the rows
@@ -56,6 +58,8 @@ contains
       span%map%count = 0
       span%bad_lines = 0
       span%first_bad_line = 0
+      span%headings = 0
+      span%first_heading = 0
       span%problem_at = 0
       span%no_memory = .false.
       at = span%first
@@ -113,7 +117,11 @@ contains
       if (last >= at) then
          if (bytes(last) == carriage_return) last = last - 1
       end if
-      if (first_visible(bytes, at, last) > last .or. is_comment(bytes, at, last)) then
+      if (is_heading(bytes, at, last, layout)) then
+         if (span%headings == 0) span%first_heading = span%lines + 1
+         span%headings = span%headings + 1
+         call map_row(span%map, span%rows + 1, span%lines + 2)
+      else if (first_visible(bytes, at, last) > last .or. is_comment(bytes, at, last)) then
          call map_row(span%map, span%rows + 1, span%lines + 2)
       else
          call read_row(bytes, at, last, layout, span%fields, span%row, problem, .false.)
@@ -132,5 +140,20 @@ contains
       at = feed + 1
       span%lines = span%lines + 1
    end subroutine take_odd_line
+
+   !> True for a line that repeats the names of the columns, as in files that were put behind one another.
+   pure logical function is_heading(bytes, first, last, layout)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      type(layout_type), intent(in) :: layout
+      integer(int64) :: from, to
+
+      is_heading = .false.
+      if (.not. allocated(layout%heading)) return
+      from = first_visible(bytes, first, last)
+      to = last_visible(bytes, first, last)
+      if (to - from + 1 /= size(layout%heading)) return
+      is_heading = all(bytes(from:to) == layout%heading)
+   end function is_heading
 
 end module gyroakf_io_span

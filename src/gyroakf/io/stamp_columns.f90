@@ -87,7 +87,7 @@ contains
    end subroutine find_kinds
 
    !> The date that belongs to a time of day, or the reverse, and from what the stamps are counted.
-   pure subroutine pair_stamps(bytes, fields, time, chosen, layout, partner)
+   pure subroutine pair_stamps(bytes, fields, time, chosen, fraction, nano, layout, partner)
       !> Holds the fields
       integer(int8), intent(in), contiguous :: bytes(:)
       !> Of the first row
@@ -96,6 +96,9 @@ contains
       integer, intent(in) :: time
       !> The columns of the record
       integer, intent(in) :: chosen(:)
+      !> The column of fractions of the time's seconds, 0 for none, and whether these are nanoseconds
+      integer, intent(in) :: fraction
+      logical, intent(in) :: nano
       !> Kinds of other columns than these become those of numbers where they can; `origin` is set
       type(layout_type), intent(inout) :: layout
       !> The other column, 0 for none
@@ -107,6 +110,13 @@ contains
          if (layout%kind(j) == stamp_kind%long .and. (j /= time .or. any(chosen == j))) layout%kind(j) = stamp_kind%number
       end do
       if (time == 0) return
+      if (fraction > 0 .and. max(time, fraction) <= fields%count .and. .not. any(chosen == time .or. chosen == fraction)) then
+         if (all_digits(bytes, fields, time) .and. all_digits(bytes, fields, fraction)) then
+            partner = fraction
+            layout%kind(time) = stamp_kind%long
+            layout%kind(fraction) = merge(stamp_kind%nano, stamp_kind%micro, nano)
+         end if
+      end if
       wanted = stamp_kind%number
       if (layout%kind(time) == stamp_kind%clock) wanted = stamp_kind%date
       if (layout%kind(time) == stamp_kind%date) wanted = stamp_kind%clock
@@ -116,6 +126,18 @@ contains
       if (j <= fields%count) call stamp_origin(bytes, fields%first(j), layout%kind(j), layout%origin)
       if (partner > 0) layout%kind(max(time, partner)) = -layout%kind(max(time, partner))
    end subroutine pair_stamps
+
+   !> True where a field is a whole number.
+   pure logical function all_digits(bytes, fields, column)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      type(fields_type), intent(in) :: fields
+      integer, intent(in) :: column
+
+      associate (first => fields%first(column), last => fields%last(column))
+         all_digits = last >= first .and. last - first < 18
+         if (all_digits) all_digits = all(bytes(first:last) >= 48 .and. bytes(first:last) <= 57)
+      end associate
+   end function all_digits
 
    !> The first field of a row that is a date with the day or the month first, 0 where there is none.
    pure integer function ambiguous_date(bytes, fields) result(column)

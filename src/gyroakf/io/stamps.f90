@@ -4,10 +4,11 @@ module gyroakf_io_stamps
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_header, only : time_scale
+   use gyroakf_record, only : text_type
    use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
-   public :: is_time_name, named_scale, infer_scale, unwrap_days
+   public :: fraction_of, is_time_name, named_scale, infer_scale, unwrap_days
 
 contains
 
@@ -16,14 +17,47 @@ contains
       !> Without brackets
       character(*), intent(in) :: name
       character(:), allocatable :: base
-      character(14), parameter :: known(18) = [character(14) :: "t", "time", "times", "timestamp", "timestamps", "time_stamp", &
+      character(15), parameter :: known(21) = [character(15) :: "t", "time", "times", "timestamp", "timestamps", "time_stamp", &
          "stamp", "stamps", "tstamp", "elapsed", "elapsed_time", "sec", "secs", "seconds", "millis", "milliseconds", "micros", &
-         "microseconds"]
+         "microseconds", "seconds_elapsed", "zeit", "uhrzeit"]
 
       base = base_name(name)
       is_time_name = any(known == base) .or. ends_with(base, "timestamp") .or. ends_with(base, "_time") &
                      .or. ends_with(base, "_stamp") .or. ends_with(base, ".stamp")
    end function is_time_name
+
+   !> The column of the nanoseconds or microseconds that belong to a column of whole seconds, by their names:
+   !> `stamp.secs` and `stamp.nsecs`, `sec` and `nanosec`, `tv_sec` and `tv_usec`.
+   pure subroutine fraction_of(names, time, column, nano)
+      !> Of all columns
+      type(text_type), intent(in) :: names(:)
+      !> The column of the seconds
+      integer, intent(in) :: time
+      !> 0 where there is none
+      integer, intent(out) :: column
+      !> True for nanoseconds, false for microseconds
+      logical, intent(out) :: nano
+      character(:), allocatable :: seconds, part
+      integer :: mark, i
+
+      column = 0
+      nano = .true.
+      seconds = trim(adjustl(lower(names(time)%text)))
+      mark = scan(seconds, "_-. ", back=.true.)
+      if (.not. any(seconds(mark + 1:) == [character(7) :: "s", "sec", "secs", "seconds"])) return
+      do i = 1, size(names)
+         part = trim(adjustl(lower(names(i)%text)))
+         if (len(part) <= mark) cycle
+         if (part(:mark) /= seconds(:mark)) cycle
+         select case (part(mark + 1:))
+         case ("ns", "nsec", "nsecs", "nanos", "nanosec", "nanosecs", "nanoseconds"); nano = .true.
+         case ("us", "usec", "usecs", "micros", "microsec", "microsecs", "microseconds"); nano = .false.
+         case default; cycle
+         end select
+         column = i
+         return
+      end do
+   end subroutine fraction_of
 
    !> The name in lower case without the unit behind it: "Time_ms" as "time".
    pure function base_name(name) result(base)

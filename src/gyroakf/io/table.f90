@@ -3,10 +3,12 @@
 module gyroakf_io_table
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_columns, only : choose_columns, column_names_type, most_columns, find_column, label_of, names_way, read_names
+   use gyroakf_io_columns, only : choose_columns, column_names_type, most_columns, find_column, label_of, &
+      names_way, read_names, without_brackets
    use gyroakf_io_comment_names, only : suppose_names
    use gyroakf_io_format, only : comma_advice, comma_found, decimal_comma
    use gyroakf_io_header, only : header_type, read_comment, time_scale
+   use gyroakf_io_leave_out, only : find_texts, leave_out
    use gyroakf_io_lines, only : line_end, line_map_type, next_line, lines_type, map_row, more_lines
    use gyroakf_io_number, only : is_missing_word
    use gyroakf_io_place, only : integer_text, place_error
@@ -14,9 +16,9 @@ module gyroakf_io_table
    use gyroakf_io_date, only : stamp_kind
    use gyroakf_io_stamp_columns, only : ambiguous_date, comma_mode, date_advice, decimal_fields, find_joined, find_kinds, &
       make_points, pair_stamps, seconds_comma
-   use gyroakf_io_stamps, only : is_time_name
+   use gyroakf_io_stamps, only : fraction_of, is_time_name
    use gyroakf_io_store, only : store_type
-   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, split, split_line
+   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, last_visible, split, split_line
    use gyroakf_record, only : add_text, text_type
    use gyroakf_spelling, only : lower
    use gyroakf_units, only : parse_unit, unit_type
@@ -66,6 +68,8 @@ module gyroakf_io_table
       type(line_map_type) :: map
       !> Lines that could not be read
       integer(int64) :: bad_lines = 0, first_bad_line = 0
+      !> Lines that repeat the names of the columns
+      integer(int64) :: headings = 0, first_heading = 0
       !> The stored integer type of every value: 8, 16, 32 or 64 bits; 0 for text and floating point
       integer :: integer_bits = 0
       logical :: integer_signed = .false.
@@ -107,6 +111,8 @@ contains
       type(table_type), intent(out) :: table
       !> Allocated on failure: invalid_argument, parse
       type(error_type), allocatable, intent(out) :: error
+      integer :: fraction
+      logical :: nano
 
       table%name = name
       if (columns < 1 .or. columns > most_columns) then
@@ -115,7 +121,7 @@ contains
          return
       end if
       table%layout%columns = int(columns)
-      call choose(options, table, error)
+      call choose(options, [logical ::], table, fraction, nano, error)
       if (.not. allocated(error)) call set_slots(0, table)
    end subroutine begin_numbers
 
@@ -144,6 +150,7 @@ contains
                continue
             else if (.not. table%names%known) then
                call read_names(lines%bytes, lines%at, last, lines%number, table%names)
+               call keep_heading(lines, last, table%layout)
             else
                call take_units(lines, last, table%names, taken)
                if (.not. taken) return
@@ -155,6 +162,19 @@ contains
                        ":1: the file holds no line of numbers"//new_line("a")// &
                        "give one row of numbers per sample; lines that begin with # % ; // are comments")
    end subroutine read_preamble
+
+   !> Keeps the bytes of the line of names.
+   subroutine keep_heading(lines, last, layout)
+      type(lines_type), intent(in) :: lines
+      integer(int64), intent(in) :: last
+      type(layout_type), intent(inout) :: layout
+      integer(int64) :: from, to
+
+      from = first_visible(lines%bytes, lines%at, last)
+      to = last_visible(lines%bytes, lines%at, last)
+      allocate (layout%heading(to - from + 1))
+      layout%heading(:) = lines%bytes(from:to)
+   end subroutine keep_heading
 
    !> True for a line that holds words and nothing like a number: names of columns.
    logical function only_words(lines, last)
@@ -184,7 +204,7 @@ contains
       if (bytes(at) == -30_int8) begins_like_number = bytes(at + 1) == -120_int8 .and. bytes(at + 2) == -110_int8
    end function begins_like_number
 
-   !> Takes in a line of units below the names; not taken where a word of it is no unit.
+   !> Takes in a line of units below the names, in brackets or not; not taken where no word of it is a unit.
    subroutine take_units(lines, last, names, taken)
       type(lines_type), intent(in) :: lines
       integer(int64), intent(in) :: last
@@ -199,13 +219,13 @@ contains
       taken = words%known
       if (taken) taken = size(words%name) == size(names%name)
       if (.not. taken) return
+      taken = .false.
       do i = 1, size(words%name)
-         if (.not. taken) return
-         if (len(words%name(i)%text) == 0 .or. time_scale(words%name(i)%text) > 0.0_dp) cycle
+         if (scan(words%name(i)%text, "[(") == 1) words%name(i)%text = without_brackets(words%name(i)%text)
          call parse_unit(words%name(i)%text, unit, failed)
-         taken = .not. allocated(failed)
+         taken = taken .or. .not. allocated(failed) .or. time_scale(lower(words%name(i)%text)) > 0.0_dp
       end do
-      names%unit = words%name
+      if (taken) names%unit = words%name
    end subroutine take_units
 
    !> Decides on the columns from the first line of numbers.
@@ -216,7 +236,9 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(fields_type) :: fields
       integer(int64) :: last
-      integer :: named, partner
+      integer :: named, partner, fraction
+      logical, allocatable :: texts(:)
+      logical :: nano
 
       last = line_end(lines)
       call settle_commas(lines, last, options, table, error)
@@ -250,9 +272,10 @@ contains
       table%layout%columns = merge(named, fields%count, named > 0)
       table%layout%last_optional = fields%trailing
       call find_kinds(lines%bytes, fields, table%layout%columns, table%layout)
-      call choose(options, table, error)
+      call find_texts(lines%bytes, lines%at, lines%last, table%layout, texts)
+      call choose(options, texts, table, fraction, nano, error)
       if (allocated(error)) return
-      call pair_stamps(lines%bytes, fields, table%time, table%chosen, table%layout, partner)
+      call pair_stamps(lines%bytes, fields, table%time, table%chosen, fraction, nano, table%layout, partner)
       call set_slots(partner, table)
    end subroutine lay_out
 
@@ -392,9 +415,14 @@ contains
    end subroutine recognise_commas
 
    !> The columns that are kept.
-   subroutine choose(options, table, error)
+   subroutine choose(options, texts, table, fraction, nano, error)
       type(table_options), intent(in) :: options
+      !> Columns of text: [column], or of size 0
+      logical, intent(in) :: texts(:)
       type(table_type), intent(inout) :: table
+      !> The column of fractions of the time's seconds, 0 where there is none, and whether these are nanoseconds
+      integer, intent(out) :: fraction
+      logical, intent(out) :: nano
       type(error_type), allocatable, intent(out) :: error
       integer :: i, n
 
@@ -408,6 +436,9 @@ contains
       end if
       if (allocated(error)) return
       if (table%time == 0 .and. .not. allocated(options%time_column)) table%time = first_stamps(table%layout)
+      fraction = 0
+      nano = .true.
+      if (table%time > 0 .and. table%names%known) call fraction_of(table%names%name, table%time, fraction, nano)
       table%asked = allocated(options%columns)
       if (table%asked) then
          call choose_columns(options%columns, table%names, n, table%chosen, error)
@@ -417,7 +448,7 @@ contains
          table%chosen(:) = pack([(i, i=1, n)], [(i /= table%time .and. .not. is_stamp(table%layout, i), i=1, n)])
       end if
       if (allocated(error)) return
-      if (.not. table%asked) call leave_out_temperatures(table)
+      if (.not. table%asked) call leave_out(table%names, texts, table%time, fraction, table%chosen, table%warnings)
       if (size(table%chosen) == 0 .and. table%time == 0) then
          call fatal_error(error, status%parse, table%name//":"//integer_text(table%names%line)// &
                           ":1: every column holds dates or times of day"//new_line("a")//"a record needs a column of numbers")
@@ -427,36 +458,6 @@ contains
                           new_line("a")//"--time-column none takes it for the record")
       end if
    end subroutine choose
-
-   !> A temperature is no rate: its column is left out unless it was asked for or is the only one.
-   subroutine leave_out_temperatures(table)
-      type(table_type), intent(inout) :: table
-      logical :: stays(size(table%chosen))
-      integer :: i
-
-      if (.not. table%names%known) return
-      do i = 1, size(table%chosen)
-         associate (name => table%names%name(table%chosen(i))%text, unit => table%names%unit(table%chosen(i))%text)
-            stays(i) = .not. is_temperature(lower(name), lower(unit))
-         end associate
-      end do
-      if (all(stays) .or. .not. any(stays)) return
-      do i = 1, size(stays)
-         if (.not. stays(i)) call add_text(table%warnings, label_of(table%names, table%chosen(i))// &
-                                           " holds a temperature and is left out; --column reads it")
-      end do
-      table%chosen = pack(table%chosen, stays)
-   end subroutine leave_out_temperatures
-
-   !> True where the name or the unit says so.
-   pure logical function is_temperature(name, unit)
-      !> In lower case
-      character(*), intent(in) :: name, unit
-
-      is_temperature = name == "temp" .or. index(name, "temperature") > 0 .or. index(name, "temp_") == 1 .or. &
-         index(name//" ", "_temp ") > 0 .or. index(name//" ", ".temp ") > 0 .or. &
-         any(unit == [character(8) :: "degc", "deg c", "celsius", "kelvin", "degf", char(194)//char(176)//"c"])
-   end function is_temperature
 
    !> The column without a name for a time that holds dates or times of day: a date and time together before others.
    pure integer function first_stamps(layout)

@@ -7,6 +7,7 @@
 module gyroakf_io_text_rows
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_leave_out, only : number_columns
    use gyroakf_io_lines, only : check_length, end_last_line, line_end, lines_type, make_room, map_row, turn_returns
    use gyroakf_io_number, only : digits_ahead
    use gyroakf_io_place, only : integer_text, place_error
@@ -279,6 +280,8 @@ contains
             end do
             if (table%bad_lines == 0 .and. span%bad_lines > 0) table%first_bad_line = lines%number - 1 + span%first_bad_line
             table%bad_lines = table%bad_lines + span%bad_lines
+            if (table%headings == 0 .and. span%headings > 0) table%first_heading = lines%number - 1 + span%first_heading
+            table%headings = table%headings + span%headings
             table%rows = table%rows + span%rows
             lines%number = lines%number + span%lines
             if (span%problem_at > 0) then
@@ -347,7 +350,20 @@ contains
       lines%at = at
       last = line_end(lines)
       call read_row(lines%bytes, at, last, table%layout, fields, row, problem, .true.)
+      if (table%rows == 0) call advise_columns(lines%bytes, at, last, problem)
       call place_error(error, table%name, lines%number, lines%bytes, at, last, problem%at, problem%what, problem%advice)
    end subroutine explain_problem
+
+   !> The first row of a file tells which columns can be read.
+   subroutine advise_columns(bytes, first, last, problem)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      type(problem_type), intent(inout) :: problem
+      character(:), allocatable :: list
+
+      if (index(problem%advice, "--column chooses") == 0) return
+      list = number_columns(bytes, first, last)
+      if (len(list) > 0) problem%advice = problem%advice//", numbers stand in "//list//" here: --column "//list
+   end subroutine advise_columns
 
 end module gyroakf_io_text_rows
