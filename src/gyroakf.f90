@@ -37,8 +37,8 @@ module gyroakf
    use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, sampling_efficiency, chi_square_limits
    use gyroakf_allan_dynamic, only : dynamic_options, dynamic_type, dynamic_allan
    use gyroakf_allan_halves, only : halves_options, halves_type, compare_halves
-   use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, chi_square_limits
    use gyroakf_io_number, only : parse_number
+   use gyroakf_io_columns_writer, only : column_type, row_layout_type, set_even, begin_rows, put_rows
    use gyroakf_io_reader, only : reader_options, read_record, complete_record
    use gyroakf_io_recording, only : recording_type, open_recording, hold_rows, close_recording, bytes_needed
    use gyroakf_io_record_summary, only : summarise_record
@@ -64,6 +64,7 @@ module gyroakf
       run_pipeline, run_streamed, check_filter, filter_streamed, series_sink_type, tell_memory, minimum_samples
    use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_report_files, only : write_results
+   use gyroakf_report_csv, only : series_output_type
    use gyroakf_report_series_file, only : series_file_type, open_series_file
    use gyroakf_report_kalibr, only : check_kalibr, write_kalibr
    use gyroakf_report_document, only : write_document, schema_number
