@@ -268,7 +268,7 @@ contains
          case (2); content = npy(dictionary(">f4", .false., "(4,)"), stored(int(z"7F800001", int64), 4, .true.)// &
             stored(int(z"7FC00000", int64), 4, .true.)//stored(int(z"FF800000", int64), 4, .true.)// &
             stored(int(z"3F800000", int64), 4, .true.))
-         case (3); content = npy(dictionary("<f2", .false., "(4,)"), stored(int(z"7C01", int64), 2, .false.)// &
+         case default; content = npy(dictionary("<f2", .false., "(4,)"), stored(int(z"7C01", int64), 2, .false.)// &
             stored(int(z"7E00", int64), 2, .false.)//stored(int(z"FC00", int64), 2, .false.)//stored(int(z"3C00", int64), &
                2, .false.))
          end select

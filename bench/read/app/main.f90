@@ -49,7 +49,7 @@ contains
          if (failed /= 0) exit
          if (line(:6) == "VmHWM:") read (line(7:index(line, "kB") - 1), *) peak
       end do
-      close (unit, iostat=failed)
+      close (unit)
       peak = 1024*peak
    end function peak_bytes
 

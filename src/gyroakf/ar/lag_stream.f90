@@ -62,9 +62,9 @@ contains
       p = 0
       if (present(phi)) p = size(phi)
       stream%max_lag = max_lag
-      allocate (stream%value(1 - max_lag:block_length), stream%here(1 - max_lag:block_length), stat=stat)
-      if (stat == 0) allocate (stream%pairs(0:max_lag), stream%products(0:max_lag), stream%later(0:max_lag), &
-                               stream%earlier(0:max_lag), stream%phi(p), stream%past(p), stream%past_here(p), stat=stat)
+      allocate (stream%pairs(0:max_lag), stream%products(0:max_lag), stream%later(0:max_lag), stream%earlier(0:max_lag))
+      allocate (stream%phi(p), stream%past(p), stream%past_here(p), stream%here(1 - max_lag:block_length))
+      allocate (stream%value(1 - max_lag:block_length), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the lagged sums")
          return

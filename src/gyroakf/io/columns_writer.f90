@@ -46,6 +46,13 @@ module gyroakf_io_columns_writer
       character(32) :: stage = "writing"
    end type row_layout_type
 
+   !> Rows that were turned into text
+   type :: piece_type
+      !> Filled up to a place
+      character(:), allocatable :: text
+      integer :: used = 0
+   end type piece_type
+
    !> Characters of the longest number, with what follows it
    integer(int64), parameter :: widest = 25
    !> Characters, roughly, that a thread turns out at once
@@ -107,27 +114,27 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Is told the rows
       class(progress_type), intent(inout), optional :: progress
-      character(:), allocatable :: text(:)
-      integer, allocatable :: used(:)
+      type(piece_type), allocatable :: piece(:)
       integer(int64) :: piece_rows, room, at
-      integer :: piece, pieces, failed
+      integer :: k, pieces, failed
 
       piece_rows = max(1_int64, min(last - first + 1, piece_size/(widest*max(1, size(columns)))))
       room = merge(0_int64, piece_rows*widest*size(columns) + longest_real, layout%form /= "text")
       pieces = 16*omp_get_max_threads()
-      allocate (character(room) :: text(pieces), stat=failed)
-      if (failed == 0) allocate (used(pieces), stat=failed)
-      if (failed /= 0) then
+      allocate (piece(pieces))
+      do k = 1, pieces
+         allocate (character(room) :: piece(k)%text, stat=failed)
+         if (failed == 0) cycle
          call fatal_error(error, status%no_memory, "no memory to write "//writer%path)
          return
-      end if
+      end do
       do at = first, last, piece_rows*pieces
          if (layout%form /= "text") then
             call put_binary(writer, columns, at, min(last, at + piece_rows*pieces - 1))
          else
-            call spell_pieces(columns, at, piece_rows, last, layout%separator, text, used)
-            do piece = 1, pieces
-               call put(writer, text(piece)(:used(piece)))
+            call spell_pieces(columns, at, piece_rows, last, layout%separator, piece)
+            do k = 1, pieces
+               call put(writer, piece(k)%text(:piece(k)%used))
             end do
          end if
          if (writer%failed) return
@@ -137,20 +144,17 @@ contains
    end subroutine put_rows
 
    !> Pieces of so many rows as text, each by one thread.
-   subroutine spell_pieces(columns, first, piece_rows, last, separator, text, used)
+   subroutine spell_pieces(columns, first, piece_rows, last, separator, piece)
       type(column_type), intent(in) :: columns(:)
       integer(int64), intent(in) :: first, piece_rows, last
       character(1), intent(in) :: separator
-      !> [piece]
-      character(*), intent(inout) :: text(:)
-      !> Characters of it: [piece]
-      integer, intent(out) :: used(:)
-      integer :: piece
+      type(piece_type), intent(inout) :: piece(:)
+      integer :: k
 
       !$omp parallel do schedule(dynamic)
-      do piece = 1, size(text)
-         call spell_rows(columns, first + (piece - 1)*piece_rows, min(last, first + piece*piece_rows - 1), separator, &
-                         text(piece), used(piece))
+      do k = 1, size(piece)
+         call spell_rows(columns, first + (k - 1)*piece_rows, min(last, first + k*piece_rows - 1), separator, piece(k)%text, &
+                         piece(k)%used)
       end do
    end subroutine spell_pieces
 

@@ -90,16 +90,18 @@ contains
       call lower(least, least_limit("/sys/fs/cgroup", "/", "memory.max"))
       call lower(least, least_limit("/sys/fs/cgroup/memory", "/", "memory.limit_in_bytes"))
       open (newunit=unit, file="/proc/self/cgroup", status="old", action="read", iostat=failed)
-      do while (failed == 0)
-         read (unit, "(a)", iostat=failed) line
-         if (failed /= 0) exit
-         colon = index(line, ":", back=.true.)
-         if (line(:3) == "0::") call lower(least, least_limit("/sys/fs/cgroup", trim(line(4:)), "memory.max"))
-         if (index(line(:colon), ":memory:") > 0) then
-            call lower(least, least_limit("/sys/fs/cgroup/memory", trim(line(colon + 1:)), "memory.limit_in_bytes"))
-         end if
-      end do
-      if (failed /= 0) close (unit, iostat=failed)
+      if (failed == 0) then
+         do
+            read (unit, "(a)", iostat=failed) line
+            if (failed /= 0) exit
+            colon = index(line, ":", back=.true.)
+            if (line(:3) == "0::") call lower(least, least_limit("/sys/fs/cgroup", trim(line(4:)), "memory.max"))
+            if (index(line(:colon), ":memory:") > 0) then
+               call lower(least, least_limit("/sys/fs/cgroup/memory", trim(line(colon + 1:)), "memory.limit_in_bytes"))
+            end if
+         end do
+         close (unit)
+      end if
       bytes = -1.0_dp
       if (least < no_limit) bytes = least
    end function group_limit

@@ -55,7 +55,9 @@ module gyroakf_io_number
    !> 10^n, and the largest number before which n more digits do not overflow
    integer(int64), parameter :: tens(0:7) = [1_int64, 10_int64, 100_int64, 1000_int64, 10000_int64, 100000_int64, 1000000_int64, &
                                              10000000_int64]
-   integer(int64), parameter :: most_before(0:7) = huge(1_int64)/tens - 1
+   integer(int64), parameter :: most_before(0:7) = [9223372036854775806_int64, 922337203685477579_int64, &
+      92233720368547757_int64, 9223372036854774_int64, 922337203685476_int64, 92233720368546_int64, 9223372036853_int64, &
+      922337203684_int64]
    logical, parameter :: little_endian = transfer([1_int8, 0_int8, 0_int8, 0_int8, 0_int8, 0_int8, 0_int8, 0_int8], 0_int64) == 1
 
    interface
@@ -129,7 +131,7 @@ contains
                m = m*tens(n) + tail
                tail = -1
             else
-               usual = n == 2 .and. m < huge(m)/25
+               usual = n == 2 .and. m < 368934881474191032_int64
             end if
          end if
          letter = int(iand(shiftr(word, 8*iand(n, 7)), 255_int64))

@@ -279,7 +279,7 @@ contains
             call sink%take(block, part, before, record%audit%samples, error)
             if (allocated(error)) return
          end if
-         do k = 1, size(lane)                              ! blocks differ in length: nothing stays between them, the heap grows else
+         do k = 1, size(lane)                 ! blocks differ in length: nothing stays between them, the heap grows else
             call free_block(lane(k), part%channel(k))
          end do
       end do

@@ -77,8 +77,9 @@ contains
       end do
       do i = 1, size(result_files)
          if (wanted(i)) call commit_writer(writer(i), error)
-         if (.not. (wanted(i) .or. (record%streamed .and. result_files(i) == "series."//series%form))) &
+         if (.not. (wanted(i) .or. (record%streamed .and. result_files(i) == "series."//series%form))) then
             call remove_file(directory//"/"//trim(result_files(i)))
+         end if
          if (.not. allocated(error)) cycle
          call discard_all(writer, wanted, size(result_files))
          return
