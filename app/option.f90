@@ -70,6 +70,9 @@ module gyroakf_app_option
       option_type("--wrap", "auto|none|VALUE", "text", reading, "input", &
                   "where the angles of --input angle begin again, in units of the file, as 65536 or 360; auto (default): the "// &
                   "range of the integers of a binary file"), &
+      option_type("--resample", "index|nearest|linear", "choice", reading, "input", &
+                  "how samples get their place: by their index at the mean rate (default), on the slot of the grid nearest to "// &
+                  "their time stamp, or interpolated onto the grid by the stamps"), &
       option_type("--scale", "F", "real", reading, "input", "multiply every value by F"), &
       option_type("--column", "N|NAME[,...]", "text", reading, "input", "columns to read (default: all but the time)"), &
       option_type("--time-column", "N|NAME|none", "text", reading, "input", &

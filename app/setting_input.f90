@@ -50,6 +50,7 @@ contains
          if (value%number < 0) call value_error(option, "'"//value%text//"' is before the first sample", error)
       case ("--to"); reader%to = value%number
       case ("--wrap"); call set_wrap(reader, option, value%text, error)
+      case ("--resample"); reader%resample = value%text
       case ("--decimal-comma"); reader%decimal_comma = .true.
       case ("--bad-lines"); reader%bad_lines_missing = value%text == "missing"
       case default; call not_wired(option, error)

@@ -23,6 +23,7 @@ program test_main
    use test_allan_noise_model, only : collect_allan_noise_model
    use test_ar, only : collect_ar
    use test_audit, only : collect_audit
+   use test_resample, only : collect_resample
    use test_autocovariance, only : collect_autocovariance
    use test_clean, only : collect_clean
    use test_dates, only : collect_dates
@@ -89,6 +90,7 @@ program test_main
    call add("allan_noise_model", collect_allan_noise_model)
    call add("ar", collect_ar)
    call add("audit", collect_audit)
+   call add("resample", collect_resample)
    call add("autocovariance", collect_autocovariance)
    call add("clean", collect_clean)
    call add("dates", collect_dates)

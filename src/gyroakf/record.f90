@@ -57,6 +57,10 @@ module gyroakf_record
       real(dp) :: resolution = 0.0_dp
       !> Standard deviation of the distances of the stamps from the even grid, s
       real(dp) :: jitter_rms = 0.0_dp
+      !> Of samples placed by their stamps: slots of the grid without one, samples that were dropped, the largest shift, s, and
+      !> the part of white noise's variance that interpolation leaves
+      integer(int64) :: empty_slots = 0, dropped = 0
+      real(dp) :: largest_shift = 0.0_dp, white_noise = 1.0_dp
    end type audit_type
 
    !> A recording
@@ -85,6 +89,8 @@ module gyroakf_record
       type(unit_type), allocatable :: channel_unit(:)
       !> "option", "header" or "none"
       character(:), allocatable :: unit_source
+      !> How samples got their place: "index", also where unallocated, "nearest" or "linear"
+      character(:), allocatable :: resample
       !> What was found while reading
       type(audit_type) :: audit
       !> The samples went by in blocks and are not in `value`; `audit%samples` tells how many there were

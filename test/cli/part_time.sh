@@ -55,3 +55,17 @@ awk 'BEGIN { print "t,gx,temp [degC]"; for (i = 0; i < 100; i++) print i*0.1 ","
 good "a temperature" inspect warm.csv
 plain "left out" "column 'temp' holds a temperature and is left out; --column reads it"
 good "a temperature that is wanted" inspect warm.csv --column temp
+
+# samples placed by their stamps
+awk 'BEGIN { print "t,gx"; for (i = 0; i < 3000; i++) if (i < 1000 || i > 1004) printf "%.5f,%d\n", i*0.01 + 0.003*sin(i*i), i }' >jittered.csv
+good "resampled to the nearest slot" inspect jittered.csv --resample nearest --json nearest.json
+plain "what was done" "Resampled each sample on the slot of its stamp, moved by up to 0.00448 s"
+plain "empty slots" "5 empty slots (missing), 0 samples dropped"
+holds "nearest in JSON" '"method": "nearest"' nearest.json
+holds "samples with the empty slots" '"samples": 3000' nearest.json
+good "interpolated" inspect jittered.csv --resample linear --json linear.json
+plain "what it does to noise" "which leaves 0.721 of the variance of white noise; 384 slots in long intervals (missing)"
+plain "the warning" "Allan variance at m samples is low by about"
+holds "linear in JSON" '"method": "linear"' linear.json
+bad "resampled without stamps" 2 "needs time stamps" inspect counter.txt --resample nearest
+bad "a wrong way to resample" 1 "cubic" inspect jittered.csv --resample cubic

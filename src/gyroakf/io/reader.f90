@@ -13,6 +13,7 @@ module gyroakf_io_reader
    use gyroakf_io_lines, only : line_of
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_stamps, only : infer_scale, named_scale, unwrap_days
+   use gyroakf_io_resample, only : resample
    use gyroakf_io_shape, only : cut, fill_gaps, make_rates, mark_missing, warn_of_wraps, wrap_of
    use gyroakf_io_store, only : take_columns
    use gyroakf_io_recording, only : close_recording, hold_rows, memory_advice, open_recording, reader_options, &
@@ -82,7 +83,7 @@ contains
          if (.not. allocated(error)) call warn_of_time(options, table, record)
          if (.not. allocated(error)) call use_stamps(options, table, stamps, record, gaps)
          if (.not. allocated(error)) call set_rate(options, table, record, error)
-         if (.not. allocated(error)) call fill_gaps(gaps, record, error)
+         if (.not. allocated(error)) call place_samples(options, table, stamps, gaps, record, error)
          if (.not. allocated(error)) call mark_missing(record, largest_value/max(1.0_dp, abs(options%scale)), error)
          if (.not. allocated(error)) call set_units(unit, input, table, record, error)
          wrap = wrap_of(options, table)
@@ -231,6 +232,64 @@ contains
       call audit_stamps(stamps, record%audit, gaps, record%value)
    end subroutine use_stamps
 
+   !> Fills gaps, or puts the samples on the grid by their stamps.
+   subroutine place_samples(options, table, stamps, gaps, record, error)
+      type(reader_options), intent(in) :: options
+      type(table_type), intent(in) :: table
+      !> As audited
+      real(dp), intent(in), contiguous :: stamps(:)
+      !> Only its repeated rows remain where the samples are resampled
+      type(gap_type), intent(inout) :: gaps
+      type(record_type), intent(inout) :: record
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: way
+      real(dp) :: wrap
+      integer :: kept
+
+      way = "index"
+      if (allocated(options%resample)) way = options%resample
+      record%resample = way
+      if (way == "index") then
+         call fill_gaps(gaps, record, error)
+         return
+      end if
+      call check_resample(options, table, record, error)
+      if (allocated(error)) return
+      kept = count(gaps%length(:gaps%count) < 0)
+      gaps%before(:kept) = pack(gaps%before(:gaps%count), gaps%length(:gaps%count) < 0)
+      gaps%length(:kept) = -1
+      gaps%count = kept
+      call fill_gaps(gaps, record, error)
+      if (allocated(error)) return
+      wrap = 0.0_dp
+      if (allocated(options%input)) then
+         if (options%input == "angle") wrap = wrap_of(options, table)
+      end if
+      call resample(stamps(:size(record%value, 1)), way, wrap, record, error)
+   end subroutine place_samples
+
+   !> What resampling needs.
+   subroutine check_resample(options, table, record, error)
+      !> `resample` is not "index"
+      type(reader_options), intent(in) :: options
+      type(table_type), intent(in) :: table
+      !> Audited
+      type(record_type), intent(in) :: record
+      !> invalid_argument
+      type(error_type), allocatable, intent(out) :: error
+
+      if (.not. record%audit%has_stamps) then
+         call fatal_error(error, status%invalid_argument, "--resample "//options%resample//" needs time stamps, and "// &
+                          table%name//" has none that are known: name their column with --time-column")
+      else if (.not. record%audit%stamp_rate > 0.0_dp) then
+         call fatal_error(error, status%invalid_argument, "--resample "//options%resample//" needs time stamps that rise, "// &
+                          "those of "//table%name//" do not")
+      end if
+      if (allocated(error) .or. .not. allocated(options%input)) return
+      if (options%resample == "linear" .and. options%input == "increment") call fatal_error(error, status%invalid_argument, &
+         "--resample linear between increments would not keep the angle that they add up to: use --resample nearest or index")
+   end subroutine check_resample
+
    !> The unit of the stamps and the first of them; what is no time becomes missing.
    subroutine find_scale(options, table, stamps, record, scale, origin)
       !> For the rate
@@ -370,9 +429,10 @@ contains
          "missing samples; the parts before and after it are joined: analyse them apart with --from and --to")
       if (record%audit%beats > 0) call add_text(record%warnings, "the time stamps make a double step in "// &
          counted(record%audit%beats, "place")//", as those of a clock do that is too coarse for the rate, or of lost samples; "// &
-         "the samples are taken as evenly spaced at the mean rate")
+         trim(merge("the stamps place the samples, as was asked             ", &
+                    "the samples are taken as evenly spaced at the mean rate", placed(record))))
       call tell_odd(table, record)
-      if (record%audit%jitter_max > 1.0_dp*record%sample_interval .and. record%rate_known) then
+      if (record%audit%jitter_max > 1.0_dp*record%sample_interval .and. record%rate_known .and. .not. placed(record)) then
          call add_text(record%warnings, "the time stamps are up to "//format_real(record%audit%jitter_max, 3)// &
                        " s away from an even grid; the samples are taken as evenly spaced at the mean rate")
       end if
@@ -382,6 +442,14 @@ contains
       if (table%bad_lines > 0) call add_text(record%warnings, counted(table%bad_lines, "line")// &
          " could not be read and count as missing; the first is line "//integer_text(table%first_bad_line))
    end subroutine tell
+
+   !> True where the stamps place the samples.
+   pure logical function placed(record)
+      type(record_type), intent(in) :: record
+
+      placed = allocated(record%resample)
+      if (placed) placed = record%resample /= "index"
+   end function placed
 
    !> Repeated rows, bursts, a rate that changes.
    subroutine tell_odd(table, record)

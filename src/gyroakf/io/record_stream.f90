@@ -313,10 +313,18 @@ contains
    subroutine take_rate(recording, stream, error)
       type(recording_type), intent(in) :: recording
       type(record_stream_type), intent(inout) :: stream
-      !> invalid_argument
+      !> invalid_argument, not_supported
       type(error_type), allocatable, intent(out) :: error
       type(record_type) :: probe
 
+      if (allocated(recording%options%resample)) then
+         if (recording%options%resample /= "index") then
+            call fatal_error(error, status%not_supported, "--resample "//recording%options%resample//" needs the record in "// &
+                             "memory, and it is larger than --memory allows: give more memory, a part by --from and --to, or "// &
+                             "--resample index")
+            return
+         end if
+      end if
       probe%audit%stamp_rate = stream%summary%audit%stamp_rate
       call set_rate(recording%options, recording%table, probe, error)
       if (allocated(error)) return

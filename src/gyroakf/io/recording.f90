@@ -39,7 +39,8 @@ module gyroakf_io_recording
       character(:), allocatable :: columns
       !> Number or name; "none" forbids; unallocated: found by its name
       character(:), allocatable :: time_column
-      !> How samples get their place: "index" (also where unallocated)
+      !> How samples get their place: "index" (also where unallocated) at the mean rate, lost ones filled in; "nearest" on the slot
+      !> of the grid nearest to their stamp; "linear" interpolated onto the grid
       character(:), allocatable :: resample
       !> Where angles wrap, in units of the file: a number, "auto" (also where unallocated) or "none"
       character(:), allocatable :: wrap
@@ -412,8 +413,9 @@ contains
       end if
       if (allocated(error)) return
       if (allocated(options%resample)) then
-         if (options%resample /= "index") call fatal_error(error, status%not_supported, "to resample by '"//options%resample// &
-                                                           "' is not supported; known is index")
+         known = any(options%resample == [character(7) :: "index", "nearest", "linear"])
+         if (.not. known) call fatal_error(error, status%not_supported, "to resample by '"//options%resample// &
+                                           "' is not supported; known are index, nearest, linear")
       end if
       if (allocated(error)) return
       if (allocated(options%input)) then

@@ -105,6 +105,17 @@ contains
          call put_member(json, "rate_second_half_hz", audit%rate_second)
          call put_member(json, "clock_resolution_s", audit%resolution)
          call put_member(json, "jitter_rms_s", audit%jitter_rms)
+         call open_object(json, "resample")
+         if (allocated(record%resample)) then
+            call put_member(json, "method", record%resample)
+         else
+            call put_member(json, "method", "index")
+         end if
+         call put_member(json, "empty_slots", audit%empty_slots)
+         call put_member(json, "dropped", audit%dropped)
+         call put_member(json, "largest_shift_s", audit%largest_shift)
+         call put_member(json, "white_noise_variance", audit%white_noise)
+         call close_object(json)
       end associate
    end subroutine put_stamps
 

@@ -71,6 +71,7 @@ contains
                        "the usual ones")
       end if
       call put_missing(writer, record)
+      if (allocated(record%resample)) call put_resample(writer, record)
       if (record%streamed) call put_item(writer, "Memory", "streamed, for the recording is larger than the memory allows: its "// &
          "blocks were not kept")
       call put_items(writer, "Warning", record%warnings)
@@ -105,6 +106,27 @@ contains
          before = unit
       end do
    end function channel_units_text
+
+   !> How the stamps placed the samples.
+   subroutine put_resample(writer, record)
+      type(writer_type), intent(inout) :: writer
+      type(record_type), intent(in) :: record
+
+      associate (audit => record%audit)
+         select case (record%resample)
+         case ("nearest")
+            call put_item(writer, "Resampled", "each sample on the slot of its stamp, moved by up to "// &
+               number(audit%largest_shift, 3)//" s; "//plural(audit%empty_slots, "empty slot")//" (missing), "// &
+               plural(audit%dropped, "sample")//" dropped from taken slots")
+         case ("linear")
+            call put_item(writer, "Resampled", "by linear interpolation, which leaves "//number(audit%white_noise, 3)// &
+               " of the variance of white noise; "//plural(audit%empty_slots, "slot")//" in long intervals (missing), "// &
+               plural(audit%dropped, "sample")//" of equal or earlier stamp dropped")
+         case default
+            return
+         end select
+      end associate
+   end subroutine put_resample
 
    !> What is missing, and what the time stamps show.
    subroutine put_missing(writer, record)

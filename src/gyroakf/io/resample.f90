@@ -1,0 +1,248 @@
+! SPDX-License-Identifier: MIT
+!> Samples are put on the even grid by their time stamps, where the user asked for it (else their index places them).
+!>
+!> `nearest` moves each sample to the slot of the grid that is nearest to its stamp; no value changes. `linear` interpolates
+!> between the two samples around each instant of the grid. That averages: with \(w\) the phase of the instant between its
+!> neighbours, white noise keeps \(f = \overline{w^2 + (1-w)^2}\) of its variance (2/3 where the phases are uniform),
+!> neighbours are correlated by \((1-f)/2\), and where the phase drifts slowly the Allan variance of \(m\) samples becomes
+!> $$\sigma^2(m\tau_0) = \frac{N^2}{m\tau_0}\left(1 - \frac{3(1-f)}{2m}\right),$$
+!> at long times unchanged, at the first one half.
+module gyroakf_io_resample
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_decimal, only : format_real
+   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_shape, only : wrapped
+   use gyroakf_record, only : add_text, record_type
+   implicit none (type, external)
+   private
+   public :: resample
+
+   !> Longer intervals than so many steps are not interpolated
+   real(dp), parameter :: widest_step = 1.5_dp
+   !> Of a step: rounding of stamps
+   real(dp), parameter :: rounding = 1.0e-6_dp
+   !> Slots for one sample
+   integer(int64), parameter :: most_slots = 11
+
+contains
+
+   !> Puts the samples on the grid of the record's interval.
+   subroutine resample(t, way, wrap, record, error)
+      !> Stamps of the rows, s, none missing: [n]
+      real(dp), intent(in), contiguous :: t(:)
+      !> "nearest" or "linear"
+      character(*), intent(in) :: way
+      !> Where angles begin again, in units of the file, 0: nowhere
+      real(dp), intent(in) :: wrap
+      !> NaN marks what is missing; `value` becomes that of the slots
+      type(record_type), intent(inout) :: record
+      !> Allocated on failure: invalid_argument, no_memory
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: value(:, :)
+      integer(int64), allocatable :: source(:)
+      real(dp) :: length, phase
+      integer(int64) :: slots
+      integer :: failed
+
+      length = (maxval(t) - minval(t))/record%sample_interval
+      if (length > real(most_slots*max(size(t, kind=int64), 10000_int64), dp)) then
+         call fatal_error(error, status%invalid_argument, "--resample "//way//" would make "//format_real(length, 4)// &
+            " samples of "//integer_text(size(t, kind=int64))//": the rate of "//format_real(1.0_dp/record%sample_interval, 6)// &
+            " Hz does not fit the time stamps")
+         return
+      end if
+      phase = 0.0_dp
+      if (way == "nearest") phase = usual_phase(t, record%sample_interval)
+      slots = count_slots(t, way, record%sample_interval, phase)
+      allocate (value(slots, size(record%value, 2)), stat=failed)
+      if (failed == 0 .and. way == "nearest") allocate (source(slots), stat=failed)
+      if (failed /= 0) then
+         call fatal_error(error, status%no_memory, "no memory to resample onto "//integer_text(slots)//" samples")
+         return
+      end if
+      if (way == "nearest") then
+         call place(t, phase, source, record)
+         call gather(source, record%value, value)
+      else
+         call interpolate(t, wrap, record, value)
+      end if
+      call move_alloc(value, record%value)
+      record%resample = way
+      if (way == "linear") call warn_of_averages(record)
+   end subroutine resample
+
+   !> Where most stamps lie between two instants of a grid that begins at 0: the circular mean, in steps from -0.5 to 0.5; that of
+   !> the first stamp where they lie everywhere.
+   pure real(dp) function usual_phase(t, step) result(phase)
+      real(dp), intent(in), contiguous :: t(:)
+      !> s
+      real(dp), intent(in) :: step
+      real(dp), parameter :: turn = 6.283185307179586_dp
+      real(dp) :: angle, along, across
+      integer(int64) :: i
+
+      along = 0.0_dp
+      across = 0.0_dp
+      do i = 1, size(t, kind=int64)
+         angle = (t(i) - t(1))/step
+         angle = turn*(angle - anint(angle))
+         along = along + cos(angle)
+         across = across + sin(angle)
+      end do
+      phase = 0.0_dp
+      if (hypot(along, across) > 0.2_dp*real(size(t), dp)) phase = atan2(across, along)/turn
+      phase = phase + t(1)/step
+   end function usual_phase
+
+   !> Slots from the first to the last stamp.
+   pure integer(int64) function count_slots(t, way, step, phase) result(slots)
+      real(dp), intent(in), contiguous :: t(:)
+      character(*), intent(in) :: way
+      real(dp), intent(in) :: step, phase
+      real(dp) :: last
+      integer(int64) :: i
+
+      if (way == "nearest") then
+         slots = 1 + nint(maxval(t)/step - phase, int64) - nint(minval(t)/step - phase, int64)
+         return
+      end if
+      last = t(1)
+      do i = 2, size(t, kind=int64)
+         last = max(last, t(i))
+      end do
+      slots = 1 + int((last - t(1))/step + rounding, int64)
+   end function count_slots
+
+   !> The row of each slot, 0 where there is none; of two in one slot the first stays.
+   subroutine place(t, phase, source, record)
+      real(dp), intent(in), contiguous :: t(:)
+      !> Of the grid, steps
+      real(dp), intent(in) :: phase
+      integer(int64), intent(out), contiguous :: source(:)
+      !> Gets the counts
+      type(record_type), intent(inout) :: record
+      real(dp) :: rate, shift
+      integer(int64) :: i, k, first
+
+      rate = 1.0_dp/record%sample_interval
+      first = nint(minval(t)/record%sample_interval - phase, int64)
+      source = 0
+      shift = 0.0_dp
+      do i = 1, size(t, kind=int64)
+         k = nint(t(i)/record%sample_interval - phase, int64)
+         if (source(k - first + 1) > 0) then
+            record%audit%dropped = record%audit%dropped + 1
+            cycle
+         end if
+         source(k - first + 1) = i
+         shift = max(shift, abs(t(i)*rate - phase - real(k, dp)))
+      end do
+      record%audit%largest_shift = shift*record%sample_interval
+      record%audit%empty_slots = count(source == 0, kind=int64)
+   end subroutine place
+
+   !> The values of the slots.
+   subroutine gather(source, value, placed)
+      integer(int64), intent(in), contiguous :: source(:)
+      real(dp), intent(in), contiguous :: value(:, :)
+      real(dp), intent(out), contiguous :: placed(:, :)
+      real(dp) :: nan
+      integer(int64) :: k
+      integer :: j
+
+      nan = ieee_value(nan, ieee_quiet_nan)
+      do j = 1, size(value, 2)
+         do k = 1, size(source, kind=int64)
+            placed(k, j) = nan
+            if (source(k) > 0) placed(k, j) = value(source(k), j)
+         end do
+      end do
+   end subroutine gather
+
+   !> The values at the instants of the grid; a row whose stamp is not behind the one before is dropped.
+   subroutine interpolate(t, wrap, record, value)
+      real(dp), intent(in), contiguous :: t(:)
+      real(dp), intent(in) :: wrap
+      !> Gets the counts
+      type(record_type), intent(inout) :: record
+      !> [slot, channel]
+      real(dp), intent(out), contiguous :: value(:, :)
+      real(dp) :: step, widest, w, kept
+      integer(int64) :: i, before, k, slots
+      integer :: j
+
+      step = record%sample_interval
+      widest = widest_step*(1.0_dp + rounding)*max(step, 1.0_dp/max(record%audit%stamp_rate, 1.0e-30_dp))
+      slots = size(value, 1, kind=int64)
+      value(1, :) = record%value(1, :)
+      kept = 1.0_dp
+      before = 1
+      k = 1
+      do i = 2, size(t, kind=int64)
+         if (t(i) <= t(before)) then
+            record%audit%dropped = record%audit%dropped + 1
+            cycle
+         end if
+         do while (k < slots)
+            w = ((real(k, dp)*step - (t(before) - t(1))))/(t(i) - t(before))
+            if ((w - 1.0_dp)*(t(i) - t(before)) > rounding*step) exit
+            k = k + 1
+            w = phase_of(w, (t(i) - t(before))/step)
+            if (w > 0.0_dp .and. w < 1.0_dp .and. t(i) - t(before) > widest) then
+               record%audit%empty_slots = record%audit%empty_slots + 1
+               value(k, :) = ieee_value(1.0_dp, ieee_quiet_nan)
+               cycle
+            end if
+            kept = kept + w*w + (1.0_dp - w)**2
+            do j = 1, size(value, 2)
+               value(k, j) = between(record%value(before, j), record%value(i, j), w, wrap)
+            end do
+         end do
+         before = i
+      end do
+      record%audit%white_noise = kept/real(max(1_int64, slots - record%audit%empty_slots), dp)
+   end subroutine interpolate
+
+   !> A phase that is 0 or 1 but for rounding is 0 or 1.
+   pure real(dp) function phase_of(w, steps)
+      !> From 0 to 1, and the steps of the grid that it stands for
+      real(dp), intent(in) :: w, steps
+
+      phase_of = w
+      if (w*steps <= rounding) phase_of = 0.0_dp
+      if ((1.0_dp - w)*steps <= rounding) phase_of = 1.0_dp
+   end function phase_of
+
+   !> The value between two samples; NaN where one that it needs is missing.
+   pure real(dp) function between(a, b, w, wrap)
+      real(dp), intent(in) :: a, b, w, wrap
+
+      if (w <= 0.0_dp) then
+         between = a
+      else if (w >= 1.0_dp) then
+         between = b
+      else if (ieee_is_nan(a) .or. ieee_is_nan(b)) then
+         between = ieee_value(1.0_dp, ieee_quiet_nan)
+      else if (wrap > 0.0_dp) then
+         between = a + w*wrapped(b - a, wrap)
+      else
+         between = (1.0_dp - w)*a + w*b
+      end if
+   end function between
+
+   !> Says what interpolation does to noise.
+   subroutine warn_of_averages(record)
+      type(record_type), intent(inout) :: record
+      real(dp) :: lost
+
+      lost = 1.0_dp - record%audit%white_noise
+      if (lost < 1.0e-3_dp) return
+      call add_text(record%warnings, "linear interpolation averages neighbours: white noise keeps "// &
+         format_real(record%audit%white_noise, 3)//" of its variance (2/3 where the stamps lie anywhere between the instants "// &
+         "of the grid) and neighbours are correlated; its Allan variance at m samples is low by about "// &
+         format_real(1.5_dp*lost, 2)//"/m, AR models and tests of whiteness see the filter; --resample nearest changes no value")
+   end subroutine warn_of_averages
+
+end module gyroakf_io_resample
