@@ -26,7 +26,8 @@ contains
          new_unittest("impossible-rate", test_impossible_rate), &
          new_unittest("said", test_said), &
          new_unittest("columns", test_columns), &
-         new_unittest("only-dates", test_only_dates)]
+         new_unittest("only-dates", test_only_dates), &
+         new_unittest("tiny-stamps", test_tiny_stamps)]
    end subroutine collect_odd
 
    !> Reads a content from memory.
@@ -165,5 +166,20 @@ contains
       if (allocated(error)) return
       call said(error, content, "odd:1:1: there is no column besides the time in column 'when'", "takes it for the record")
    end subroutine test_only_dates
+
+   !> Time stamps so close that the rate would overflow.
+   subroutine test_tiny_stamps(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      character(:), allocatable :: message
+
+      call parse("t,g"//nl//"0,1"//nl//"1,"//nl//"4.9e-324,3"//nl, reader_options(), record, message)
+      call check(error, message, "")
+      if (allocated(error)) return
+      call check(error, record%sample_interval > 1.0e-99_dp .and. record%sample_interval < 1.0e99_dp)
+      if (allocated(error)) return
+      call parse("t,g"//nl//"0,1"//nl//"4.9e-324,2"//nl//"9.9e-324,3"//nl, reader_options(), record, message)
+      call check(error, message == "" .and. .not. record%rate_known)
+   end subroutine test_tiny_stamps
 
 end module test_odd

@@ -349,16 +349,20 @@ contains
       if (is_clock) is_clock = count(table%layout%slot == table%layout%slot(table%time)) == 1
    end function is_clock
 
-   !> What is too large for a time, and for products of times, is missing.
+   !> What is too large for a time, and for products of times, is missing; what is too small for their quotients is 0.
    pure subroutine drop_absurd(stamps)
       !> As read
       real(dp), intent(inout), contiguous :: stamps(:)
-      real(dp), parameter :: largest_stamp = 1.0e30_dp
+      real(dp), parameter :: largest_stamp = 1.0e30_dp, smallest_stamp = 1.0e-30_dp
       integer(int64) :: i
 
       do i = 1, size(stamps, kind=int64)
          if (ieee_is_nan(stamps(i))) cycle
-         if (abs(stamps(i)) > largest_stamp) stamps(i) = ieee_value(1.0_dp, ieee_quiet_nan)
+         if (abs(stamps(i)) > largest_stamp) then
+            stamps(i) = ieee_value(1.0_dp, ieee_quiet_nan)
+         else if (abs(stamps(i)) < smallest_stamp) then
+            stamps(i) = 0.0_dp
+         end if
       end do
    end subroutine drop_absurd
 
