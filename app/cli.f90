@@ -196,7 +196,7 @@ contains
          return
       end if
       if (preset .neqv. option%name == "--preset") return
-      if (option%group == "common") then
+      if (any(option%group == [character(6) :: "output", "work", "common"])) then
          call set_common(config, option, value, error)
          return
       end if

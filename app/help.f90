@@ -13,28 +13,35 @@ module gyroakf_app_help
    integer, parameter :: first_column = 31, last_column = 98
 
    !> Commands and examples of them
-   character(92), parameter :: examples(2, 21) = reshape([character(92) :: &
+   character(92), parameter :: examples(2, 28) = reshape([character(92) :: &
       "run", "gyroakf log.csv --rate 100 --unit deg/s", &
       "run", "gyroakf run log.csv --column gx,gy,gz --time-column t --unit deg/s --out results", &
       "run", "gyroakf run mems.txt --preset paper --json - > results.json", &
       "run", "gyroakf run day/*.csv --rate 100 --unit deg/s --out results", &
+      "run", "zstd -dc log.csv.zst | gyroakf run - --rate 100 --unit deg/s --out results --force", &
       "inspect", "gyroakf inspect log.csv", &
+      "inspect", "gyroakf inspect log.csv --column gx,gy,gz --time-column time_ms --json -", &
+      "inspect", "gyroakf inspect imu.bin --format i16be --channels 6 --skip 512 --rate 200", &
+      "inspect", "gyroakf inspect counter.npy --input angle --unit deg --scale 0.01 --rate 100", &
       "inspect", "gyroakf inspect increments.dat --input increment --unit arcsec --scale 0.1 --rate 100", &
       "allan", "gyroakf allan log.csv --rate 100 --unit deg/s", &
       "allan", "zcat log.gz | gyroakf allan - --rate 200 --unit rad/s --taus log:20 --json -", &
       "allan", "gyroakf allan log.csv --terms NBK --fit-tau-min 0.1 --fit-tau-max 1000 --out results", &
       "allan", "gyroakf allan log.csv --kinds mdev,ohdev --dynamic 8 --out results", &
       "allan", "zcat huge.csv.gz | gyroakf allan - --rate 1000 --unit deg/s --memory 200MB", &
+      "allan", "find day -name '*.csv' | gyroakf allan --list - --rate 100 --out results", &
       "allan", "gyroakf allan imu.csv --unit rad/s,rad/s,rad/s,m/s^2,m/s^2,m/s^2 --kalibr imu.yaml", &
       "tests", "gyroakf tests log.csv --outliers auto --detrend 3", &
       "tests", "gyroakf tests log.csv --adf-regression ct --adf-lags 4", &
       "ar", "gyroakf ar log.csv --outliers auto --detrend 3 --ar-criterion bic", &
       "filter", "gyroakf filter log.csv --outliers auto --detrend 3 --order 1 --out results", &
       "filter", "gyroakf filter log.csv --akf robust --forgetting 0.995", &
+      "filter", "gyroakf filter huge.csv --rate 1000 --memory 200MB --out results --series-format npy", &
       "simulate", "gyroakf simulate --preset paper --output mems.txt", &
       "simulate", "gyroakf simulate --samples 360000 --rate 100 --coefficients N=0.005,B=0.001 --seed 7", &
       "simulate", "gyroakf simulate --rate 10 --coefficients N=0.005 --ar 0.99 --ar-variance 1e-4", &
-      "simulate", "gyroakf simulate --ar 0.7,-0.2 --ar-variance 1e-4 --missing 0.003 | gyroakf run -"], [2, 21])
+      "simulate", "gyroakf simulate --ar 0.7,-0.2 --ar-variance 1e-4 --missing 0.003 | gyroakf run -", &
+      "simulate", "gyroakf simulate --samples 1000000 --rate 100 --coefficients N=0.005 --output still.npy"], [2, 28])
 
 contains
 
@@ -75,10 +82,12 @@ contains
          text = text//"  "//commands(i)%name//"  "//trim(commands(i)%purpose)//nl
       end do
       text = text//nl//"Without a COMMAND gyroakf does the whole job (run)."//nl
-      text = text//options_of("run", "input")//options_of("run", "common")
+      text = text//options_of("run", "input")//options_of("run", "output")//options_of("run", "work")//options_of("run", "common")
       text = text//nl//"Examples"//nl//first_examples()//nl// &
-         "A header in the data file (# rate_hz: 5, # unit: deg/h, # columns: t gx gy gz) is honoured; an"//nl// &
-         "option overrides it. Where nobody gave a rate or a unit, results are per sample and in input units."//nl// &
+         "Begin with gyroakf inspect FILE. The content tells text from NumPy's .npy; gzip and zstd come"//nl// &
+         "through a pipe. A header in the file (# rate_hz: 5, # unit: deg/h, # columns: t gx gy gz) is"//nl// &
+         "honoured; an option overrides it. Where nobody gave a rate or a unit, results are per sample"//nl// &
+         "and in input units."//nl// &
          "Exit codes: 0 done; 1 wrong usage; 2 the data or a file; 3 a numerical failure; 130 Ctrl-C."//nl// &
          "All options of a command: gyroakf COMMAND --help"//nl
    end function program_help

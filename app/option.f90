@@ -38,8 +38,8 @@ module gyroakf_app_option
 
    !> The commands, in the order of the help; the first is the one that needs no name
    type(command_type), parameter :: commands(*) = [ &
-      command_type("run", "the whole chain: clean, test, model, filter, Allan analysis before and after (default)"), &
-      command_type("inspect", "what was read: format, columns, rate, gaps, jitter, duplicates, range, quantisation"), &
+      command_type("run", "the whole job: clean, test, model, filter, Allan analysis before and after (default)"), &
+      command_type("inspect", "what the file holds: format, columns, rate, gaps, jitter, repeats, range, step"), &
       command_type("allan", "deviation with limits, coefficients Q N B K R with errors, change during the record"), &
       command_type("tests", "stationarity (ADF), normality (Jarque-Bera) and whiteness (Ljung-Box)"), &
       command_type("ar", "order table by every criterion, coefficients with standard errors, residuals"), &
@@ -55,9 +55,10 @@ module gyroakf_app_option
    character(*), parameter :: none = ""
 
    !> Groups and their titles, in the order of the help
-   character(28), parameter :: group_titles(2, 9) = reshape([character(28) :: &
+   character(28), parameter :: group_titles(2, 11) = reshape([character(28) :: &
       "input", "Reading", "preset", "Preset", "clean", "Cleaning", "tests", "Tests", "ar", "AR model", &
-      "filter", "Filters", "allan", "Allan analysis", "record", "The simulated record", "common", "Common"], [2, 9])
+      "filter", "Filters", "allan", "Allan analysis", "record", "The simulated record", &
+      "output", "Results", "work", "Files, threads, memory", "common", "Common"], [2, 11])
 
    type(option_type), parameter :: input_options(*) = [ &
       option_type("--rate", "HZ", "positive", reading, "input", "sample rate; overrides header and time stamps"), &
@@ -165,27 +166,28 @@ module gyroakf_app_option
                   "write FILE instead of standard output; FILE.npy and FILE.f64 are binary")]
 
    type(option_type), parameter :: common_options(*) = [ &
-      option_type("--out", "DIR", "text", reading, "common", "write the result files into DIR"), &
-      option_type("--list", "FILE", "text", reading, "common", &
-                  "work on the files named in FILE, one a line; - is standard input"), &
-      option_type("--series-format", "csv|npy|f64", "choice", "run filter", "common", &
-                  "how --out writes the series: series.csv (default), series.npy or series.f64 (float64, a row per sample: "// &
-                  "time, and of each channel raw, cleaned, kf, akf)"), &
-      option_type("--digits", "N", "natural", "run filter simulate", "common", &
-                  "significant digits of series and records as text (default 0: as few as read back to the same number)"), &
-      option_type("--force", "", "flag", every, "common", "overwrite results that are there already"), &
-      option_type("--kalibr", "FILE", "text", "run allan", "common", &
+      option_type("--out", "DIR", "text", reading, "output", &
+                  "write the results as files into DIR; of many files into a folder each, with a summary"), &
+      option_type("--json", "FILE", "text", reading, "output", &
+                  "write the results (of many files the summary) as JSON; - is standard output"), &
+      option_type("--kalibr", "FILE", "text", "run allan", "output", &
                   "write N and K as Kalibr's imu.yaml: SI, of each sensor the largest axis; needs rate and unit; of many "// &
                   "files into the folder of each"), &
-      option_type("--json", "FILE", "text", reading, "common", &
-                  "write the results (of many files the summary) as JSON; - is standard output"), &
-      option_type("--threads", "N", "count", every, "common", &
+      option_type("--series-format", "csv|npy|f64", "choice", "run filter", "output", &
+                  "how --out writes the series: series.csv (default), series.npy or series.f64 (float64, a row per sample: "// &
+                  "time, and of each channel raw, cleaned, kf, akf)"), &
+      option_type("--digits", "N", "natural", "run filter simulate", "output", &
+                  "significant digits of series and records as text (default 0: as few as read back to the same number)"), &
+      option_type("--force", "", "flag", every, "output", "overwrite results that are there already (default: keep them)"), &
+      option_type("--quiet", "", "flag", reading, "output", "print no report"), &
+      option_type("--list", "FILE", "text", reading, "work", &
+                  "work on the files named in FILE too, one a line; - is standard input"), &
+      option_type("--threads", "N", "count", every, "work", &
                   "number of threads (default: all); many files are worked on side by side"), &
-      option_type("--memory", "SIZE", "text", reading, "common", &
+      option_type("--memory", "SIZE", "text", reading, "work", &
                   "memory that may be used, 28MB or more, as 500MB or 2GB (default: what is free); "// &
                   "allan, inspect and filter stream a larger recording, the others refuse it"), &
-      option_type("--quiet", "", "flag", reading, "common", "print no report"), &
-      option_type("--progress", "auto|on|off", "choice", every, "common", &
+      option_type("--progress", "auto|on|off", "choice", every, "work", &
                   "how far long work is, on standard error; auto (default): on a terminal, after a second"), &
       option_type("--help", "", "flag", every, "common", "this text, or that of a command"), &
       option_type("--version", "", "flag", every, "common", "the version"), &
