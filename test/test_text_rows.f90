@@ -35,6 +35,7 @@ contains
          new_unittest("returns-only", test_returns), &
          new_unittest("first-problem", test_first_problem), &
          new_unittest("blank-lines", test_blank_lines), &
+         new_unittest("semicolon-first", test_semicolon_first), &
          new_unittest("many-columns", test_many_columns), &
          new_unittest("line-of-megabytes", test_huge_line), &
          new_unittest("few-rows-at-a-time", test_few_rows), &
@@ -221,6 +222,29 @@ contains
       write (room, "(a, i0, a)") ":", line, ":7"
       text = trim(room)
    end function place
+
+   !> A line that begins with a semicolon is a row without its first number where semicolons part the columns, else a comment.
+   subroutine test_semicolon_first(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: content(5) = [character(24) :: "1;2"//nl//";4"//nl//"5;6", "a;b"//nl//";4"//nl//"5;6", &
+         "1;2"//nl//"; 4 volts"//nl//"5;6", "1 2"//nl//"; 3 4"//nl//"5 6", "1,2"//nl//";4"//nl//"5,6"]
+      integer(int64), parameter :: rows(5) = [3_int64, 2_int64, 2_int64, 2_int64, 2_int64]
+      integer(int64), parameter :: short(5) = [2_int64, 1_int64, 0_int64, 0_int64, 0_int64]
+      type(table_type) :: table
+      type(gyro_error), allocatable :: failed
+      integer :: i
+
+      do i = 1, size(content)
+         call read_with(trim(content(i)), 1, table, failed)
+         call check(error, .not. allocated(failed))
+         if (.not. allocated(error)) call check(error, count_rows(table%store), rows(i), trim(content(i)))
+         if (.not. allocated(error)) call check(error, same(stored(table, rows(i), 2), 6.0_dp))
+         if (allocated(error)) return
+         if (short(i) == 0) cycle
+         call check(error, same(stored(table, short(i), 1), gone) .and. same(stored(table, short(i), 2), 4.0_dp), trim(content(i)))
+         if (allocated(error)) return
+      end do
+   end subroutine test_semicolon_first
 
    !> A million blank lines in the midst take one entry in the map of lines.
    subroutine test_blank_lines(error)

@@ -36,6 +36,8 @@ module gyroakf_io_rows
       !> The line of the names, from its first visible byte to the last: where it is met again it is no row; unallocated where
       !> there is none
       integer(int8), allocatable :: heading(:)
+      !> Semicolons part the columns: a line that begins with one may be a row whose first field is empty
+      logical :: semicolons = .false.
    end type layout_type
 
    !> What is wrong with a row

@@ -8,7 +8,7 @@ module gyroakf_io_span
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_lines, only : line_map_type, map_row
    use gyroakf_io_rows, only : layout_type, parse_rows, problem_type, read_row
-   use gyroakf_io_text, only : fields_type, first_visible, is_comment, last_visible
+   use gyroakf_io_text, only : begins_with_semicolon, fields_type, first_visible, is_comment, last_visible
    implicit none (type, external)
    private
    public :: span_type, read_span
@@ -108,6 +108,7 @@ contains
       type(span_type), intent(inout) :: span
       type(problem_type) :: problem
       integer(int64) :: feed, last
+      logical :: no_row
 
       feed = at
       do while (bytes(feed) /= line_feed)
@@ -117,14 +118,18 @@ contains
       if (last >= at) then
          if (bytes(last) == carriage_return) last = last - 1
       end if
+      no_row = first_visible(bytes, at, last) > last .or. is_comment(bytes, at, last)
       if (is_heading(bytes, at, last, layout)) then
          if (span%headings == 0) span%first_heading = span%lines + 1
          span%headings = span%headings + 1
-         call map_row(span%map, span%rows + 1, span%lines + 2)
-      else if (first_visible(bytes, at, last) > last .or. is_comment(bytes, at, last)) then
+         no_row = .true.
+      else if (.not. no_row .or. (layout%semicolons .and. begins_with_semicolon(bytes, at, last))) then
+         call read_row(bytes, at, last, layout, span%fields, span%row, problem, .false.)
+         no_row = no_row .and. problem%found
+      end if
+      if (no_row) then
          call map_row(span%map, span%rows + 1, span%lines + 2)
       else
-         call read_row(bytes, at, last, layout, span%fields, span%row, problem, .false.)
          if (problem%found .and. .not. bad_lines_missing) then
             span%problem_at = at
             return

@@ -18,7 +18,8 @@ module gyroakf_io_table
       make_points, pair_stamps, seconds_comma
    use gyroakf_io_stamps, only : fraction_of, is_time_name
    use gyroakf_io_store, only : store_type
-   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, last_visible, split, split_line
+   use gyroakf_io_text, only : begins_with_semicolon, bytes_text, fields_type, first_visible, is_comment, last_visible, split, &
+      split_line
    use gyroakf_record, only : add_text, text_type
    use gyroakf_spelling, only : lower
    use gyroakf_units, only : parse_unit, unit_type
@@ -141,6 +142,8 @@ contains
          last = line_end(lines)
          if (lines%number <= options%skip) then
             continue
+         else if (lacks_first(lines, last, table)) then
+            return
          else if (is_comment(lines%bytes, lines%at, last)) then
             call read_comment(lines%bytes, lines%at, last, lines%number, table%header, table%warnings)
             call suppose_names(lines%bytes, lines%at, last, lines%number, table%supposed)
@@ -151,6 +154,7 @@ contains
             else if (.not. table%names%known) then
                call read_names(lines%bytes, lines%at, last, lines%number, table%names)
                call keep_heading(lines, last, table%layout)
+               table%layout%semicolons = any(lines%bytes(lines%at:last) == iachar(";"))
             else
                call take_units(lines, last, table%names, taken)
                if (.not. taken) return
@@ -175,6 +179,20 @@ contains
       allocate (layout%heading(to - from + 1))
       layout%heading(:) = lines%bytes(from:to)
    end subroutine keep_heading
+
+   !> True for a row below names between semicolons whose first field is empty: not a comment.
+   logical function lacks_first(lines, last, table)
+      type(lines_type), intent(in) :: lines
+      integer(int64), intent(in) :: last
+      type(table_type), intent(in) :: table
+      type(fields_type) :: fields
+
+      lacks_first = table%layout%semicolons .and. begins_with_semicolon(lines%bytes, lines%at, last)
+      if (lacks_first) lacks_first = .not. only_words(lines, last)
+      if (.not. lacks_first) return
+      call split_line(lines%bytes, lines%at, last, split%mixed, fields)
+      lacks_first = fits_names(fields, size(table%names%name))
+   end function lacks_first
 
    !> True for a line that holds words and nothing like a number: names of columns.
    logical function only_words(lines, last)
@@ -270,6 +288,7 @@ contains
          return
       end if
       table%layout%columns = merge(named, fields%count, named > 0)
+      table%layout%semicolons = any(lines%bytes(lines%at:fields%last(fields%count)) == iachar(";"))
       table%layout%last_optional = fields%trailing
       call find_kinds(lines%bytes, fields, table%layout%columns, table%layout)
       call find_texts(lines%bytes, lines%at, lines%last, table%layout, texts)

@@ -4,7 +4,7 @@ module gyroakf_io_text
    use gyroakf_kinds, only : int8, int64
    implicit none (type, external)
    private
-   public :: fields_type, split, split_line, is_comment, first_visible, last_visible, bytes_text
+   public :: fields_type, split, split_line, is_comment, begins_with_semicolon, first_visible, last_visible, bytes_text
 
    !> How a line is split, reached as `split%mixed`
    type :: split_enum
@@ -165,6 +165,18 @@ contains
       if (p > last) return
       is_comment = bytes(p) == semicolon .or. comment_at(bytes, p, last)
    end function is_comment
+
+   !> True for a line that begins with `;`: a comment, or a row whose first field is empty where semicolons part the columns.
+   pure logical function begins_with_semicolon(bytes, first, last)
+      !> Holds the line at first:last
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      integer(int64) :: p
+
+      p = first_visible(bytes, first, last)
+      begins_with_semicolon = p <= last
+      if (p <= last) begins_with_semicolon = bytes(p) == semicolon
+   end function begins_with_semicolon
 
    !> First byte in first:last that is not blank; last + 1 where all are.
    pure integer(int64) function first_visible(bytes, first, last)
