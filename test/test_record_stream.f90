@@ -31,6 +31,7 @@ contains
          new_unittest("lost-samples", test_lost), &
          new_unittest("stamps", test_stamps), &
          new_unittest("beat", test_beat), &
+         new_unittest("repeated-rows", test_repeats), &
          new_unittest("increments", test_increments), &
          new_unittest("angles", test_angles), &
          new_unittest("part", test_part), &
@@ -62,7 +63,7 @@ contains
       !> "none"; "stamps": even; "lost", "beat": some left out; "odd": some equal or set back; "gaps"; "blank"
       character(*), intent(in) :: first_column
       integer, intent(in) :: count_rows
-      integer :: unit, i, j
+      integer :: unit, i, j, copy
       real(dp) :: t
 
       open (newunit=unit, file=scratch_path("stream.txt"), status="replace", action="write")
@@ -80,7 +81,7 @@ contains
             if (modulo(i, 30011) == 7) t = t - 0.01_dp
             if (modulo(i, 40013) == 9) t = t - 0.015_dp
             write (unit, "(f12.3, ',')", advance="no") t
-         case ("stamps"); write (unit, "(f12.2, ',')", advance="no") t
+         case ("stamps", "twice 1", "thrice1"); write (unit, "(f12.2, ',')", advance="no") t
          case ("gaps")
             if (modulo(i, 7919) == 3) then
                write (unit, "(a)") "nan,1"
@@ -90,9 +91,26 @@ contains
          case default
          end select
          write (unit, "(*(f0.8, :, ','))") (made_up(i, j), j=1, columns)
+         do copy = 2, copies(first_column, i)
+            write (unit, "(f12.2, *(',', f0.8))") t, (made_up(i, j), j=1, columns)
+         end do
       end do
       close (unit)
    end subroutine write_rows
+
+   !> How often a row is written: rows around the border of two windows several times, the border falling on each of the copies.
+   pure integer function copies(kind, i)
+      !> "twice ", "thrice", others once; the number behind it shifts the border
+      character(*), intent(in) :: kind
+      integer, intent(in) :: i
+      integer :: j
+
+      copies = 1
+      if (len(kind) < 7) return
+      if (.not. any(i == [(101*j, j=1, iachar(kind(7:7)) - 48)]) .and. (i < 61200 .or. i > 61700)) return
+      if (kind(:6) == "twice ") copies = 2
+      if (kind(:6) == "thrice") copies = 3
+   end function copies
 
    !> Reads the file as a whole and in blocks, and fails unless both are alike; the file is removed.
    subroutine compare(error, options, whole, streamed, memory, alike)
@@ -254,6 +272,25 @@ contains
       if (allocated(error)) return
       call check(error, streamed%audit%gaps, whole%audit%gaps)
    end subroutine test_beat
+
+   !> Rows that repeat the one above are left out, wherever the border of two windows falls.
+   subroutine test_repeats(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(7), parameter :: kinds(2) = ["twice 1", "thrice1"]
+      type(record_type) :: whole, streamed
+      integer :: k
+
+      do k = 1, size(kinds)
+         call write_rows("time_s,gx,gy", 2, kinds(k), rows)
+         call compare(error, reader_options(), whole, streamed)
+         if (.not. allocated(error)) call check(error, sample_count(streamed), int(rows, int64), "samples, "//kinds(k))
+         if (.not. allocated(error)) call check(error, streamed%audit%repeated, whole%audit%repeated, "repeated rows")
+         if (.not. allocated(error)) call check(error, streamed%audit%line_of_repeat, whole%audit%line_of_repeat, "their line")
+         if (.not. allocated(error)) call check(error, streamed%audit%duplicates, 0_int64, "equal stamps")
+         if (.not. allocated(error)) call check(error, streamed%audit%stamp_rate, 100.0_dp, thr=1.0e-6_dp)
+         if (allocated(error)) return
+      end do
+   end subroutine test_repeats
 
    subroutine test_increments(error)
       type(error_type), allocatable, intent(out) :: error

@@ -215,14 +215,16 @@ contains
    subroutine audit_window(recording, stream, from, to, gaps)
       type(recording_type), intent(in) :: recording
       type(record_stream_type), intent(inout) :: stream
-      !> Rows that are delivered
-      integer(int64), intent(in) :: from, to
+      !> Rows that are delivered; `from` moves behind rows that repeat the last one of the block before
+      integer(int64), intent(inout) :: from
+      integer(int64), intent(in) :: to
       !> Counted from row `from`
       type(gap_type), intent(out) :: gaps
       type(audit_type) :: part
       real(dp), allocatable :: t(:)
-      integer(int64) :: before, start
-      integer :: k, kept
+      logical, allocatable :: repeats(:)
+      integer(int64) :: before, start, skipped
+      integer :: k, kept, lost
 
       before = stream%counted - stream%context
       start = max(1_int64, from - 1)
@@ -232,14 +234,26 @@ contains
          call drop_absurd(stream%stamps)
       end if
       t = (stream%stamps - stream%origin)*stream%scale
-      call count_steps(t(start:to), before + start - 1, stream%summary%audit)
-      call audit_stamps(t, part, gaps)
+      call audit_stamps(t, part, gaps, stream%rows)
+      call find_repeats(gaps, size(t, kind=int64), repeats)
+      call count_steps(stream%stamps(start:to), repeats(start:to), before + start - 1, stream%summary%audit)
+      skipped = from
+      do while (from <= to)
+         if (.not. repeats(from)) exit
+         from = from + 1
+      end do
+      skipped = from - skipped
+      stream%counted = stream%counted + skipped
       kept = 0
+      lost = 0
       do k = 1, gaps%count
          if (gaps%before(k) > to) exit
          if (gaps%before(k) < from .or. gaps%before(k) < 2) cycle
-         if (stream%summary%audit%line_of_first(3) == 0) stream%summary%audit%line_of_first(3) = before + gaps%before(k)
-         call note_single(stream, before + gaps%before(k), gaps%length(k))
+         if (gaps%length(k) > 0) then
+            if (stream%summary%audit%line_of_first(3) == 0) stream%summary%audit%line_of_first(3) = before + gaps%before(k)
+            call note_single(stream, before + gaps%before(k), gaps%length(k))
+            lost = lost + 1
+         end if
          kept = kept + 1
          gaps%length(kept) = gaps%length(k)
          gaps%before(kept) = gaps%before(k) - (from - 1)
@@ -248,16 +262,34 @@ contains
       associate (audit => stream%summary%audit)
          if (gaps%first_jump < from .or. gaps%first_jump > to) gaps%jumps = 0
          if (gaps%jumps > 0 .and. audit%line_of_first(3) == 0) audit%line_of_first(3) = before + gaps%first_jump
-         audit%gaps = audit%gaps + kept + gaps%jumps
+         audit%gaps = audit%gaps + lost + gaps%jumps
          audit%jumps = audit%jumps + gaps%jumps
          audit%beats = audit%beats + nint(real(part%beats, dp)*real(to - from + 1, dp)/real(max(size(t), 1), dp), int64)
          audit%jitter_max = max(audit%jitter_max, part%jitter_max)
          call join_windows(part, before, from, to, audit)
-         if (to > start) stream%elapsed = stream%elapsed + (t(to) - t(start))
-         stream%filled = stream%filled + sum(gaps%length(:kept))
+         if (to > start) stream%elapsed = stream%elapsed + (t(to - count(repeats(:to))) - t(start - count(repeats(:start))))
+         stream%filled = stream%filled + sum(gaps%length(:kept)) - skipped
+         audit%repeated = audit%repeated + skipped + (kept - lost)
+         if (audit%line_of_repeat == 0 .and. any(repeats(start:to))) then
+            audit%line_of_repeat = before + start - 1 + findloc(repeats(start:to), .true., dim=1, kind=int64)
+         end if
          if (.not. stream%begun) audit%stamp_rate = part%stamp_rate
       end associate
    end subroutine audit_window
+
+   !> Which rows repeat the one above.
+   subroutine find_repeats(gaps, rows, repeats)
+      type(gap_type), intent(in) :: gaps
+      integer(int64), intent(in) :: rows
+      logical, allocatable, intent(out) :: repeats(:)
+      integer :: k
+
+      allocate (repeats(rows))
+      repeats = .false.
+      do k = 1, gaps%count
+         if (gaps%length(k) < 0) repeats(gaps%before(k)) = .true.
+      end do
+   end subroutine find_repeats
 
    !> Notes the distance of a gap from the one before.
    pure subroutine note_single(stream, row, length)
@@ -288,16 +320,18 @@ contains
    end subroutine warn_of_beat
 
    !> Counts equal and backward stamps.
-   pure subroutine count_steps(t, before, audit)
+   pure subroutine count_steps(t, repeats, before, audit)
       !> NaN where missing
       real(dp), intent(in) :: t(:)
+      !> Rows that repeat the one above
+      logical, intent(in) :: repeats(:)
       !> Rows before them
       integer(int64), intent(in) :: before
       type(audit_type), intent(inout) :: audit
       integer(int64) :: i
 
       do i = 2, size(t, kind=int64)
-         if (ieee_is_nan(t(i)) .or. ieee_is_nan(t(i - 1))) cycle
+         if (ieee_is_nan(t(i)) .or. ieee_is_nan(t(i - 1)) .or. repeats(i)) cycle
          if (t(i) > t(i - 1)) cycle
          if (t(i) < t(i - 1)) then
             audit%backward_steps = audit%backward_steps + 1
