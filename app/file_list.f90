@@ -26,7 +26,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: text
       type(text_type), allocatable :: all_paths(:)
-      integer :: i, n, first, last
+      integer :: i, n, first, last, length
 
       call read_text(path, text, error)
       if (allocated(error)) return
@@ -42,7 +42,9 @@ contains
       first = 1
       if (index(text, byte_order_mark) == 1) first = 4
       do while (first <= len(text))
-         last = first + index(text(first:)//new_line("a"), new_line("a")) - 2
+         length = index(text(first:), new_line("a")) - 1
+         if (length < 0) length = len(text) - first + 1
+         last = first + length - 1
          call add_line(text(first:last), all_paths, n)
          first = last + 2
       end do

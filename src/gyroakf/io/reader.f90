@@ -444,7 +444,8 @@ contains
          trim(merge(" repeats", " repeat ", table%headings == 1))//" the names of the columns, as in files that were put "// &
          "behind one another: left out; the first is line "//integer_text(table%first_heading))
       if (table%bad_lines > 0) call add_text(record%warnings, counted(table%bad_lines, "line")// &
-         " could not be read and count as missing; the first is line "//integer_text(table%first_bad_line))
+         " could not be read and "//trim(merge("counts", "count ", table%bad_lines == 1))//" as missing; the first is line "// &
+         integer_text(table%first_bad_line))
    end subroutine tell
 
    !> True where the stamps place the samples.
