@@ -86,8 +86,8 @@ contains
 
       do k = 0, size(change)
          first = 1
-         if (k > 0) first = change(k)
          last = size(t, kind=int64)
+         if (k >= 1) first = change(max(k, 1))
          if (k < size(change)) last = change(k + 1) - 1
          if (last <= first) cycle
          if (size(change) == 0) then

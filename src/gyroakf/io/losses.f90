@@ -244,7 +244,7 @@ contains
 
       shift = 0
       do b = 1, size(level, kind=int64)
-         if (b > 2) shift = shift + taken(b - 2)
+         if (b > 2) shift = shift + taken(max(b - 2, 1_int64))
          level(b) = level(b) - real(shift, dp)
          if (taken(b) == 0) cycle
          i = longest_step(t, b)
