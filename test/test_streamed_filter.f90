@@ -307,7 +307,8 @@ contains
 
       ! the mean of what has none is what rounding leaves of the deviations
       same = abs(a%mean - b%mean) <= 1.0e-11_dp*sqrt(b%variance) .and. alike(a%variance, b%variance) .and. &
-             alike(a%gain, b%gain) .and. alike(a%dc_gain, b%dc_gain) .and. alike(a%q, b%q) .and. alike(a%r, b%r) .and. alike(a%nis_mean, b%nis_mean)
+             alike(a%gain, b%gain) .and. alike(a%dc_gain, b%dc_gain) .and. alike(a%q, b%q) .and. alike(a%r, b%r) .and. &
+             alike(a%nis_mean, b%nis_mean)
       call check(error, same, "measures of a filter")
       if (allocated(error)) return
       same = alike(a%ljung_box%statistic, b%ljung_box%statistic) .and. a%steps == b%steps .and. a%clamped == b%clamped .and. &
