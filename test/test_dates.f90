@@ -314,10 +314,10 @@ contains
 
    subroutine test_decimal_fields(error)
       type(error_type), allocatable, intent(out) :: error
-      character(40), parameter :: text(14) = [character(40) :: "1,5;2,3", "1,5 2,3  3", "1,5;;2,3;", "01.05.2026 12:00:00,5;1,5", &
+      character(40), parameter :: text(16) = [character(40) :: "1,5;2,3", "1,5 2,3  3", "1,5;;2,3;", "01.05.2026 12:00:00,5;1,5", &
          "1,5", "1,2,3", "1.5;2,3", "1,5; ,3", "1.234,5;2", "1, 2", "-1,5e-3;NaN", "1,5"//tab//"2", &
-         "2026-05-01 12:00:00,5", "2026-05-01 12:00:00.25,5"]
-      integer, parameter :: fields(14) = [2, 3, 3, 2, 1, 0, 0, 0, 0, 0, 2, 2, 0, 0]
+         "2026-05-01 12:00:00,5", "2026-05-01 12:00:00.25,5", "2026.05.01T12:00:00,000Z;-3,25;1", "1.2.3,5;2"]
+      integer, parameter :: fields(16) = [2, 3, 3, 2, 1, 0, 0, 0, 0, 0, 2, 2, 0, 0, 3, 0]
       integer :: i
 
       do i = 1, size(text)
@@ -329,9 +329,9 @@ contains
 
    subroutine test_seconds_comma(error)
       type(error_type), allocatable, intent(out) :: error
-      character(40), parameter :: text(6) = [character(40) :: "12:00:00,123 1.5", "12:00:00,123456;1.5", "12:00:00,123,1.5", &
-         "12:00:00,0.5", "12:00:00,12;1.5", "12:00:00,123"]
-      logical, parameter :: decimal(6) = [.true., .true., .false., .false., .false., .false.]
+      character(40), parameter :: text(8) = [character(40) :: "12:00:00,123 1.5", "12:00:00,123456;1.5", "12:00:00,123,1.5", &
+         "12:00:00,0.5", "12:00:00,12;1.5", "12:00:00,123", "12:00:00,123+02:00;1.5", "12:00:00,123Z,1.5"]
+      logical, parameter :: decimal(8) = [.true., .true., .false., .false., .false., .false., .true., .false.]
       integer :: i
 
       do i = 1, size(text)

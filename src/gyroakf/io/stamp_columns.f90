@@ -153,8 +153,8 @@ contains
       column = 0
    end function ambiguous_date
 
-   !> True where a comma stands before the decimals of the seconds, as in `12:00:00,123;1.5`: 3, 6 or 9 digits, then a blank, tab
-   !> or semicolon; and no comma parts columns.
+   !> True where a comma stands before the decimals of the seconds, as in `12:00:00,123;1.5`: 3, 6 or 9 digits, perhaps a zone, then
+   !> a blank, tab or semicolon; and no comma parts columns.
    pure logical function seconds_comma(bytes, first, last)
       !> Holds the first row at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
@@ -175,7 +175,11 @@ contains
          do while (is_digit(bytes(q)))
             q = q + 1
          end do
-         if (mod(q - p - 1, 3_int64) /= 0 .or. q - p > 10 .or. q > last) return
+         if (mod(q - p - 1, 3_int64) /= 0 .or. q - p > 10) return
+         do while (in_zone(bytes(q)))
+            q = q + 1
+         end do
+         if (q > last) return
          if (bytes(q) /= blank .and. bytes(q) /= tab .and. bytes(q) /= semicolon) return
          seconds_comma = .true.
       end do
@@ -205,6 +209,7 @@ contains
          at_end = p > to
          if (.not. at_end) at_end = bytes(p) == blank .or. bytes(p) == tab .or. bytes(p) == semicolon
          if (at_end) then
+            if (points == 2 .and. colons > 0) points = 0                ! of a date before a time of day
             if (commas > 1 .or. (points > 0 .and. commas > 0) .or. (points > 0 .and. colons == 0 .and. points /= 2) .or. &
                 (colons > 0 .and. commas > 0 .and. p > to)) then
                fields = 0
@@ -241,6 +246,14 @@ contains
       if (p < first + 3) return
       behind_seconds = bytes(p - 3) == colon .and. is_digit(bytes(p - 2)) .and. is_digit(bytes(p - 1)) .and. is_digit(bytes(p + 1))
    end function behind_seconds
+
+   !> True for a byte of a zone behind a time of day: Z, +02:00.
+   pure logical function in_zone(byte)
+      integer(int8), intent(in) :: byte
+
+      in_zone = is_digit(byte) .or. byte == iachar("Z") .or. byte == iachar("z") .or. byte == iachar("+") .or. &
+                byte == iachar("-") .or. byte == colon
+   end function in_zone
 
    !> True for a digit.
    pure logical function is_digit(byte)
