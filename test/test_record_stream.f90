@@ -31,7 +31,7 @@ contains
          new_unittest("lost-samples", test_lost), &
          new_unittest("stamps", test_stamps), &
          new_unittest("beat", test_beat), &
-         new_unittest("repeated-rows", test_repeats), &
+         new_unittest("mixed", test_mixed), &
          new_unittest("increments", test_increments), &
          new_unittest("angles", test_angles), &
          new_unittest("part", test_part), &
@@ -60,12 +60,14 @@ contains
       character(*), intent(in) :: head
       !> Columns of values
       integer, intent(in) :: columns
-      !> "none"; "stamps": even; "lost", "beat": some left out; "odd": some equal or set back; "gaps"; "blank"
+      !> "none"; "stamps": even; "lost", "beat": some left out; "odd": some equal or set back; "mixed": gaps, a burst, repeated
+      !> rows, an equal stamp, a change of the rate; "gaps"; "blank"
       character(*), intent(in) :: first_column
       integer, intent(in) :: count_rows
-      integer :: unit, i, j, copy
-      real(dp) :: t
+      integer :: unit, i, j
+      real(dp) :: t, lost
 
+      lost = 0.0_dp
       open (newunit=unit, file=scratch_path("stream.txt"), status="replace", action="write")
       if (head /= "") write (unit, "(a)") head
       do i = 1, count_rows
@@ -81,7 +83,15 @@ contains
             if (modulo(i, 30011) == 7) t = t - 0.01_dp
             if (modulo(i, 40013) == 9) t = t - 0.015_dp
             write (unit, "(f12.3, ',')", advance="no") t
-         case ("stamps", "twice 1", "thrice1"); write (unit, "(f12.2, ',')", advance="no") t
+         case ("mixed")
+            if (modulo(i, 9973) == 500) lost = lost + 0.03_dp
+            t = t - 0.002_dp*max(i - 63000, 0) + lost
+            if (i >= 61430 .and. i < 61450) t = 614.5_dp + lost + 0.0001_dp*(i - 61450)
+            if (i == 200) t = t - 0.01_dp
+            if (modulo(i, 20011) == 77 .or. i == 61441 .or. i == 65536) &
+               write (unit, "(f12.4, ',', *(f0.8, :, ','))") t, (made_up(i, j), j=1, columns)
+            write (unit, "(f12.4, ',')", advance="no") t
+         case ("stamps"); write (unit, "(f12.2, ',')", advance="no") t
          case ("gaps")
             if (modulo(i, 7919) == 3) then
                write (unit, "(a)") "nan,1"
@@ -119,7 +129,7 @@ contains
       type(record_type), intent(out) :: whole, streamed
       !> Rows are held up to this many bytes before
       integer(int64), intent(in), optional :: memory
-      !> False: only read both
+      !> False: only read both; true: only compare the samples; absent: compare the summaries, too
       logical, intent(in), optional :: alike
       type(recording_type) :: recording
       type(record_stream_type) :: stream
@@ -143,7 +153,9 @@ contains
       do while (.not. allocated(failed))
          call next_record_block(recording, stream, block, failed)
          if (allocated(failed) .or. stream%done) exit
-         if (present(alike)) cycle
+         if (present(alike)) then
+            if (.not. alike) cycle
+         end if
          n = size(block%value, 1, kind=int64)
          call check_block(error, block, whole, at)
          if (allocated(error)) return
@@ -273,24 +285,36 @@ contains
       call check(error, streamed%audit%gaps, whole%audit%gaps)
    end subroutine test_beat
 
-   !> Rows that repeat the one above are left out, wherever the border of two windows falls.
-   subroutine test_repeats(error)
+   !> Gaps, a burst, repeated rows and a change of the rate where windows meet are found as in memory, with their lines.
+   subroutine test_mixed(error)
       type(error_type), allocatable, intent(out) :: error
-      character(7), parameter :: kinds(2) = ["twice 1", "thrice1"]
       type(record_type) :: whole, streamed
-      integer :: k
 
-      do k = 1, size(kinds)
-         call write_rows("time_s,gx,gy", 2, kinds(k), rows)
-         call compare(error, reader_options(), whole, streamed)
-         if (.not. allocated(error)) call check(error, sample_count(streamed), int(rows, int64), "samples, "//kinds(k))
-         if (.not. allocated(error)) call check(error, streamed%audit%repeated, whole%audit%repeated, "repeated rows")
-         if (.not. allocated(error)) call check(error, streamed%audit%line_of_repeat, whole%audit%line_of_repeat, "their line")
-         if (.not. allocated(error)) call check(error, streamed%audit%duplicates, 0_int64, "equal stamps")
-         if (.not. allocated(error)) call check(error, streamed%audit%stamp_rate, 100.0_dp, thr=1.0e-6_dp)
-         if (allocated(error)) return
-      end do
-   end subroutine test_repeats
+      call write_rows("time_s,gx", 1, "mixed", 2*rows)
+      call compare(error, reader_options(), whole, streamed, alike=.true.)
+      if (allocated(error)) return
+      call check(error, streamed%audit%gaps, whole%audit%gaps)
+      if (allocated(error)) return
+      call check(error, all(whole%audit%line_of_first == streamed%audit%line_of_first))
+      if (allocated(error)) return
+      call check(error, whole%audit%repeated == 10 .and. streamed%audit%repeated == 10, "repeated rows")
+      if (allocated(error)) return
+      call check(error, whole%audit%line_of_repeat == 79 .and. streamed%audit%line_of_repeat == 79, "their first line")
+      if (allocated(error)) return
+      call check(error, whole%audit%bursts == 1 .and. streamed%audit%bursts == 1, "bursts")
+      if (allocated(error)) return
+      call check(error, streamed%audit%longest_burst, whole%audit%longest_burst)
+      if (allocated(error)) return
+      call check(error, streamed%audit%line_of_burst, whole%audit%line_of_burst)
+      if (allocated(error)) return
+      call check(error, whole%audit%rate_changes == 1 .and. streamed%audit%rate_changes == 1, "rates")
+      if (allocated(error)) return
+      call check(error, streamed%audit%line_of_change, whole%audit%line_of_change)
+      if (allocated(error)) return
+      call check(error, abs(streamed%audit%rate_first/whole%audit%rate_first - 1.0_dp) < 1.0e-5_dp, "first half")
+      if (allocated(error)) return
+      call check(error, abs(streamed%audit%rate_second/whole%audit%rate_second - 1.0_dp) < 1.0e-5_dp, "second half")
+   end subroutine test_mixed
 
    subroutine test_increments(error)
       type(error_type), allocatable, intent(out) :: error

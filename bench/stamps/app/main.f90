@@ -124,6 +124,10 @@ contains
          print "(4a,f8.1,a,f5.2,a,i3,a,f5.0,a,i4,a,i4,a,i4,a,i5,a,i5,a,f9.1)", loss_name(loss), " ", clock_name(clock), " rate", &
          rate_hz, " jitter", jitter, " at once", delivery, " drift", drift*1e6_dp, ": lost", count_lost, " found", hit, " false", &
          wrong, " samples", sum(lost(:count_lost)), " inserted", inserted, " ppm", off
+      if (detail .and. wrong > 0) then
+         print "(a,*(i7,'+',i0))", "   lost    ", (lost_at(k), lost(k), k=1, count_lost)
+         print "(a,*(i7,'+',i0))", "   inserted", (gaps%before(k), gaps%length(k), k=1, gaps%count)
+      end if
    end subroutine one_case
 
    !> The same for all samples of a delivery, 0 to 1.

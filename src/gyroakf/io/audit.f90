@@ -14,7 +14,18 @@ module gyroakf_io_audit
    use gyroakf_record, only : audit_type
    implicit none (type, external)
    private
-   public :: gap_type, audit_stamps, audit_values, join_windows
+   public :: gap_type, burst_type, audit_stamps, audit_values, join_windows, count_bursts, end_bursts, same_row
+
+   !> What is remembered of the last steps while bursts are counted
+   type :: burst_type
+      !> Short steps so far, behind a long one
+      integer(int64) :: run = 0
+      logical :: late = .false.
+      !> The row of the first sample of the run
+      integer(int64) :: first = 0
+      !> Short steps that the clock explains
+      integer(int64) :: least = 2
+   end type burst_type
 
    !> Window of the lags, samples; after a long step it is longer, up to most_window
    integer(int64), parameter :: window = 64, most_window = 20000
@@ -26,7 +37,7 @@ module gyroakf_io_audit
 contains
 
    !> Counts what the stamps show and finds the gaps.
-   subroutine audit_stamps(t, audit, gaps, value)
+   subroutine audit_stamps(t, audit, gaps, value, cadence)
       !> Stamps in s: [n]; NaN where missing. Afterwards, in the first n - `audit%repeated`, without backward jumps, repeated rows
       !> and jumps that are not filled, missing ones interpolated
       real(dp), intent(inout), contiguous :: t(:)
@@ -36,7 +47,10 @@ contains
       type(gap_type), intent(out) :: gaps
       !> The rows, by which repeated ones are told from others of the same stamp: [n, channel]
       real(dp), intent(in), contiguous, optional :: value(:, :)
-      type(cadence_type) :: cadence
+      !> For a window of a longer record, whose bursts are counted elsewhere; if absent they are counted here
+      type(cadence_type), intent(out), optional :: cadence
+      type(cadence_type) :: whole
+      type(burst_type) :: burst
       integer(int64), allocatable :: repeated(:)
       integer(int64) :: n, change(most_changes), lost
       integer :: changes
@@ -51,12 +65,12 @@ contains
       call interpolate(t)
       if (present(value)) call drop_repeats(t, value, repeated)
       if (allocated(repeated)) n = n - size(repeated)
-      call find_cadence(t(:n), cadence)
-      call count_steps(t(:n), cadence%step, audit)
-      if (cadence%step > 0.0_dp) then
-         audit%resolution = cadence%resolution
+      call find_cadence(t(:n), whole)
+      call count_steps(t(:n), whole%step, audit)
+      if (whole%step > 0.0_dp) then
+         audit%resolution = whole%resolution
          call find_changes(t(:n), change, steps, changes)
-         call audit_stretches(t(:n), cadence, change(:changes), audit, gaps)
+         call audit_stretches(t(:n), whole, change(:changes), audit, gaps)
          audit%gaps = gaps%count + gaps%jumps
          audit%jumps = gaps%jumps
          call note_changes(change(:changes), steps, audit)
@@ -64,9 +78,13 @@ contains
          lost = sum(gaps%length(:gaps%count))
          if (t(n) > t(1)) audit%stamp_rate = real(n - 1 + lost, dp)/(t(n) - t(1))
          call measure_jitter(t(:n), gaps, audit)
-         call count_bursts(t(:n), cadence, audit)
+         if (.not. present(cadence)) then
+            call count_bursts(t(:n), whole, burst, audit)
+            call end_bursts(burst, audit)
+         end if
       end if
       if (allocated(repeated)) call merge_repeats(repeated, audit, gaps)
+      if (present(cadence)) cadence = whole
    end subroutine audit_stamps
 
    !> Finds the losses in each stretch of one rate.
@@ -211,7 +229,9 @@ contains
 
    !> True where a row has the values of the one above.
    pure logical function same_row(value, i)
+      !> [row, channel]
       real(dp), intent(in), contiguous :: value(:, :)
+      !> Not the first
       integer(int64), intent(in) :: i
       integer :: j
 
@@ -526,64 +546,79 @@ contains
 
    !> Counts bursts: three samples or more at once, with less than 0.3 of the usual step between them, behind a long step; more
    !> of them than a tick of the clock holds.
-   subroutine count_bursts(t, cadence, audit)
+   subroutine count_bursts(t, cadence, burst, audit, number)
+      !> The last stamp of the part before, if there is one, and those of this part, s
       real(dp), intent(in), contiguous :: t(:)
+      !> Of the stamps
       type(cadence_type), intent(in) :: cadence
+      !> From part to part
+      type(burst_type), intent(inout) :: burst
+      !> Its bursts; `line_of_burst` is a row
       type(audit_type), intent(inout) :: audit
-      integer(int64) :: i, run, least, first
-      real(dp) :: short, long
-      logical :: late
+      !> Which rows they are, counted from 1 if absent
+      integer(int64), intent(in), contiguous, optional :: number(:)
+      integer(int64) :: i
+      real(dp) :: short, long, step
 
+      if (cadence%step <= 0.0_dp) return
       short = 0.3_dp*cadence%step
       long = 1.5_dp*cadence%step
-      least = max(2_int64, ceiling(1.5_dp*min(cadence%resolution/cadence%step, 1.0e6_dp), int64))
-      run = 0
-      first = 0
-      late = .false.
+      burst%least = max(2_int64, ceiling(1.5_dp*min(cadence%resolution/cadence%step, 1.0e6_dp), int64))
       do i = 2, size(t, kind=int64)
-         if (abs(t(i) - t(i - 1)) < short) then
-            run = run + 1
+         step = t(i) - t(i - 1)
+         if (abs(step) < short) then
+            burst%run = burst%run + 1
             cycle
          end if
-         if (late .and. run >= least) call note(first, run + 1)
-         late = t(i) - t(i - 1) >= long
-         first = i
-         run = 0
+         if (burst%run >= burst%least) call end_bursts(burst, audit)
+         burst%late = step >= long
+         burst%first = i
+         if (present(number)) burst%first = number(i)
+         burst%run = 0
       end do
-      if (late .and. run >= least) call note(first, run + 1)
-   contains
-      subroutine note(from, length)
-         integer(int64), intent(in) :: from, length
-
-         audit%bursts = audit%bursts + 1
-         audit%longest_burst = max(audit%longest_burst, length)
-         if (audit%line_of_burst == 0) audit%line_of_burst = from
-      end subroutine note
    end subroutine count_bursts
 
-   !> Adds what a window of a longer record shows: the rows from:to of it count.
-   pure subroutine join_windows(part, before, from, to, audit)
-      !> Of the window
-      type(audit_type), intent(in) :: part
-      !> Rows before the window, and the rows of it that count
-      integer(int64), intent(in) :: before, from, to
-      !> Of the record
+   !> Counts the burst that goes on, if there is one.
+   pure subroutine end_bursts(burst, audit)
+      !> None goes on afterwards
+      type(burst_type), intent(inout) :: burst
+      !> Its bursts
       type(audit_type), intent(inout) :: audit
 
-      audit%resolution = max(audit%resolution, part%resolution)
-      audit%jitter_rms = max(audit%jitter_rms, part%jitter_rms)
-      if (part%line_of_change >= from .and. part%line_of_change <= to) then
-         if (audit%rate_changes == 0) then
-            audit%line_of_change = before + part%line_of_change
-            audit%rate_before = part%rate_before
-            audit%rate_after = part%rate_after
-         end if
-         audit%rate_changes = audit%rate_changes + part%rate_changes
+      if (burst%late .and. burst%run >= burst%least) then
+         audit%bursts = audit%bursts + 1
+         audit%longest_burst = max(audit%longest_burst, burst%run + 1)
+         if (audit%line_of_burst == 0) audit%line_of_burst = burst%first
       end if
-      if (part%bursts == 0 .or. part%line_of_burst > to) return
-      if (audit%line_of_burst == 0) audit%line_of_burst = before + max(part%line_of_burst, from)
-      audit%bursts = audit%bursts + part%bursts
-      audit%longest_burst = max(audit%longest_burst, part%longest_burst)
+      burst%run = 0
+      burst%late = .false.
+   end subroutine end_bursts
+
+   !> Adds what a window of a longer record shows of its clock and its rates.
+   pure subroutine join_windows(part, before, last_change, audit)
+      !> Of the window
+      type(audit_type), intent(in) :: part
+      !> Rows before the window
+      integer(int64), intent(in) :: before
+      !> Row of the last change of the rate, 0 at first: windows overlap, the same change is found again
+      integer(int64), intent(inout) :: last_change
+      !> Of the record; `line_of_change` is a row
+      type(audit_type), intent(inout) :: audit
+      integer(int64) :: row
+
+      if (part%resolution > 0.0_dp .and. (audit%resolution <= 0.0_dp .or. part%resolution < audit%resolution)) &
+         audit%resolution = part%resolution
+      audit%jitter_rms = max(audit%jitter_rms, part%jitter_rms)
+      if (part%rate_changes == 0) return
+      row = before + part%line_of_change
+      if (last_change > 0 .and. row <= last_change + 2048) return
+      if (audit%rate_changes == 0) then
+         audit%line_of_change = row
+         audit%rate_before = part%rate_before
+         audit%rate_after = part%rate_after
+      end if
+      audit%rate_changes = audit%rate_changes + part%rate_changes
+      last_change = row
    end subroutine join_windows
 
    !> Counts what is missing; extremes and the smallest non-zero step of every channel.

@@ -9,14 +9,21 @@
 !>     call end_record_stream(recording, stream, record, error)       ! all but the samples
 !>
 !> What the time stamps show is found in windows of some 70,000 rows, the last few thousand of which are looked at again
-!> in the next window: lost samples get their place, equal and backward stamps are counted, the largest distance from an
-!> even grid is that within a window. The mean rate is that of the whole recording; it is known at its end, `interval` is
-!> that of the first window until then.
+!> in the next window: repeated rows are left out, lost samples get their place, equal and backward stamps and bursts are
+!> counted. The mean rate is that of the whole recording; it is known at its end, `interval` is that of the first window
+!> until then.
+!>
+!> What cannot be as in memory: the largest and the usual distance from an even grid are those within a window; the medians
+!> that judge steps are a window's (stamps at the edge of what counts as late, as a burst, as a chance repeat may be judged
+!> otherwise); a rate that creeps by less than 0.5 % within a window is not named as a change; the rates of the halves come from
+!> every 2^k-th stamp.
 module gyroakf_io_record_stream
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_audit, only : audit_stamps, audit_values, gap_type, join_windows
+   use gyroakf_io_audit, only : audit_stamps, audit_values, burst_type, count_bursts, end_bursts, gap_type, join_windows, &
+      same_row
+   use gyroakf_io_cadence, only : cadence_type
    use gyroakf_io_channel_units, only : set_units
    use gyroakf_io_columns, only : label_of, name_of
    use gyroakf_io_lines, only : line_of
@@ -34,7 +41,9 @@ module gyroakf_io_record_stream
    public :: record_stream_type, begin_record_stream, next_record_block, end_record_stream
 
    !> Rows at the end of a window that are looked at again in the next, and delivered ones before them that are
-   integer(int64), parameter :: held_back = 4096, context_rows = 128
+   integer(int64), parameter :: held_back = 4096, context_rows = 4096
+   !> Stamps that are remembered for the rates of the halves
+   integer, parameter :: most_marks = 4096
 
    !> What is remembered from block to block
    type :: record_stream_type
@@ -56,6 +65,19 @@ module gyroakf_io_record_stream
       !> Rows that wait for the next window; the first `context` of them were delivered already
       real(dp), allocatable :: rows(:, :), stamps(:)
       integer(int64) :: context = 0
+      !> Which rows of the recording they are: repeated ones are left out; and how many were read
+      integer(int64), allocatable :: number(:)
+      integer(int64) :: read_rows = 0
+      !> Rows of equal stamps, those of them that have equal values, other rows, those of them that do
+      integer(int64) :: equal = 0, alike = 0, others = 0, chance = 0
+      !> The burst that goes on, the row of the last change of the rate
+      type(burst_type) :: burst
+      integer(int64) :: last_change = 0
+      !> Every so many rows are remembered: row, place on the grid, time from the first stamp: [mark]
+      integer(int64) :: stride = 1
+      integer(int64), allocatable :: mark_row(:), mark_place(:)
+      real(dp), allocatable :: mark_time(:)
+      integer :: marks = 0
       !> Rows that were delivered, lost samples that were filled in, time from the first stamp to the last delivered
       integer(int64) :: counted = 0, filled = 0
       real(dp) :: elapsed = 0.0_dp
@@ -106,6 +128,9 @@ contains
       stream%input = "rate"
       if (allocated(recording%options%input)) stream%input = recording%options%input
       allocate (stream%holds(channels), stream%rows(0, channels), stream%stamps(0), stream%summary%channel(channels))
+      allocate (stream%number(0))
+      if (recording%table%time > 0) allocate (stream%mark_row(most_marks), stream%mark_place(most_marks), &
+                                              stream%mark_time(most_marks))
       allocate (stream%edge(channels), stream%edge_there(channels))
       stream%holds = .false.
       stream%edge_there = .false.
@@ -206,10 +231,61 @@ contains
          end associate
          call move_alloc(rows, stream%rows)
          call move_alloc(stamps, stream%stamps)
+         if (table%time > 0) call drop_repeats(stream, old)
          stream%chunk = stream%chunk + 1
          ended = table%whole .and. stream%chunk > table%store%count
       end associate
    end subroutine read_window
+
+   !> Takes rows out that repeat the one above, as [[audit_stamps]] does; numbers the others.
+   subroutine drop_repeats(stream, old)
+      type(record_stream_type), intent(inout) :: stream
+      !> Rows that were there before
+      integer(int64), intent(in) :: old
+      integer(int64), allocatable :: number(:)
+      real(dp), allocatable :: rows(:, :), stamps(:)
+      logical, allocatable :: stays(:)
+      integer(int64) :: i, n, kept
+      integer :: j
+
+      n = size(stream%stamps, kind=int64)
+      allocate (number(n), stays(n))
+      number(:old) = stream%number
+      number(old + 1:) = [(stream%read_rows + i, i=1, n - old)]
+      stream%read_rows = stream%read_rows + (n - old)
+      stays = .true.
+      do i = max(old, 1_int64) + 1, n
+         if (ieee_is_nan(stream%stamps(i)) .or. ieee_is_nan(stream%stamps(i - 1))) cycle
+         stays(i) = .not. same_row(stream%rows, i)
+         if (abs(stream%stamps(i) - stream%stamps(i - 1)) > 0.0_dp) then
+            stream%others = stream%others + 1
+            if (.not. stays(i)) stream%chance = stream%chance + 1
+            stays(i) = .true.
+         else
+            stream%equal = stream%equal + 1
+            if (.not. stays(i)) stream%alike = stream%alike + 1
+         end if
+      end do
+      kept = count(stays, kind=int64)
+      if (real(stream%alike, dp)*real(max(stream%others, 1_int64), dp) <= &
+          10.0_dp*real(stream%equal, dp)*real(stream%chance, dp)) kept = n
+      if (kept == n) then
+         call move_alloc(number, stream%number)
+         return
+      end if
+      associate (audit => stream%summary%audit)
+         audit%repeated = audit%repeated + (n - kept)
+         if (audit%line_of_repeat == 0) audit%line_of_repeat = number(findloc(stays, .false., dim=1, kind=int64))
+      end associate
+      allocate (rows(kept, size(stream%rows, 2)), stamps(kept))
+      stamps(:) = pack(stream%stamps, stays)
+      do j = 1, size(rows, 2)
+         rows(:, j) = pack(stream%rows(:, j), stays)
+      end do
+      call move_alloc(rows, stream%rows)
+      call move_alloc(stamps, stream%stamps)
+      stream%number = pack(number, stays)
+   end subroutine drop_repeats
 
    !> Where samples were lost, and which rows may be delivered.
    subroutine audit_window(recording, stream, from, to, gaps)
@@ -221,6 +297,7 @@ contains
       !> Counted from row `from`
       type(gap_type), intent(out) :: gaps
       type(audit_type) :: part
+      type(cadence_type) :: cadence
       real(dp), allocatable :: t(:)
       logical, allocatable :: repeats(:)
       integer(int64) :: before, start, skipped
@@ -234,26 +311,15 @@ contains
          call drop_absurd(stream%stamps)
       end if
       t = (stream%stamps - stream%origin)*stream%scale
-      call audit_stamps(t, part, gaps, stream%rows)
-      call find_repeats(gaps, size(t, kind=int64), repeats)
-      call count_steps(stream%stamps(start:to), repeats(start:to), before + start - 1, stream%summary%audit)
-      skipped = from
-      do while (from <= to)
-         if (.not. repeats(from)) exit
-         from = from + 1
-      end do
-      skipped = from - skipped
-      stream%counted = stream%counted + skipped
+      call count_steps(t(start:to), stream%number(start:to), stream%summary%audit)
+      call audit_stamps(t, part, gaps, cadence=cadence)
       kept = 0
       lost = 0
       do k = 1, gaps%count
          if (gaps%before(k) > to) exit
          if (gaps%before(k) < from .or. gaps%before(k) < 2) cycle
-         if (gaps%length(k) > 0) then
-            if (stream%summary%audit%line_of_first(3) == 0) stream%summary%audit%line_of_first(3) = before + gaps%before(k)
-            call note_single(stream, before + gaps%before(k), gaps%length(k))
-            lost = lost + 1
-         end if
+         if (stream%summary%audit%line_of_first(3) == 0) stream%summary%audit%line_of_first(3) = stream%number(gaps%before(k))
+         call note_single(stream, before + gaps%before(k), gaps%length(k))
          kept = kept + 1
          gaps%length(kept) = gaps%length(k)
          gaps%before(kept) = gaps%before(k) - (from - 1)
@@ -261,35 +327,97 @@ contains
       gaps%count = kept
       associate (audit => stream%summary%audit)
          if (gaps%first_jump < from .or. gaps%first_jump > to) gaps%jumps = 0
-         if (gaps%jumps > 0 .and. audit%line_of_first(3) == 0) audit%line_of_first(3) = before + gaps%first_jump
-         audit%gaps = audit%gaps + lost + gaps%jumps
+         if (gaps%jumps > 0 .and. audit%line_of_first(3) == 0) audit%line_of_first(3) = stream%number(gaps%first_jump)
+         audit%gaps = audit%gaps + kept + gaps%jumps
          audit%jumps = audit%jumps + gaps%jumps
          audit%beats = audit%beats + nint(real(part%beats, dp)*real(to - from + 1, dp)/real(max(size(t), 1), dp), int64)
          audit%jitter_max = max(audit%jitter_max, part%jitter_max)
-         call join_windows(part, before, from, to, audit)
-         if (to > start) stream%elapsed = stream%elapsed + (t(to - count(repeats(:to))) - t(start - count(repeats(:start))))
-         stream%filled = stream%filled + sum(gaps%length(:kept)) - skipped
-         audit%repeated = audit%repeated + skipped + (kept - lost)
-         if (audit%line_of_repeat == 0 .and. any(repeats(start:to))) then
-            audit%line_of_repeat = before + start - 1 + findloc(repeats(start:to), .true., dim=1, kind=int64)
-         end if
+         call join_clock(stream, part, before, t(start:to), stream%number(start:to), cadence)
+         call remember(stream, t, from, to, gaps, kept)
+         if (to > start) stream%elapsed = stream%elapsed + (t(to) - t(start))
+         stream%filled = stream%filled + sum(gaps%length(:kept))
          if (.not. stream%begun) audit%stamp_rate = part%stamp_rate
       end associate
    end subroutine audit_window
 
-   !> Which rows repeat the one above.
-   subroutine find_repeats(gaps, rows, repeats)
+   !> Adds what a window shows of bursts, of rates and of the clock; lets the lines of the first count all rows.
+   subroutine join_clock(stream, part, before, t, number, cadence)
+      type(record_stream_type), intent(inout) :: stream
+      !> Of the window
+      type(audit_type), intent(in) :: part
+      !> Rows before the window
+      integer(int64), intent(in) :: before
+      !> Stamps of the rows that are delivered, behind the one before if there is one; and which rows of the recording they are
+      real(dp), intent(in), contiguous :: t(:)
+      integer(int64), intent(in), contiguous :: number(:)
+      type(cadence_type), intent(in) :: cadence
+      integer(int64) :: row
+
+      associate (audit => stream%summary%audit)
+         call count_bursts(t, cadence, stream%burst, audit, number)
+         row = audit%line_of_change
+         call join_windows(part, before, stream%last_change, audit)
+         if (row == 0 .and. audit%line_of_change > 0) audit%line_of_change = stream%number(part%line_of_change)
+      end associate
+   end subroutine join_clock
+
+   !> Remembers every so many stamps, for the rates of the halves.
+   pure subroutine remember(stream, t, from, to, gaps, count_gaps)
+      type(record_stream_type), intent(inout) :: stream
+      !> Of the window, s
+      real(dp), intent(in), contiguous :: t(:)
+      !> Rows that are delivered
+      integer(int64), intent(in) :: from, to
+      !> Counted from row `from`, and how many of them count
       type(gap_type), intent(in) :: gaps
-      integer(int64), intent(in) :: rows
-      logical, allocatable, intent(out) :: repeats(:)
+      integer, intent(in) :: count_gaps
+      integer(int64) :: i, row, lost
+      integer :: next
+
+      next = 1
+      lost = stream%filled
+      do i = from, to
+         if (next <= count_gaps) then
+            if (gaps%before(next) == i - from + 1) then
+               lost = lost + gaps%length(next)
+               next = next + 1
+            end if
+         end if
+         row = stream%counted + (i - from + 1)
+         if (modulo(row - 1, stream%stride) /= 0) cycle
+         if (stream%marks == most_marks) then
+            stream%stride = 2*stream%stride
+            stream%marks = most_marks/2
+            stream%mark_row(:stream%marks) = stream%mark_row(1::2)
+            stream%mark_place(:stream%marks) = stream%mark_place(1::2)
+            stream%mark_time(:stream%marks) = stream%mark_time(1::2)
+            if (modulo(row - 1, stream%stride) /= 0) cycle
+         end if
+         stream%marks = stream%marks + 1
+         stream%mark_row(stream%marks) = row
+         stream%mark_place(stream%marks) = row - 1 + lost
+         stream%mark_time(stream%marks) = stream%elapsed + (t(i) - t(max(1_int64, from - 1)))
+      end do
+   end subroutine remember
+
+   !> The rates of the halves from the stamps that are remembered.
+   pure subroutine rates_of_halves(stream, audit)
+      type(record_stream_type), intent(in) :: stream
+      type(audit_type), intent(inout) :: audit
+      real(dp) :: middle, share, time, place
       integer :: k
 
-      allocate (repeats(rows))
-      repeats = .false.
-      do k = 1, gaps%count
-         if (gaps%length(k) < 0) repeats(gaps%before(k)) = .true.
+      if (stream%marks < 2 .or. stream%elapsed <= 0.0_dp) return
+      middle = real((stream%counted + 1)/2, dp)
+      do k = 2, stream%marks - 1
+         if (real(stream%mark_row(k), dp) >= middle) exit
       end do
-   end subroutine find_repeats
+      share = (middle - real(stream%mark_row(k - 1), dp))/real(stream%mark_row(k) - stream%mark_row(k - 1), dp)
+      time = stream%mark_time(k - 1) + share*(stream%mark_time(k) - stream%mark_time(k - 1))
+      place = real(stream%mark_place(k - 1), dp) + share*real(stream%mark_place(k) - stream%mark_place(k - 1), dp)
+      if (time > 0.0_dp) audit%rate_first = place/time
+      if (stream%elapsed > time) audit%rate_second = (real(stream%counted - 1 + stream%filled, dp) - place)/(stream%elapsed - time)
+   end subroutine rates_of_halves
 
    !> Notes the distance of a gap from the one before.
    pure subroutine note_single(stream, row, length)
@@ -320,13 +448,11 @@ contains
    end subroutine warn_of_beat
 
    !> Counts equal and backward stamps.
-   pure subroutine count_steps(t, repeats, before, audit)
+   pure subroutine count_steps(t, number, audit)
       !> NaN where missing
       real(dp), intent(in) :: t(:)
-      !> Rows that repeat the one above
-      logical, intent(in) :: repeats(:)
-      !> Rows before them
-      integer(int64), intent(in) :: before
+      !> Which rows of the recording they are
+      integer(int64), intent(in) :: number(:)
       type(audit_type), intent(inout) :: audit
       integer(int64) :: i
 
@@ -335,10 +461,10 @@ contains
          if (t(i) > t(i - 1)) cycle
          if (t(i) < t(i - 1)) then
             audit%backward_steps = audit%backward_steps + 1
-            if (audit%line_of_first(2) == 0) audit%line_of_first(2) = before + i
+            if (audit%line_of_first(2) == 0) audit%line_of_first(2) = number(i)
          else
             audit%duplicates = audit%duplicates + 1
-            if (audit%line_of_first(1) == 0) audit%line_of_first(1) = before + i
+            if (audit%line_of_first(1) == 0) audit%line_of_first(1) = number(i)
          end if
       end do
    end subroutine count_steps
@@ -409,6 +535,7 @@ contains
       allocate (stamps(size(stream%stamps, kind=int64) - first + 1))
       stamps(:) = stream%stamps(first:)
       call move_alloc(stamps, stream%stamps)
+      stream%number = stream%number(first:)
    end subroutine hold_back
 
    !> Marks what is missing, makes rates, cuts, counts.
@@ -524,6 +651,7 @@ contains
       type(text_type), allocatable :: found(:)
       character(:), allocatable :: unit
 
+      call end_bursts(stream%burst, stream%summary%audit)
       record = stream%summary
       call move_alloc(record%warnings, found)
       record%path = recording%path
@@ -540,6 +668,7 @@ contains
          record%audit%samples = stream%delivered
          record%audit%stamp_rate = 0.0_dp
          if (stream%elapsed > 0.0_dp) record%audit%stamp_rate = real(stream%counted - 1 + stream%filled, dp)/stream%elapsed
+         call rates_of_halves(stream, record%audit)
          call set_rate(options, table, record, error)
          if (.not. allocated(error)) call check_part(options%from, stream, record, error)
          if (allocated(error)) return
