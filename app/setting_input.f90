@@ -6,7 +6,7 @@ module gyroakf_app_setting_input
    use gyroakf_io_element, only : element_type, parse_element
    use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_reader, only : reader_options
-   use gyroakf_units, only : unit_type, parse_unit, parse_units, quantity
+   use gyroakf_units, only : unit_type, is_integral, parse_unit, parse_units, quantity
    use gyroakf_app_config, only : cli_config, reading_config, analysis_config, simulate_config
    use gyroakf_app_option, only : option_type, suggest_word
    use gyroakf_app_value, only : value_type, value_error, not_wired
@@ -116,13 +116,14 @@ contains
       angles = .false.
       if (allocated(reader%input)) angles = reader%input /= "rate"
       do i = 1, size(unit)
-         if (angles .eqv. (unit(i)%quantity == quantity%angle)) cycle
+         if (angles .eqv. is_integral(unit(i))) cycle
          if (angles) then
             call fatal_error(error, status%usage, "with --input "//reader%input// &
                " the unit is that of the angle: rad, deg, "// &
-                             "arcsec, not '"//unit(i)%name//"'")
+                             "arcsec, or of the velocity: m/s, not '"//unit(i)%name//"'")
          else
-            call fatal_error(error, status%usage, "'"//unit(i)%name//"' is the unit of an angle: say --input increment or "// &
+            call fatal_error(error, status%usage, "'"//unit(i)%name//"' is the unit of "// &
+               trim(merge("a velocity", "an angle  ", unit(i)%quantity == quantity%velocity))//": say --input increment or "// &
                              "--input angle, or name the unit of a rate")
          end if
          return

@@ -10,7 +10,7 @@ module gyroakf
    use gyroakf_progress_text, only : progress_line
    use gyroakf_release, only : release_major, release_minor, release_patch, release_string, release_number
    use gyroakf_units, only : unit_type, coefficient_unit_type, quantity, term_names, &
-      parse_unit, parse_units, coefficient_unit, density_unit, angle_to_rate_unit, coefficient_definition
+      parse_unit, parse_units, coefficient_unit, density_unit, angle_to_rate_unit, is_integral, coefficient_definition
    use gyroakf_record, only : record_type, audit_type, text_type, add_text, sample_count, view_channel
    use gyroakf_special, only : normal_cdf, normal_quantile, chi_square_cdf, chi_square_survival, &
       & chi_square_quantile, digamma

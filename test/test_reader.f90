@@ -364,6 +364,10 @@ contains
 
       options%input = "increment"
       options%rate_hz = 10
+      options%unit = "rad,m/s"
+      values = shown(rows, options, record)
+      call check(error, values//units_of(record), "10 20 / 30 40 rad/s m/s^2 ", more="angles and velocities")
+      if (allocated(error)) return
       options%unit = "arcsec,deg"
       call check(error, shown(rows, options, record), "10 20 / 30 40 ")
       if (allocated(error)) return
@@ -371,7 +375,9 @@ contains
       if (allocated(error)) return
       options%unit = "arcsec,deg/s"
       values = shown(rows, options, record)
-      call check(error, values, "--input increment needs the unit of an angle (deg, rad, arcsec), not deg/s")
+      call check(error, values, "--input increment needs the unit of an angle (deg, rad, "// &
+                 "arcsec), not deg/s; "// &
+                 "increments of a velocity have m/s")
       if (allocated(error)) return
       deallocate (options%unit)
       values = shown("# units: arcsec deg/s"//nl//rows, options, record)

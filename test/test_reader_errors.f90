@@ -245,7 +245,9 @@ contains
       if (allocated(error)) return
       options%rate_hz = 5.0_dp
       options%unit = "deg/s"
-      call check(error, message("1", options, code), "--input increment needs the unit of an angle (deg, rad, arcsec), not deg/s")
+      call check(error, message("1", options, code), "--input increment needs the unit of an angle (deg, rad, "// &
+                 "arcsec), not deg/s; "// &
+                 "increments of a velocity have m/s")
       if (allocated(error)) return
       options%input = "rate"
       options%unit = "deg"

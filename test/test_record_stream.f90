@@ -31,6 +31,7 @@ contains
          new_unittest("lost-samples", test_lost), &
          new_unittest("stamps", test_stamps), &
          new_unittest("beat", test_beat), &
+         new_unittest("repeated-rows", test_repeats), &
          new_unittest("mixed", test_mixed), &
          new_unittest("increments", test_increments), &
          new_unittest("angles", test_angles), &
@@ -64,7 +65,7 @@ contains
       !> rows, an equal stamp, a change of the rate; "gaps"; "blank"
       character(*), intent(in) :: first_column
       integer, intent(in) :: count_rows
-      integer :: unit, i, j
+      integer :: unit, i, j, copy
       real(dp) :: t, lost
 
       lost = 0.0_dp
@@ -91,7 +92,7 @@ contains
             if (modulo(i, 20011) == 77 .or. i == 61441 .or. i == 65536) &
                write (unit, "(f12.4, ',', *(f0.8, :, ','))") t, (made_up(i, j), j=1, columns)
             write (unit, "(f12.4, ',')", advance="no") t
-         case ("stamps"); write (unit, "(f12.2, ',')", advance="no") t
+         case ("stamps", "twice 1", "thrice1"); write (unit, "(f12.2, ',')", advance="no") t
          case ("gaps")
             if (modulo(i, 7919) == 3) then
                write (unit, "(a)") "nan,1"
@@ -284,6 +285,25 @@ contains
       if (allocated(error)) return
       call check(error, streamed%audit%gaps, whole%audit%gaps)
    end subroutine test_beat
+
+   !> Rows that repeat the one above are left out, wherever the border of two windows falls.
+   subroutine test_repeats(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(7), parameter :: kinds(2) = ["twice 1", "thrice1"]
+      type(record_type) :: whole, streamed
+      integer :: k
+
+      do k = 1, size(kinds)
+         call write_rows("time_s,gx,gy", 2, kinds(k), rows)
+         call compare(error, reader_options(), whole, streamed)
+         if (.not. allocated(error)) call check(error, sample_count(streamed), int(rows, int64), "samples, "//kinds(k))
+         if (.not. allocated(error)) call check(error, streamed%audit%repeated, whole%audit%repeated, "repeated rows")
+         if (.not. allocated(error)) call check(error, streamed%audit%line_of_repeat, whole%audit%line_of_repeat, "their line")
+         if (.not. allocated(error)) call check(error, streamed%audit%duplicates, 0_int64, "equal stamps")
+         if (.not. allocated(error)) call check(error, streamed%audit%stamp_rate, 100.0_dp, thr=1.0e-6_dp)
+         if (allocated(error)) return
+      end do
+   end subroutine test_repeats
 
    !> Gaps, a burst, repeated rows and a change of the rate where windows meet are found as in memory, with their lines.
    subroutine test_mixed(error)

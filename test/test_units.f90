@@ -93,7 +93,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(unit_type) :: unit
       type(gyro_error), allocatable :: failed
-      character(8), parameter :: bad(7) = [character(8) :: "", "volt", "deg/ss", "deg/s/h", "/s", "deg/", "m/s"]
+      character(8), parameter :: bad(7) = [character(8) :: "", "volt", "deg/ss", "deg/s/h", "/s", "deg/", "m/h"]
       integer :: i
 
       do i = 1, size(bad)
@@ -123,6 +123,12 @@ contains
       call check(error, rate%name, "g")
       if (allocated(error)) return
       call check(error, canonical("arcsec/s"), "arcsec/s 1")
+      if (allocated(error)) return
+      call parse_unit("cm/s", unit, failed)
+      rate = angle_to_rate_unit(unit)
+      call check(error, canonical("cm/s")//" "//rate%name//achar(48 + rate%quantity), "cm/s 4 cm/s^22")
+      if (allocated(error)) return
+      call check(error, rate%to_si, factor("cm/s^2"), thr=0.0_dp)
    end subroutine test_angle_to_rate
 
    subroutine test_coefficients_rate(error)

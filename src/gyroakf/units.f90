@@ -10,7 +10,7 @@ module gyroakf_units
    implicit none (type, external)
    private
    public :: unit_type, coefficient_unit_type, quantity, term_names
-   public :: parse_unit, parse_units, coefficient_unit, density_unit, angle_to_rate_unit, coefficient_definition
+   public :: parse_unit, parse_units, coefficient_unit, density_unit, angle_to_rate_unit, is_integral, coefficient_definition
 
    !> The order of the five terms everywhere: quantisation, angle random walk, bias instability, rate random walk, ramp
    character(1), parameter :: term_names(5) = ["Q", "N", "B", "K", "R"]
@@ -25,6 +25,8 @@ module gyroakf_units
       integer :: acceleration = 2
       !> SI rad; only of input that holds angles or angle increments
       integer :: angle = 3
+      !> SI m/s; only of input that holds velocity increments
+      integer :: velocity = 4
    end type quantity_enum
 
    !> All quantities
@@ -36,7 +38,7 @@ module gyroakf_units
       character(:), allocatable :: name
       !> One of the components of [[quantity]]
       integer :: quantity = 0
-      !> value * to_si is in rad/s, m/s^2 or rad
+      !> value * to_si is in rad/s, m/s^2, rad or m/s
       real(dp) :: to_si = 1.0_dp
    end type unit_type
 
@@ -68,6 +70,9 @@ module gyroakf_units
       ["m/s^2 ", "mm/s^2", "cm/s^2", "ft/s^2", "g     ", "mg    ", "ug    ", "mgal  "]
    real(dp), parameter :: acceleration_to_si(8) = &
       [1.0_dp, 1.0e-3_dp, 1.0e-2_dp, 0.3048_dp, standard_gravity, 9.80665e-3_dp, 9.80665e-6_dp, 1.0e-5_dp]
+
+   character(4), parameter :: velocities(4) = ["m/s ", "mm/s", "cm/s", "ft/s"]
+   real(dp), parameter :: velocity_to_si(4) = [1.0_dp, 1.0e-3_dp, 1.0e-2_dp, 0.3048_dp]
 
    !> Other spellings: pairs of what is written and what is meant
    character(12), parameter :: spellings(2, 41) = reshape([character(12) :: &
@@ -109,6 +114,11 @@ contains
       do i = 1, size(accelerations)
          if (plain /= trim(accelerations(i))) cycle
          call set_unit(unit, plain, quantity%acceleration, acceleration_to_si(i))
+         return
+      end do
+      do i = 1, size(velocities)
+         if (plain /= trim(velocities(i))) cycle
+         call set_unit(unit, plain, quantity%velocity, velocity_to_si(i))
          return
       end do
       if (slash == 0) call find_angle(plain, "", quantity%angle, unit)
@@ -246,13 +256,26 @@ contains
       unit%to_si = to_si
    end subroutine set_unit
 
-   !> The unit of the rate that differences of an angle give, per second: "arcsec" gives "arcsec/s" (deg/h by value).
+   !> True for the units of angles and velocities: what rates and accelerations add up to.
+   pure logical function is_integral(unit)
+      !> Of increments, angles or rates
+      type(unit_type), intent(in) :: unit
+
+      is_integral = unit%quantity == quantity%angle .or. unit%quantity == quantity%velocity
+   end function is_integral
+
+   !> The unit of the rate that differences of an angle give, per second: "arcsec" gives "arcsec/s" (deg/h by value); those of a
+   !> velocity give an acceleration: "m/s" gives "m/s^2".
    pure function angle_to_rate_unit(unit) result(rate_unit)
-      !> An angle's unit; anything else is returned as it is
+      !> An angle's or a velocity's unit; anything else is returned as it is
       type(unit_type), intent(in) :: unit
       type(unit_type) :: rate_unit
 
       rate_unit = unit
+      if (unit%quantity == quantity%velocity) then
+         rate_unit%quantity = quantity%acceleration
+         rate_unit%name = unit%name//"^2"
+      end if
       if (unit%quantity /= quantity%angle) return
       rate_unit%quantity = quantity%angular_rate
       rate_unit%name = unit%name//"/s"

@@ -361,9 +361,8 @@ contains
       do i = 2, n
          step = (t(i) - t(i - 1))*rate
          if (step < 2.0_dp*enough) cycle
-         if (even_around(t, i, max(i - window, since), min(i + window, n), interval)) then
-            rise = step - 1.0_dp
-         else
+         rise = step - 1.0_dp
+         if (rise < enough .or. .not. even_around(t, i, max(i - window, since), min(i + window, n), interval)) then
             after = min(i - 1 + max(window, int(min(4.0_dp*step, real(most_window, dp)), int64)), n)
             rise = middle_lag(t, rate, i, after) - middle_lag(t, rate, max(i - window, since), i - 1)
          end if

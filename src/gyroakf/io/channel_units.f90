@@ -8,7 +8,7 @@ module gyroakf_io_channel_units
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_table, only : table_type
    use gyroakf_record, only : add_text, record_type
-   use gyroakf_units, only : parse_unit, parse_units, quantity, unit_type
+   use gyroakf_units, only : parse_unit, is_integral, parse_units, quantity, unit_type
    implicit none (type, external)
    private
    public :: set_units
@@ -39,6 +39,9 @@ contains
       else
          call units_of_header(table, record, unit)
          if (all(unit%quantity == quantity%unknown)) call units_of_names(table, unit)
+         do j = 1, size(unit)
+            if (input == "rate" .and. unit(j)%quantity == quantity%velocity) unit(j) = unit_type()
+         end do
       end if
       if (allocated(error)) return
       do j = 1, size(unit)
@@ -129,16 +132,17 @@ contains
       logical :: angles
 
       angles = input /= "rate"
-      if (angles .eqv. (unit%quantity == quantity%angle)) return
+      if (angles .eqv. is_integral(unit)) return
       if (record%unit_source == "header") then
          call add_text(record%warnings, "the header's unit "//unit%name//" does not fit --input "// &
                        trim(merge("increment or angle", "rate              ", angles))//" and is ignored")
          record%unit_source = "none"
       else if (angles) then
          call fatal_error(error, status%invalid_argument, "--input "//input//" needs the unit of an angle "// &
-                          "(deg, rad, arcsec), not "//unit%name)
+                          "(deg, rad, arcsec), not "//unit%name//"; increments of a velocity have m/s")
       else
-         call fatal_error(error, status%invalid_argument, "the unit "//unit%name//" is that of an angle: give "// &
+         call fatal_error(error, status%invalid_argument, "the unit "//unit%name//" is that of "// &
+                          trim(merge("a velocity", "an angle  ", unit%quantity == quantity%velocity))//": give "// &
                           "--input increment or --input angle, or the unit of a rate")
       end if
    end subroutine check_quantity

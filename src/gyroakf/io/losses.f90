@@ -10,7 +10,7 @@
 !> - holds a step of the stamps that is long enough.
 module gyroakf_io_losses
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_io_cadence, only : cadence_type, median_of
+   use gyroakf_io_cadence, only : cadence_type, median_of, sort
    implicit none (type, external)
    private
    public :: gap_type, add_gap, find_losses
@@ -48,7 +48,7 @@ contains
       real(dp), intent(out) :: step
       real(dp), allocatable :: level(:)
       integer(int64), allocatable :: lost(:)
-      real(dp) :: scatter, enough
+      real(dp) :: scatter, enough, usual
       integer(int64) :: n, blocks, i, b
       integer :: window, round
       logical :: more
@@ -72,8 +72,9 @@ contains
          level(b) = level(b)/step - real(b*block_rows, dp)
       end do
       enough = max(0.75_dp, 5.0_dp*scatter, beat_bound(cadence, step, window), burst_bound(t, cadence, step, level))
+      usual = usual_longest(t, step)
       do round = 1, 6
-         call find_rises(t, level, step, window, enough, lost, more)
+         call find_rises(t, level, step, window, enough, usual, lost, more)
          if (.not. more) exit
       end do
       call fit_step(level, step)
@@ -107,7 +108,7 @@ contains
          b = 1 + (int(k - 1, int64)*(blocks - 5))/max(m - 1, 1)
          rise(k) = level(b + 4) - level(b)
       end do
-      usual = median_of(rise(:m))/(4*block_rows)
+      usual = middle_mean(rise(:m))/(4*block_rows)
       if (usual <= 0.0_dp) usual = rough
       w = 1
       do while (w <= most_blocks .and. 4*w + 4 <= blocks)
@@ -117,8 +118,8 @@ contains
             b = w + 1 + (int(k - 1, int64)*(places - 1))/max(m - 1, 1)
             rise(k) = mean_of(level, b + 1, b + w) - mean_of(level, b - w, b - 1)
          end do
-         middle = median_of(rise(:m))
-         found = 1.4826_dp*median_of(abs(rise(:m) - middle))/usual
+         middle = middle_mean(rise(:m))
+         found = spread_of(abs(rise(:m) - middle))/usual
          if (found < 0.8_dp*scatter) then
             scatter = found
             window = w
@@ -128,6 +129,29 @@ contains
          w = 2*w
       end do
    end subroutine choose_window
+
+   !> Mean of the middle three fifths: samples that are delivered together make rises of few different sizes, and a median jumps
+   !> from one to the other.
+   real(dp) function middle_mean(x)
+      real(dp), intent(in) :: x(:)
+      real(dp) :: y(size(x))
+      integer :: cut
+
+      y = x
+      call sort(y)
+      cut = size(y)/5
+      middle_mean = sum(y(cut + 1:size(y) - cut))/(size(y) - 2*cut)
+   end function middle_mean
+
+   !> Standard deviation from distances, by their median and by four fifths of them.
+   real(dp) function spread_of(distance)
+      real(dp), intent(in) :: distance(:)
+      real(dp) :: y(size(distance))
+
+      y = distance
+      call sort(y)
+      spread_of = max(1.4826_dp*y((size(y) + 1)/2), 0.7803_dp*y(max(1, (4*size(y))/5)))
+   end function spread_of
 
    !> Mean of some levels.
    pure real(dp) function mean_of(level, from, to)
@@ -153,6 +177,24 @@ contains
       if (ratio > 2.0_dp) beat_bound = 1.2_dp*ratio
       if (abs(ratio/max(1.0_dp, anint(ratio)) - 1.0_dp)*real(window*block_rows, dp) < 5.0_dp) beat_bound = max(beat_bound, 1.6_dp)
    end function beat_bound
+
+   !> The longest step of most blocks, in steps.
+   real(dp) function usual_longest(t, step)
+      real(dp), intent(in), contiguous :: t(:)
+      real(dp), intent(in) :: step
+      real(dp) :: seen(looked_at)
+      integer(int64) :: b, i, blocks
+      integer :: k, m
+
+      blocks = size(t, kind=int64)/block_rows
+      m = int(min(int(looked_at, int64), blocks))
+      do k = 1, m
+         b = 1 + (int(k - 1, int64)*(blocks - 1))/max(m - 1, 1)
+         i = (b - 1)*block_rows
+         seen(k) = maxval(t(i + 2:i + block_rows) - t(i + 1:i + block_rows - 1))/step
+      end do
+      usual_longest = median_of(seen(:m))
+   end function usual_longest
 
    !> Where samples come in bursts, deliveries are late for seconds and minutes too: a loss has to be more than what usually
    !> lies between the largest and the smallest lag of a block, and three times the scatter of the levels 2048 samples apart.
@@ -187,10 +229,10 @@ contains
    end function burst_bound
 
    !> One pass over the blocks: the highest rises, at least two windows apart, are taken out of the level.
-   subroutine find_rises(t, level, step, window, enough, lost, more)
+   subroutine find_rises(t, level, step, window, enough, usual, lost, more)
       real(dp), intent(in), contiguous :: t(:)
       real(dp), intent(inout), contiguous :: level(:)
-      real(dp), intent(in) :: step, enough
+      real(dp), intent(in) :: step, enough, usual
       integer, intent(in) :: window
       integer(int64), intent(inout) :: lost(:)
       !> Something was found
@@ -222,7 +264,7 @@ contains
             best = b - 1 + maxloc(rise(b:min(b + w, blocks - w)), dim=1, kind=int64)
             length = rise(best) - 0.5_dp*(rise(max(best - 2*w - 1, 1_int64)) + rise(min(best + 2*w + 1, blocks)))
             if (length >= enough) then
-               if (is_loss(t, level, best, w, length, step)) then
+               if (is_loss(t, level, best, w, length, step, usual)) then
                   taken(best) = nint(length, int64)
                   best = best + 2*w
                end if
@@ -255,16 +297,19 @@ contains
    end subroutine take_out
 
    !> True where a rise lasts and holds a long step.
-   logical function is_loss(t, level, at, w, length, step)
+   logical function is_loss(t, level, at, w, length, step, usual)
       real(dp), intent(in), contiguous :: t(:), level(:)
       integer(int64), intent(in) :: at, w
       real(dp), intent(in) :: length, step
+      !> Longest step of most blocks: where samples come in bursts, that of a loss has to be longer
+      real(dp), intent(in) :: usual
       real(dp) :: start
       integer(int64) :: i, last, b
 
       is_loss = .false.
       i = longest_step(t, at)
       if (t(i) - t(i - 1) < (0.75_dp*length + 0.5_dp)*step) return
+      if (usual > 3.0_dp .and. t(i) - t(i - 1) < (usual + 0.5_dp*length - 0.5_dp)*step) return
       start = mean_of(level, at - w, at - 1)
       last = at + max(lasting, min(int(4.0_dp*min(length, 1.0e6_dp), int64), 20000_int64))/block_rows
       b = at + 1

@@ -291,17 +291,15 @@ contains
    subroutine audit_window(recording, stream, from, to, gaps)
       type(recording_type), intent(in) :: recording
       type(record_stream_type), intent(inout) :: stream
-      !> Rows that are delivered; `from` moves behind rows that repeat the last one of the block before
-      integer(int64), intent(inout) :: from
-      integer(int64), intent(in) :: to
+      !> Rows that are delivered
+      integer(int64), intent(in) :: from, to
       !> Counted from row `from`
       type(gap_type), intent(out) :: gaps
       type(audit_type) :: part
       type(cadence_type) :: cadence
       real(dp), allocatable :: t(:)
-      logical, allocatable :: repeats(:)
-      integer(int64) :: before, start, skipped
-      integer :: k, kept, lost
+      integer(int64) :: before, start
+      integer :: k, kept
 
       before = stream%counted - stream%context
       start = max(1_int64, from - 1)
@@ -314,7 +312,6 @@ contains
       call count_steps(t(start:to), stream%number(start:to), stream%summary%audit)
       call audit_stamps(t, part, gaps, cadence=cadence)
       kept = 0
-      lost = 0
       do k = 1, gaps%count
          if (gaps%before(k) > to) exit
          if (gaps%before(k) < from .or. gaps%before(k) < 2) cycle
@@ -457,7 +454,7 @@ contains
       integer(int64) :: i
 
       do i = 2, size(t, kind=int64)
-         if (ieee_is_nan(t(i)) .or. ieee_is_nan(t(i - 1)) .or. repeats(i)) cycle
+         if (ieee_is_nan(t(i)) .or. ieee_is_nan(t(i - 1))) cycle
          if (t(i) > t(i - 1)) cycle
          if (t(i) < t(i - 1)) then
             audit%backward_steps = audit%backward_steps + 1
@@ -526,7 +523,10 @@ contains
       integer(int64) :: first
 
       first = to + 1
-      if (stamped .and. .not. ended) first = max(1_int64, to + 1 - context_rows)
+      if (stamped .and. .not. ended) then
+         ! a part of another rate that is too short to be seen as one would spoil the next window
+         first = max(1_int64, to + 1 - context_rows, min(to, stream%last_change - (stream%counted - to)))
+      end if
       stream%context = to + 1 - first
       allocate (rows(size(stream%rows, 1, kind=int64) - first + 1, size(stream%rows, 2)))
       rows(:, :) = stream%rows(first:, :)
