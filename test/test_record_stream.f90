@@ -89,8 +89,9 @@ contains
             t = t - 0.002_dp*max(i - 63000, 0) + lost
             if (i >= 61430 .and. i < 61450) t = 614.5_dp + lost + 0.0001_dp*(i - 61450)
             if (i == 200) t = t - 0.01_dp
-            if (modulo(i, 20011) == 77 .or. i == 61441 .or. i == 65536) &
+            if (modulo(i, 20011) == 77 .or. i == 61441 .or. i == 65536) then
                write (unit, "(f12.4, ',', *(f0.8, :, ','))") t, (made_up(i, j), j=1, columns)
+            end if
             write (unit, "(f12.4, ',')", advance="no") t
          case ("stamps", "twice 1", "thrice1"); write (unit, "(f12.2, ',')", advance="no") t
          case ("gaps")

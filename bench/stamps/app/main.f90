@@ -120,10 +120,11 @@ contains
       worst = max(worst, abs(off))
       if (abs(off) > bound) bad_rate = bad_rate + 1
       if (hit < count_lost .and. spread < 0.45_dp .and. delivery == 1) cases_missed = cases_missed + 1
-      if (detail .and. (wrong > 0 .or. abs(off) > bound .or. (hit < count_lost .and. spread < 0.45_dp))) &
+      if (detail .and. (wrong > 0 .or. abs(off) > bound .or. (hit < count_lost .and. spread < 0.45_dp))) then
          print "(4a,f8.1,a,f5.2,a,i3,a,f5.0,a,i4,a,i4,a,i4,a,i5,a,i5,a,f9.1)", loss_name(loss), " ", clock_name(clock), " rate", &
          rate_hz, " jitter", jitter, " at once", delivery, " drift", drift*1e6_dp, ": lost", count_lost, " found", hit, " false", &
          wrong, " samples", sum(lost(:count_lost)), " inserted", inserted, " ppm", off
+      end if
       if (detail .and. wrong > 0) then
          print "(a,*(i7,'+',i0))", "   lost    ", (lost_at(k), lost(k), k=1, count_lost)
          print "(a,*(i7,'+',i0))", "   inserted", (gaps%before(k), gaps%length(k), k=1, gaps%count)

@@ -605,8 +605,9 @@ contains
       type(audit_type), intent(inout) :: audit
       integer(int64) :: row
 
-      if (part%resolution > 0.0_dp .and. (audit%resolution <= 0.0_dp .or. part%resolution < audit%resolution)) &
+      if (part%resolution > 0.0_dp .and. (audit%resolution <= 0.0_dp .or. part%resolution < audit%resolution)) then
          audit%resolution = part%resolution
+      end if
       audit%jitter_rms = max(audit%jitter_rms, part%jitter_rms)
       if (part%rate_changes == 0) return
       row = before + part%line_of_change
