@@ -100,7 +100,7 @@ contains
       select type (config)
       class is (reading_config)
          path = existing(config%json)
-         if (path == "" .and. allocated(config%out)) path = existing_result(config%out)
+         if (path == "" .and. allocated(config%out) .and. .not. has_many_files(config)) path = existing_result(config%out)
       type is (simulate_config)
          path = existing(config%output)
       end select

@@ -761,6 +761,7 @@ static void test_record_options_failures(void) {
   REFUSED(to, 0.0);
   REFUSED(memory, 1);
   REFUSED(resample, "cubic");
+  REFUSED(wrap, "sometimes");
   REFUSED(channels, -1);
   REFUSED(channels, 2);
 #undef REFUSED

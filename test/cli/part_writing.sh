@@ -64,3 +64,5 @@ good "many files" allan w.txt w.f64 --rate 100 --out w_many --quiet
 bad "many files whose results are there" 2 "w_many/w/" allan w.txt w.f64 --rate 100 --out w_many
 rm -r w_many/w w_many/w-2
 bad "a summary that is there" 2 "w_many/summary" allan w.txt w.f64 --rate 100 --out w_many
+good "many files beside the results of one" allan w.txt w.f64 --rate 100 --out w_csv --quiet
+is "their folders" "$(ls -d w_csv/*/ | tr '\n' ' ')" "w_csv/w-2/ w_csv/w/ "

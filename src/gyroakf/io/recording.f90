@@ -13,6 +13,7 @@ module gyroakf_io_recording
    use gyroakf_io_hdf5_rows, only : begin_hdf5, read_hdf5_rows
    use gyroakf_io_header, only : largest_rate, smallest_rate
    use gyroakf_io_lines, only : close_lines, lines_type, open_lines
+   use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_opening, only : begin_npy, begin_raw
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_positioned, only : close_positioned
@@ -382,6 +383,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(element_type) :: element
       logical :: known
+      integer :: found
+      real(dp) :: modulus
 
       if (ieee_is_nan(options%rate_hz)) then
          call fatal_error(error, status%invalid_argument, "the rate is not a number")
@@ -422,6 +425,14 @@ contains
          known = any(options%input == [character(9) :: "rate", "increment", "angle"])
          if (.not. known) call fatal_error(error, status%invalid_argument, "the input '"//options%input// &
                                            "' is not known; known are rate, increment, angle")
+      end if
+      if (allocated(error)) return
+      if (allocated(options%wrap)) then
+         known = options%wrap == "auto" .or. options%wrap == "none"
+         if (.not. known) call parse_number(options%wrap, modulus, found)
+         if (.not. known) known = found == number%ok .and. modulus > 0.0_dp
+         if (.not. known) call fatal_error(error, status%invalid_argument, "angles cannot wrap at '"//options%wrap// &
+                                           "'; known are auto, none and positive numbers")
       end if
    end subroutine check_options
 
