@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: MIT
-!> The calls of the system (POSIX) that the program needs beyond reading and writing files: processes, pipes, signals.
+!> The calls of the system (POSIX) that the program needs: processes, pipes, signals, and of the library's those on descriptors.
 module gyroakf_app_system
-   use, intrinsic :: iso_c_binding, only : c_char, c_funptr, c_int, c_intptr_t, c_loc, c_long, c_null_funptr, c_ptr, c_short, &
-      & c_size_t
+   use, intrinsic :: iso_c_binding, only : c_char, c_funptr, c_int, c_intptr_t, c_loc, c_null_funptr, c_short
+   use gyroakf_kinds, only : int64
+   use gyroakf_io_system, only : c_close, c_poll, c_read, c_write, poll_type, write_all
    implicit none (type, external)
    private
    public :: c_close, c_exit, c_fork, c_isatty, c_kill, c_pipe, c_poll, c_raise, c_read, c_signal, c_waitpid, c_write, poll_type
@@ -14,12 +15,6 @@ module gyroakf_app_system
       signal_terminate = 15, signal_file_size = 25
    !> Something can be read
    integer(c_short), parameter :: poll_in = 1_c_short
-
-   !> `struct pollfd` of poll.h
-   type, bind(C) :: poll_type
-      integer(c_int) :: descriptor
-      integer(c_short) :: events, happened
-   end type poll_type
 
    interface
       function c_fork() result(process) bind(C, name="fork")
@@ -73,40 +68,6 @@ module gyroakf_app_system
          integer(c_int) :: failed
       end function c_pipe
 
-      function c_poll(descriptors, count, milliseconds) result(ready) bind(C, name="poll")
-         import :: c_int, c_long, poll_type
-         implicit none (type, external)
-         type(poll_type), intent(inout) :: descriptors(*)
-         integer(c_long), intent(in), value :: count
-         integer(c_int), intent(in), value :: milliseconds
-         integer(c_int) :: ready
-      end function c_poll
-
-      function c_read(descriptor, buffer, count) result(got) bind(C, name="read")
-         import :: c_int, c_long, c_ptr, c_size_t
-         implicit none (type, external)
-         integer(c_int), intent(in), value :: descriptor
-         type(c_ptr), intent(in), value :: buffer
-         integer(c_size_t), intent(in), value :: count
-         integer(c_long) :: got
-      end function c_read
-
-      function c_write(descriptor, buffer, count) result(done) bind(C, name="write")
-         import :: c_int, c_long, c_ptr, c_size_t
-         implicit none (type, external)
-         integer(c_int), intent(in), value :: descriptor
-         type(c_ptr), intent(in), value :: buffer
-         integer(c_size_t), intent(in), value :: count
-         integer(c_long) :: done
-      end function c_write
-
-      function c_close(descriptor) result(failed) bind(C, name="close")
-         import :: c_int
-         implicit none (type, external)
-         integer(c_int), intent(in), value :: descriptor
-         integer(c_int) :: failed
-      end function c_close
-
       function c_isatty(descriptor) result(terminal) bind(C, name="isatty")
          import :: c_int
          implicit none (type, external)
@@ -123,16 +84,9 @@ contains
       integer(c_int), intent(in) :: descriptor
       !> Any bytes
       character(*, kind=c_char), intent(in), target :: text
-      integer(c_long) :: done
-      integer :: from, tries
+      logical :: failed
 
-      from = 1
-      tries = 0
-      do while (from <= len(text) .and. tries < 100)
-         done = c_write(descriptor, c_loc(text(from:from)), int(len(text) - from + 1, c_size_t))
-         tries = merge(0, tries + 1, done > 0)
-         if (done > 0) from = from + int(done)
-      end do
+      call write_all(descriptor, c_loc(text), len(text, int64), failed)
    end subroutine write_bytes
 
    !> SIG_IGN: the signal does nothing.

@@ -4,14 +4,14 @@
 !> A regular file is read by position, in blocks that several threads take and convert; doubles of one column go straight
 !> into their place. What comes through a pipe is read in order.
 module gyroakf_io_binary
-   use, intrinsic :: iso_c_binding, only : c_f_pointer, c_loc, c_ptr
+   use, intrinsic :: iso_c_binding, only : c_f_pointer, c_int, c_loc, c_ptr
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_element, only : convert_elements, drop_infinite, element_name, element_type, is_native, swap_elements
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_positioned, only : read_at
    use gyroakf_io_source, only : read_block, source_type
    use gyroakf_io_store, only : add_chunk, chunk_rows, count_rows
+   use gyroakf_io_system, only : read_at
    use gyroakf_io_table, only : table_type
    use gyroakf_large_pages, only : prefer_large_pages
    use gyroakf_progress, only : progress_type, tell_progress
@@ -35,7 +35,7 @@ module gyroakf_io_binary
       !> Rows that were read
       integer(int64) :: row = 0
       !> For positioned reading, -1: in order from a source
-      integer :: descriptor = -1
+      integer(c_int) :: descriptor = -1
       !> Bytes of a source that were read ahead, and the last of them that was used
       integer(int8), allocatable :: head(:)
       integer(int64) :: used = 0
@@ -254,16 +254,17 @@ contains
       integer(int64), intent(out) :: short
       integer(int64), allocatable, target :: room(:)
       integer(int64) :: offset, got, n
+      logical :: failed
 
       n = size(value, kind=int64)
       offset = binary%first + ((column - 1)*max(binary%rows, 0_int64) + start)*binary%element%bytes
       if (is_native(binary%element)) then
-         call read_at(binary%descriptor, offset, c_loc(value), 8*n, got)
+         call read_at(binary%descriptor, offset, c_loc(value), 8*n, got, failed)
          got = got/8
          call drop_infinite(value(:got))
       else
          allocate (room((n*binary%element%bytes + 7)/8))
-         call read_at(binary%descriptor, offset, c_loc(room), n*binary%element%bytes, got)
+         call read_at(binary%descriptor, offset, c_loc(room), n*binary%element%bytes, got, failed)
          got = got/binary%element%bytes
          call swap_elements(c_loc(room), got, binary%element)
          call convert_elements(c_loc(room), binary%element, 1_int64, 1_int64, value(:got), rounded)
@@ -283,11 +284,12 @@ contains
       integer(int64), intent(out) :: short
       integer(int64), allocatable, target :: room(:)
       integer(int64) :: row_bytes, got, n
+      logical :: failed
 
       row_bytes = binary%columns*binary%element%bytes
       n = to - from + 1
       allocate (room((n*row_bytes + 7)/8))
-      call read_at(binary%descriptor, binary%first + start*row_bytes, c_loc(room), n*row_bytes, got)
+      call read_at(binary%descriptor, binary%first + start*row_bytes, c_loc(room), n*row_bytes, got, failed)
       got = got/row_bytes
       call spread_rows(binary, c_loc(room), column, from, from + got - 1, value, rounded)
       short = n - got

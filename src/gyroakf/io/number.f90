@@ -15,6 +15,7 @@ module gyroakf_io_number
       ieee_set_halting_mode, ieee_underflow
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_power, only : most_exponent, times_power
+   use gyroakf_io_wide_power, only : ten
    implicit none (type, external)
    private
    public :: scan_number, skip_digits, parse_number, is_missing_word, is_missing_field, number, digits_ahead
@@ -52,9 +53,7 @@ module gyroakf_io_number
    integer(int64), parameter :: nibbles = int(z'0F0F0F0F0F0F0F0F', int64), zeros = int(z'3030303030303030', int64)
    integer(int64), parameter :: sixes = int(z'0606060606060606', int64), bytes_even = int(z'00FF00FF00FF00FF', int64)
    integer(int64), parameter :: words_even = int(z'0000FFFF0000FFFF', int64), low32 = 2_int64**32 - 1
-   !> 10^n, and the largest number before which n more digits do not overflow
-   integer(int64), parameter :: tens(0:7) = [1_int64, 10_int64, 100_int64, 1000_int64, 10000_int64, 100000_int64, 1000000_int64, &
-                                             10000000_int64]
+   !> The largest number before which n more digits do not overflow
    integer(int64), parameter :: most_before(0:7) = [9223372036854775806_int64, 922337203685477579_int64, &
       92233720368547757_int64, 9223372036854774_int64, 922337203685476_int64, 92233720368546_int64, 9223372036853_int64, &
       922337203684_int64]
@@ -128,7 +127,7 @@ contains
             p = p + n
             q = q - n
             if (m <= most_before(n)) then
-               m = m*tens(n) + tail
+               m = m*ten(n) + tail
                tail = -1
             else
                usual = n == 2 .and. m < 368934881474191032_int64

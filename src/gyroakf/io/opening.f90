@@ -8,7 +8,6 @@ module gyroakf_io_opening
    use gyroakf_io_lines, only : lines_type
    use gyroakf_io_npy, only : npy_header_type, read_npy_header
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_positioned, only : open_positioned
    use gyroakf_io_source, only : open_source, source_type
    use gyroakf_io_table, only : begin_numbers, table_options, table_type
    use gyroakf_record, only : add_text
@@ -30,7 +29,7 @@ contains
       integer(int64), intent(in) :: channels
       !> How they are stored
       type(element_type), intent(in) :: element
-      !> Its descriptor is to be closed too
+      !> Reads the source
       type(binary_type), intent(out) :: binary
       !> All but the rows
       type(table_type), intent(out) :: table
@@ -64,32 +63,25 @@ contains
             return
          end if
       end if
-      call place_reading(source, path, binary, error)
-      if (binary%descriptor < 0 .and. .not. allocated(error)) call skip_bytes(binary, source, options%skip, error)
+      call place_reading(source, binary)
+      if (binary%descriptor < 0) call skip_bytes(binary, source, options%skip, error)
    end subroutine begin_raw
 
    !> A regular file is read by position.
-   subroutine place_reading(source, path, binary, error)
+   pure subroutine place_reading(source, binary)
       type(source_type), intent(in) :: source
-      character(*), intent(in) :: path
       type(binary_type), intent(inout) :: binary
-      type(error_type), allocatable, intent(out) :: error
 
-      if (source%length <= 0 .or. associated(source%bytes)) return
-      binary%descriptor = open_positioned(path)
-      if (binary%descriptor < 0) call fatal_error(error, status%io, source%name//": cannot be opened"//new_line("a")// &
-                                                  "check the file's permissions")
+      if (source%length > 0 .and. .not. associated(source%bytes)) binary%descriptor = source%descriptor
    end subroutine place_reading
 
    !> Opens an array of NumPy.
-   subroutine begin_npy(lines, path, options, binary, table, error)
+   subroutine begin_npy(lines, options, binary, table, error)
       !> Open, its first block read
       type(lines_type), intent(in) :: lines
-      !> A path; "-" is standard input
-      character(*), intent(in) :: path
       !> What is wanted
       type(table_options), intent(in) :: options
-      !> Its descriptor is to be closed
+      !> Reads their source
       type(binary_type), intent(out) :: binary
       !> All but the rows
       type(table_type), intent(out) :: table
@@ -116,8 +108,8 @@ contains
                                 "time, its "//integer_text(binary%columns)// &
                                    " rows for the channels; save array.T to have it "// &
                                 "beyond doubt")
-      call place_reading(lines%source, path, binary, error)
-      if (allocated(error) .or. binary%descriptor >= 0) return
+      call place_reading(lines%source, binary)
+      if (binary%descriptor >= 0) return
       if (lines%bytes(header%first) /= 10_int8) then
          call fatal_error(error, status%parse, table%name//": byte "//integer_text(header%first - 1)// &
                           ": the header does not end with a line feed"//new_line("a")//"save it anew with numpy.save")

@@ -16,7 +16,6 @@ module gyroakf_io_recording
    use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_opening, only : begin_npy, begin_raw
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_positioned, only : close_positioned
    use gyroakf_io_table, only : begin_table, table_options, table_type
    use gyroakf_io_text_rows, only : read_rows
    use gyroakf_record, only : add_text
@@ -146,7 +145,7 @@ contains
       if (allocated(recording%options%dataset)) dataset = recording%options%dataset
       select case (content%kind)
       case ("npy")
-         call begin_npy(recording%lines, path, recording%wanted, recording%binary, recording%table, error)
+         call begin_npy(recording%lines, recording%wanted, recording%binary, recording%table, error)
          call note_format("npy", recording%binary%element, recording)
          recording%expected_rows = max(0_int64, recording%binary%rows)
       case ("hdf5")
@@ -299,7 +298,6 @@ contains
       type(recording_type), intent(inout) :: recording
 
       call close_lines(recording%lines)
-      call close_positioned(recording%binary%descriptor)
       call close_hdf5(recording%hdf5)
    end subroutine close_recording
 

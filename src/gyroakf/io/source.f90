@@ -6,9 +6,10 @@
 !> error. Anything that may deliver in pieces (`-`, FIFOs, devices) is read by `read`, again and again until it says that there
 !> is no more. Reads that a signal interrupts are taken up again.
 module gyroakf_io_source
-   use, intrinsic :: iso_c_binding, only : c_associated, c_char, c_int, c_loc, c_long, c_null_char, c_ptr, c_short, c_size_t
+   use, intrinsic :: iso_c_binding, only : c_associated, c_int, c_loc, c_long, c_null_char, c_ptr, c_short, c_size_t
    use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_system, only : c_close, c_closedir, c_open, c_opendir, c_poll, c_read, poll_type, read_at
    implicit none (type, external)
    private
    public :: source_type, open_source, read_block, read_piece, source_left, has_places, close_source, is_directory
@@ -27,73 +28,8 @@ module gyroakf_io_source
       integer(int64) :: delivered = 0
    end type source_type
 
-   !> `struct pollfd` of poll.h
-   type, bind(C) :: poll_type
-      integer(c_int) :: descriptor
-      integer(c_short) :: events, happened
-   end type poll_type
-
    !> A read that fails is tried again so often: signals interrupt it, and a descriptor may be non-blocking
    integer, parameter :: most_tries = 1000
-
-   interface
-      function c_open(path, flags) result(descriptor) bind(C, name="open")
-         import :: c_char, c_int
-         implicit none (type, external)
-         character(kind=c_char), intent(in) :: path(*)
-         integer(c_int), intent(in), value :: flags
-         integer(c_int) :: descriptor
-      end function c_open
-
-      function c_read(descriptor, buffer, count) result(got) bind(C, name="read")
-         import :: c_int, c_long, c_ptr, c_size_t
-         implicit none (type, external)
-         integer(c_int), intent(in), value :: descriptor
-         type(c_ptr), intent(in), value :: buffer
-         integer(c_size_t), intent(in), value :: count
-         integer(c_long) :: got
-      end function c_read
-
-      function c_pread(descriptor, buffer, count, offset) result(got) bind(C, name="pread")
-         import :: c_int, c_long, c_ptr, c_size_t
-         implicit none (type, external)
-         integer(c_int), intent(in), value :: descriptor
-         type(c_ptr), intent(in), value :: buffer
-         integer(c_size_t), intent(in), value :: count
-         integer(c_long), intent(in), value :: offset
-         integer(c_long) :: got
-      end function c_pread
-
-      function c_close(descriptor) result(failed) bind(C, name="close")
-         import :: c_int
-         implicit none (type, external)
-         integer(c_int), intent(in), value :: descriptor
-         integer(c_int) :: failed
-      end function c_close
-
-      function c_poll(descriptors, count, milliseconds) result(ready) bind(C, name="poll")
-         import :: c_int, c_long, poll_type
-         implicit none (type, external)
-         type(poll_type), intent(inout) :: descriptors
-         integer(c_long), intent(in), value :: count
-         integer(c_int), intent(in), value :: milliseconds
-         integer(c_int) :: ready
-      end function c_poll
-
-      function c_opendir(path) result(directory) bind(C, name="opendir")
-         import :: c_char, c_ptr
-         implicit none (type, external)
-         character(kind=c_char), intent(in) :: path(*)
-         type(c_ptr) :: directory
-      end function c_opendir
-
-      function c_closedir(directory) result(failed) bind(C, name="closedir")
-         import :: c_int, c_ptr
-         implicit none (type, external)
-         type(c_ptr), intent(in), value :: directory
-         integer(c_int) :: failed
-      end function c_closedir
-   end interface
 
 contains
 
@@ -206,30 +142,14 @@ contains
       integer(int64), intent(out) :: got
       !> True where the system refuses
       logical, intent(out) :: failed
-      integer(c_long) :: piece
-      integer :: tries
 
-      got = 0
       failed = .false.
       if (associated(source%bytes)) then
          got = max(0_int64, min(size(room, kind=int64), size(source%bytes, kind=int64) - offset))
          room(:got) = source%bytes(offset + 1:offset + got)
-         return
+      else
+         call read_at(source%descriptor, offset, c_loc(room), size(room, kind=int64), got, failed)
       end if
-      tries = 0
-      do while (got < size(room, kind=int64))
-         piece = c_pread(source%descriptor, c_loc(room(got + 1)), size(room, kind=c_size_t) - int(got, c_size_t), &
-                         int(offset + got, c_long))
-         if (piece == 0) return
-         if (piece > 0) then
-            got = got + piece
-            tries = 0
-            cycle
-         end if
-         tries = tries + 1
-         failed = tries > most_tries
-         if (failed) return
-      end do
    end subroutine read_piece
 
    !> A block of something that may deliver in pieces.
@@ -239,7 +159,7 @@ contains
       integer(int64), intent(out) :: got
       logical, intent(out) :: failed
       integer(c_long) :: piece
-      type(poll_type) :: waiting
+      type(poll_type) :: waiting(1)
       integer(c_int) :: ready
       integer :: tries
 
@@ -257,9 +177,9 @@ contains
          tries = tries + 1
          failed = tries > most_tries
          if (failed) return
-         waiting%descriptor = source%descriptor
-         waiting%events = 1_c_short
-         waiting%happened = 0_c_short
+         waiting(1)%descriptor = source%descriptor
+         waiting(1)%events = 1_c_short
+         waiting(1)%happened = 0_c_short
          ready = c_poll(waiting, 1_c_long, -1_c_int)
       end do
    end subroutine read_pieces

@@ -5,11 +5,12 @@
 !>     call put_line(writer, "tau,deviation")        ! any number of these; failures are kept
 !>     call commit_writer(writer, error)             ! ... and reported here, where the file appears
 module gyroakf_io_writer
-   use, intrinsic :: iso_c_binding, only : c_char, c_f_pointer, c_int, c_loc, c_long, c_null_char, c_ptr, c_size_t
-   use gyroakf_kinds, only : dp, int8, int64
+   use, intrinsic :: iso_c_binding, only : c_char, c_int, c_loc, c_long, c_null_char
+   use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_decimal, only : format_real, longest_real, real_to_text
    use gyroakf_io_source, only : is_directory
+   use gyroakf_io_system, only : c_close, c_creat, c_getpid, c_mkdir, c_rename, c_truncate, c_unlink, write_all
    implicit none (type, external)
    private
    public :: writer_type, open_writer, put, put_line, put_real, put_reals
@@ -35,71 +36,6 @@ module gyroakf_io_writer
 
    !> Characters written at once
    integer, parameter :: buffer_size = 262144
-   !> A write that fails is tried again so often: signals interrupt it
-   integer, parameter :: most_tries = 100
-
-   interface
-      function c_creat(path, mode) result(descriptor) bind(C, name="creat")
-         import :: c_char, c_int
-         implicit none (type, external)
-         character(kind=c_char), intent(in) :: path(*)
-         integer(c_int), intent(in), value :: mode
-         integer(c_int) :: descriptor
-      end function c_creat
-
-      function c_write(descriptor, buffer, count) result(done) bind(C, name="write")
-         import :: c_int, c_long, c_ptr, c_size_t
-         implicit none (type, external)
-         integer(c_int), intent(in), value :: descriptor
-         type(c_ptr), intent(in), value :: buffer
-         integer(c_size_t), intent(in), value :: count
-         integer(c_long) :: done
-      end function c_write
-
-      function c_close(descriptor) result(failed) bind(C, name="close")
-         import :: c_int
-         implicit none (type, external)
-         integer(c_int), intent(in), value :: descriptor
-         integer(c_int) :: failed
-      end function c_close
-
-      function c_rename(old, new) result(failed) bind(C, name="rename")
-         import :: c_char, c_int
-         implicit none (type, external)
-         character(kind=c_char), intent(in) :: old(*), new(*)
-         integer(c_int) :: failed
-      end function c_rename
-
-      function c_unlink(path) result(failed) bind(C, name="unlink")
-         import :: c_char, c_int
-         implicit none (type, external)
-         character(kind=c_char), intent(in) :: path(*)
-         integer(c_int) :: failed
-      end function c_unlink
-
-      !> Fails for what is no regular file
-      function c_truncate(path, length) result(failed) bind(C, name="truncate")
-         import :: c_char, c_int, c_long
-         implicit none (type, external)
-         character(kind=c_char), intent(in) :: path(*)
-         integer(c_long), intent(in), value :: length
-         integer(c_int) :: failed
-      end function c_truncate
-
-      function c_getpid() result(process) bind(C, name="getpid")
-         import :: c_int
-         implicit none (type, external)
-         integer(c_int) :: process
-      end function c_getpid
-
-      function c_mkdir(path, mode) result(failed) bind(C, name="mkdir")
-         import :: c_char, c_int
-         implicit none (type, external)
-         character(kind=c_char), intent(in) :: path(*)
-         integer(c_int), intent(in), value :: mode
-         integer(c_int) :: failed
-      end function c_mkdir
-   end interface
 
 contains
 
@@ -218,38 +154,18 @@ contains
 
       if (writer%unit < 0 .or. size(values) == 0) return
       call flush_buffer(writer)
-      call write_bytes(writer, c_loc(values), 8*size(values, kind=int64))
+      if (.not. writer%failed) call write_all(writer%unit, c_loc(values), 8*size(values, kind=int64), writer%failed)
    end subroutine put_reals
 
    !> Hands the buffer to the system.
    subroutine flush_buffer(writer)
       type(writer_type), intent(inout), target :: writer
 
-      if (writer%used > 0) call write_bytes(writer, c_loc(writer%buffer), int(writer%used, int64))
+      if (writer%used > 0 .and. .not. writer%failed) then
+         call write_all(writer%unit, c_loc(writer%buffer), int(writer%used, int64), writer%failed)
+      end if
       writer%used = 0
    end subroutine flush_buffer
-
-   !> Hands bytes to the system, which may take them in pieces.
-   subroutine write_bytes(writer, start, count)
-      type(writer_type), intent(inout) :: writer
-      !> The first byte, and how many
-      type(c_ptr), intent(in) :: start
-      integer(int64), intent(in) :: count
-      integer(int8), pointer, contiguous :: bytes(:)
-      integer(int64) :: from
-      integer(c_long) :: done
-      integer :: tries
-
-      call c_f_pointer(start, bytes, [count])
-      from = 1
-      tries = 0
-      do while (from <= count .and. .not. writer%failed)
-         done = c_write(writer%unit, c_loc(bytes(from)), int(count - from + 1, c_size_t))
-         tries = merge(0, tries + 1, done > 0)
-         if (done > 0) from = from + done
-         writer%failed = tries > most_tries
-      end do
-   end subroutine write_bytes
 
    !> Writes the rest and closes the file, which does not appear yet: where several files belong together, all are completed
    !> before the first one is committed.

@@ -1,0 +1,194 @@
+! SPDX-License-Identifier: MIT
+!> The calls of the system (POSIX) that read and write files: explicit interfaces, and the two loops that no call spares.
+module gyroakf_io_system
+   use, intrinsic :: iso_c_binding, only : c_char, c_f_pointer, c_int, c_loc, c_long, c_ptr, c_short, c_size_t
+   use gyroakf_kinds, only : int8, int64
+   implicit none (type, external)
+   private
+   public :: c_open, c_read, c_pread, c_close, c_poll, poll_type, c_opendir, c_closedir
+   public :: c_creat, c_write, c_rename, c_unlink, c_truncate, c_getpid, c_mkdir
+   public :: read_at, write_all
+
+   !> `struct pollfd` of poll.h
+   type, bind(C) :: poll_type
+      integer(c_int) :: descriptor
+      integer(c_short) :: events, happened
+   end type poll_type
+
+   !> A call that fails is tried again so often: signals interrupt it, and a descriptor may be non-blocking
+   integer, parameter :: most_tries = 1000
+
+   interface
+      function c_open(path, flags) result(descriptor) bind(C, name="open")
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int), intent(in), value :: flags
+         integer(c_int) :: descriptor
+      end function c_open
+
+      function c_read(descriptor, buffer, count) result(got) bind(C, name="read")
+         import :: c_int, c_long, c_ptr, c_size_t
+         implicit none (type, external)
+         integer(c_int), intent(in), value :: descriptor
+         type(c_ptr), intent(in), value :: buffer
+         integer(c_size_t), intent(in), value :: count
+         integer(c_long) :: got
+      end function c_read
+
+      function c_pread(descriptor, buffer, count, offset) result(got) bind(C, name="pread")
+         import :: c_int, c_long, c_ptr, c_size_t
+         implicit none (type, external)
+         integer(c_int), intent(in), value :: descriptor
+         type(c_ptr), intent(in), value :: buffer
+         integer(c_size_t), intent(in), value :: count
+         integer(c_long), intent(in), value :: offset
+         integer(c_long) :: got
+      end function c_pread
+
+      function c_close(descriptor) result(failed) bind(C, name="close")
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), intent(in), value :: descriptor
+         integer(c_int) :: failed
+      end function c_close
+
+      function c_poll(descriptors, count, milliseconds) result(ready) bind(C, name="poll")
+         import :: c_int, c_long, poll_type
+         implicit none (type, external)
+         type(poll_type), intent(inout) :: descriptors(*)
+         integer(c_long), intent(in), value :: count
+         integer(c_int), intent(in), value :: milliseconds
+         integer(c_int) :: ready
+      end function c_poll
+
+      function c_opendir(path) result(directory) bind(C, name="opendir")
+         import :: c_char, c_ptr
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         type(c_ptr) :: directory
+      end function c_opendir
+
+      function c_closedir(directory) result(failed) bind(C, name="closedir")
+         import :: c_int, c_ptr
+         implicit none (type, external)
+         type(c_ptr), intent(in), value :: directory
+         integer(c_int) :: failed
+      end function c_closedir
+
+      function c_creat(path, mode) result(descriptor) bind(C, name="creat")
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int), intent(in), value :: mode
+         integer(c_int) :: descriptor
+      end function c_creat
+
+      function c_write(descriptor, buffer, count) result(done) bind(C, name="write")
+         import :: c_int, c_long, c_ptr, c_size_t
+         implicit none (type, external)
+         integer(c_int), intent(in), value :: descriptor
+         type(c_ptr), intent(in), value :: buffer
+         integer(c_size_t), intent(in), value :: count
+         integer(c_long) :: done
+      end function c_write
+
+      function c_rename(old, new) result(failed) bind(C, name="rename")
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: old(*), new(*)
+         integer(c_int) :: failed
+      end function c_rename
+
+      function c_unlink(path) result(failed) bind(C, name="unlink")
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int) :: failed
+      end function c_unlink
+
+      !> Fails for what is no regular file
+      function c_truncate(path, length) result(failed) bind(C, name="truncate")
+         import :: c_char, c_int, c_long
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_long), intent(in), value :: length
+         integer(c_int) :: failed
+      end function c_truncate
+
+      function c_getpid() result(process) bind(C, name="getpid")
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int) :: process
+      end function c_getpid
+
+      function c_mkdir(path, mode) result(failed) bind(C, name="mkdir")
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int), intent(in), value :: mode
+         integer(c_int) :: failed
+      end function c_mkdir
+   end interface
+
+contains
+
+   !> Reads at a place until the room is full or the file ends; several threads may read one file at a time.
+   subroutine read_at(descriptor, offset, address, bytes, got, failed)
+      !> Of a regular file
+      integer(c_int), intent(in) :: descriptor
+      !> Bytes before the first that is read
+      integer(int64), intent(in) :: offset
+      !> The room, and its size
+      type(c_ptr), intent(in) :: address
+      integer(int64), intent(in) :: bytes
+      !> Bytes read; fewer than the room has only at the end of the file and where the system refuses
+      integer(int64), intent(out) :: got
+      !> True where the system refuses
+      logical, intent(out) :: failed
+      integer(int8), pointer, contiguous :: room(:)
+      integer(c_long) :: piece
+      integer :: tries
+
+      got = 0
+      failed = .false.
+      if (bytes == 0) return
+      call c_f_pointer(address, room, [bytes])
+      tries = 0
+      do while (got < bytes .and. .not. failed)
+         piece = c_pread(descriptor, c_loc(room(got + 1)), int(bytes - got, c_size_t), int(offset + got, c_long))
+         if (piece == 0) return
+         tries = merge(0, tries + 1, piece > 0)
+         got = got + max(piece, 0_c_long)
+         failed = tries > most_tries
+      end do
+   end subroutine read_at
+
+   !> Writes bytes, which the system may take in pieces.
+   subroutine write_all(descriptor, address, bytes, failed)
+      !> Open
+      integer(c_int), intent(in) :: descriptor
+      !> The first byte, and how many
+      type(c_ptr), intent(in) :: address
+      integer(int64), intent(in) :: bytes
+      !> True where the system takes no more: a full disk, a closed pipe
+      logical, intent(out) :: failed
+      integer(int8), pointer, contiguous :: piece(:)
+      integer(int64) :: from
+      integer(c_long) :: done
+      integer :: tries
+
+      failed = .false.
+      if (bytes == 0) return
+      call c_f_pointer(address, piece, [bytes])
+      from = 1
+      tries = 0
+      do while (from <= bytes .and. .not. failed)
+         done = c_write(descriptor, c_loc(piece(from)), int(bytes - from + 1, c_size_t))
+         tries = merge(0, tries + 1, done > 0)
+         from = from + max(done, 0_c_long)
+         failed = tries > most_tries
+      end do
+   end subroutine write_all
+
+end module gyroakf_io_system
