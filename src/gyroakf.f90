@@ -50,6 +50,7 @@ module gyroakf
    use gyroakf_series_whiteness, only : ljung_box_type, test_ljung_box, ljung_box_of
    use gyroakf_ar_autocovariance, only : compute_autocovariance, residual_autocovariance
    use gyroakf_ar_levinson, only : solve_levinson
+   use gyroakf_ar_roots, only : ar_root_type, find_ar_roots, largest_modulus
    use gyroakf_filter_series, only : filter_result_type, filter_series, filter_run_type, begin_filter_run, feed_filter_run, &
       end_filter_run
    use gyroakf_filter_identification, only : drift_model_type, identify_drift

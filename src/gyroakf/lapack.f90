@@ -8,7 +8,7 @@ module gyroakf_lapack
    use gyroakf_kinds, only : dp
    implicit none (type, external)
    private
-   public :: dpotrf, dpotrs, dposv, dpotri, dgels, dtrtri, dtrtrs, dsyev, dsyrk, dgesv
+   public :: dpotrf, dpotrs, dposv, dpotri, dgels, dtrtri, dtrtrs, dsyev, dsyrk, dgesv, dgebal, dhseqr
 
    interface
 
@@ -114,6 +114,28 @@ module gyroakf_lapack
          real(dp), intent(inout) :: a(lda, *), b(ldb, *)
          integer, intent(out) :: ipiv(*), info
       end subroutine dgesv
+
+      !> Balances a matrix
+      subroutine dgebal(job, n, a, lda, ilo, ihi, scale, info)
+         import :: dp
+         implicit none (type, external)
+         character(1), intent(in) :: job
+         integer, intent(in) :: n, lda
+         real(dp), intent(inout) :: a(lda, *)
+         integer, intent(out) :: ilo, ihi, info
+         real(dp), intent(out) :: scale(*)
+      end subroutine dgebal
+
+      !> Eigenvalues and, where asked, Schur form of an upper Hessenberg matrix
+      subroutine dhseqr(job, compz, n, ilo, ihi, h, ldh, wr, wi, z, ldz, work, lwork, info)
+         import :: dp
+         implicit none (type, external)
+         character(1), intent(in) :: job, compz
+         integer, intent(in) :: n, ilo, ihi, ldh, ldz, lwork
+         real(dp), intent(inout) :: h(ldh, *), z(ldz, *)
+         real(dp), intent(out) :: wr(*), wi(*), work(*)
+         integer, intent(out) :: info
+      end subroutine dhseqr
 
    end interface
 

@@ -1,0 +1,148 @@
+! SPDX-License-Identifier: MIT
+!> Tests of the roots of AR models.
+module test_ar_roots
+   use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
+   use gyroakf_kinds, only : dp
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_ar_roots, only : ar_root_type, find_ar_roots, largest_modulus
+   use testdrive, only : check, error_type, new_unittest, unittest_type
+   implicit none (type, external)
+   private
+   public :: collect_ar_roots
+
+   !> Simple roots well apart come to a few units in the last place of the coefficients
+   real(dp), parameter :: tolerance = 1.0e-13_dp
+   real(dp), parameter :: two_pi = 2.0_dp*acos(-1.0_dp)
+
+contains
+
+   !> The tests of this suite.
+   subroutine collect_ar_roots(testsuite)
+      !> Gets the tests
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         & new_unittest("by_hand", test_by_hand), &
+         & new_unittest("pair", test_pair), &
+         & new_unittest("known_roots", test_known_roots), &
+         & new_unittest("circle", test_circle), &
+         & new_unittest("scale_of_coefficients", test_wide_range), &
+         & new_unittest("failures", test_failures)]
+   end subroutine collect_ar_roots
+
+   !> One real root, positive, negative, zero and outside the circle; order 0 has none.
+   subroutine test_by_hand(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_root_type), allocatable :: root(:)
+      type(gyro_error), allocatable :: problem
+
+      call find_ar_roots([0.5_dp], root, problem)
+      call check(error, abs(root(1)%time_constant - 1.0_dp/log(2.0_dp)) < tolerance .and. root(1)%frequency <= 0.0_dp &
+                 & .and. abs(root(1)%damping - 1.0_dp) < tolerance, "0.5")
+      if (allocated(error)) return
+      call find_ar_roots([-0.5_dp], root, problem)
+      call check(error, abs(root(1)%frequency - 0.5_dp) < tolerance .and. abs(root(1)%real_part + 0.5_dp) < tolerance, "-0.5")
+      if (allocated(error)) return
+      call find_ar_roots([0.0_dp], root, problem)
+      call check(error, root(1)%modulus <= 0.0_dp .and. root(1)%time_constant <= 0.0_dp, "0")
+      if (allocated(error)) return
+      call find_ar_roots([2.0_dp], root, problem)
+      call check(error, root(1)%time_constant < 0.0_dp .and. root(1)%damping < 0.0_dp .and. largest_modulus(root) > 1.0_dp, "2")
+      if (allocated(error)) return
+      call find_ar_roots([real(dp) ::], root, problem)
+      call check(error, .not. allocated(problem) .and. size(root) == 0 .and. largest_modulus(root) <= 0.0_dp, "order 0")
+   end subroutine test_by_hand
+
+   !> A pair r exp(+-i w): phi = 2 r cos w, -r^2.
+   subroutine test_pair(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: r = 0.99_dp, f = 0.12_dp
+      type(ar_root_type), allocatable :: root(:)
+      type(gyro_error), allocatable :: problem
+      integer :: i
+
+      call find_ar_roots([2.0_dp*r*cos(two_pi*f), -r*r], root, problem)
+      do i = 1, 2
+         call check(error, root(i)%modulus, r, thr=tolerance)
+         if (allocated(error)) return
+         call check(error, root(i)%frequency, f, thr=tolerance)
+         if (allocated(error)) return
+         call check(error, root(i)%damping, -log(r)/sqrt(log(r)**2 + (two_pi*f)**2), thr=tolerance)
+         if (allocated(error)) return
+      end do
+      call check(error, root(1)%imaginary_part > 0.0_dp .and. root(2)%imaginary_part < 0.0_dp, "the order of the pair")
+   end subroutine test_pair
+
+   !> The polynomial of given roots: 0.95, -0.8, 0.7 exp(+-i pi/3), 0.3, 0; the largest comes first.
+   subroutine test_known_roots(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      complex(dp) :: z(6), polynomial(0:6)
+      type(ar_root_type), allocatable :: root(:)
+      type(gyro_error), allocatable :: problem
+      integer :: i
+
+      z = [(0.95_dp, 0.0_dp), (-0.8_dp, 0.0_dp), 0.7_dp*exp(cmplx(0.0_dp, two_pi/6.0_dp, dp)), &
+         & 0.7_dp*exp(cmplx(0.0_dp, -two_pi/6.0_dp, dp)), (0.3_dp, 0.0_dp), (0.0_dp, 0.0_dp)]
+      polynomial = (0.0_dp, 0.0_dp)
+      polynomial(0) = (1.0_dp, 0.0_dp)
+      do i = 1, 6
+         polynomial(1:i) = polynomial(1:i) - z(i)*polynomial(0:i - 1)
+      end do
+      call find_ar_roots(-real(polynomial(1:), dp), root, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, maxval(abs(cmplx(root%real_part, root%imaginary_part, dp) - z)), 0.0_dp, thr=tolerance)
+   end subroutine test_known_roots
+
+   !> z^12 = 1: twelve roots on the unit circle.
+   subroutine test_circle(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: phi(12)
+      type(ar_root_type), allocatable :: root(:)
+      type(gyro_error), allocatable :: problem
+
+      phi = 0.0_dp
+      phi(12) = 1.0_dp
+      call find_ar_roots(phi, root, problem)
+      call check(error, maxval(abs(root%modulus - 1.0_dp)), 0.0_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, maxval(abs(12.0_dp*root%frequency - anint(12.0_dp*root%frequency))), 0.0_dp, thr=12.0_dp*tolerance)
+   end subroutine test_circle
+
+   !> Roots 1e-3 .. 1e3: balancing keeps the digits of the small ones.
+   subroutine test_wide_range(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: z(4) = [1.0e3_dp, 10.0_dp, 0.1_dp, 1.0e-3_dp]
+      real(dp) :: polynomial(0:4)
+      type(ar_root_type), allocatable :: root(:)
+      type(gyro_error), allocatable :: problem
+      integer :: i
+
+      polynomial = 0.0_dp
+      polynomial(0) = 1.0_dp
+      do i = 1, 4
+         polynomial(1:i) = polynomial(1:i) - z(i)*polynomial(0:i - 1)
+      end do
+      call find_ar_roots(-polynomial(1:), root, problem)
+      call check(error, maxval(abs(root%real_part/z - 1.0_dp)), 0.0_dp, thr=1.0e-12_dp)
+   end subroutine test_wide_range
+
+   !> A coefficient that is not finite.
+   subroutine test_failures(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_root_type), allocatable :: root(:)
+      type(gyro_error), allocatable :: problem
+
+      call find_ar_roots([0.5_dp, ieee_value(1.0_dp, ieee_quiet_nan)], root, problem)
+      call check(error, allocated(problem), "NaN was accepted")
+      if (allocated(error)) return
+      call check(error, problem%code, status%non_finite)
+   end subroutine test_failures
+
+end module test_ar_roots
