@@ -9,26 +9,16 @@ module gyroakf_io_audit
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_scan, only : scan_extremes
-   use gyroakf_io_cadence, only : cadence_type, find_cadence, find_changes, sort
+   use gyroakf_io_bursts, only : burst_type, count_bursts, end_bursts
+   use gyroakf_io_cadence, only : cadence_type, find_cadence, find_changes
    use gyroakf_io_losses, only : add_gap, find_losses, gap_type
+   use gyroakf_io_regular_losses, only : find_gaps, is_beat, is_comb
+   use gyroakf_io_repeats, only : drop_repeats, merge_repeats
    use gyroakf_record, only : audit_type
    implicit none (type, external)
    private
-   public :: gap_type, burst_type, audit_stamps, audit_values, join_windows, count_bursts, end_bursts, same_row
+   public :: gap_type, audit_stamps, audit_values, join_windows
 
-   !> What is remembered of the last steps while bursts are counted
-   type :: burst_type
-      !> Short steps so far, behind a long one
-      integer(int64) :: run = 0
-      logical :: late = .false.
-      !> The row of the first sample of the run
-      integer(int64) :: first = 0
-      !> Short steps that the clock explains
-      integer(int64) :: least = 2
-   end type burst_type
-
-   !> Window of the lags, samples; after a long step it is longer, up to most_window
-   integer(int64), parameter :: window = 64, most_window = 20000
    !> So many samples may be filled in for one that was read
    integer(int64), parameter :: most_filled = 10
    !> Rates that a record may have one after the other
@@ -180,119 +170,6 @@ contains
       end do
    end subroutine interpolate
 
-   !> Takes rows out that repeat the one above: the same stamp and the same values.
-   !>
-   !> Where neighbours of different stamps are as often alike, it is chance (a coarse clock and coarse values), and they stay.
-   subroutine drop_repeats(t, value, repeated)
-      !> Afterwards the remaining ones stand first
-      real(dp), intent(inout), contiguous :: t(:)
-      !> [n, channel]
-      real(dp), intent(in), contiguous :: value(:, :)
-      !> The rows that were taken out, in order; unallocated where there are none
-      integer(int64), allocatable, intent(out) :: repeated(:)
-      integer(int64) :: i, n, equal, alike, chance, others, stride, kept
-
-      n = size(t, kind=int64)
-      equal = 0
-      alike = 0
-      do i = 2, n
-         if (abs(t(i) - t(i - 1)) > 0.0_dp) cycle
-         equal = equal + 1
-         if (same_row(value, i)) alike = alike + 1
-      end do
-      if (alike == 0) return
-      chance = 0
-      others = 0
-      stride = 1 + n/100000
-      do i = 2, n, stride
-         if (abs(t(i) - t(i - 1)) <= 0.0_dp) cycle
-         others = others + 1
-         if (same_row(value, i)) chance = chance + 1
-      end do
-      if (real(alike, dp) <= 10.0_dp*real(equal, dp)*real(chance, dp)/real(max(others, 1_int64), dp)) return
-      allocate (repeated(alike))
-      kept = 1
-      alike = 0
-      do i = 2, n
-         if (abs(t(i) - t(kept)) <= 0.0_dp) then
-            if (same_row(value, i)) then
-               alike = alike + 1
-               repeated(alike) = i
-               cycle
-            end if
-         end if
-         kept = kept + 1
-         t(kept) = t(i)
-      end do
-      t(kept + 1:) = t(kept)
-   end subroutine drop_repeats
-
-   !> True where a row has the values of the one above.
-   pure logical function same_row(value, i)
-      !> [row, channel]
-      real(dp), intent(in), contiguous :: value(:, :)
-      !> Not the first
-      integer(int64), intent(in) :: i
-      integer :: j
-
-      same_row = .false.
-      do j = 1, size(value, 2)
-         if (ieee_is_nan(value(i, j)) .or. ieee_is_nan(value(i - 1, j))) return
-         if (abs(value(i, j) - value(i - 1, j)) > 0.0_dp) return
-      end do
-      same_row = .true.
-   end function same_row
-
-   !> Puts the rows that were taken out among the gaps, and lets all indices count them.
-   subroutine merge_repeats(repeated, audit, gaps)
-      integer(int64), intent(in) :: repeated(:)
-      type(audit_type), intent(inout) :: audit
-      type(gap_type), intent(inout) :: gaps
-      type(gap_type) :: all
-      integer(int64) :: next, at
-      integer :: k
-
-      allocate (all%before(gaps%count + size(repeated)), all%length(gaps%count + size(repeated)))
-      next = 1
-      do k = 1, gaps%count
-         at = gaps%before(k) + next - 1
-         do while (next <= size(repeated))
-            if (repeated(next) > at) exit
-            call add_gap(all, repeated(next), -1_int64)
-            next = next + 1
-            at = at + 1
-         end do
-         call add_gap(all, at, gaps%length(k))
-      end do
-      do next = next, size(repeated)
-         call add_gap(all, repeated(next), -1_int64)
-      end do
-      call move_alloc(all%before, gaps%before)
-      call move_alloc(all%length, gaps%length)
-      gaps%count = all%count
-      gaps%first_jump = place_with(repeated, gaps%first_jump)
-      do k = 1, 3
-         audit%line_of_first(k) = place_with(repeated, audit%line_of_first(k))
-      end do
-      audit%line_of_burst = place_with(repeated, audit%line_of_burst)
-      audit%line_of_change = place_with(repeated, audit%line_of_change)
-      audit%repeated = size(repeated, kind=int64)
-      audit%line_of_repeat = repeated(1)
-   end subroutine merge_repeats
-
-   !> The index of a sample among all rows; 0 stays 0.
-   pure integer(int64) function place_with(repeated, i) result(place)
-      integer(int64), intent(in) :: repeated(:), i
-      integer(int64) :: k
-
-      place = i
-      if (i == 0) return
-      do k = 1, size(repeated, kind=int64)
-         if (repeated(k) > place) exit
-         place = place + 1
-      end do
-   end function place_with
-
    !> The rates before and behind the first change.
    subroutine note_changes(change, steps, audit)
       integer(int64), intent(in) :: change(:)
@@ -343,123 +220,6 @@ contains
       end do
    end subroutine count_steps
 
-   !> Finds where samples of regular stamps were lost: a long step behind which the lag stays higher.
-   !>
-   !> A loss is no longer than the step of the stamps there, and than the rise of the lag.
-   subroutine find_gaps(t, interval, gaps)
-      real(dp), intent(in), contiguous :: t(:)
-      !> s from sample to sample
-      real(dp), intent(in) :: interval
-      type(gap_type), intent(inout) :: gaps
-      integer(int64) :: i, n, since, after
-      real(dp) :: rise, rate, step
-      real(dp), parameter :: enough = 0.75_dp
-
-      n = size(t, kind=int64)
-      rate = 1.0_dp/interval
-      since = 1
-      do i = 2, n
-         step = (t(i) - t(i - 1))*rate
-         if (step < 2.0_dp*enough) cycle
-         rise = step - 1.0_dp
-         if (rise < enough .or. .not. even_around(t, i, max(i - window, since), min(i + window, n), interval)) then
-            after = min(i - 1 + max(window, int(min(4.0_dp*step, real(most_window, dp)), int64)), n)
-            rise = middle_lag(t, rate, i, after) - middle_lag(t, rate, max(i - window, since), i - 1)
-         end if
-         if (rise < enough) cycle
-         if (falls_back(t, rate, i, rise)) cycle
-         since = i
-         call add_gap(gaps, i, max(1_int64, min(whole(rise), whole(step) - 1)))
-      end do
-   end subroutine find_gaps
-
-   !> The nearest whole number, as far as there is one.
-   pure integer(int64) function whole(x)
-      real(dp), intent(in) :: x
-
-      whole = nint(min(x, 1.0e15_dp), int64)
-   end function whole
-
-   !> True where all steps but that before sample i are near the interval.
-   pure logical function even_around(t, i, first, last, interval)
-      real(dp), intent(in), contiguous :: t(:)
-      integer(int64), intent(in) :: i, first, last
-      real(dp), intent(in) :: interval
-      integer(int64) :: k
-
-      even_around = .false.
-      do k = first + 1, last
-         if (k /= i .and. abs(t(k) - t(k - 1) - interval) > 0.3_dp*interval) return
-      end do
-      even_around = abs(t(last) - t(i) - real(last - i, dp)*interval) <= 0.3_dp*interval .and. &
-                    abs(t(i - 1) - t(first) - real(i - 1 - first, dp)*interval) <= 0.3_dp*interval
-   end function even_around
-
-   !> True where the lag has lost half of a rise again after 512, 1024 or 2048 samples.
-   pure logical function falls_back(t, rate, i, rise)
-      real(dp), intent(in), contiguous :: t(:)
-      real(dp), intent(in) :: rate, rise
-      integer(int64), intent(in) :: i
-      integer(int64) :: ahead
-      integer :: k
-
-      falls_back = .false.
-      ahead = 512
-      do k = 1, 3
-         if (i + ahead > size(t, kind=int64)) return
-         if ((t(i + ahead) - t(i - 1))*rate - real(ahead + 1, dp) < 0.5_dp*rise - 0.25_dp) falls_back = .true.
-         ahead = 2*ahead
-      end do
-   end function falls_back
-
-   !> True where the double steps of single samples are the beat of the samples with a clock that counts in more than half of
-   !> their interval, or cannot be told from it: at even distances, or so few (0.03 %) that a clock explains them.
-   pure logical function is_beat(gaps, cadence, n)
-      type(gap_type), intent(in) :: gaps
-      type(cadence_type), intent(in) :: cadence
-      integer(int64), intent(in) :: n
-      real(dp), parameter :: usual_drift = 3.0e-4_dp
-      integer(int64) :: distance
-      integer :: k, alike
-
-      is_beat = .false.
-      if (gaps%count == 0 .or. cadence%resolution < 0.5_dp*cadence%step) return
-      if (any(gaps%length(:gaps%count) > 1)) return
-      if (gaps%count < 4) then
-         is_beat = real(gaps%count, dp) < usual_drift*real(n, dp)
-         return
-      end if
-      distance = (gaps%before(gaps%count) - gaps%before(1))/(gaps%count - 1)
-      alike = 0
-      do k = 2, gaps%count
-         if (abs(gaps%before(k) - gaps%before(k - 1) - distance) <= max(2_int64, distance/10)) alike = alike + 1
-      end do
-      is_beat = 10*alike >= 9*(gaps%count - 1)
-   end function is_beat
-
-   !> True where half of the double steps are at even distances: beats of a coarse clock and losses among them.
-   pure logical function is_comb(gaps, cadence)
-      type(gap_type), intent(in) :: gaps
-      type(cadence_type), intent(in) :: cadence
-      integer(int64) :: distance
-      integer :: k, j, alike, most
-
-      is_comb = .false.
-      if (count(gaps%length(:gaps%count) == 1) < 8 .or. cadence%resolution < 0.5_dp*cadence%step) return
-      most = 0
-      do j = 2, min(gaps%count, 12)
-         distance = gaps%before(j) - gaps%before(j - 1)
-         if (distance < 50) cycle
-         alike = 0
-         do k = 2, gaps%count
-            if (gaps%length(k) /= 1) cycle
-            if (abs(gaps%before(k) - gaps%before(k - 1) - distance) <= max(2_int64, distance/10)) alike = alike + 1
-         end do
-         most = max(most, alike)
-      end do
-      is_comb = 2*most >= gaps%count - 1
-   end function is_comb
-
    !> Takes jumps that are too long to be filled out of the stamps and of the gaps.
    subroutine join_jumps(t, n, interval, gaps)
       !> From the first sample of the stretch to the last of the record
@@ -487,25 +247,6 @@ contains
       end do
       gaps%count = kept
    end subroutine join_jumps
-
-   !> Median of the lag t*rate - index over a range (every k-th of a long one).
-   real(dp) function middle_lag(t, rate, from, to)
-      real(dp), intent(in), contiguous :: t(:)
-      real(dp), intent(in) :: rate
-      integer(int64), intent(in) :: from, to
-      real(dp) :: lag(2*window)
-      integer(int64) :: i, stride
-      integer :: k
-
-      stride = 1 + (to - from)/size(lag)
-      k = 0
-      do i = from, to, stride
-         k = k + 1
-         lag(k) = (t(i) - t(1))*rate - real(i, dp)
-      end do
-      call sort(lag(:k))
-      middle_lag = lag((k + 1)/2)
-   end function middle_lag
 
    !> The largest and the usual distance of a stamp from the even grid at the mean rate, and the rates of the halves.
    subroutine measure_jitter(t, gaps, audit)
@@ -542,56 +283,6 @@ contains
       if (t(middle) > t(1)) audit%rate_first = real(middle_at, dp)/(t(middle) - t(1))
       if (t(n) > t(middle)) audit%rate_second = real(at - middle_at, dp)/(t(n) - t(middle))
    end subroutine measure_jitter
-
-   !> Counts bursts: three samples or more at once, with less than 0.3 of the usual step between them, behind a long step; more
-   !> of them than a tick of the clock holds.
-   subroutine count_bursts(t, cadence, burst, audit, number)
-      !> The last stamp of the part before, if there is one, and those of this part, s
-      real(dp), intent(in), contiguous :: t(:)
-      !> Of the stamps
-      type(cadence_type), intent(in) :: cadence
-      !> From part to part
-      type(burst_type), intent(inout) :: burst
-      !> Its bursts; `line_of_burst` is a row
-      type(audit_type), intent(inout) :: audit
-      !> Which rows they are, counted from 1 if absent
-      integer(int64), intent(in), contiguous, optional :: number(:)
-      integer(int64) :: i
-      real(dp) :: short, long, step
-
-      if (cadence%step <= 0.0_dp) return
-      short = 0.3_dp*cadence%step
-      long = 1.5_dp*cadence%step
-      burst%least = max(2_int64, ceiling(1.5_dp*min(cadence%resolution/cadence%step, 1.0e6_dp), int64))
-      do i = 2, size(t, kind=int64)
-         step = t(i) - t(i - 1)
-         if (abs(step) < short) then
-            burst%run = burst%run + 1
-            cycle
-         end if
-         if (burst%run >= burst%least) call end_bursts(burst, audit)
-         burst%late = step >= long
-         burst%first = i
-         if (present(number)) burst%first = number(i)
-         burst%run = 0
-      end do
-   end subroutine count_bursts
-
-   !> Counts the burst that goes on, if there is one.
-   pure subroutine end_bursts(burst, audit)
-      !> None goes on afterwards
-      type(burst_type), intent(inout) :: burst
-      !> Its bursts
-      type(audit_type), intent(inout) :: audit
-
-      if (burst%late .and. burst%run >= burst%least) then
-         audit%bursts = audit%bursts + 1
-         audit%longest_burst = max(audit%longest_burst, burst%run + 1)
-         if (audit%line_of_burst == 0) audit%line_of_burst = burst%first
-      end if
-      burst%run = 0
-      burst%late = .false.
-   end subroutine end_bursts
 
    !> Adds what a window of a longer record shows of its clock and its rates.
    pure subroutine join_windows(part, before, last_change, audit)

@@ -127,7 +127,7 @@ contains
             if (allocated(error)) return
             slice = min(slice, rows - chunk%rows)
             if (binary%descriptor >= 0) then
-               call fill_by_position(binary, table, chunk%value, chunk%rows, slice, got)
+               call fill_by_position(binary, table, chunk%value, chunk%rows, slice, got, error)
             else
                call fill_in_order(binary, source, table, chunk%value, got, error)
             end if
@@ -190,7 +190,7 @@ contains
    end subroutine finish
 
    !> Reads rows by position into value(:, :), whose rows are to be filled.
-   subroutine fill_by_position(binary, table, value, before, rows, got)
+   subroutine fill_by_position(binary, table, value, before, rows, got, error)
       type(binary_type), intent(inout) :: binary
       type(table_type), intent(in) :: table
       real(dp), intent(inout), contiguous :: value(:, :)
@@ -198,7 +198,10 @@ contains
       integer(int64), intent(in) :: before, rows
       !> Rows that were there
       integer(int64), intent(out) :: got
+      !> Allocated where the system refuses to read: io
+      type(error_type), allocatable, intent(out) :: error
       integer, allocatable :: column(:)
+      logical :: failed, refused
       integer(int64) :: block_rows, blocks, k, from, to, rounded, missing, start, short, j
       integer :: tasks
 
@@ -211,23 +214,27 @@ contains
       blocks = (rows + block_rows - 1)/block_rows
       missing = 0
       rounded = 0
-      !$omp parallel do schedule(dynamic) private(from, to, start, j, short) reduction(+:rounded) reduction(max:missing) &
-      !$omp& if (rows*size(column)*8 > worth_threads)
+      refused = .false.
+      !$omp parallel do schedule(dynamic) private(from, to, start, j, short, failed) reduction(+:rounded) &
+      !$omp& reduction(max:missing) reduction(.or.:refused) if (rows*size(column)*8 > worth_threads)
       do k = 0, blocks*tasks - 1
          from = before + 1 + modulo(k, blocks)*block_rows
          to = min(before + rows, from + block_rows - 1)
          start = binary%row + from - before - 1
          j = 1 + k/blocks
          if (one_piece(binary) .or. (binary%columns == 1 .and. size(column) == 1)) then
-            call read_column(binary, column(j), start, value(from:to, j), rounded, short)
+            call read_column(binary, column(j), start, value(from:to, j), rounded, short, failed)
          else
-            call read_interleaved(binary, column, start, from, to, value, rounded, short)
+            call read_interleaved(binary, column, start, from, to, value, rounded, short, failed)
          end if
+         refused = refused .or. failed
          if (short > 0) missing = max(missing, before + rows - (to - short))
       end do
       !$omp end parallel do
       binary%rounded = binary%rounded + rounded
       got = rows - missing
+      if (refused) call fatal_error(error, status%io, table%name//": the system refused to read row "// &
+                                    integer_text(binary%row + got + 1)//new_line("a")//"check the disk, or copy the file")
    end subroutine fill_by_position
 
    !> The column of the file that each stored column holds.
@@ -243,7 +250,7 @@ contains
    end subroutine stored_columns
 
    !> Reads a part of a column whose numbers follow each other.
-   subroutine read_column(binary, column, start, value, rounded, short)
+   subroutine read_column(binary, column, start, value, rounded, short, failed)
       type(binary_type), intent(in) :: binary
       integer, intent(in) :: column
       !> Rows of the file before value(1)
@@ -252,9 +259,10 @@ contains
       integer(int64), intent(inout) :: rounded
       !> Rows at the end that are not there
       integer(int64), intent(out) :: short
+      !> The system refused
+      logical, intent(out) :: failed
       integer(int64), allocatable, target :: room(:)
       integer(int64) :: offset, got, n
-      logical :: failed
 
       n = size(value, kind=int64)
       offset = binary%first + ((column - 1)*max(binary%rows, 0_int64) + start)*binary%element%bytes
@@ -273,7 +281,7 @@ contains
    end subroutine read_column
 
    !> Reads rows, all columns of a row together, into value(from:to, :).
-   subroutine read_interleaved(binary, column, start, from, to, value, rounded, short)
+   subroutine read_interleaved(binary, column, start, from, to, value, rounded, short, failed)
       type(binary_type), intent(in) :: binary
       integer, intent(in) :: column(:)
       !> Rows of the file before these
@@ -282,9 +290,10 @@ contains
       integer(int64), intent(inout) :: rounded
       !> Rows at the end that are not there
       integer(int64), intent(out) :: short
+      !> The system refused
+      logical, intent(out) :: failed
       integer(int64), allocatable, target :: room(:)
       integer(int64) :: row_bytes, got, n
-      logical :: failed
 
       row_bytes = binary%columns*binary%element%bytes
       n = to - from + 1

@@ -9,13 +9,16 @@ module gyroakf_io_shape
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_scan, only : all_sound
    use gyroakf_io_number, only : parse_number
-   use gyroakf_io_recording, only : reader_options
+   use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_table, only : table_type
    use gyroakf_record, only : add_text, record_type
    use gyroakf_units, only : angle_to_rate_unit
    implicit none (type, external)
    private
-   public :: fill_gaps, mark_missing, make_rates, cut, keep_rows, wrap_of, wrapped, warn_of_wraps
+   public :: fill_gaps, mark_missing, make_rates, cut, keep_rows, wrap_of, wrapped, warn_of_wraps, largest_value
+
+   !> A rate beyond it is an error: the fourth powers of the statistics would overflow
+   real(dp), parameter :: largest_value = 1.0e60_dp
 
 contains
 

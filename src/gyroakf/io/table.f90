@@ -1,28 +1,24 @@
 ! SPDX-License-Identifier: MIT
 !> A table of numbers in text: header, names, rows. What the numbers mean is the reader's business.
 module gyroakf_io_table
-   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_columns, only : choose_columns, column_names_type, most_columns, find_column, label_of, &
-      names_way, read_names, without_brackets
+   use gyroakf_io_columns, only : choose_columns, column_names_type, most_columns, find_column, label_of, read_names
+   use gyroakf_io_commas, only : settle_commas
    use gyroakf_io_comment_names, only : suppose_names
-   use gyroakf_io_format, only : comma_advice, comma_found, decimal_comma
-   use gyroakf_io_header, only : header_type, read_comment, time_scale
+   use gyroakf_io_header, only : header_type, read_comment
+   use gyroakf_io_heading, only : keep_heading, only_words, take_units
    use gyroakf_io_leave_out, only : find_texts, leave_out
    use gyroakf_io_lines, only : line_end, line_map_type, next_line, lines_type, map_row, more_lines
-   use gyroakf_io_number, only : is_missing_word
    use gyroakf_io_place, only : integer_text, place_error
    use gyroakf_io_rows, only : excerpt, join_fields, layout_type
    use gyroakf_io_date, only : stamp_kind
-   use gyroakf_io_stamp_columns, only : ambiguous_date, comma_mode, date_advice, decimal_fields, find_joined, find_kinds, &
-      make_points, pair_stamps, seconds_comma
+   use gyroakf_io_stamp_columns, only : ambiguous_date, date_advice, find_joined, find_kinds, pair_stamps
    use gyroakf_io_stamps, only : fraction_of, is_time_name
    use gyroakf_io_store, only : store_type
-   use gyroakf_io_text, only : begins_with_semicolon, bytes_text, fields_type, first_visible, is_comment, last_visible, split, &
-      split_line
+   use gyroakf_io_text, only : begins_with_semicolon, bytes_text, fields_type, first_visible, is_comment, split, split_line
    use gyroakf_record, only : add_text, text_type
    use gyroakf_spelling, only : lower
-   use gyroakf_units, only : parse_unit, unit_type
    implicit none (type, external)
    private
    public :: table_type, table_options, begin_table, begin_numbers
@@ -77,9 +73,6 @@ module gyroakf_io_table
       !> What the user should know
       type(text_type), allocatable :: warnings(:)
    end type table_type
-
-   !> So many lines at the start are looked at for decimal commas
-   integer, parameter :: looked_at = 64
 
 contains
 
@@ -167,19 +160,6 @@ contains
                        "give one row of numbers per sample; lines that begin with # % ; // are comments")
    end subroutine read_preamble
 
-   !> Keeps the bytes of the line of names.
-   subroutine keep_heading(lines, last, layout)
-      type(lines_type), intent(in) :: lines
-      integer(int64), intent(in) :: last
-      type(layout_type), intent(inout) :: layout
-      integer(int64) :: from, to
-
-      from = first_visible(lines%bytes, lines%at, last)
-      to = last_visible(lines%bytes, lines%at, last)
-      allocate (layout%heading(to - from + 1))
-      layout%heading(:) = lines%bytes(from:to)
-   end subroutine keep_heading
-
    !> True for a row below names between semicolons whose first field is empty: not a comment.
    logical function lacks_first(lines, last, table)
       type(lines_type), intent(in) :: lines
@@ -194,58 +174,6 @@ contains
       lacks_first = fits_names(fields, size(table%names%name))
    end function lacks_first
 
-   !> True for a line that holds words and nothing like a number: names of columns.
-   logical function only_words(lines, last)
-      type(lines_type), intent(in) :: lines
-      integer(int64), intent(in) :: last
-      type(fields_type) :: fields
-      integer :: i, words
-
-      only_words = .false.
-      words = 0
-      call split_line(lines%bytes, lines%at, last, names_way(lines%bytes, lines%at, last), fields)
-      do i = 1, fields%count
-         if (fields%last(i) < fields%first(i)) cycle
-         if (begins_like_number(lines%bytes, fields%first(i))) return
-         if (.not. is_missing_word(bytes_text(lines%bytes, fields%first(i), fields%last(i)))) words = words + 1
-      end do
-      only_words = words > 0
-   end function only_words
-
-   !> True for a byte that a name does not begin with, and for the minus sign of mathematics (U+2212): what begins so is a number,
-   !> right or wrong.
-   pure logical function begins_like_number(bytes, at)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: at
-
-      begins_like_number = (bytes(at) >= 48 .and. bytes(at) <= 57) .or. bytes(at) == 43 .or. bytes(at) == 45 .or. bytes(at) == 46
-      if (bytes(at) == -30_int8) begins_like_number = bytes(at + 1) == -120_int8 .and. bytes(at + 2) == -110_int8
-   end function begins_like_number
-
-   !> Takes in a line of units below the names, in brackets or not; not taken where no word of it is a unit.
-   subroutine take_units(lines, last, names, taken)
-      type(lines_type), intent(in) :: lines
-      integer(int64), intent(in) :: last
-      type(column_names_type), intent(inout) :: names
-      logical, intent(out) :: taken
-      type(column_names_type) :: words
-      type(unit_type) :: unit
-      type(error_type), allocatable :: failed
-      integer :: i
-
-      call read_names(lines%bytes, lines%at, last, lines%number, words)
-      taken = words%known
-      if (taken) taken = size(words%name) == size(names%name)
-      if (.not. taken) return
-      taken = .false.
-      do i = 1, size(words%name)
-         if (scan(words%name(i)%text, "[(") == 1) words%name(i)%text = without_brackets(words%name(i)%text)
-         call parse_unit(words%name(i)%text, unit, failed)
-         taken = taken .or. .not. allocated(failed) .or. time_scale(lower(words%name(i)%text)) > 0.0_dp
-      end do
-      if (taken) names%unit = words%name
-   end subroutine take_units
-
    !> Decides on the columns from the first line of numbers.
    subroutine lay_out(lines, options, table, error)
       type(lines_type), intent(inout) :: lines
@@ -259,7 +187,7 @@ contains
       logical :: nano
 
       last = line_end(lines)
-      call settle_commas(lines, last, options, table, error)
+      call settle_commas(lines, last, options%decimal_comma, table%names, table%layout%commas, table%warnings, error)
       if (allocated(error)) return
       call split_line(lines%bytes, lines%at, last, split%mixed, fields)
       if (fields%count > most_columns) then
@@ -307,32 +235,6 @@ contains
       if (table%header%names%known) names_at_hand = size(table%header%names%name)
       if (table%names%known) names_at_hand = size(table%names%name)
    end function names_at_hand
-
-   !> Decides what commas are.
-   subroutine settle_commas(lines, last, options, table, error)
-      type(lines_type), intent(inout) :: lines
-      integer(int64), intent(in) :: last
-      type(table_options), intent(in) :: options
-      type(table_type), intent(inout) :: table
-      type(error_type), allocatable, intent(out) :: error
-      type(fields_type) :: fields
-
-      associate (mode => table%layout%commas)
-         if (options%decimal_comma) then
-            mode = comma_mode%decimal
-         else if (seconds_comma(lines%bytes, lines%at, last)) then
-            mode = comma_mode%seconds
-         else
-            call split_line(lines%bytes, lines%at, last, split%mixed, fields)
-            if (table%names%known) then
-               if (size(table%names%name) == fields%count) return
-            end if
-            call recognise_commas(lines, table, error)
-            if (allocated(error)) return
-         end if
-         if (mode /= comma_mode%separator) call make_points(lines%bytes, lines%at, lines%last, mode)
-      end associate
-   end subroutine settle_commas
 
    !> Nobody can tell the day from the month: an error, unless the columns were chosen.
    subroutine refuse_ambiguous_dates(lines, last, options, fields, table, error)
@@ -387,51 +289,6 @@ contains
       call add_text(table%warnings, "the names of the columns are taken from the comment in line "// &
                     integer_text(table%names%line))
    end subroutine take_supposed_names
-
-   !> Looks at the first lines for decimal commas: where every line has them or whole numbers between other separators, they are
-   !> read; where they are likely but not sure it is an error, for they would be taken for separators.
-   subroutine recognise_commas(lines, table, error)
-      type(lines_type), intent(in) :: lines
-      type(table_type), intent(inout) :: table
-      type(error_type), allocatable, intent(out) :: error
-      integer(int64) :: at, last, likely, likely_at, likely_last
-      integer :: i, fields, expected, line
-      logical :: sure, commas
-
-      at = lines%at
-      expected = 0
-      if (table%names%known) expected = size(table%names%name)
-      sure = .true.
-      commas = .false.
-      likely = 0
-      do i = 0, looked_at - 1
-         if (at > lines%last) exit
-         last = at
-         do while (lines%bytes(last) /= 10)
-            last = last + 1
-         end do
-         if (.not. is_comment(lines%bytes, at, last - 1) .and. first_visible(lines%bytes, at, last - 1) < last) then
-            fields = decimal_fields(lines%bytes, at, last - 1)
-            if (expected == 0) expected = fields
-            sure = sure .and. fields > 1 .and. fields == expected
-            commas = commas .or. any(lines%bytes(at:last - 1) == iachar(","))
-            if (likely == 0) then
-               likely = decimal_comma(lines%bytes, at, last - 1)
-               likely_at = at
-               likely_last = last - 1
-               line = i
-            end if
-         end if
-         at = last + 1
-      end do
-      if (sure .and. commas) then
-         table%layout%commas = comma_mode%decimal
-         call add_text(table%warnings, "the commas between digits are read as decimal commas")
-      else if (likely > 0) then
-         call place_error(error, table%name, lines%number + line, lines%bytes, likely_at, likely_last, likely, &
-                          comma_found, comma_advice)
-      end if
-   end subroutine recognise_commas
 
    !> The columns that are kept.
    subroutine choose(options, texts, table, fraction, nano, error)

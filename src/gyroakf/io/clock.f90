@@ -1,0 +1,181 @@
+! SPDX-License-Identifier: MIT
+!> The time of a recording: the unit of its stamps, its rate and who said so, and whether a column may be a time.
+module gyroakf_io_clock
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_columns, only : label_of
+   use gyroakf_io_date, only : stamp_kind
+   use gyroakf_io_decimal, only : format_real
+   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_reader_options, only : reader_options
+   use gyroakf_io_stamps, only : infer_scale, named_scale
+   use gyroakf_io_table, only : table_type
+   use gyroakf_record, only : add_text, record_type
+   implicit none (type, external)
+   private
+   public :: find_scale, is_clock, drop_absurd, set_rate, may_be_time, least_rows, time_warning
+
+contains
+
+   !> The unit of the stamps and the first of them; what is no time becomes missing.
+   subroutine find_scale(options, table, stamps, record, scale, origin)
+      !> For the rate
+      type(reader_options), intent(in) :: options
+      !> For names, units and the header's rate
+      type(table_type), intent(in) :: table
+      !> As read
+      real(dp), intent(inout), contiguous :: stamps(:)
+      !> Gets a warning where the unit is guessed
+      type(record_type), intent(inout) :: record
+      !> Seconds in the unit of the stamps
+      real(dp), intent(out) :: scale
+      !> The first stamp
+      real(dp), intent(out) :: origin
+      real(dp) :: given
+      logical :: sure
+      integer(int64) :: i
+      integer :: kind
+
+      call drop_absurd(stamps)
+      scale = 0.0_dp
+      kind = time_kind(table)
+      if (kind /= stamp_kind%number .and. kind /= stamp_kind%long) then
+         scale = 1.0_dp
+      else if (table%names%known) then
+         scale = named_scale(table%names%name(table%time)%text, table%names%unit(table%time)%text)
+      end if
+      if (scale <= 0.0_dp) then
+         given = merge(options%rate_hz, table%header%rate_hz, options%rate_hz > 0.0_dp)
+         call infer_scale(stamps, given, scale, sure, real(table%layout%origin, dp))
+         if (.not. sure) call add_text(record%warnings, "the time in "//label_of(table%names, table%time)// &
+            " names no unit and is taken as "//unit_word(scale)//" by its step; a name such as time_"//unit_word(scale)// &
+            " or the option --rate settles it")
+      end if
+      do i = 1, size(stamps, kind=int64)
+         if (.not. ieee_is_nan(stamps(i))) exit
+      end do
+      origin = 0.0_dp
+      if (i <= size(stamps, kind=int64)) origin = stamps(i)
+   end subroutine find_scale
+
+   !> What the time column holds.
+   pure integer function time_kind(table)
+      !> Of any format
+      type(table_type), intent(in) :: table
+
+      time_kind = stamp_kind%number
+      if (table%time > 0 .and. allocated(table%layout%kind)) time_kind = abs(table%layout%kind(table%time))
+   end function time_kind
+
+   !> True where the time is a time of day, without a date, which begins again at midnight.
+   pure logical function is_clock(table)
+      !> Of any format
+      type(table_type), intent(in) :: table
+
+      is_clock = time_kind(table) == stamp_kind%clock
+      if (is_clock) is_clock = count(table%layout%slot == table%layout%slot(table%time)) == 1
+   end function is_clock
+
+   !> What is too large for a time, and for products of times, is missing; what is too small for their quotients is 0.
+   pure subroutine drop_absurd(stamps)
+      !> As read
+      real(dp), intent(inout), contiguous :: stamps(:)
+      real(dp), parameter :: largest_stamp = 1.0e30_dp, smallest_stamp = 1.0e-30_dp
+      integer(int64) :: i
+
+      do i = 1, size(stamps, kind=int64)
+         if (ieee_is_nan(stamps(i))) cycle
+         if (abs(stamps(i)) > largest_stamp) then
+            stamps(i) = ieee_value(1.0_dp, ieee_quiet_nan)
+         else if (abs(stamps(i)) < smallest_stamp) then
+            stamps(i) = 0.0_dp
+         end if
+      end do
+   end subroutine drop_absurd
+
+   !> The word for a unit of time.
+   pure function unit_word(scale) result(word)
+      real(dp), intent(in) :: scale
+      character(:), allocatable :: word
+
+      word = "s"
+      if (scale < 0.5_dp) word = "ms"
+      if (scale < 0.5e-3_dp) word = "us"
+      if (scale < 0.5e-6_dp) word = "ns"
+   end function unit_word
+
+   !> The rate: an option, else the stamps, else the header; stamps that contradict the header by more than 1 % do not count.
+   subroutine set_rate(options, table, record, error)
+      type(reader_options), intent(in) :: options
+      type(table_type), intent(in) :: table
+      type(record_type), intent(inout) :: record
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: rate, stamped
+      logical :: differ
+
+      rate = 0.0_dp
+      record%rate_source = "none"
+      stamped = record%audit%stamp_rate
+      if (options%rate_hz > 0.0_dp) then
+         rate = options%rate_hz
+         record%rate_source = "option"
+      else if (table%header%rate_hz > 0.0_dp) then
+         rate = table%header%rate_hz
+         record%rate_source = "header"
+      end if
+      differ = .false.
+      if (rate > 0.0_dp .and. stamped > 0.0_dp) differ = abs(stamped - rate) > 0.01_dp*rate
+      if (differ) call add_text(record%warnings, "the rate "//format_real(rate, 6)//" Hz of the "//record%rate_source// &
+         " and the time stamps' "//format_real(stamped, 6)//" Hz differ; the "//record%rate_source//"'s is used")
+      if (stamped > 0.0_dp .and. record%rate_source /= "option" .and. .not. differ) then
+         rate = stamped
+         record%rate_source = "timestamps"
+      end if
+      record%rate_known = rate > 0.0_dp
+      if (record%rate_known) record%sample_interval = 1.0_dp/rate
+      if (record%rate_known) return
+      if (allocated(options%input)) then
+         if (options%input /= "rate") call fatal_error(error, status%invalid_argument, "--input "//options%input// &
+            " needs the rate, and "//table%name//" does not tell it: give --rate HZ or --dt S, or --time-column")
+      end if
+      if (options%from > 0.0_dp .or. options%to < huge(1.0_dp)) call fatal_error(error, status%invalid_argument, &
+         "--from and --to need the rate, and "//table%name//" does not tell it: give --rate HZ or --dt S, or --time-column")
+   end subroutine set_rate
+
+   !> True where a first channel that rises all the way is worth a word: it may be a time, or a counter.
+   pure logical function may_be_time(options, table)
+      !> What is wanted
+      type(reader_options), intent(in) :: options
+      !> Its columns are chosen
+      type(table_type), intent(in) :: table
+
+      may_be_time = table%layout%columns >= 2 .and. .not. (table%asked .or. allocated(options%time_column))
+      if (may_be_time .and. allocated(options%input)) may_be_time = options%input /= "angle"
+   end function may_be_time
+
+   !> More rows than so many have to rise: two without names, more with names, for a channel that has one may rise by chance.
+   pure integer(int64) function least_rows(table)
+      !> Of any format
+      type(table_type), intent(in) :: table
+
+      least_rows = merge(20, 2, table%names%known)
+   end function least_rows
+
+   !> What is said of it.
+   function time_warning(table) result(text)
+      !> Of any format
+      type(table_type), intent(in) :: table
+      character(:), allocatable :: text
+      character(:), allocatable :: number
+
+      number = integer_text(int(table%chosen(1), int64))
+      text = label_of(table%names, table%chosen(1))//" rises from row to row and looks like "
+      if (table%time > 0) then
+         text = text//"a counter; it is read as a channel, --column leaves it out"
+      else
+         text = text//"time; it is read as a channel, --time-column "//number//" takes it for the time"
+      end if
+   end function time_warning
+
+end module gyroakf_io_clock

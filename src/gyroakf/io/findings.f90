@@ -1,0 +1,88 @@
+! SPDX-License-Identifier: MIT
+!> What the user should know of a recording, in words.
+module gyroakf_io_findings
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_io_decimal, only : format_real
+   use gyroakf_io_lines, only : line_of
+   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_table, only : table_type
+   use gyroakf_record, only : add_text, record_type
+   implicit none (type, external)
+   private
+   public :: tell
+
+contains
+
+   !> Lines of what is odd, and the warnings about it.
+   subroutine tell(table, record)
+      type(table_type), intent(in) :: table
+      type(record_type), intent(inout) :: record
+      character(13), parameter :: what(3) = [character(13) :: "equal stamp", "backward step", "gap"]
+      integer(int64) :: count(3)
+      integer :: k
+
+      count = [record%audit%duplicates, record%audit%backward_steps, record%audit%gaps]
+      do k = 1, 3
+         if (record%audit%line_of_first(k) > 0) record%audit%line_of_first(k) = line_of(table%map, record%audit%line_of_first(k))
+         if (count(k) > 0) call add_text(record%warnings, "the time column shows "//integer_text(count(k))//" "//trim(what(k))// &
+            trim(merge("s", " ", count(k) > 1))//"; the first is in line "//integer_text(record%audit%line_of_first(k)))
+      end do
+      if (record%audit%jumps > 0) call add_text(record%warnings, "a jump of the time stamps is too long to be filled with "// &
+         "missing samples; the parts before and after it are joined: analyse them apart with --from and --to")
+      if (record%audit%beats > 0) call add_text(record%warnings, "the time stamps make a double step in "// &
+         counted(record%audit%beats, "place")//", as those of a clock do that is too coarse for the rate, or of lost samples; "// &
+         trim(merge("the stamps place the samples, as was asked             ", &
+                    "the samples are taken as evenly spaced at the mean rate", placed(record))))
+      call tell_odd(table, record)
+      if (record%audit%jitter_max > 1.0_dp*record%sample_interval .and. record%rate_known .and. .not. placed(record)) then
+         call add_text(record%warnings, "the time stamps are up to "//format_real(record%audit%jitter_max, 3)// &
+                       " s away from an even grid; the samples are taken as evenly spaced at the mean rate")
+      end if
+      if (table%headings > 0) call add_text(record%warnings, counted(table%headings, "line")// &
+         trim(merge(" repeats", " repeat ", table%headings == 1))//" the names of the columns, as in files that were put "// &
+         "behind one another: left out; the first is line "//integer_text(table%first_heading))
+      if (table%bad_lines > 0) call add_text(record%warnings, counted(table%bad_lines, "line")// &
+         " could not be read and "//trim(merge("counts", "count ", table%bad_lines == 1))//" as missing; the first is line "// &
+         integer_text(table%first_bad_line))
+   end subroutine tell
+
+   !> True where the stamps place the samples.
+   pure logical function placed(record)
+      type(record_type), intent(in) :: record
+
+      placed = allocated(record%resample)
+      if (placed) placed = record%resample /= "index"
+   end function placed
+
+   !> Repeated rows, bursts, a rate that changes.
+   subroutine tell_odd(table, record)
+      type(table_type), intent(in) :: table
+      type(record_type), intent(inout) :: record
+
+      associate (audit => record%audit)
+         if (audit%line_of_repeat > 0) audit%line_of_repeat = line_of(table%map, audit%line_of_repeat)
+         if (audit%line_of_burst > 0) audit%line_of_burst = line_of(table%map, audit%line_of_burst)
+         if (audit%line_of_change > 0) audit%line_of_change = line_of(table%map, audit%line_of_change)
+         if (audit%repeated > 0) call add_text(record%warnings, counted(audit%repeated, "row")//" with stamp and values of the "// &
+            "row above: left out; the first is in line "//integer_text(audit%line_of_repeat))
+         if (audit%bursts > 0) call add_text(record%warnings, "samples were delivered late and several at once in "// &
+            counted(audit%bursts, "place")//", up to "//integer_text(audit%longest_burst)//" at once; the first is in line "// &
+            integer_text(audit%line_of_burst))
+         if (audit%rate_changes > 0) call add_text(record%warnings, "the rate changes from "//format_real(audit%rate_before, 6)// &
+            " Hz to "//format_real(audit%rate_after, 6)//" Hz in line "//integer_text(audit%line_of_change)// &
+            trim(merge(", the first of several changes", "                              ", audit%rate_changes > 1))// &
+            "; analyse the parts apart with --from and --to")
+      end associate
+   end subroutine tell_odd
+
+   !> "1 row", "2 rows".
+   pure function counted(number, noun) result(text)
+      integer(int64), intent(in) :: number
+      character(*), intent(in) :: noun
+      character(:), allocatable :: text
+
+      text = integer_text(number)//" "//noun
+      if (number /= 1) text = text//"s"
+   end function counted
+
+end module gyroakf_io_findings

@@ -1,0 +1,120 @@
+! SPDX-License-Identifier: MIT
+!> How a recording is to be read.
+module gyroakf_io_reader_options
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_is_nan
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_decimal, only : format_real
+   use gyroakf_io_element, only : element_type, parse_element
+   use gyroakf_io_header, only : largest_rate, smallest_rate
+   use gyroakf_io_number, only : number, parse_number
+   implicit none (type, external)
+   private
+   public :: reader_options, check_options
+
+   !> How a recording is to be read
+   type :: reader_options
+      !> Hz; 0: from the time stamps or the header
+      real(dp) :: rate_hz = 0.0_dp
+      !> Of the values after `scale`: "deg/s" for all channels, or one for each, separated by commas; unallocated: from the
+      !> header, or unknown
+      character(:), allocatable :: unit
+      !> "rate" (also where unallocated), "increment" (angle per sample) or "angle"
+      character(:), allocatable :: input
+      !> Every value is multiplied by it
+      real(dp) :: scale = 1.0_dp
+      !> Columns by number (from 1, all columns count) or name, as "2" or "gx,gy"; unallocated: all but the time column
+      character(:), allocatable :: columns
+      !> Number or name; "none" forbids; unallocated: found by its name
+      character(:), allocatable :: time_column
+      !> How samples get their place: "index" (also where unallocated) at the mean rate, lost ones filled in; "nearest" on the slot
+      !> of the grid nearest to their stamp; "linear" interpolated onto the grid
+      character(:), allocatable :: resample
+      !> Where angles wrap, in units of the file: a number, "auto" (also where unallocated) or "none"
+      character(:), allocatable :: wrap
+      !> Every comma in the file is a decimal comma
+      logical :: decimal_comma = .false.
+      !> "auto" (also where unallocated), "text", "csv", "npy", "hdf5", or raw numbers: "f32", "f64", "i8", "i16", "i32", "i64",
+      !> "u8", ..., with "be" behind it where they are big endian
+      character(:), allocatable :: format
+      !> Lines that cannot be read count as missing samples instead of being an error
+      logical :: bad_lines_missing = .false.
+      !> The part from <= time < to is kept; s from the start
+      real(dp) :: from = 0.0_dp, to = huge(1.0_dp)
+      !> Lines of text, or bytes of raw numbers, that are left out at the start of the file
+      integer(int64) :: skip = 0
+      !> Raw numbers: columns, interleaved; 0: nobody said, 1
+      integer(int64) :: channels = 0
+      !> HDF5: path of the dataset; unallocated: the only one of numbers
+      character(:), allocatable :: dataset
+      !> Bytes that the process may use, 0 for no limit; and what the caller needs of them per sample, beside the record itself:
+      !> for the channel that is worked on, and for every channel
+      integer(int64) :: memory = 0, work_bytes = 0, channel_bytes = 0
+      !> `memory` is what the machine has left, nobody gave it
+      logical :: memory_found = .false.
+      !> Where associated they are read instead of a file, and the path is a name for messages; they have to stay until the end
+      integer(int8), pointer, contiguous :: bytes(:) => null()
+   end type reader_options
+
+contains
+
+   !> Refuses options that make no sense, before the file is touched.
+   subroutine check_options(options, error)
+      type(reader_options), intent(in) :: options
+      type(error_type), allocatable, intent(out) :: error
+      type(element_type) :: element
+      logical :: known
+      integer :: found
+      real(dp) :: modulus
+
+      if (ieee_is_nan(options%rate_hz)) then
+         call fatal_error(error, status%invalid_argument, "the rate is not a number")
+      else if (options%rate_hz < 0.0_dp .or. options%rate_hz > largest_rate .or. &
+               (options%rate_hz > 0.0_dp .and. options%rate_hz < smallest_rate)) then
+         call fatal_error(error, status%invalid_argument, "the rate has to lie between 1e-30 and 1e30 Hz, and is "// &
+                          format_real(options%rate_hz, 6)//" Hz")
+      else if (.not. ieee_is_finite(options%scale)) then
+         call fatal_error(error, status%invalid_argument, "the scale has to be finite")
+      else if (abs(options%scale) < tiny(1.0_dp)) then
+         call fatal_error(error, status%invalid_argument, "the scale must not be 0")
+      else if (ieee_is_nan(options%from) .or. ieee_is_nan(options%to)) then
+         call fatal_error(error, status%invalid_argument, "the part that is to be read has a limit that is not a number")
+      else if (options%from < 0.0_dp .or. options%from >= options%to) then
+         call fatal_error(error, status%invalid_argument, "the part from "//format_real(options%from, 6)//" s to "// &
+                          format_real(options%to, 6)//" s is empty")
+      else if (options%skip < 0) then
+         call fatal_error(error, status%invalid_argument, "the number of lines to skip must not be negative")
+      else if (options%channels < 0) then
+         call fatal_error(error, status%invalid_argument, "the number of channels must not be negative")
+      end if
+      if (allocated(error)) return
+      if (allocated(options%format)) then
+         call parse_element(options%format, element, known)
+         known = known .or. any(options%format == [character(4) :: "auto", "text", "csv", "npy", "hdf5"])
+         if (.not. known) call fatal_error(error, status%not_supported, "the format '"//options%format// &
+            "' is not supported; "// &
+            "known are auto, text, csv, npy, hdf5, f32, f64, i8, i16, i32, i64, u8, u16, u32, with be for big endian")
+      end if
+      if (allocated(error)) return
+      if (allocated(options%resample)) then
+         known = any(options%resample == [character(7) :: "index", "nearest", "linear"])
+         if (.not. known) call fatal_error(error, status%not_supported, "to resample by '"//options%resample// &
+                                           "' is not supported; known are index, nearest, linear")
+      end if
+      if (allocated(error)) return
+      if (allocated(options%input)) then
+         known = any(options%input == [character(9) :: "rate", "increment", "angle"])
+         if (.not. known) call fatal_error(error, status%invalid_argument, "the input '"//options%input// &
+                                           "' is not known; known are rate, increment, angle")
+      end if
+      if (allocated(error)) return
+      if (allocated(options%wrap)) then
+         known = options%wrap == "auto" .or. options%wrap == "none"
+         if (.not. known) call parse_number(options%wrap, modulus, found)
+         if (.not. known) known = found == number%ok .and. modulus > 0.0_dp
+         if (.not. known) call fatal_error(error, status%invalid_argument, "angles cannot wrap at '"//options%wrap// &
+                                           "'; known are auto, none and positive numbers")
+      end if
+   end subroutine check_options
+
+end module gyroakf_io_reader_options
