@@ -54,6 +54,9 @@ module gyroakf
    use gyroakf_filter_series, only : filter_result_type, filter_series, filter_run_type, begin_filter_run, feed_filter_run, &
       end_filter_run
    use gyroakf_filter_identification, only : drift_model_type, identify_drift
+   use gyroakf_filter_components, only : component_model_type
+   use gyroakf_filter_likelihood, only : component_likelihood
+   use gyroakf_filter_smoother, only : smooth_drift
    use gyroakf_preprocess_trend, only : trend_type, fit_trend, remove_trend, evaluate_trend
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
    use gyroakf_series_stationarity, only : adf_options, adf_type, test_adf

@@ -34,6 +34,8 @@ program test_main
    use test_fft, only : collect_fft
    use test_filter_series, only : collect_filter_series
    use test_identification, only : collect_identification
+   use test_likelihood, only : collect_likelihood
+   use test_smoother, only : collect_smoother
    use test_json, only : collect_json
    use test_kalman, only : collect_kalman
    use test_levinson, only : collect_levinson
@@ -102,6 +104,8 @@ program test_main
    call add("fft", collect_fft)
    call add("filter_series", collect_filter_series)
    call add("identification", collect_identification)
+   call add("likelihood", collect_likelihood)
+   call add("smoother", collect_smoother)
    call add("json", collect_json)
    call add("kalman", collect_kalman)
    call add("levinson", collect_levinson)

@@ -1,0 +1,323 @@
+! SPDX-License-Identifier: MIT
+!> The likelihood of drift models against dense Gaussians, and its gradient.
+module test_likelihood
+   use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_filter_components, only : component_model_type
+   use gyroakf_filter_likelihood, only : component_likelihood
+   use gyroakf_lapack, only : dpotrf
+   use filter_library, only : fill_noise, make_series
+   implicit none (type, external)
+   private
+   public :: collect_likelihood
+
+   real(dp), parameter :: log_two_pi = 1.8378770664093454835606594728112_dp
+   !> Rounding of a dense Cholesky factorisation of 50 samples
+   real(dp), parameter :: dense = 1.0e-11_dp
+
+contains
+
+   subroutine collect_likelihood(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         new_unittest("ar1-dense", test_ar1_dense), &
+         new_unittest("three-dense", test_three_dense), &
+         new_unittest("walk-dense", test_walk_dense), &
+         new_unittest("gaps-dense", test_gaps_dense), &
+         new_unittest("late-start", test_late_start), &
+         new_unittest("gradient", test_gradient), &
+         new_unittest("steady", test_steady), &
+         new_unittest("maximum", test_maximum), &
+         new_unittest("scale", test_scale), &
+         new_unittest("refused", test_refused)]
+   end subroutine collect_likelihood
+
+   !> Random walk, AR(1) and white noise.
+   pure type(component_model_type) function mixture(walk)
+      logical, intent(in) :: walk
+
+      mixture%count = 2
+      mixture%phi(:2) = [0.6_dp, 0.95_dp]
+      mixture%q(:2) = [0.3_dp, 0.05_dp]
+      mixture%r = 0.8_dp
+      if (.not. walk) return
+      mixture%count = 3
+      mixture%phi(3) = 1.0_dp
+      mixture%q(3) = 0.02_dp
+   end function mixture
+
+   !> Log-likelihood of the present samples by a factorisation of their covariance; with a random walk of their differences,
+   !> to which the first one adds nothing.
+   real(dp) function dense_likelihood(model, z, here) result(value)
+      type(component_model_type), intent(in) :: model
+      real(dp), intent(in) :: z(:)
+      logical, intent(in) :: here(:)
+      real(dp), allocatable :: a(:, :), y(:), d(:, :)
+      integer, allocatable :: at(:)
+      integer :: i, j, k, n, info
+      logical :: walk
+
+      at = pack([(i, i=1, size(z))], here)
+      n = size(at)
+      walk = any(model%phi(:model%count) >= 1.0_dp)
+      allocate (a(n, n))
+      a = 0.0_dp
+      do k = 1, model%count
+         do j = 1, n
+            do i = 1, n
+               if (model%phi(k) >= 1.0_dp) then
+                  a(i, j) = a(i, j) + model%q(k)*(min(at(i), at(j)) - at(1))
+               else
+                  a(i, j) = a(i, j) + model%q(k)/(1.0_dp - model%phi(k)**2)*model%phi(k)**abs(at(i) - at(j))
+               end if
+            end do
+         end do
+      end do
+      do i = 1, n
+         a(i, i) = a(i, i) + model%r
+      end do
+      y = z(at)
+      if (walk) then                                       ! z_i - z_1: a unit matrix after a column of -1
+         d = a(2:, 2:)
+         do j = 2, n
+            do i = 2, n
+               d(i - 1, j - 1) = a(i, j) - a(1, j) - a(i, 1) + a(1, 1)
+            end do
+         end do
+         y = y(2:) - y(1)
+         call move_alloc(d, a)
+         n = n - 1
+      end if
+      call dpotrf("L", n, a, n, info)
+      value = -0.5_dp*n*log_two_pi
+      do i = 1, n
+         y(i) = (y(i) - dot_product(a(i, :i - 1), y(:i - 1)))/a(i, i)
+         value = value - log(a(i, i)) - 0.5_dp*y(i)**2
+      end do
+   end function dense_likelihood
+
+   !> Normal numbers.
+   function normal_series(n, seed) result(z)
+      integer(int64), intent(in) :: n
+      integer, intent(in) :: seed
+      real(dp) :: z(n)
+
+      call fill_noise(seed, z)
+   end function normal_series
+
+   !> Compares filter and factorisation.
+   subroutine compare(error, model, z, here)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type), intent(in) :: model
+      real(dp), intent(in), contiguous :: z(:)
+      logical, intent(in) :: here(:)
+      type(gyro_error), allocatable :: failed
+      real(dp) :: value
+
+      call component_likelihood(model, z, value, failed, int(merge(1, 0, here), int8))
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      call check(error, value, dense_likelihood(model, z, here), thr=dense, rel=.true.)
+   end subroutine compare
+
+   subroutine test_ar1_dense(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model
+      logical :: here(50)
+
+      model%count = 1
+      model%phi(1) = 0.9_dp
+      model%q(1) = 0.4_dp
+      model%r = 1.5_dp
+      here = .true.
+      call compare(error, model, normal_series(50_int64, 3), here)
+   end subroutine test_ar1_dense
+
+   subroutine test_three_dense(error)
+      type(error_type), allocatable, intent(out) :: error
+      logical :: here(50)
+
+      here = .true.
+      call compare(error, mixture(.false.), normal_series(50_int64, 4), here)
+   end subroutine test_three_dense
+
+   subroutine test_walk_dense(error)
+      type(error_type), allocatable, intent(out) :: error
+      logical :: here(50)
+
+      here = .true.
+      call compare(error, mixture(.true.), 7.0_dp + normal_series(50_int64, 5), here)
+   end subroutine test_walk_dense
+
+   subroutine test_gaps_dense(error)
+      type(error_type), allocatable, intent(out) :: error
+      logical :: here(50)
+
+      here = .true.
+      here([2, 3, 17, 30, 31, 32, 50]) = .false.
+      call compare(error, mixture(.true.), normal_series(50_int64, 6), here)
+      if (allocated(error)) return
+      call compare(error, mixture(.false.), normal_series(50_int64, 6), here)
+   end subroutine test_gaps_dense
+
+   !> Samples are missing before the first measurement.
+   subroutine test_late_start(error)
+      type(error_type), allocatable, intent(out) :: error
+      logical :: here(50)
+
+      here = .true.
+      here(:9) = .false.
+      call compare(error, mixture(.true.), normal_series(50_int64, 8), here)
+   end subroutine test_late_start
+
+   !> Against central differences, with gaps and a random walk.
+   subroutine test_gradient(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model, near
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(400), gradient(7), value, above, below, h
+      integer :: m
+
+      model = mixture(.true.)
+      z = normal_series(400_int64, 9)
+      z([5, 60, 61]) = ieee_value(1.0_dp, ieee_quiet_nan)
+      call component_likelihood(model, z, value, failed, gradient=gradient)
+      call check(error, .not. allocated(failed) .and. abs(gradient(3)) <= 0.0_dp)
+      if (allocated(error)) return
+      do m = 1, 7
+         if (m == 3) cycle
+         h = 1.0e-6_dp
+         near = moved(model, m, h)
+         call component_likelihood(near, z, above, failed)
+         near = moved(model, m, -h)
+         call component_likelihood(near, z, below, failed)
+         call check(error, gradient(m), (above - below)/(2*h), thr=1.0e-5_dp, rel=.true.)
+         if (allocated(error)) return
+      end do
+   end subroutine test_gradient
+
+   !> The model with a parameter moved.
+   pure type(component_model_type) function moved(model, m, by)
+      type(component_model_type), intent(in) :: model
+      integer, intent(in) :: m
+      real(dp), intent(in) :: by
+
+      moved = model
+      if (m <= 3) then
+         moved%phi(m) = moved%phi(m) + by
+      else if (m <= 6) then
+         moved%q(m - 3) = moved%q(m - 3) + by
+      else
+         moved%r = moved%r + by
+      end if
+   end function moved
+
+   !> The steady gain changes nothing: the likelihood is the sum of those of windows too short to settle, given what is before them.
+   subroutine test_steady(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model
+      type(gyro_error), allocatable :: failed
+      real(dp), allocatable :: z(:)
+      real(dp) :: whole, parts, piece, gradient(3)
+      integer :: k
+
+      model%count = 1
+      model%phi(1) = 0.7_dp
+      model%q(1) = 0.5_dp
+      model%r = 1.0_dp
+      z = normal_series(20000_int64, 10)
+      call component_likelihood(model, z, whole, failed, gradient=gradient)
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      parts = 0.0_dp
+      do k = 0, 199                                        ! what is more than 40 samples back counts 0.4^40
+         call component_likelihood(model, z(max(1, 100*k - 39):100*k + 100), piece, failed)
+         parts = parts + piece
+         if (k == 0) cycle
+         call component_likelihood(model, z(100*k - 39:100*k), piece, failed)
+         parts = parts - piece
+      end do
+      call check(error, whole, parts, thr=1.0e-12_dp, rel=.true.)
+   end subroutine test_steady
+
+   !> The true parameters of a long series are likelier than others by far more than chance (half a chi-square a parameter).
+   subroutine test_maximum(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(50000), value, other
+
+      call make_series(11, 0.9_dp, 1.0_dp, 1.0_dp, z)
+      model%count = 1
+      model%phi(1) = 0.9_dp
+      model%q(1) = 0.19_dp
+      model%r = 1.0_dp
+      call component_likelihood(model, z, value, failed)
+      model%phi(1) = 0.85_dp
+      call component_likelihood(model, z, other, failed)
+      call check(error, value > other + 10)
+      if (allocated(error)) return
+      model%phi(1) = 0.9_dp
+      model%r = 1.2_dp
+      call component_likelihood(model, z, other, failed)
+      call check(error, value > other + 10)
+   end subroutine test_maximum
+
+   !> Values and standard deviations times s: ln L less n ln s, less one where the first sets the level.
+   subroutine test_scale(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(300), value, scaled
+      real(dp), parameter :: s = 3.0e-4_dp
+
+      z = normal_series(300_int64, 13)
+      model = mixture(.true.)
+      call component_likelihood(model, z, value, failed)
+      model%q = s*s*model%q
+      model%r = s*s*model%r
+      call component_likelihood(model, s*(z + 1.0e4_dp), scaled, failed)
+      ! the offset costs the digits that 1e4 has before the point
+      call check(error, scaled + 299*log(s), value, thr=1.0e-10_dp, rel=.true.)
+   end subroutine test_scale
+
+   subroutine test_refused(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(10), value
+
+      z = normal_series(10_int64, 14)
+      call component_likelihood(model, z, value, failed)
+      call check(error, code_of(failed), status%invalid_argument)
+      if (allocated(error)) return
+      model = mixture(.true.)
+      model%phi(1) = 1.0_dp
+      call component_likelihood(model, z, value, failed)
+      call check(error, code_of(failed), status%invalid_argument)
+      if (allocated(error)) return
+      model%phi(1) = -1.2_dp
+      call component_likelihood(model, z, value, failed)
+      call check(error, code_of(failed), status%unstable)
+      if (allocated(error)) return
+      model = mixture(.true.)
+      call component_likelihood(model, z(:1), value, failed)
+      call check(error, code_of(failed), status%too_few_samples)
+      if (allocated(error)) return
+      model%r = ieee_value(1.0_dp, ieee_quiet_nan)
+      call component_likelihood(model, z, value, failed)
+      call check(error, code_of(failed), status%non_finite)
+   end subroutine test_refused
+
+   !> 0 where there is no error.
+   integer function code_of(failed)
+      type(gyro_error), allocatable, intent(in) :: failed
+
+      code_of = 0
+      if (allocated(failed)) code_of = failed%code
+   end function code_of
+
+end module test_likelihood

@@ -1,0 +1,268 @@
+! SPDX-License-Identifier: MIT
+!> The smoother of drift models against dense conditional means.
+module test_smoother
+   use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_filter_components, only : component_model_type
+   use gyroakf_filter_smoother, only : smooth_drift
+   use gyroakf_lapack, only : dpotrf, dpotrs
+   use filter_library, only : fill_noise, make_series
+   implicit none (type, external)
+   private
+   public :: collect_smoother
+
+   !> Rounding of a dense solution of 50 equations
+   real(dp), parameter :: dense = 1.0e-10_dp
+
+contains
+
+   subroutine collect_smoother(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         new_unittest("ar1-dense", test_ar1), &
+         new_unittest("mixture-dense", test_mixture), &
+         new_unittest("walk-dense", test_walk), &
+         new_unittest("walk-and-noise-dense", test_walk_and_noise), &
+         new_unittest("gaps-dense", test_gaps), &
+         new_unittest("late-start-dense", test_late_start), &
+         new_unittest("white-dense", test_white), &
+         new_unittest("blocks", test_blocks), &
+         new_unittest("honest-variance", test_honest_variance), &
+         new_unittest("offset", test_offset), &
+         new_unittest("refused", test_refused)]
+   end subroutine collect_smoother
+
+   !> Two AR(1) processes, a random walk, white noise: the first so many of them.
+   pure type(component_model_type) function model_of(phi, q, r)
+      real(dp), intent(in) :: phi(:), q(:), r
+
+      model_of%count = size(phi)
+      model_of%phi(:size(phi)) = phi
+      model_of%q(:size(phi)) = q
+      model_of%r = r
+   end function model_of
+
+   !> Mean and variance of the drift given the present samples, by covariance matrices; the level of a random walk by generalised
+   !> least squares.
+   subroutine dense_drift(model, slow, z, here, white, drift, variance)
+      type(component_model_type), intent(in) :: model
+      logical, intent(in) :: slow(:), here(:)
+      real(dp), intent(in) :: z(:), white(:)
+      real(dp), intent(out) :: drift(:), variance(:)
+      real(dp), allocatable :: a(:, :), solved(:, :), cross(:), right(:, :)
+      integer, allocatable :: at(:)
+      real(dp) :: own, level, weight, share
+      integer :: i, j, k, n, info, t
+      logical :: walk, any_walk
+
+      at = pack([(i, i=1, size(z))], here)
+      n = size(at)
+      allocate (a(n, n), solved(n, 2), cross(n), right(n, 1))
+      do j = 1, n
+         do i = 1, n
+            a(i, j) = sum([(covariance(model, k, at(i), at(j), at(1)), k=1, model%count)])
+         end do
+         a(j, j) = a(j, j) + white(at(j))
+      end do
+      call dpotrf("L", n, a, n, info)
+      solved(:, 1) = z(at)
+      solved(:, 2) = 1.0_dp
+      call dpotrs("L", n, 2, a, n, solved, n, info)
+      any_walk = any(model%phi(:model%count) >= 1.0_dp)
+      walk = any(slow .and. model%phi(:model%count) >= 1.0_dp)
+      level = 0.0_dp
+      weight = sum(solved(:, 2))
+      if (any_walk) level = sum(solved(:, 1))/weight
+      do t = 1, size(z)
+         cross = 0.0_dp
+         own = 0.0_dp
+         do k = 1, model%count
+            if (.not. slow(k)) cycle
+            cross = cross + [(covariance(model, k, t, at(i), at(1)), i=1, n)]
+            own = own + covariance(model, k, t, t, at(1))
+         end do
+         drift(t) = dot_product(cross, solved(:, 1) - level*solved(:, 2)) + merge(level, 0.0_dp, walk)
+         right(:, 1) = cross
+         call dpotrs("L", n, 1, a, n, right, n, info)
+         variance(t) = own - dot_product(cross, right(:, 1))
+         share = merge(1.0_dp, 0.0_dp, walk) - dot_product(cross, solved(:, 2))
+         if (any_walk) variance(t) = variance(t) + share**2/weight
+      end do
+   end subroutine dense_drift
+
+   !> Covariance of a process at two samples; of a random walk of its distances from the level at the first present sample.
+   pure real(dp) function covariance(model, k, i, j, first)
+      type(component_model_type), intent(in) :: model
+      integer, intent(in) :: k, i, j, first
+
+      if (model%phi(k) < 1.0_dp) then
+         covariance = model%q(k)/(1.0_dp - model%phi(k)**2)*model%phi(k)**abs(i - j)
+      else if ((i - first)*(j - first) <= 0) then
+         covariance = 0.0_dp
+      else
+         covariance = model%q(k)*min(abs(i - first), abs(j - first))
+      end if
+   end function covariance
+
+   !> Compares the smoother with the matrices.
+   subroutine compare(error, model, slow, here, white)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type), intent(in) :: model
+      logical, intent(in) :: slow(:), here(:)
+      real(dp), intent(in), optional :: white(:)
+      type(gyro_error), allocatable :: failed
+      real(dp), dimension(50) :: z, drift, variance, expected, spread_expected, r
+      integer(int8) :: valid(50)
+
+      call fill_noise(21, z)
+      z = z + 5.0_dp
+      r = model%r
+      valid = int(merge(1, 0, here), int8)
+      if (present(white)) then
+         r = white
+         call smooth_drift(model, slow, z, drift, failed, valid, variance, white)
+      else
+         call smooth_drift(model, slow, z, drift, failed, valid, variance)
+      end if
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      call dense_drift(model, slow, z, here, r, expected, spread_expected)
+      call check(error, maxval(abs(drift - expected)) <= dense)
+      if (allocated(error)) return
+      call check(error, maxval(abs(variance - spread_expected)) <= dense)
+   end subroutine compare
+
+   !> No sample is missing.
+   pure function all_here() result(here)
+      logical :: here(50)
+
+      here = .true.
+   end function all_here
+
+   subroutine test_ar1(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      call compare(error, model_of([0.9_dp], [0.4_dp], 1.5_dp), [.true.], all_here())
+   end subroutine test_ar1
+
+   subroutine test_mixture(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      call compare(error, model_of([0.5_dp, 0.95_dp], [0.4_dp, 0.02_dp], 0.7_dp), [.false., .true.], all_here())
+   end subroutine test_mixture
+
+   subroutine test_walk(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      call compare(error, model_of([1.0_dp], [0.1_dp], 1.0_dp), [.true.], all_here())
+   end subroutine test_walk
+
+   subroutine test_walk_and_noise(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      call compare(error, model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.false., .true.], all_here())
+      if (allocated(error)) return
+      call compare(error, model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.true., .true.], all_here())
+   end subroutine test_walk_and_noise
+
+   subroutine test_gaps(error)
+      type(error_type), allocatable, intent(out) :: error
+      logical :: here(50)
+
+      here = .true.
+      here([2, 3, 17, 30, 31, 32, 50]) = .false.
+      call compare(error, model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.true., .true.], here)
+   end subroutine test_gaps
+
+   subroutine test_late_start(error)
+      type(error_type), allocatable, intent(out) :: error
+      logical :: here(50)
+
+      here = .true.
+      here(:7) = .false.
+      call compare(error, model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.true., .true.], here)
+      if (allocated(error)) return
+      call compare(error, model_of([0.7_dp, 0.9_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.false., .true.], here)
+   end subroutine test_late_start
+
+   !> White noise whose variance changes.
+   subroutine test_white(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i
+
+      call compare(error, model_of([0.9_dp, 1.0_dp], [0.1_dp, 0.02_dp], 0.6_dp), [.true., .true.], all_here(), &
+                   [(merge(9.0_dp, 0.5_dp, i > 20 .and. i < 35), i=1, 50)])
+   end subroutine test_white
+
+   !> More samples than a block: those far from both ends do not feel where a series is cut.
+   subroutine test_blocks(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(5000), drift(5000), part(3000), variance(5000), other(3000)
+
+      model = model_of([0.6_dp, 0.9_dp], [0.2_dp, 0.05_dp], 1.0_dp)
+      call fill_noise(22, z)
+      call smooth_drift(model, [.false., .true.], z, drift, failed, variance=variance)
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      call smooth_drift(model, [.false., .true.], z(1001:4000), part, failed, variance=other)
+      call check(error, maxval(abs(drift(1501:3500) - part(501:2500))) <= 1.0e-12_dp)
+      if (allocated(error)) return
+      call check(error, maxval(abs(variance(1501:3500) - other(501:2500))) <= 1.0e-12_dp)
+   end subroutine test_blocks
+
+   !> The errors have the stated variance: 20000 of them, correlated over some 20 samples, within five standard deviations.
+   subroutine test_honest_variance(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failed
+      real(dp), dimension(20000) :: z, truth, drift, variance
+
+      call make_series(23, 0.95_dp, 1.0_dp, 4.0_dp, z, truth)
+      call smooth_drift(model_of([0.95_dp], [0.0975_dp], 4.0_dp), [.true.], z, drift, failed, variance=variance)
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      call check(error, sum((drift - truth)**2/variance)/20000, 1.0_dp, thr=5*sqrt(2.0_dp*20/20000))
+   end subroutine test_honest_variance
+
+   !> A random walk takes an offset as it is.
+   subroutine test_offset(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failed
+      real(dp), dimension(2000) :: z, drift, moved
+
+      call fill_noise(24, z)
+      call smooth_drift(model_of([1.0_dp], [0.01_dp], 1.0_dp), [.true.], z, drift, failed)
+      call smooth_drift(model_of([1.0_dp], [0.01_dp], 1.0_dp), [.true.], z + 1024.0_dp, moved, failed)
+      call check(error, maxval(abs(moved - 1024.0_dp - drift)) <= 1.0e-10_dp)
+   end subroutine test_offset
+
+   subroutine test_refused(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(10), drift(10)
+
+      call fill_noise(25, z)
+      call smooth_drift(model_of([0.9_dp], [0.1_dp], 1.0_dp), [.true.], z, drift(:9), failed)
+      call check(error, code_of(failed), status%invalid_argument)
+      if (allocated(error)) return
+      call smooth_drift(model_of([1.1_dp], [0.1_dp], 1.0_dp), [.true.], z, drift, failed)
+      call check(error, code_of(failed), status%unstable)
+      if (allocated(error)) return
+      z = ieee_value(1.0_dp, ieee_quiet_nan)
+      call smooth_drift(model_of([0.9_dp], [0.1_dp], 1.0_dp), [.true.], z, drift, failed)
+      call check(error, code_of(failed), status%too_few_samples)
+   end subroutine test_refused
+
+   !> 0 where there is no error.
+   integer function code_of(failed)
+      type(gyro_error), allocatable, intent(in) :: failed
+
+      code_of = 0
+      if (allocated(failed)) code_of = failed%code
+   end function code_of
+
+end module test_smoother
