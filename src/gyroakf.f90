@@ -16,6 +16,7 @@ module gyroakf
       & chi_square_quantile, digamma
    use gyroakf_fft, only : fft_plan_type, new_fft_plan, fft_forward, fft_backward, smooth_length, &
       real_fft_plan_type, new_real_fft_plan, real_fft_forward, real_fft_backward, convolve
+   use gyroakf_quasi_newton, only : objective_type, minimise_options, minimum_type, minimise
    use gyroakf_simulate_random, only : random_type, seed_random, next_bits, next_uniform, next_normal, fill_normal
    use gyroakf_io_record_writer, only : write_record
    use gyroakf_simulate_record, only : simulate_options, simulate_record, paper_preset, paper_seed

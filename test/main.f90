@@ -48,6 +48,7 @@ program test_main
    use test_pipeline, only : collect_pipeline
    use test_progress, only : collect_progress
    use test_progress_text, only : collect_progress_text
+   use test_quasi_newton, only : collect_quasi_newton
    use test_random, only : collect_random
    use test_raw, only : collect_raw
    use test_reader, only : collect_reader
@@ -118,6 +119,7 @@ program test_main
    call add("pipeline", collect_pipeline)
    call add("progress", collect_progress)
    call add("progress_text", collect_progress_text)
+   call add("quasi_newton", collect_quasi_newton)
    call add("random", collect_random)
    call add("raw", collect_raw)
    call add("reader", collect_reader)

@@ -1,0 +1,329 @@
+! SPDX-License-Identifier: MIT
+!> Minimum of a smooth function of a few variables by the BFGS method.
+!>
+!>     type, extends(objective_type) :: bowl
+!>     contains
+!>        procedure :: evaluate => evaluate_bowl      ! value and gradient at a point
+!>     end type
+!>     call minimise(objective, start, minimise_options(), minimum, error)
+!>
+!> The inverse Hessian is kept as a matrix and updated by the formula of Broyden, Fletcher, Goldfarb and Shanno; a step ends where
+!> the strong Wolfe conditions hold. Close to the minimum, where differences of values are rounding, the decrease is judged by the
+!> slopes (Hager and Zhang), so that the gradient goes to zero and not only to the root of the precision. Sources: J. Nocedal,
+!> S. J. Wright, Numerical Optimization (2006), algorithms 3.5, 3.6 and 6.1; W. W. Hager, H. Zhang, SIAM J. Optim. 16 (2005) 170.
+!>
+!> LAPACK has no minimisation. The L-BFGS-B library (BSD), which Debian has as liblbfgsb, is no package of most other systems,
+!> cannot be told of a point where the function does not exist, and keeps its best in many variables; libLBFGS (MIT) and MINPACK
+!> (least squares only) are no better a fit for a handful of variables. So it is written here; it keeps no state.
+module gyroakf_quasi_newton
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
+   use gyroakf_kinds, only : dp
+   use gyroakf_error, only : error_type, fatal_error, status
+   implicit none (type, external)
+   private
+   public :: objective_type, minimise_options, minimum_type, minimise
+
+   !> Sufficient decrease; decrease of the slope; share of the slope that stands for the decrease near the minimum
+   real(dp), parameter :: decrease = 1.0e-4_dp, flattening = 0.9_dp, slope_share = 0.1_dp
+   !> Differences of values below this share of the value are rounding
+   real(dp), parameter :: rounding = 1.0e-14_dp
+   !> Most evaluations along a line
+   integer, parameter :: most_trials = 60
+
+   !> A function; extensions hold its data
+   type, abstract :: objective_type
+   contains
+      !> Value and gradient
+      procedure(evaluate_interface), deferred :: evaluate
+   end type objective_type
+
+   abstract interface
+      !> Value and gradient at a point.
+      subroutine evaluate_interface(self, parameter, value, gradient, feasible)
+         import :: dp, objective_type
+         implicit none (type, external)
+         !> May keep work arrays
+         class(objective_type), intent(inout) :: self
+         !> The point: [n]
+         real(dp), intent(in) :: parameter(:)
+         !> The function there
+         real(dp), intent(out) :: value
+         !> Its derivatives: [n]
+         real(dp), intent(out) :: gradient(:)
+         !> False where the function does not exist; value and gradient are then not looked at
+         logical, intent(out) :: feasible
+      end subroutine evaluate_interface
+   end interface
+
+   !> When to stop
+   type :: minimise_options
+      !> Largest |gradient_i| max(|parameter_i|, 1) over max(|value|, 1) at the minimum, > 0
+      real(dp) :: gradient_tolerance = 1.0e-9_dp
+      !> Most iterations, >= 0
+      integer :: max_iterations = 200
+   end type minimise_options
+
+   !> What was found
+   type :: minimum_type
+      !> The best point and the gradient there: [n]
+      real(dp), allocatable :: parameter(:), gradient(:)
+      !> The function there
+      real(dp) :: value = 0.0_dp
+      !> Steps made, and calls of `evaluate`
+      integer :: iterations = 0, evaluations = 0
+      !> The gradient is as small as asked for, or no further decrease can be told from rounding
+      logical :: converged = .false.
+   end type minimum_type
+
+   !> A point on the line of a step
+   type :: point_type
+      !> Its distance in steps, the function and its slope along the line
+      real(dp) :: step = 0.0_dp, value = 0.0_dp, slope = 0.0_dp
+      !> The function exists there
+      logical :: feasible = .true.
+      real(dp), allocatable :: parameter(:), gradient(:)
+   end type point_type
+
+contains
+
+   !> Minimises a function.
+   subroutine minimise(objective, start, options, minimum, error, inverse_hessian)
+      !> The function
+      class(objective_type), intent(inout) :: objective
+      !> Where to begin: [n], n >= 1; the function exists there
+      real(dp), intent(in) :: start(:)
+      !> When to stop
+      type(minimise_options), intent(in) :: options
+      !> The minimum, also where `converged` is false: the best point so far
+      type(minimum_type), intent(out) :: minimum
+      !> invalid_argument: no variables, options out of range, sizes, the function does not exist at the start
+      type(error_type), allocatable, intent(out) :: error
+      !> First guess of the inverse Hessian: [n, n], symmetric, positive definite; without it a multiple of the unit matrix
+      real(dp), intent(in), optional :: inverse_hessian(:, :)
+      type(point_type) :: here, next
+      real(dp) :: h(size(start), size(start)), direction(size(start))
+      logical :: unit, found
+
+      call check_arguments(size(start), options, error, inverse_hessian)
+      if (allocated(error)) return
+      call begin(objective, start, here, minimum, error)
+      if (allocated(error)) return
+      call reset(h, unit, inverse_hessian)
+      do while (minimum%iterations < options%max_iterations)
+         minimum%converged = flatness(here) <= options%gradient_tolerance
+         if (minimum%converged) exit
+         direction = -matmul(h, here%gradient)
+         if (unit) direction = direction/max(norm2(here%gradient), 1.0_dp)
+         here%step = 0.0_dp
+         here%slope = dot_product(direction, here%gradient)
+         if (here%slope < 0.0_dp) then
+            call search_line(objective, here, direction, next, minimum%evaluations, found)
+         else
+            found = .false.
+         end if
+         if (found) then
+            call update(h, next%parameter - here%parameter, next%gradient - here%gradient, unit)
+            minimum%iterations = minimum%iterations + 1
+            here = next
+         else
+            minimum%converged = -here%slope <= rounding*max(abs(here%value), 1.0_dp)
+            if (unit .or. minimum%converged) exit
+            call reset(h, unit)
+         end if
+      end do
+      if (.not. minimum%converged) minimum%converged = flatness(here) <= options%gradient_tolerance
+      minimum%parameter(:) = here%parameter
+      minimum%gradient(:) = here%gradient
+      minimum%value = here%value
+   end subroutine minimise
+
+   !> Refuses arguments out of range.
+   subroutine check_arguments(n, options, error, inverse_hessian)
+      integer, intent(in) :: n
+      type(minimise_options), intent(in) :: options
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), intent(in), optional :: inverse_hessian(:, :)
+
+      if (n < 1) then
+         call fatal_error(error, status%invalid_argument, "there is no variable to minimise over")
+      else if (.not. (options%gradient_tolerance > 0.0_dp .and. options%max_iterations >= 0)) then
+         call fatal_error(error, status%invalid_argument, "the tolerance of a minimisation must be positive, &
+            &its iterations not negative")
+      else if (present(inverse_hessian)) then
+         if (any(shape(inverse_hessian) /= n)) then
+            call fatal_error(error, status%invalid_argument, "the inverse Hessian and the start differ in size")
+         end if
+      end if
+   end subroutine check_arguments
+
+   !> The first point.
+   subroutine begin(objective, start, here, minimum, error)
+      class(objective_type), intent(inout) :: objective
+      real(dp), intent(in) :: start(:)
+      type(point_type), intent(out) :: here
+      type(minimum_type), intent(inout) :: minimum
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: no_direction(size(start))
+
+      no_direction = 0.0_dp
+      allocate (minimum%parameter(size(start)), minimum%gradient(size(start)))
+      call try_point(objective, start, no_direction, 0.0_dp, here, minimum%evaluations)
+      if (here%feasible) return
+      minimum%parameter(:) = start
+      minimum%gradient(:) = 0.0_dp
+      call fatal_error(error, status%invalid_argument, "the function does not exist at the start of the minimisation")
+   end subroutine begin
+
+   !> The inverse Hessian before anything is known of it.
+   pure subroutine reset(h, unit, inverse_hessian)
+      real(dp), intent(out) :: h(:, :)
+      !> It is the unit matrix
+      logical, intent(out) :: unit
+      real(dp), intent(in), optional :: inverse_hessian(:, :)
+      integer :: i
+
+      unit = .not. present(inverse_hessian)
+      if (present(inverse_hessian)) then
+         h(:, :) = inverse_hessian
+         return
+      end if
+      h(:, :) = 0.0_dp
+      do i = 1, size(h, 1)
+         h(i, i) = 1.0_dp
+      end do
+   end subroutine reset
+
+   !> Largest derivative, scaled by its variable and the value.
+   pure real(dp) function flatness(point)
+      type(point_type), intent(in) :: point
+
+      flatness = maxval(abs(point%gradient)*max(abs(point%parameter), 1.0_dp))/max(abs(point%value), 1.0_dp)
+   end function flatness
+
+   !> The BFGS formula for the inverse Hessian; left out where the curvature along the step is not positive.
+   pure subroutine update(h, s, y, unit)
+      !> Inverse Hessian: [n, n]
+      real(dp), intent(inout) :: h(:, :)
+      !> Step and change of the gradient: [n]
+      real(dp), intent(in) :: s(:), y(:)
+      !> It is still the unit matrix and gets the size of the curvature first
+      logical, intent(inout) :: unit
+      real(dp) :: hy(size(s)), sy, factor
+      integer :: j
+
+      sy = dot_product(s, y)
+      if (sy <= epsilon(sy)*norm2(s)*norm2(y)) return
+      if (unit) h(:, :) = h*(sy/dot_product(y, y))
+      unit = .false.
+      hy = matmul(h, y)
+      factor = (1.0_dp + dot_product(y, hy)/sy)/sy
+      do j = 1, size(s)
+         h(:, j) = h(:, j) + factor*s*s(j) - (hy*s(j) + s*hy(j))/sy
+      end do
+   end subroutine update
+
+   !> Evaluates a point of a line.
+   subroutine try_point(objective, origin, direction, step, point, evaluations)
+      class(objective_type), intent(inout) :: objective
+      real(dp), intent(in) :: origin(:), direction(:), step
+      type(point_type), intent(inout) :: point
+      integer, intent(inout) :: evaluations
+
+      if (.not. allocated(point%parameter)) allocate (point%parameter(size(origin)), point%gradient(size(origin)))
+      point%step = step
+      point%parameter(:) = origin + step*direction
+      call objective%evaluate(point%parameter, point%value, point%gradient, point%feasible)
+      evaluations = evaluations + 1
+      if (point%feasible) point%feasible = ieee_is_finite(point%value) .and. all(ieee_is_finite(point%gradient))
+      if (point%feasible) then
+         point%slope = dot_product(direction, point%gradient)
+      else
+         point%value = huge(1.0_dp)
+         point%slope = 0.0_dp
+         point%gradient(:) = 0.0_dp
+      end if
+   end subroutine try_point
+
+   !> Looks along a line for a point where the strong Wolfe conditions hold; where there is none within reach (a wall), the
+   !> lowest point found.
+   subroutine search_line(objective, origin, direction, best, evaluations, found)
+      class(objective_type), intent(inout) :: objective
+      !> Where the line begins; its slope is negative
+      type(point_type), intent(in) :: origin
+      real(dp), intent(in) :: direction(:)
+      !> The point
+      type(point_type), intent(out) :: best
+      integer, intent(inout) :: evaluations
+      !> There is one, lower than the origin
+      logical, intent(out) :: found
+      type(point_type) :: low, high, trial
+      real(dp) :: step, noise
+      logical :: bracketed
+      integer :: i
+
+      low = origin
+      bracketed = .false.
+      noise = rounding*max(abs(origin%value), 1.0_dp)
+      step = 1.0_dp
+      do i = 1, most_trials
+         call try_point(objective, origin%parameter, direction, step, trial, evaluations)
+         if (.not. is_lower(origin, low, trial, noise)) then
+            high = trial
+            bracketed = .true.
+         else if (abs(trial%slope) <= -flattening*origin%slope) then
+            low = trial
+            exit
+         else
+            if (trial%slope*(trial%step - low%step) >= 0.0_dp) then
+               high = low
+               bracketed = .true.
+            end if
+            low = trial
+         end if
+         if (bracketed) then
+            if (abs(high%step - low%step) <= epsilon(step)*max(abs(low%step), tiny(step)/epsilon(step))) exit
+            step = between(low, high)
+         else
+            step = 3.0_dp*low%step
+         end if
+      end do
+      best = low
+      found = low%step > 0.0_dp
+   end subroutine search_line
+
+   !> A trial is low enough for the way it went, and lower than the lowest so far.
+   pure logical function is_lower(origin, low, trial, noise)
+      type(point_type), intent(in) :: origin, low, trial
+      !> Differences of values that mean nothing
+      real(dp), intent(in) :: noise
+
+      is_lower = .false.
+      if (.not. trial%feasible) return
+      is_lower = trial%value <= origin%value + decrease*trial%step*origin%slope .and. trial%value < low%value
+      if (is_lower .or. -origin%slope*trial%step > 1.0e3_dp*noise) return
+      is_lower = trial%value <= origin%value + noise .and. trial%slope <= (2.0_dp*slope_share - 1.0_dp)*origin%slope
+   end function is_lower
+
+   !> A point inside a bracket: the minimum of the cubic through values and slopes, not close to the ends.
+   pure real(dp) function between(low, high) result(step)
+      type(point_type), intent(in) :: low, high
+      real(dp), parameter :: margin = 0.1_dp
+      real(dp) :: width, scale, a, b, s, t, share
+
+      width = high%step - low%step
+      share = 0.5_dp
+      if (high%feasible) then
+         a = 3.0_dp*((low%value - high%value)/width) + low%slope + high%slope
+         scale = max(abs(a), abs(low%slope), abs(high%slope), tiny(a))
+         a = a/scale
+         s = low%slope/scale
+         t = high%slope/scale
+         b = sign(sqrt(max(a*a - s*t, 0.0_dp)), width)
+         if (abs(t - s + 2.0_dp*b) > epsilon(b)) then
+            share = min(max(1.0_dp - (t + b - a)/(t - s + 2.0_dp*b), margin), 1.0_dp - margin)
+         end if
+      end if
+      step = low%step + share*width
+   end function between
+
+end module gyroakf_quasi_newton
