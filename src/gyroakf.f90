@@ -48,7 +48,10 @@ module gyroakf
       discard_writer, format_real, make_directory
    use gyroakf_series_moments, only : moments_type, compute_moments, join_moments
    use gyroakf_series_normality, only : jarque_bera_type, test_jarque_bera
-   use gyroakf_series_whiteness, only : ljung_box_type, test_ljung_box, ljung_box_of
+   use gyroakf_series_whiteness, only : ljung_box_type, box_pierce_type, test_ljung_box, ljung_box_of, box_pierce_of
+   use gyroakf_series_correlation, only : correlation_type, compute_correlation, correlation_of
+   use gyroakf_series_kpss, only : kpss_options, kpss_type, test_kpss
+   use gyroakf_series_phillips_perron, only : phillips_perron_options, phillips_perron_type, test_phillips_perron
    use gyroakf_ar_autocovariance, only : compute_autocovariance, residual_autocovariance
    use gyroakf_ar_levinson, only : solve_levinson
    use gyroakf_ar_roots, only : ar_root_type, find_ar_roots, largest_modulus

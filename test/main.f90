@@ -71,6 +71,9 @@ program test_main
    use test_conventions, only : collect_conventions
    use test_kalibr, only : collect_kalibr
    use test_units, only : collect_units
+   use test_kpss, only : collect_kpss
+   use test_phillips_perron, only : collect_phillips_perron
+   use test_correlation, only : collect_correlation
    use test_whiteness, only : collect_whiteness
    use test_writer, only : collect_writer
    use suite_runner, only : add, finish
@@ -142,6 +145,9 @@ program test_main
    call add("conventions", collect_conventions)
    call add("kalibr", collect_kalibr)
    call add("units", collect_units)
+   call add("kpss", collect_kpss)
+   call add("phillips_perron", collect_phillips_perron)
+   call add("correlation", collect_correlation)
    call add("whiteness", collect_whiteness)
    call add("writer", collect_writer)
 

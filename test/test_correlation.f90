@@ -1,0 +1,327 @@
+! SPDX-License-Identifier: MIT
+!> Tests of autocorrelation and partial autocorrelation at many lags, and of the tests of whiteness at every lag.
+module test_correlation
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_ar_autocovariance, only : compute_autocovariance
+   use gyroakf_ar_levinson, only : solve_levinson
+   use gyroakf_series_correlation, only : correlation_type, compute_correlation, correlation_of
+   use gyroakf_series_lag_transform, only : autocovariances_by_transform, transform_from
+   use gyroakf_series_whiteness, only : ljung_box_type, box_pierce_type, test_ljung_box, box_pierce_of
+   use series_library, only : reference_series, reference_names
+   use testdrive, only : check, error_type, new_unittest, unittest_type
+   implicit none (type, external)
+   private
+   public :: collect_correlation
+
+   real(dp), parameter :: tolerance = 1.0e-12_dp
+   !> Box-Pierce over 10 and 20 lags of the eleven series, 1000 samples: statsmodels 0.15, which keeps 13 digits
+   !> (10 for the offset)
+   real(dp), parameter :: box_pierce_10(11) = [ &
+      & 14.679420031234669_dp, 11.40743344123296_dp, 9.929600311991237_dp, 9117.923459758542_dp, 794.2403661586729_dp, &
+      & 7256.246848918738_dp, 1069.8388848990453_dp, 581.3305695026613_dp, 884.2507686269751_dp, 794.2403661406511_dp, &
+      & 26.622053715511722_dp]
+   real(dp), parameter :: box_pierce_20(11) = [ &
+      & 25.055134684473597_dp, 13.665486780731975_dp, 21.049038635742228_dp, 16963.178758022066_dp, 809.6426994376648_dp, &
+      & 11476.596524843444_dp, 1100.1888429860658_dp, 1170.6967839389552_dp, 895.6772616755114_dp, 809.6426994168635_dp, &
+      & 39.13252101808548_dp]
+
+contains
+
+   !> The tests of this suite.
+   subroutine collect_correlation(testsuite)
+      !> The tests
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         & new_unittest("by_hand", test_by_hand), &
+         & new_unittest("reference", test_reference), &
+         & new_unittest("every_lag", test_every_lag), &
+         & new_unittest("partial", test_partial), &
+         & new_unittest("limits", test_limits), &
+         & new_unittest("transform", test_transform), &
+         & new_unittest("transform_missing", test_transform_missing), &
+         & new_unittest("all_lags", test_all_lags), &
+         & new_unittest("offset_scale", test_offset_scale), &
+         & new_unittest("missing", test_missing), &
+         & new_unittest("failures", test_failures)]
+   end subroutine collect_correlation
+
+   !> 1 2 3 4: rho = 1/4, -3/10; pacf_2 = (-3/10 - 1/16)/(1 - 1/16); Box-Pierce 4 (1/16 + 9/100).
+   subroutine test_by_hand(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(correlation_type) :: c
+      type(gyro_error), allocatable :: problem
+
+      call compute_correlation([1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp], 2, 0, c, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, maxval(abs(c%acf - [1.0_dp, 0.25_dp, -0.3_dp])) < tolerance, "acf")
+      if (allocated(error)) return
+      call check(error, maxval(abs(c%pacf - [1.0_dp, 0.25_dp, -0.3625_dp/0.9375_dp])) < tolerance, "pacf")
+      if (allocated(error)) return
+      call check(error, c%box_pierce(2), 4.0_dp*(0.0625_dp + 0.09_dp), thr=tolerance)
+      if (allocated(error)) return
+      call check(error, c%ljung_box(2), 24.0_dp*(1.0_dp/48.0_dp + 0.045_dp), thr=tolerance)
+      if (allocated(error)) return
+      call check(error, c%largest_lag == 2 .and. abs(c%largest_rho - 0.3_dp) < tolerance, "largest")
+      if (allocated(error)) return
+      call check(error, c%mean, 2.5_dp, thr=tolerance)
+   end subroutine test_by_hand
+
+   !> Box-Pierce of the eleven series.
+   subroutine test_reference(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(correlation_type) :: c
+      type(box_pierce_type) :: whole
+      type(gyro_error), allocatable :: problem
+      real(dp), allocatable :: r(:)
+      real(dp) :: allowed, mean
+      integer :: i
+
+      do i = 1, size(reference_names)
+         call compute_correlation(reference_series(trim(reference_names(i)), 1000), 20, 0, c, problem)
+         allowed = 1.0e-12_dp
+         if (reference_names(i) == "offset") allowed = 1.0e-10_dp
+         call check(error, c%box_pierce(10), box_pierce_10(i), reference_names(i), thr=allowed, rel=.true.)
+         if (allocated(error)) return
+         call check(error, c%box_pierce(20), box_pierce_20(i), reference_names(i), thr=allowed, rel=.true.)
+         if (allocated(error)) return
+         call compute_autocovariance(reference_series(trim(reference_names(i)), 1000), 20, mean, r, problem)
+         call box_pierce_of(r, 1000_int64, 0, whole, problem)
+         call check(error, whole%statistic, c%box_pierce(20), thr=tolerance, rel=.true.)
+         if (allocated(error)) return
+         call check(error, whole%p_value, c%box_pierce_p(20), thr=1.0e-9_dp, rel=.true.)
+         if (allocated(error)) return
+      end do
+   end subroutine test_reference
+
+   !> The statistic at every lag is that of a test with so many lags; fitted parameters take degrees of freedom.
+   subroutine test_every_lag(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(correlation_type) :: c
+      type(ljung_box_type) :: lb
+      type(gyro_error), allocatable :: problem
+      real(dp), allocatable :: x(:)
+      integer :: k
+
+      x = reference_series("sine", 1000)
+      call compute_correlation(x, 30, 2, c, problem)
+      do k = 3, 30
+         call test_ljung_box(x, k, 2, lb, problem)
+         call check(error, c%ljung_box(k), lb%statistic, thr=tolerance, rel=.true.)
+         if (allocated(error)) return
+         call check(error, c%ljung_box_p(k), lb%p_value, thr=1.0e-11_dp, rel=.true.)
+         if (allocated(error)) return
+      end do
+      call check(error, all(c%ljung_box_p(:2) >= 1.0_dp) .and. all(c%box_pierce_p(:2) >= 1.0_dp), "no degree of freedom")
+      if (allocated(error)) return
+      call check(error, lb%largest_lag == c%largest_lag .and. abs(c%acf(c%largest_lag)) >= maxval(abs(c%acf(1:))), "largest")
+   end subroutine test_every_lag
+
+   !> The last coefficient of every model; of an AR(2) process nothing is left from lag 3 on.
+   subroutine test_partial(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(correlation_type) :: c
+      type(gyro_error), allocatable :: problem
+      real(dp), allocatable :: x(:), r(:), phi(:, :), variance(:)
+      real(dp) :: mean
+      integer :: k
+
+      x = reference_series("ar2", 12000)
+      call compute_correlation(x, 40, 0, c, problem)
+      call compute_autocovariance(x, 40, mean, r, problem)
+      call solve_levinson(r, phi, variance, problem)
+      do k = 1, 40
+         call check(error, c%pacf(k), phi(k, k), thr=tolerance)
+         if (allocated(error)) return
+      end do
+      call check(error, c%pacf(2), -0.48181643820724285_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, maxval(abs(c%pacf(3:))) < 0.04_dp .and. c%partial_lags == 40, "beyond the order")
+      if (allocated(error)) return
+      call correlation_of([1.0_dp, 1.0_dp, 1.0_dp], 1000_int64, 0, c, problem)
+      call check(error, c%partial_lags == 0 .and. all(abs(c%pacf(1:)) <= 0.0_dp), "perfectly predicted")
+   end subroutine test_partial
+
+   !> White noise stays within its limits at 95 % of the lags, a random walk does not; Bartlett's are wider.
+   subroutine test_limits(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(correlation_type) :: c
+      type(gyro_error), allocatable :: problem
+      integer :: outside
+
+      call compute_correlation(reference_series("wn", 12000), 399, 0, c, problem)
+      call check(error, c%limit(7), 1.9599639845400542_dp/sqrt(12000.0_dp), thr=tolerance, rel=.true.)
+      if (allocated(error)) return
+      outside = count(abs(c%acf(1:)) > c%limit(1:))
+      call check(error, outside >= 8 .and. outside <= 36, "5 % of 399 lags are outside")
+      if (allocated(error)) return
+      call compute_correlation(reference_series("ar1", 12000), 60, 0, c, problem)
+      call check(error, c%bartlett(3), c%limit(3)*sqrt(1.0_dp + 2.0_dp*(c%acf(1)**2 + c%acf(2)**2)), thr=tolerance, rel=.true.)
+      if (allocated(error)) return
+      call check(error, c%bartlett(1), c%limit(1), thr=tolerance, rel=.true.)
+   end subroutine test_limits
+
+   !> The transform gives what the products give, to 1e-14 of r(0), over many blocks and one.
+   subroutine test_transform(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: lags(4) = [0, 30, 700, 5000]
+      type(gyro_error), allocatable :: problem
+      real(dp), allocatable :: x(:), a(:), b(:)
+      integer(int64), allocatable :: pairs(:)
+      real(dp) :: mean, other
+      integer :: i
+
+      x = 1.0e4_dp + reference_series("ar1", 100000)
+      do i = 1, size(lags)
+         call compute_autocovariance(x, lags(i), mean, a, problem)
+         call autocovariances_by_transform(x, lags(i), other, b, problem, pairs=pairs)
+         call check(error, .not. allocated(problem), "it failed")
+         if (allocated(error)) return
+         call check(error, maxval(abs(a - b)) <= 1.0e-14_dp*a(0), "autocovariances")
+         if (allocated(error)) return
+         call check(error, size(b) == lags(i) + 1 .and. pairs(lags(i)) == size(x) - lags(i), "pairs")
+         if (allocated(error)) return
+         call check(error, other, mean)
+         if (allocated(error)) return
+      end do
+   end subroutine test_transform
+
+   !> The same with gaps, in which anything stands.
+   subroutine test_transform_missing(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: problem
+      real(dp), allocatable :: x(:), a(:), b(:)
+      integer(int64), allocatable :: pairs(:), number(:)
+      integer(int8), allocatable :: valid(:)
+      real(dp) :: mean
+      integer :: i
+
+      x = reference_series("ar1_99", 40000)
+      allocate (valid(size(x)))
+      valid = 1_int8
+      do i = 1, size(x)
+         if (mod(i, 5) == 0 .or. (i > 7000 .and. i < 16000)) valid(i) = 0_int8
+         if (valid(i) == 0_int8) x(i) = 1.0e200_dp
+      end do
+      call compute_autocovariance(x, 900, mean, a, problem, valid, pairs)
+      call autocovariances_by_transform(x, 900, mean, b, problem, valid, number)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, maxval(abs(a - b)) <= 1.0e-13_dp*a(0), "autocovariances")
+      if (allocated(error)) return
+      call check(error, all(pairs == number), "pairs")
+   end subroutine test_transform_missing
+
+   !> As many lags as samples: the autocorrelations of a centred series sum up to -1/2.
+   subroutine test_all_lags(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(correlation_type) :: c
+      type(gyro_error), allocatable :: problem
+
+      call compute_correlation(reference_series("ar1", 3000), 2999, 0, c, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, sum(c%acf(1:)), -0.5_dp, thr=1.0e-11_dp)
+      if (allocated(error)) return
+      call check(error, c%partial_lags == 2999 .and. maxval(abs(c%pacf)) <= 1.0_dp, "pacf")
+   end subroutine test_all_lags
+
+   !> An offset of 2^30 and a scale of 2^-50 lose nothing, as the values are multiples of 1/1024; few lags and many.
+   subroutine test_offset_scale(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(correlation_type) :: a, b
+      type(gyro_error), allocatable :: problem
+      real(dp), allocatable :: x(:)
+      integer :: lags
+
+      x = anint(1024.0_dp*reference_series("ar1", 5000))/1024.0_dp
+      do lags = 20, transform_from + 20, transform_from
+         call compute_correlation(x, lags, 0, a, problem)
+         call compute_correlation(2.0_dp**(-50)*(x + 2.0_dp**30), lags, 0, b, problem)
+         call check(error, maxval(abs(a%acf - b%acf)) < tolerance .and. maxval(abs(a%pacf - b%pacf)) < tolerance, "correlation")
+         if (allocated(error)) return
+         call check(error, b%ljung_box(lags), a%ljung_box(lags), thr=tolerance, rel=.true.)
+         if (allocated(error)) return
+      end do
+   end subroutine test_offset_scale
+
+   !> Gaps: rho over present pairs; a mask of ones changes nothing.
+   subroutine test_missing(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(correlation_type) :: a, b
+      type(gyro_error), allocatable :: problem
+      real(dp), allocatable :: x(:)
+      integer(int8), allocatable :: valid(:)
+      integer :: i
+
+      x = reference_series("ar1", 12000)
+      allocate (valid(size(x)))
+      valid = 1_int8
+      call compute_correlation(x, 20, 0, a, problem)
+      call compute_correlation(x, 20, 0, b, problem, valid)
+      call check(error, b%box_pierce(20), a%box_pierce(20), thr=tolerance, rel=.true.)
+      if (allocated(error)) return
+      call check(error, b%limit(20), a%limit(20), thr=tolerance, rel=.true.)
+      if (allocated(error)) return
+      do i = 1, size(x), 3
+         valid(i) = 0_int8
+         x(i) = -1.0e9_dp
+      end do
+      call compute_correlation(x, 20, 0, b, problem, valid)
+      call check(error, b%observations == 8000 .and. b%pairs(3) == 7998 .and. b%pairs(1) == 4000, "pairs")
+      if (allocated(error)) return
+      call check(error, maxval(abs(a%acf - b%acf)) < 0.05_dp, "they estimate the same")
+      if (allocated(error)) return
+      call check(error, b%limit(1), 1.9599639845400542_dp*sqrt(11999.0_dp/12000.0_dp/4000.0_dp), thr=tolerance, rel=.true.)
+   end subroutine test_missing
+
+   !> What has no correlation.
+   subroutine test_failures(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: x(1000)
+
+      x = 3.7_dp
+      call expect(x, 5, 0, status%constant_input, error)
+      if (allocated(error)) return
+      call expect(x, transform_from, 0, status%constant_input, error)
+      if (allocated(error)) return
+      x(::2) = 4.0_dp
+      call expect(x, 1000, 0, status%too_few_samples, error)
+      if (allocated(error)) return
+      call expect(x(:5), 5, 0, status%too_few_samples, error)
+      if (allocated(error)) return
+      call expect(x, 0, 0, status%invalid_argument, error)
+      if (allocated(error)) return
+      call expect(x, -1, 0, status%invalid_argument, error)
+      if (allocated(error)) return
+      call expect(x, 3, 3, status%invalid_argument, error)
+   end subroutine test_failures
+
+   !> The call fails with this code.
+   subroutine expect(x, lags, fitted, code, error)
+      real(dp), intent(in), contiguous :: x(:)
+      integer, intent(in) :: lags, fitted, code
+      type(error_type), allocatable, intent(out) :: error
+      type(correlation_type) :: c
+      type(gyro_error), allocatable :: problem
+
+      call compute_correlation(x, lags, fitted, c, problem)
+      call check(error, allocated(problem), "it did not fail")
+      if (allocated(error)) return
+      call check(error, problem%code, code, problem%message)
+   end subroutine expect
+
+end module test_correlation
