@@ -26,6 +26,7 @@ program test_main
    use test_audit, only : collect_audit
    use test_resample, only : collect_resample
    use test_autocovariance, only : collect_autocovariance
+   use test_burg, only : collect_burg
    use test_clean, only : collect_clean
    use test_dates, only : collect_dates
    use test_decimal, only : collect_decimal
@@ -38,6 +39,7 @@ program test_main
    use test_smoother, only : collect_smoother
    use test_json, only : collect_json
    use test_kalman, only : collect_kalman
+   use test_least_squares, only : collect_least_squares
    use test_levinson, only : collect_levinson
    use test_machine_memory, only : collect_machine_memory
    use test_moments, only : collect_moments
@@ -100,6 +102,7 @@ program test_main
    call add("audit", collect_audit)
    call add("resample", collect_resample)
    call add("autocovariance", collect_autocovariance)
+   call add("burg", collect_burg)
    call add("clean", collect_clean)
    call add("dates", collect_dates)
    call add("decimal", collect_decimal)
@@ -112,6 +115,7 @@ program test_main
    call add("smoother", collect_smoother)
    call add("json", collect_json)
    call add("kalman", collect_kalman)
+   call add("least_squares", collect_least_squares)
    call add("levinson", collect_levinson)
    call add("machine_memory", collect_machine_memory)
    call add("moments", collect_moments)

@@ -4,81 +4,73 @@ module gyroakf_ar_model
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_lapack, only : dpotrf, dpotri
-   use gyroakf_ar_autocovariance, only : compute_autocovariance, residual_autocovariance
+   use gyroakf_ar_autocovariance, only : compute_autocovariance, series_mean
+   use gyroakf_ar_burg, only : burg_type, compute_burg
+   use gyroakf_ar_complete_rows, only : row_gram_type, build_row_gram
    use gyroakf_ar_criteria, only : ar_order_type, order_criteria, criterion_number, best_order
+   use gyroakf_ar_least_squares, only : compare_orders, fit_order, fitted_order_type
    use gyroakf_ar_levinson, only : solve_levinson
-   use gyroakf_series_whiteness, only : ljung_box_type, ljung_box_of
+   use gyroakf_ar_residuals, only : analyse_residuals
+   use gyroakf_ar_roots, only : find_ar_roots, largest_modulus
+   use gyroakf_ar_types, only : ar_options, ar_model_type, check_options, check_length
+   use gyroakf_series_moments, only : moments_type
+   use gyroakf_series_normality, only : test_jarque_bera
+   use gyroakf_series_whiteness, only : ljung_box_of
    implicit none (type, external)
    private
    public :: ar_options, ar_order_type, ar_model_type, fit_ar, fit_ar_of, residual_lags
-
-   !> How the model is found
-   type :: ar_options
-      !> yw: Yule-Walker by Levinson's recursion
-      character(4) :: method = "yw"
-      !> aic, aicc, bic, hqic, fpe (formulas in gyroakf_ar_criteria)
-      character(4) :: criterion = "aic"
-      !> Orders 0 .. max_order are compared
-      integer :: max_order = 3
-      !> Order; -1: chosen by the criterion
-      integer :: order = -1
-   end type ar_options
-
-   !> The model $$x_t - m = \sum_j \phi_j (x_{t-j} - m) + a_t$$ of a series in the unit u
-   type :: ar_model_type
-      !> What was used
-      character(4) :: method = "yw", criterion = "aic"
-      !> Order p
-      integer :: order = 0
-      !> Present samples
-      integer(int64) :: samples = 0
-      !> Coefficients phi and their standard errors: [order]
-      real(dp), allocatable :: coefficient(:), std_error(:)
-      !> Innovation variance, u^2; mean, u; variance r(0) of the series (divisor n), u^2
-      real(dp) :: noise_variance = 0.0_dp, mean = 0.0_dp, variance = 0.0_dp
-      !> Orders compared: [max_order + 1], order 0 first
-      type(ar_order_type), allocatable :: table(:)
-      !> Whiteness of the residuals: 20 lags, or order + 20 from order 20 on, fewer where the series is
-      !> short; its lags are 0 where it could not be made
-      type(ljung_box_type) :: residual_ljung_box
-      !> The criterion chose the largest order on offer: look at larger ones
-      logical :: largest_order_chosen = .false.
-   end type ar_model_type
 
 contains
 
    !> Fits AR models of the orders 0 .. max_order and chooses one.
    !>
-   !> All orders come from one set of biased autocovariances (one pass) by the Levinson recursion and
-   !> are compared with one n, the present samples. Standard errors are the square roots of the diagonal
-   !> of $$\frac{s_p^2}{n} R_p^{-1},$$ R_p the Toeplitz matrix of r_0 .. r_(p-1); with gaps n is the length times
-   !> the smallest share of pairs that is present at the lags 0 .. p. The residuals are tested in a second
-   !> pass, without being stored. Without gaps the model is always stationary. Source: Brockwell & Davis,
-   !> Time Series: Theory and Methods (1991), 8.1, 8.2.
+   !> | method | coefficients | noise variance | n of the criteria | missing samples |
+   !> |---|---|---|---|---|
+   !> | yw | biased autocovariances, Levinson's recursion | r_0 prod (1 - k^2) | present samples | every pair that is present |
+   !> | burg | [[compute_burg]] | r_0 prod (1 - k^2) | present samples | stretches, one reflection coefficient for all |
+   !> | ols | least squares of x_t on 1, x_(t-1) .. x_(t-p) | RSS/rows | rows of the largest order | complete rows |
+   !> | mcov | the same forward and backward, about the mean | RSS/(2 rows) | rows of the largest order | complete rows |
+   !>
+   !> With ols and mcov the order that is taken is fitted again to all rows that it has. Standard errors are the square roots of
+   !> the diagonal of $$\frac{s_p^2}{n} R_p^{-1},$$ R_p the Toeplitz matrix of the autocovariances r_0 .. r_(p-1) (burg: those of
+   !> the model), with gaps n the length times the smallest share of pairs that is present at the lags 0 .. p (burg: of rows);
+   !> with ols and mcov the matrix of the normal equations, over its rows, takes the place of R_p. The variance in them has
+   !> the divisor n, without a correction for the parameters: `unbiased_variance` has that. yw without gaps and burg are always
+   !> stationary, the others are mostly. The residuals are tested in a pass of their own, without being stored. Source: Brockwell &
+   !> Davis, Time Series: Theory and Methods (1991), 8.1, 8.2; Marple, Digital Spectral Analysis (1987), chapter 8.
    subroutine fit_ar(x, options, model, error, valid)
-      !> Series: [n], finite, n > order + 3; not modified
+      !> Series: [n], finite, n > order + 3 (ols, mcov: so many rows); not modified
       real(dp), intent(in), contiguous :: x(:)
       !> How
       type(ar_options), intent(in) :: options
       !> The model
       type(ar_model_type), intent(out) :: model
-      !> invalid_argument, not_supported, too_few_samples, constant_input, singular, non_finite, no_memory
+      !> invalid_argument, too_few_samples, constant_input, singular, non_finite, no_memory
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
       real(dp), allocatable :: r(:)
       integer(int64), allocatable :: pairs(:)
+      real(dp) :: constant
       integer :: most
 
       call check_options(options, most, error)
       if (allocated(error)) return
-      call check_length(size(x, kind=int64), most, error)
+      call check_length(size(x, kind=int64), most, "samples", error)
       if (allocated(error)) return
-      call compute_autocovariance(x, most, model%mean, r, error, valid, pairs)
+      call compute_autocovariance(x, merge(most, 0, options%method == "yw"), model%mean, r, error, valid, pairs)
       if (allocated(error)) return
-      call model_of(r, size(x, kind=int64), pairs, most, options, model, error)
+      model%samples = pairs(0)
+      model%variance = r(0)
+      constant = 0.0_dp
+      select case (options%method)
+      case ("yw"); call model_of(r, size(x, kind=int64), pairs, most, options, model, error)
+      case ("burg"); call fit_burg(x, most, options, model, error, valid)
+      case default; call fit_least_squares(x, most, options, model, constant, error, valid)
+      end select
       if (allocated(error)) return
-      call test_residuals(x, model, valid)
+      call describe(model, error)
+      if (.not. allocated(error)) call test_residuals(x, constant, model, valid)
    end subroutine fit_ar
 
    !> Fits AR models to autocovariances, for whoever accumulates them on the way; otherwise as [[fit_ar]].
@@ -91,20 +83,25 @@ contains
       integer(int64), intent(in) :: pairs(0:)
       !> Mean of the series
       real(dp), intent(in) :: mean
-      !> How
+      !> How; yw alone
       type(ar_options), intent(in) :: options
       !> The model; its residuals are not tested: see [[residual_lags]]
       type(ar_model_type), intent(out) :: model
-      !> As of [[fit_ar]]
+      !> As of [[fit_ar]]; not_supported (another method)
       type(error_type), allocatable, intent(out) :: error
       integer :: most
 
       call check_options(options, most, error)
       if (allocated(error)) return
-      call check_length(n, most, error)
+      if (options%method /= "yw") then
+         call fatal_error(error, status%not_supported, "autocovariances give an AR model by yw, not by "//trim(options%method))
+         return
+      end if
+      call check_length(n, most, "samples", error)
       if (allocated(error)) return
       model%mean = mean
       call model_of(r(0:most), n, pairs(0:most), most, options, model, error)
+      if (.not. allocated(error)) call describe(model, error)
    end subroutine fit_ar_of
 
    !> The model from autocovariances.
@@ -124,69 +121,137 @@ contains
       !> too_few_samples, constant_input, singular
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: phi(:, :), variance(:)
-      integer :: k
 
       model%samples = pairs(0)
-      call check_length(model%samples, most, error)
+      model%variance = r(0)
+      call check_length(model%samples, most, "samples", error)
       if (allocated(error)) return
       call solve_levinson(r, phi, variance, error)
       if (allocated(error)) return
+      call choose_order(variance, model%samples, options, model)
+      model%coefficient = phi(:model%order, model%order)
+      model%noise_variance = variance(model%order)
+      model%rows = model%samples
+      model%residual_variance = model%noise_variance
+      call standard_errors(r, model%noise_variance/effective_length(n, pairs(:model%order)), model, error)
+   end subroutine model_of
+
+   !> The model by Burg's recursion.
+   subroutine fit_burg(x, most, options, model, error, valid)
+      !> Series
+      real(dp), intent(in), contiguous :: x(:)
+      !> Largest order
+      integer, intent(in) :: most
+      !> How
+      type(ar_options), intent(in) :: options
+      !> Its mean is set
+      type(ar_model_type), intent(inout) :: model
+      !> too_few_samples, constant_input, singular, no_memory
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing
+      integer(int8), intent(in), optional :: valid(:)
+      type(burg_type) :: burg
+      real(dp) :: shift, rest
+      integer(int64) :: n
+
+      n = size(x, kind=int64)
+      call check_length(model%samples, most, "samples", error)
+      if (allocated(error)) return
+      call series_mean(x, shift, rest, model%samples, valid)
+      call compute_burg(x, shift, rest, most, burg, error, valid)
+      if (allocated(error)) return
+      call choose_order(burg%variance, model%samples, options, model)
+      model%coefficient = burg%phi(:model%order, model%order)
+      model%noise_variance = burg%variance(model%order)
+      model%residual_variance = burg%residual_variance(model%order)
+      model%rows = model%samples
+      call standard_errors(burg%r, model%noise_variance/(real(n, dp)*(real(burg%rows(model%order), dp)/ &
+                                                                       real(n - model%order, dp))), model, error)
+   end subroutine fit_burg
+
+   !> The model by least squares.
+   subroutine fit_least_squares(x, most, options, model, constant, error, valid)
+      !> Series
+      real(dp), intent(in), contiguous :: x(:)
+      !> Largest order
+      integer, intent(in) :: most
+      !> How
+      type(ar_options), intent(in) :: options
+      !> Its mean is set
+      type(ar_model_type), intent(inout) :: model
+      !> Constant of the regression of the series about its mean
+      real(dp), intent(out) :: constant
+      !> too_few_samples, constant_input, singular, no_memory
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing
+      integer(int8), intent(in), optional :: valid(:)
+      type(row_gram_type) :: gram
+      type(fitted_order_type) :: fit
+      real(dp), allocatable :: variance(:)
+      real(dp) :: shift, rest
+      logical :: backward
+
+      constant = 0.0_dp
+      backward = options%method == "mcov"
+      call series_mean(x, shift, rest, model%samples, valid)
+      call build_row_gram(x, shift, rest, most, gram, error, valid)
+      if (.not. allocated(error)) call check_length(gram%rows, most, "complete rows (order + 1 samples without a gap)", error)
+      if (.not. allocated(error)) call compare_orders(gram, backward, variance, error)
+      if (allocated(error)) return
+      call choose_order(variance, gram%rows, options, model)
+      call fit_order(x, shift, rest, model%order, backward, fit, error, valid)
+      if (allocated(error)) return
+      model%coefficient = fit%phi
+      model%rows = fit%rows
+      model%noise_variance = fit%variance
+      model%residual_variance = fit%variance
+      model%std_error = sqrt(fit%variance)*fit%spread
+      if (backward) return
+      constant = fit%constant
+      model%intercept = fit%constant + (shift + rest)*(1.0_dp - sum(fit%phi))
+      model%intercept_std_error = sqrt(fit%variance)*fit%intercept_spread
+   end subroutine fit_least_squares
+
+   !> The table of the orders, and the one that is taken.
+   subroutine choose_order(variance, n, options, model)
+      !> Noise variances of the orders 0, 1, ...
+      real(dp), intent(in) :: variance(0:)
+      !> Samples that the criteria count
+      integer(int64), intent(in) :: n
+      !> How
+      type(ar_options), intent(in) :: options
+      !> Gets them
+      type(ar_model_type), intent(inout) :: model
+      integer :: k, most
+
+      most = ubound(variance, 1)
       allocate (model%table(most + 1))
       do k = 0, most
-         model%table(k + 1) = order_criteria(k, variance(k), model%samples)
+         model%table(k + 1) = order_criteria(k, variance(k), n)
       end do
+      model%compared_rows = n
       model%method = options%method
       model%criterion = options%criterion
       model%order = options%order
-      if (options%order < 0) then
-         model%order = best_order(model%table, criterion_number(trim(options%criterion)))
-         model%largest_order_chosen = most > 0 .and. model%order == most
-      end if
-      allocate (model%coefficient(model%order), model%std_error(model%order))
-      if (model%order > 0) model%coefficient(:) = phi(:model%order, model%order)
-      model%noise_variance = variance(model%order)
-      model%variance = r(0)
-      call standard_errors(r, model%noise_variance/effective_length(n, pairs(:model%order)), model%std_error, error)
-   end subroutine model_of
+      if (options%order >= 0) return
+      model%order = best_order(model%table, criterion_number(trim(options%criterion)))
+      model%largest_order_chosen = most > 0 .and. model%order == most
+   end subroutine choose_order
 
-   !> Refuses options out of range.
-   subroutine check_options(options, most, error)
-      !> The options
-      type(ar_options), intent(in) :: options
-      !> Largest order that is fitted
-      integer, intent(out) :: most
-      !> invalid_argument, not_supported
+   !> What follows from coefficients and variance: intercept, unbiased variance, roots, whether the model is stationary.
+   subroutine describe(model, error)
+      !> The model
+      type(ar_model_type), intent(inout) :: model
+      !> As of [[find_ar_roots]]
       type(error_type), allocatable, intent(out) :: error
+      real(dp) :: n
 
-      most = max(options%max_order, options%order)
-      if (options%method == "burg" .or. options%method == "ols") then
-         call fatal_error(error, status%not_supported, &
-            & "the AR method '"//trim(options%method)//"' is not part of this version; there is yw (Yule-Walker)")
-      else if (options%method /= "yw") then
-         call fatal_error(error, status%invalid_argument, &
-            & "unknown AR method '"//trim(options%method)//"'; there is yw (Yule-Walker)")
-      else if (criterion_number(trim(options%criterion)) == 0) then
-         call fatal_error(error, status%invalid_argument, &
-            & "unknown AR criterion '"//trim(options%criterion)//"'; there are aic, aicc, bic, hqic, fpe")
-      else if (options%max_order < 0 .or. options%order < -1) then
-         call fatal_error(error, status%invalid_argument, "the AR order must not be negative; -1 chooses it")
-      end if
-   end subroutine check_options
-
-   !> Refuses a series too short for an order.
-   subroutine check_length(n, most, error)
-      !> Samples
-      integer(int64), intent(in) :: n
-      !> Largest order
-      integer, intent(in) :: most
-      !> too_few_samples
-      type(error_type), allocatable, intent(out) :: error
-      character(120) :: text
-
-      if (n > int(most, int64) + 3) return
-      write (text, '("AR order ", i0, " needs at least ", i0, " samples, there are ", i0)') most, int(most, int64) + 4, n
-      call fatal_error(error, status%too_few_samples, trim(text))
-   end subroutine check_length
+      n = real(model%rows, dp)
+      model%unbiased_variance = model%noise_variance*(n/(n - real(model%order + 1, dp)))
+      if (model%method /= "ols") model%intercept = model%mean*(1.0_dp - sum(model%coefficient))
+      call find_ar_roots(model%coefficient, model%root, error)
+      if (.not. allocated(error)) model%stationary = largest_modulus(model%root) < 1.0_dp
+   end subroutine describe
 
    !> Length of a series without gaps that would determine the autocovariances as well.
    pure real(dp) function effective_length(n, pairs) result(length)
@@ -203,21 +268,21 @@ contains
    end function effective_length
 
    !> Square roots of the diagonal of factor R^-1.
-   subroutine standard_errors(r, factor, std_error, error)
+   subroutine standard_errors(r, factor, model, error)
       !> Autocovariances: [0:]
       real(dp), intent(in) :: r(0:)
       !> Innovation variance over n
       real(dp), intent(in) :: factor
-      !> The errors: [order]
-      real(dp), intent(out) :: std_error(:)
+      !> Its order is known, its standard errors are filled
+      type(ar_model_type), intent(inout) :: model
       !> singular
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: a(:, :)
       integer :: i, j, p, info
 
-      p = size(std_error)
+      p = model%order
       info = 0
-      allocate (a(p, p))
+      allocate (a(p, p), model%std_error(p))
       do j = 1, p
          do i = 1, j
             a(i, j) = r(j - i)/r(0)
@@ -230,7 +295,7 @@ contains
          return
       end if
       do i = 1, p
-         std_error(i) = sqrt(factor/r(0)*a(i, i))
+         model%std_error(i) = sqrt(factor/r(0)*a(i, i))
       end do
    end subroutine standard_errors
 
@@ -246,25 +311,30 @@ contains
       lags = int(min(int(lags, int64), n - order - 1))
    end function residual_lags
 
-   !> Ljung-Box test of the residuals; left out where there are too few of them or they are constant.
-   subroutine test_residuals(x, model, valid)
+   !> Whiteness and normality of the residuals; left out where there are too few of them or they are constant.
+   subroutine test_residuals(x, constant, model, valid)
       !> Series
       real(dp), intent(in), contiguous :: x(:)
-      !> The model; its test is filled
+      !> Constant of the regression of the series about its mean
+      real(dp), intent(in) :: constant
+      !> The model; its tests are filled
       type(ar_model_type), intent(inout) :: model
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
       real(dp), allocatable :: r(:)
       integer(int64), allocatable :: pairs(:)
+      type(moments_type) :: moments
       integer(int64) :: n
       integer :: lags
       type(error_type), allocatable :: error
 
       n = size(x, kind=int64) - model%order
       lags = residual_lags(size(x, kind=int64), model%order)
-      if (lags <= model%order) return
-      call residual_autocovariance(x, model%mean, model%coefficient, lags, r, error, valid, pairs)
+      if (lags < 0) return
+      call analyse_residuals(x, model%mean, model%coefficient, constant, lags, r, pairs, moments, error, valid)
       if (allocated(error)) return
+      call test_jarque_bera(moments, model%residual_normality, error)
+      if (lags <= model%order) return
       if (present(valid)) then
          call ljung_box_of(r, n, model%order, model%residual_ljung_box, error, pairs)
       else

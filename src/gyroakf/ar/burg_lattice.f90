@@ -1,0 +1,190 @@
+! SPDX-License-Identifier: MIT
+!> The lattice of Burg's recursion: forward and backward residuals of a series, order by order.
+!>
+!> b_m(t) is held in the place t - m. A step from order m-1 to m then changes f and b in place, element by element; a block is
+!> updated and summed for the next order while it is in the cache. A residual that has no partner, at the ends of a
+!> stretch without gaps, is set to 0 before it is summed, so that sums go over everything.
+module gyroakf_ar_burg_lattice
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_last
+   implicit none (type, external)
+   private
+   public :: burg_lattice_type, begin_lattice, next_order
+
+   !> Samples of a block: f and b of it, 16 kB
+   integer(int64), parameter :: block = 1024
+
+   !> Residuals of order m
+   type :: burg_lattice_type
+      !> m; -1 before the first order
+      integer :: order = -1
+      !> f_m(t) in t, b_m(t) in t - m; 0 where a stretch has none or its partner is missing: [n]
+      real(dp), allocatable :: f(:), b(:)
+      !> Present samples, pairs of the order that was summed last
+      integer(int64) :: samples = 0, rows = 0
+      !> sum x^2
+      real(dp) :: power = 0.0_dp
+   end type burg_lattice_type
+
+contains
+
+   !> Takes the series about its mean.
+   subroutine begin_lattice(x, shift, rest, lattice, error, valid)
+      !> Series: [n], finite
+      real(dp), intent(in), contiguous :: x(:)
+      !> Its mean, in two parts
+      real(dp), intent(in) :: shift, rest
+      !> Order 0
+      type(burg_lattice_type), intent(out) :: lattice
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp) :: part(2, chunk_count(size(x, kind=int64))), s
+      integer(int64) :: n, i
+      integer :: chunk, stat
+
+      n = size(x, kind=int64)
+      allocate (lattice%f(n), stat=stat)
+      if (stat == 0) allocate (lattice%b(n), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the residuals of Burg's recursion, 16 bytes a sample")
+         return
+      end if
+      !$omp parallel do if (n >= threads_from) default(shared) private(i, s) schedule(dynamic)
+      do chunk = 1, chunk_count(n)
+         s = 0.0_dp
+         part(2, chunk) = real(chunk_last(n, chunk) - chunk_first(n, chunk) + 1, dp)
+         do i = chunk_first(n, chunk), chunk_last(n, chunk)
+            lattice%f(i) = (x(i) - shift) - rest
+         end do
+         if (present(valid)) then
+            do i = chunk_first(n, chunk), chunk_last(n, chunk)
+               if (valid(i) /= 0_int8) cycle
+               lattice%f(i) = 0.0_dp
+               part(2, chunk) = part(2, chunk) - 1.0_dp
+            end do
+         end if
+         do i = chunk_first(n, chunk), chunk_last(n, chunk)
+            lattice%b(i) = lattice%f(i)
+            s = s + lattice%f(i)*lattice%f(i)
+         end do
+         part(1, chunk) = s
+      end do
+      !$omp end parallel do
+      lattice%power = sum(part(1, :))
+      lattice%samples = nint(sum(part(2, :)), int64)
+   end subroutine begin_lattice
+
+   !> Steps to the next order with its reflection coefficient and sums what the one after that needs.
+   subroutine next_order(lattice, reflection, cross, power, valid)
+      !> Of order m-1 with its sums taken, or fresh; of order m with its sums taken afterwards
+      type(burg_lattice_type), intent(inout) :: lattice
+      !> k_m; not used by the first call, which sums order 0
+      real(dp), intent(in) :: reflection
+      !> sum f_m(t) b_m(t-1) and sum f_m(t)^2 + b_m(t-1)^2 over the t where both are
+      real(dp), intent(out) :: cross, power
+      !> 1 present, 0 missing: [n], as at the beginning
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp) :: part(2, chunk_count(size(lattice%f, kind=int64)))
+      integer(int64) :: rows(chunk_count(size(lattice%f, kind=int64))), n, begin, first, last, m
+      integer :: chunk
+
+      n = size(lattice%f, kind=int64)
+      lattice%order = lattice%order + 1
+      m = lattice%order
+      !$omp parallel do if (n >= threads_from) default(shared) private(begin, first, last) schedule(dynamic)
+      do chunk = 1, chunk_count(n)
+         part(:, chunk) = 0.0_dp
+         rows(chunk) = 0
+         begin = max(chunk_first(n, chunk), m + 1)
+         do first = begin, chunk_last(n, chunk), block
+            last = min(first + block - 1, chunk_last(n, chunk))
+            if (m > 0) call step(reflection, lattice%f(first:last), lattice%b(first - m:last - m))
+            if (present(valid)) call drop_partnerless(lattice, first, last, rows(chunk), valid)
+            if (first > begin) then
+               call add_products(lattice%f(first:last), lattice%b(first - m - 1:last - m - 1), part(:, chunk))
+            else
+               call add_products(lattice%f(first + 1:last), lattice%b(first - m:last - m - 1), part(:, chunk))
+            end if
+         end do
+      end do
+      !$omp end parallel do
+      do chunk = 1, chunk_count(n)             ! first samples, whose partners stand in the chunk before
+         begin = max(chunk_first(n, chunk), m + 2)
+         if (begin /= chunk_first(n, chunk) .or. begin > n) cycle
+         call add_products(lattice%f(begin:begin), lattice%b(begin - m - 1:begin - m - 1), part(:, chunk))
+      end do
+      cross = sum(part(1, :))
+      power = sum(part(2, :))
+      lattice%rows = max(0_int64, n - m - 1)
+      if (present(valid)) lattice%rows = sum(rows)
+   end subroutine next_order
+
+   !> Residuals of a block of the next order.
+   pure subroutine step(k, f, b)
+      !> Reflection coefficient
+      real(dp), intent(in) :: k
+      !> f(t), b(t-1): [n]
+      real(dp), intent(inout), contiguous :: f(:), b(:)
+      real(dp) :: forward
+      integer :: i
+
+      !$omp simd private(forward)
+      do i = 1, size(f)
+         forward = f(i)
+         f(i) = forward - k*b(i)
+         b(i) = b(i) - k*forward
+      end do
+   end subroutine step
+
+   !> Adds sum f b and sum f^2 + b^2.
+   pure subroutine add_products(f, b, total)
+      !> f(t), b(t-1): [n]
+      real(dp), intent(in), contiguous :: f(:), b(:)
+      !> The sums: [2]
+      real(dp), intent(inout) :: total(:)
+      real(dp) :: cross, power
+      integer :: i
+
+      cross = 0.0_dp
+      power = 0.0_dp
+      !$omp simd reduction(+:cross, power)
+      do i = 1, size(f)
+         cross = cross + f(i)*b(i)
+         power = power + (f(i)*f(i) + b(i)*b(i))
+      end do
+      total(1) = total(1) + cross
+      total(2) = total(2) + power
+   end subroutine add_products
+
+   !> Sets the first f and the last b of every stretch to 0, counts the rows that have both.
+   pure subroutine drop_partnerless(lattice, first, last, rows, valid)
+      !> Of order m
+      type(burg_lattice_type), intent(inout) :: lattice
+      !> The block
+      integer(int64), intent(in) :: first, last
+      !> Gets the rows
+      integer(int64), intent(inout) :: rows
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in) :: valid(:)
+      integer(int64) :: t, run, m
+
+      m = lattice%order
+      run = 0
+      do t = first - 1, max(1_int64, first - m - 1), -1
+         if (valid(t) == 0_int8) exit
+         run = run + 1
+      end do
+      do t = first, last
+         run = run + 1
+         if (valid(t) == 0_int8) run = 0
+         if (run == m + 1) lattice%f(t) = 0.0_dp
+         if (run > m + 1) rows = rows + 1
+         if (t == size(valid, kind=int64)) cycle
+         if (valid(t + 1) == 0_int8) lattice%b(t - m) = 0.0_dp
+      end do
+   end subroutine drop_partnerless
+
+end module gyroakf_ar_burg_lattice

@@ -1,0 +1,199 @@
+! SPDX-License-Identifier: MIT
+!> Residuals of an AR model in one pass, without being stored: their autocovariances and their moments.
+module gyroakf_ar_residuals
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_series_moments, only : moments_type, compute_moments, join_moments
+   use gyroakf_ar_autocovariance, only : add_lagged_products
+   implicit none (type, external)
+   private
+   public :: analyse_residuals, residual_block
+
+contains
+
+   !> Autocovariances and moments of the residuals.
+   !>
+   !> $$e_t = (x_t - m) - \sum_j \phi_j (x_{t-j} - m)$$ for the t whose p predecessors exist and are present. r_k is biased, of
+   !> n - p residuals about their mean, as in [[residual_autocovariance]], which takes two passes. The sums are taken about
+   !> `constant` and moved to the mean.
+   subroutine analyse_residuals(x, mean, phi, constant, max_lag, r, pairs, moments, error, valid)
+      !> Series: [n], finite; not modified
+      real(dp), intent(in), contiguous :: x(:)
+      !> Mean m that the model was fitted with
+      real(dp), intent(in) :: mean
+      !> AR coefficients: [p], p >= 0
+      real(dp), intent(in) :: phi(:)
+      !> Near the mean of the residuals: 0, or the constant of the regression
+      real(dp), intent(in) :: constant
+      !> Largest lag, 0 .. n-p-1
+      integer, intent(in) :: max_lag
+      !> Autocovariances: [0:max_lag], 0 at a lag without pairs; pairs: [0:max_lag]
+      real(dp), allocatable, intent(out) :: r(:)
+      integer(int64), allocatable, intent(out) :: pairs(:)
+      !> Moments of the residuals less `constant`
+      type(moments_type), intent(out) :: moments
+      !> invalid_argument, too_few_samples, no_memory
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp), allocatable :: partial(:, :, :)
+      type(moments_type) :: part(chunk_count(size(x, kind=int64)))
+      real(dp) :: s(0:max(max_lag, 0), 4), used
+      integer :: chunk, k, stat
+
+      if (max_lag < 0) then
+         call fatal_error(error, status%invalid_argument, "the largest lag must not be negative")
+         return
+      else if (size(x, kind=int64) <= int(max_lag, int64) + size(phi)) then
+         call fatal_error(error, status%too_few_samples, "the series has too few residuals for so many lags")
+         return
+      end if
+      allocate (r(0:max_lag), pairs(0:max_lag))
+      allocate (partial(0:max_lag, 4, chunk_count(size(x, kind=int64))), stat=stat)
+      if (stat == 0) call sum_chunks(x, mean, phi, constant, max_lag, partial, part, stat, valid)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the sums of the residuals")
+         return
+      end if
+      s = sum(partial, 3)
+      do chunk = 1, size(part)
+         call join_moments(moments, part(chunk))
+      end do
+      used = real(size(x, kind=int64) - size(phi), dp)
+      pairs = nint(s(:, 2), int64)
+      r = 0.0_dp
+      do k = 0, max_lag
+         if (pairs(k) < 1) cycle
+         r(k) = s(k, 1) - moments%mean*(s(k, 3) + s(k, 4)) + s(k, 2)*moments%mean**2
+         r(k) = r(k)*((used - real(k, dp))/s(k, 2))/used
+      end do
+      if (moments%count < 1) call fatal_error(error, status%too_few_samples, "the gaps leave no residual of the AR model")
+   end subroutine analyse_residuals
+
+   !> The pass.
+   subroutine sum_chunks(x, mean, phi, constant, max_lag, partial, part, stat, valid)
+      !> Series, its mean, coefficients, subtracted last, largest lag
+      real(dp), intent(in), contiguous :: x(:)
+      real(dp), intent(in) :: mean, phi(:), constant
+      integer, intent(in) :: max_lag
+      !> Over the pairs: products, how many, sums of the later and of the earlier member: [0:max_lag, 4, chunk]
+      real(dp), intent(out) :: partial(0:, :, :)
+      !> Moments: [chunk]
+      type(moments_type), intent(out) :: part(:)
+      !> Not 0 where memory is short
+      integer, intent(out) :: stat
+      !> 1 present, 0 missing
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp), allocatable :: e(:), flag(:)
+      integer(int64) :: n, first, step
+      integer :: chunk, bad, m
+
+      n = size(x, kind=int64)
+      step = max(block_length, 2*int(max_lag, int64))
+      stat = 0
+      !$omp parallel if (n >= threads_from) default(shared) private(e, flag, first, bad, m)
+      allocate (e(1 - max_lag:step), stat=bad)
+      if (bad == 0) allocate (flag(1 - max_lag:step), stat=bad)
+      !$omp atomic
+      stat = stat + bad
+      !$omp do schedule(dynamic)
+      do chunk = 1, size(part)
+         if (bad /= 0) cycle
+         partial(:, :, chunk) = 0.0_dp
+         do first = chunk_first(n, chunk), chunk_last(n, chunk), step
+            m = int(min(step, chunk_last(n, chunk) - first + 1))
+            call residual_block(x, mean, phi, constant, first - max_lag, e(:m), flag(:m), valid)
+            call add_block(e(:m), flag(:m), m, max_lag, partial(:, :, chunk))
+            call add_moments(e(1:m), flag(1:m), part(chunk))
+         end do
+      end do
+      !$omp end do
+      !$omp end parallel
+   end subroutine sum_chunks
+
+   !> Residuals of a stretch of the series; 0 where there is none.
+   pure subroutine residual_block(x, mean, phi, constant, first, e, flag, valid)
+      !> Series: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> Its mean, coefficients, subtracted last
+      real(dp), intent(in) :: mean, phi(:), constant
+      !> Place of the first one, which may lie before the series
+      integer(int64), intent(in) :: first
+      !> Residuals, 1 where there is one and 0 elsewhere: [m]
+      real(dp), intent(out), contiguous :: e(:), flag(:)
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      integer(int64) :: i, start, last, shift
+      integer :: j
+
+      start = max(first, 1_int64 + size(phi))
+      last = first + size(e) - 1
+      shift = 1 - first
+      e(:min(start, last + 1) - first) = 0.0_dp
+      flag(:min(start, last + 1) - first) = 0.0_dp
+      do i = start, last
+         e(i + shift) = x(i) - mean - constant
+         flag(i + shift) = 1.0_dp
+      end do
+      do j = 1, size(phi)
+         do i = start, last
+            e(i + shift) = e(i + shift) - phi(j)*(x(i - j) - mean)
+         end do
+      end do
+      if (.not. present(valid)) return
+      do j = 0, size(phi)
+         do i = start, last
+            flag(i + shift) = flag(i + shift)*real(valid(i - j), dp)
+         end do
+      end do
+      do i = start, last
+         e(i + shift) = merge(e(i + shift), 0.0_dp, flag(i + shift) > 0.5_dp)
+      end do
+   end subroutine residual_block
+
+   !> Adds the sums over the pairs of a block.
+   pure subroutine add_block(e, flag, m, max_lag, s)
+      !> Samples, lags
+      integer, intent(in) :: m, max_lag
+      !> Residuals and marks with their past
+      real(dp), intent(in), contiguous :: e(1 - max_lag:), flag(1 - max_lag:)
+      !> The sums: [0:max_lag, 4]
+      real(dp), intent(inout) :: s(0:, :)
+      real(dp) :: later, earlier
+      integer :: k
+
+      call add_lagged_products(e(1:), e, m, max_lag, s(:, 1))
+      if (sum(flag) > real(m + max_lag, dp) - 0.5_dp) then
+         later = sum(e(1:m))
+         earlier = later
+         do k = 0, max_lag
+            if (k > 0) earlier = earlier + (e(1 - k) - e(m - k + 1))
+            s(k, 2) = s(k, 2) + real(m, dp)
+            s(k, 3) = s(k, 3) + later
+            s(k, 4) = s(k, 4) + earlier
+         end do
+      else
+         call add_lagged_products(flag(1:), flag, m, max_lag, s(:, 2))
+         call add_lagged_products(e(1:), flag, m, max_lag, s(:, 3))
+         call add_lagged_products(flag(1:), e, m, max_lag, s(:, 4))
+      end if
+   end subroutine add_block
+
+   !> Adds the moments of a block.
+   subroutine add_moments(e, flag, moments)
+      !> Residuals and marks: [m]
+      real(dp), intent(in), contiguous :: e(:), flag(:)
+      !> Gets theirs
+      type(moments_type), intent(inout) :: moments
+      type(moments_type) :: next
+
+      if (minval(flag) > 0.5_dp) then
+         call compute_moments(e, next)
+      else
+         call compute_moments(e, next, nint(flag, int8))
+      end if
+      call join_moments(moments, next)
+   end subroutine add_moments
+
+end module gyroakf_ar_residuals

@@ -1,0 +1,347 @@
+! SPDX-License-Identifier: MIT
+!> Tests of AR models by Burg's recursion.
+module test_burg
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_ar_autocovariance, only : series_mean
+   use gyroakf_ar_burg, only : burg_type, compute_burg
+   use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
+   use ar_reference, only : burg_phi, burg_residual, burg_variance
+   use series_library, only : reference_series, reference_names
+   use testdrive, only : check, error_type, new_unittest, unittest_type
+   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
+   implicit none (type, external)
+   private
+   public :: collect_burg
+
+   real(dp), parameter :: tolerance = 1.0e-12_dp
+
+contains
+
+   !> The tests of this suite.
+   subroutine collect_burg(testsuite)
+      !> The tests
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         & new_unittest("by_hand", test_by_hand), &
+         & new_unittest("reference", test_reference), &
+         & new_unittest("long_reference", test_long_reference), &
+         & new_unittest("two_ways", test_two_ways), &
+         & new_unittest("offset_scale", test_offset_scale), &
+         & new_unittest("time_reversal", test_time_reversal), &
+         & new_unittest("gaps_dense", test_gaps_dense), &
+         & new_unittest("threads", test_threads), &
+         & new_unittest("standard_errors", test_standard_errors), &
+         & new_unittest("near_unit_root", test_near_unit_root), &
+         & new_unittest("order_zero", test_order_zero), &
+         & new_unittest("failures", test_failures)]
+   end subroutine collect_burg
+
+   !> x = -1 1 -3 3 0 about the mean 2: k_1 = 2 (-1 - 3 - 9 + 0)/(2 (1 + 9 + 9) + 1 + 0) = -26/39; r_0 = 4.
+   subroutine test_by_hand(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: model
+      type(gyro_error), allocatable :: problem
+
+      call fit_ar([1.0_dp, 3.0_dp, -1.0_dp, 5.0_dp, 2.0_dp], ar_options(method="burg", max_order=1, order=1), model, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, model%coefficient(1), -26.0_dp/39.0_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, model%noise_variance, 4.0_dp*(1.0_dp - 4.0_dp/9.0_dp), thr=tolerance)
+      if (allocated(error)) return
+      call check(error, model%residual_variance, 39.0_dp*(1.0_dp - 4.0_dp/9.0_dp)/8.0_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, model%unbiased_variance, model%noise_variance*5.0_dp/3.0_dp, thr=tolerance)
+   end subroutine test_by_hand
+
+   !> Coefficients and both variances of the orders 1 .. 6 of the eleven series.
+   subroutine test_reference(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: model
+      type(gyro_error), allocatable :: problem
+      integer :: i, p
+
+      do i = 1, size(reference_names)
+         do p = 1, 6
+            call fit_ar(reference_series(trim(reference_names(i)), 1000), ar_options(method="burg", order=p, max_order=6), &
+               & model, problem)
+            call check(error, .not. allocated(problem), reference_names(i))
+            if (allocated(error)) return
+            call check(error, maxval(abs(model%coefficient - burg_phi(p*(p - 1)/2 + 1:p*(p + 1)/2, i))), 0.0_dp, &
+               & reference_names(i), thr=tolerance)
+            if (allocated(error)) return
+            call check(error, model%noise_variance, burg_variance(p, i), reference_names(i), thr=tolerance, rel=.true.)
+            if (allocated(error)) return
+            call check(error, model%residual_variance, burg_residual(p, i), reference_names(i), thr=tolerance, rel=.true.)
+            if (allocated(error)) return
+            call check(error, model%stationary .and. size(model%root) == p, "Burg's models are stationary")
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_reference
+
+   !> 12,000 samples of AR(2).
+   subroutine test_long_reference(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: model
+      type(gyro_error), allocatable :: problem
+
+      call fit_ar(reference_series("ar2", 12000), ar_options(method="burg", order=3), model, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, maxval(abs(model%coefficient - [1.1733820965680746_dp, -0.4524316608865892_dp, &
+         & -0.02507647054699809_dp])), 0.0_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, maxval(abs(model%table(2:)%noise_variance/[1.3015167566647547_dp, 0.9989434799248016_dp, &
+         & 0.9983153149205658_dp] - 1.0_dp)), 0.0_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, model%residual_variance, 0.998370294143918_dp, thr=tolerance, rel=.true.)
+   end subroutine test_long_reference
+
+   !> A long series takes its autocovariances, with a mask that misses nothing the lattice: the same model.
+   subroutine test_two_ways(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      character(6), parameter :: names(4) = [character(6) :: "ar2", "wn", "ar1", "ar1_99"]
+      type(burg_type) :: a, b
+      real(dp), allocatable :: x(:)
+      integer(int8), allocatable :: valid(:)
+      real(dp) :: shift, rest
+      integer(int64) :: count
+      integer :: i
+      type(gyro_error), allocatable :: problem
+
+      do i = 1, size(names)
+         x = 1.0e3_dp + reference_series(trim(names(i)), 30000)
+         allocate (valid(size(x)), source=1_int8)
+         call series_mean(x, shift, rest, count)
+         call compute_burg(x, shift, rest, 12, a, problem)
+         call compute_burg(x, shift, rest, 12, b, problem, valid)
+         deallocate (valid)
+         call check(error, .not. allocated(problem), "it failed")
+         if (allocated(error)) return
+         call check(error, maxval(abs(a%phi - b%phi)), 0.0_dp, names(i), thr=tolerance)
+         if (allocated(error)) return
+         call check(error, maxval(abs(a%residual_variance/b%residual_variance - 1.0_dp)), 0.0_dp, names(i), thr=tolerance)
+         if (allocated(error)) return
+         call check(error, all(a%rows == b%rows), "the rows")
+         if (allocated(error)) return
+      end do
+   end subroutine test_two_ways
+
+   !> Offset 2^40 and scale 2^-50, exact for multiples of 1/1024, short and long.
+   subroutine test_offset_scale(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: a, b
+      real(dp), allocatable :: x(:)
+      type(gyro_error), allocatable :: problem
+      integer :: i
+
+      do i = 1, 2
+         x = anint(1024.0_dp*reference_series("ar2", merge(3000, 40000, i == 1)))/1024.0_dp
+         call fit_ar(x, ar_options(method="burg", max_order=5), a, problem)
+         call fit_ar((x + 2.0_dp**40)*2.0_dp**(-50), ar_options(method="burg", max_order=5), b, problem)
+         call check(error, .not. allocated(problem), "it failed")
+         if (allocated(error)) return
+         call check(error, a%order, b%order)
+         if (allocated(error)) return
+         call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=tolerance)
+         if (allocated(error)) return
+         call check(error, maxval(abs(a%std_error - b%std_error)), 0.0_dp, thr=tolerance)
+         if (allocated(error)) return
+         call check(error, b%residual_variance*2.0_dp**100, a%residual_variance, thr=tolerance, rel=.true.)
+         if (allocated(error)) return
+      end do
+   end subroutine test_offset_scale
+
+   !> Forward and backward residuals change places.
+   subroutine test_time_reversal(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: a, b
+      real(dp), allocatable :: x(:)
+      type(gyro_error), allocatable :: problem
+      integer :: i
+
+      do i = 1, 2
+         x = reference_series("trend", merge(500, 30000, i == 1))
+         call fit_ar(x, ar_options(method="burg", order=5), a, problem)
+         call fit_ar(x(size(x):1:-1), ar_options(method="burg", order=5), b, problem)
+         call check(error, .not. allocated(problem), "it failed")
+         if (allocated(error)) return
+         call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=tolerance)
+         if (allocated(error)) return
+      end do
+   end subroutine test_time_reversal
+
+   !> Stretches of many lengths against the recursion written out with arrays for each stretch.
+   subroutine test_gaps_dense(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: x(600), f(600), b(600), k(4), shift, rest, n, d, f0, variance
+      integer(int8) :: valid(600)
+      type(burg_type) :: burg
+      integer(int64) :: count
+      type(gyro_error), allocatable :: problem
+      integer :: m, t
+
+      x = reference_series("ar2", 600) + 5.0_dp
+      valid = merge(0_int8, 1_int8, cshift(reference_series("unif", 600), 50) < 0.15_dp)
+      where (valid == 0_int8) x = 1.0e6_dp
+      call series_mean(x, shift, rest, count, valid)
+      call compute_burg(x, shift, rest, 4, burg, problem, valid)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      f = merge((x - shift) - rest, 0.0_dp, valid == 1_int8)
+      b = f
+      variance = sum(f**2)/real(count, dp)
+      do m = 1, 4
+         n = 0.0_dp
+         d = 0.0_dp
+         do t = m + 1, 600
+            if (any(valid(t - m:t) == 0_int8)) cycle
+            n = n + 2.0_dp*f(t)*b(t - 1)
+            d = d + f(t)**2 + b(t - 1)**2
+         end do
+         k(m) = n/d
+         variance = variance*(1.0_dp - k(m)**2)
+         do t = 600, m + 1, -1
+            f0 = f(t)
+            f(t) = f0 - k(m)*b(t - 1)
+            b(t) = b(t - 1) - k(m)*f0
+         end do
+      end do
+      call check(error, maxval(abs(burg%reflection - k)), 0.0_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, burg%variance(4), variance, thr=tolerance, rel=.true.)
+      if (allocated(error)) return
+      call check(error, burg%rows(4) == sum([(merge(1, 0, all(valid(t - 4:t) == 1_int8)), t=5, 600)]), "rows")
+   end subroutine test_gaps_dense
+
+   !> One thread and two, both ways, with gaps too.
+   subroutine test_threads(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: model(2, 3)
+      real(dp), allocatable :: x(:)
+      integer(int8), allocatable :: valid(:)
+      type(gyro_error), allocatable :: problem
+      integer :: i, before
+
+      x = reference_series("ar2", 120000)
+      valid = [(merge(0_int8, 1_int8, modulo(i, 997) == 5), i=1, 120000)]
+      before = omp_get_max_threads()
+      do i = 1, 2
+         call omp_set_num_threads(i)
+         call fit_ar(x, ar_options(method="burg", order=4, max_order=4), model(i, 1), problem)
+         call fit_ar(x, ar_options(method="burg", order=4, max_order=4), model(i, 2), problem, valid)
+         call fit_ar(reference_series("rw", 120000), ar_options(method="burg", order=4, max_order=4), model(i, 3), problem)
+      end do
+      call omp_set_num_threads(before)
+      call check(error, .not. allocated(problem), "it failed")
+      do i = 1, 3
+         if (allocated(error)) return
+         call check(error, maxval(abs(model(1, i)%coefficient - model(2, i)%coefficient)), 0.0_dp, thr=tolerance)
+         if (allocated(error)) return
+         call check(error, model(1, i)%residual_normality%statistic, model(2, i)%residual_normality%statistic, &
+            & thr=1.0e-10_dp, rel=.true.)
+      end do
+   end subroutine test_threads
+
+   !> AR(1): sqrt((1 - phi^2)/n), for the autocovariances are the model's own.
+   subroutine test_standard_errors(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: model
+      type(gyro_error), allocatable :: problem
+
+      call fit_ar(reference_series("ar1", 1000), ar_options(method="burg", order=1), model, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, model%std_error(1), sqrt((1.0_dp - model%coefficient(1)**2)/1000.0_dp), thr=tolerance)
+   end subroutine test_standard_errors
+
+   !> A random walk of 30,000 steps: the lattice is taken, the model stays stationary, and both ways agree.
+   subroutine test_near_unit_root(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: model, short
+      type(gyro_error), allocatable :: problem
+
+      call fit_ar(reference_series("rw", 30000), ar_options(method="burg", order=6, max_order=6), model, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, model%stationary .and. model%root(1)%modulus > 0.999_dp, "the root near one")
+      if (allocated(error)) return
+      call check(error, model%residual_variance, 1.0_dp, "the steps have variance 1", thr=0.03_dp)
+      if (allocated(error)) return
+      call fit_ar(reference_series("rw", 30000), ar_options(method="burg", order=1, max_order=1), short, problem)
+      call check(error, short%noise_variance, model%table(2)%noise_variance, thr=1.0e-9_dp, rel=.true.)
+   end subroutine test_near_unit_root
+
+   !> Order 0: the variance.
+   subroutine test_order_zero(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: model
+      type(gyro_error), allocatable :: problem
+
+      call fit_ar([1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp], ar_options(method="burg", order=0, max_order=0), model, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, size(model%coefficient) + size(model%root), 0)
+      if (allocated(error)) return
+      call check(error, model%noise_variance, 1.25_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, model%residual_variance, 1.25_dp, thr=tolerance)
+   end subroutine test_order_zero
+
+   !> A constant; samples that alternate; gaps that leave no row.
+   subroutine test_failures(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: x(30)
+      integer(int8) :: valid(30)
+      integer :: t
+
+      x = 0.1_dp
+      call refused(error, x, status%constant_input)
+      if (allocated(error)) return
+      x = [(real(modulo(t, 2), dp), t=1, 30)]
+      call refused(error, x, status%singular)
+      if (allocated(error)) return
+      x = reference_series("wn", 30)
+      valid = [(int(modulo(t, 2), int8), t=1, 30)]
+      call refused(error, x, status%too_few_samples, valid)
+      if (allocated(error)) return
+      valid = 0_int8
+      valid(1:5) = 1_int8
+      call refused(error, x, status%too_few_samples, valid)
+   end subroutine test_failures
+
+   !> Fails unless the fit is refused with the code.
+   subroutine refused(error, x, code, valid)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      !> Series
+      real(dp), intent(in), contiguous :: x(:)
+      !> Expected
+      integer, intent(in) :: code
+      !> 1 present, 0 missing
+      integer(int8), intent(in), optional :: valid(:)
+      type(ar_model_type) :: model
+      type(gyro_error), allocatable :: problem
+
+      call fit_ar(x, ar_options(method="burg"), model, problem, valid)
+      call check(error, allocated(problem), "bad input was accepted")
+      if (allocated(error)) return
+      call check(error, problem%code, code, problem%message)
+   end subroutine refused
+
+end module test_burg

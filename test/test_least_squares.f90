@@ -1,0 +1,437 @@
+! SPDX-License-Identifier: MIT
+!> Tests of AR models by least squares, forward (ols) and forward and backward (mcov).
+module test_least_squares
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_lapack, only : dgels
+   use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
+   use ar_reference, only : mcov_phi, mcov_variance, ols_common, ols_criteria, ols_errors, ols_parameters, ols_variance
+   use series_library, only : reference_series, reference_names
+   use testdrive, only : check, error_type, new_unittest, unittest_type
+   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
+   implicit none (type, external)
+   private
+   public :: collect_least_squares
+
+   real(dp), parameter :: tolerance = 1.0e-12_dp
+   !> Both methods
+   character(4), parameter :: methods(2) = [character(4) :: "ols", "mcov"]
+
+contains
+
+   !> The tests of this suite.
+   subroutine collect_least_squares(testsuite)
+      !> The tests
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         & new_unittest("by_hand", test_by_hand), &
+         & new_unittest("reference_ols", test_reference_ols), &
+         & new_unittest("reference_mcov", test_reference_mcov), &
+         & new_unittest("criteria", test_criteria), &
+         & new_unittest("common_rows", test_common_rows), &
+         & new_unittest("long_reference", test_long_reference), &
+         & new_unittest("offset_scale", test_offset_scale), &
+         & new_unittest("large_offset", test_large_offset), &
+         & new_unittest("time_reversal", test_time_reversal), &
+         & new_unittest("gaps_dense", test_gaps_dense), &
+         & new_unittest("threads", test_threads), &
+         & new_unittest("unstable", test_unstable), &
+         & new_unittest("sinusoid", test_sinusoid), &
+         & new_unittest("order_zero", test_order_zero), &
+         & new_unittest("failures", test_failures)]
+   end subroutine collect_least_squares
+
+   !> (1, 0, 2, 0, 1) on (0, 1, 0, 2, 0): slope (0 - 5 0.6 0.8)/(5 - 5 0.36) = -3/4 through (0.6, 0.8).
+   subroutine test_by_hand(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: model
+      type(gyro_error), allocatable :: problem
+
+      call fit_ar([0.0_dp, 1.0_dp, 0.0_dp, 2.0_dp, 0.0_dp, 1.0_dp], ar_options(method="ols", max_order=1, order=1), model, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, model%coefficient(1), -0.75_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, model%intercept, 1.25_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, model%rows == 5 .and. model%compared_rows == 5, "rows")
+      if (allocated(error)) return
+      call check(error, model%unbiased_variance, model%noise_variance*5.0_dp/3.0_dp, thr=tolerance)
+   end subroutine test_by_hand
+
+   !> Intercept, coefficients, standard errors and variance of the orders 1 .. 6 of the eleven series.
+   subroutine test_reference_ols(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: model
+      type(gyro_error), allocatable :: problem
+      real(dp) :: expected(7), spread(7)
+      integer :: i, p, k
+
+      do i = 1, size(reference_names)
+         do p = 1, 6
+            call fit_ar(reference_series(trim(reference_names(i)), 1000), ar_options(method="ols", order=p, max_order=6), &
+               & model, problem)
+            call check(error, .not. allocated(problem), reference_names(i))
+            if (allocated(error)) return
+            k = p*(p + 1)/2
+            expected(:p + 1) = ols_parameters(k:k + p, i)
+            spread(:p + 1) = ols_errors(k:k + p, i)*sqrt(real(999 - 2*p, dp)/real(1000 - p, dp))
+            call check(error, maxval(abs(model%coefficient - expected(2:p + 1))), 0.0_dp, reference_names(i), thr=tolerance)
+            if (allocated(error)) return
+            call check(error, abs(model%intercept - expected(1))/max(abs(expected(1)), abs(model%mean)), 0.0_dp, &
+               & reference_names(i), thr=tolerance)
+            if (allocated(error)) return
+            call check(error, maxval(abs(model%std_error/spread(2:p + 1) - 1.0_dp)), 0.0_dp, reference_names(i), thr=tolerance)
+            if (allocated(error)) return
+            call check(error, model%intercept_std_error, spread(1), reference_names(i), thr=tolerance, rel=.true.)
+            if (allocated(error)) return
+            call check(error, model%noise_variance, ols_variance(p, i), reference_names(i), thr=tolerance, rel=.true.)
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_reference_ols
+
+   !> Coefficients and variance of the orders 1 .. 6 of the eleven series.
+   subroutine test_reference_mcov(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: model
+      type(gyro_error), allocatable :: problem
+      integer :: i, p
+
+      do i = 1, size(reference_names)
+         do p = 1, 6
+            call fit_ar(reference_series(trim(reference_names(i)), 1000), ar_options(method="mcov", order=p, max_order=6), &
+               & model, problem)
+            call check(error, .not. allocated(problem), reference_names(i))
+            if (allocated(error)) return
+            call check(error, maxval(abs(model%coefficient - mcov_phi(p*(p - 1)/2 + 1:p*(p + 1)/2, i))), 0.0_dp, &
+               & reference_names(i), thr=tolerance)
+            if (allocated(error)) return
+            call check(error, model%noise_variance, mcov_variance(p, i), reference_names(i), thr=tolerance, rel=.true.)
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_reference_mcov
+
+   !> Criteria of every order on its own rows.
+   subroutine test_criteria(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: model
+      type(gyro_error), allocatable :: problem
+      real(dp) :: expected(5)
+      integer :: i, p
+
+      do i = 1, size(reference_names)
+         do p = 1, 6
+            call fit_ar(reference_series(trim(reference_names(i)), 1000), ar_options(method="ols", order=p, max_order=p), &
+               & model, problem)
+            expected = ols_criteria(5*p - 4:5*p, i)
+            associate (line => model%table(p + 1))
+               call check(error, maxval(abs([line%aic, line%aicc, line%bic, line%hqic, line%fpe]/expected - 1.0_dp)), 0.0_dp, &
+                  & reference_names(i), thr=1.0e-11_dp)
+               if (allocated(error)) return
+            end associate
+         end do
+      end do
+   end subroutine test_criteria
+
+   !> RSS of the orders 0 .. 12 on the rows that order 12 has.
+   subroutine test_common_rows(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: model
+      type(gyro_error), allocatable :: problem
+      integer :: i
+
+      do i = 1, size(reference_names)
+         call fit_ar(reference_series(trim(reference_names(i)), 1000), ar_options(method="ols", max_order=12), model, problem)
+         call check(error, .not. allocated(problem), "it failed")
+         if (allocated(error)) return
+         call check(error, model%compared_rows == 988 .and. model%rows == 1000 - model%order, "rows")
+         if (allocated(error)) return
+         call check(error, maxval(abs(988.0_dp*model%table%noise_variance/ols_common(:, i) - 1.0_dp)), 0.0_dp, &
+            & reference_names(i), thr=tolerance)
+         if (allocated(error)) return
+      end do
+   end subroutine test_common_rows
+
+   !> 12,000 samples of AR(2).
+   subroutine test_long_reference(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: model
+      type(gyro_error), allocatable :: problem
+
+      call fit_ar(reference_series("ar2", 12000), ar_options(method="ols", order=3), model, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, maxval(abs([model%intercept, model%coefficient] - [-0.007209649564846636_dp, 1.1734540975554553_dp, &
+         & -0.45248722180508255_dp, -0.02507909677464238_dp])), 0.0_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, model%noise_variance, 0.998474005145591_dp, thr=tolerance, rel=.true.)
+      if (allocated(error)) return
+      call check(error, model%table(4)%aic, 34037.689822748966_dp, thr=tolerance, rel=.true.)
+   end subroutine test_long_reference
+
+   !> Offset 2^40 and scale 2^-50, exact for multiples of 1/1024.
+   subroutine test_offset_scale(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: a, b
+      real(dp), allocatable :: x(:)
+      type(gyro_error), allocatable :: problem
+      integer :: i
+
+      x = anint(1024.0_dp*reference_series("ar2", 6000))/1024.0_dp
+      do i = 1, 2
+         call fit_ar(x, ar_options(method=methods(i), max_order=5), a, problem)
+         call fit_ar((x + 2.0_dp**40)*2.0_dp**(-50), ar_options(method=methods(i), max_order=5), b, problem)
+         call check(error, .not. allocated(problem), "it failed")
+         if (allocated(error)) return
+         call check(error, a%order, b%order)
+         if (allocated(error)) return
+         call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=tolerance)
+         if (allocated(error)) return
+         call check(error, maxval(abs(a%std_error - b%std_error)), 0.0_dp, thr=tolerance)
+         if (allocated(error)) return
+         call check(error, b%noise_variance*2.0_dp**100, a%noise_variance, thr=tolerance, rel=.true.)
+         if (allocated(error)) return
+         call check(error, b%residual_normality%statistic, a%residual_normality%statistic, thr=1.0e-10_dp, rel=.true.)
+         if (allocated(error)) return
+      end do
+   end subroutine test_offset_scale
+
+   !> A signal of 1e-3 on 1e6: rounding of the samples, 1e-10, is 1e-7 of it.
+   subroutine test_large_offset(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      character(4), parameter :: all_methods(4) = [character(4) :: "yw", "burg", "ols", "mcov"]
+      type(ar_model_type) :: a, b
+      real(dp), allocatable :: x(:)
+      type(gyro_error), allocatable :: problem
+      integer :: i
+
+      x = 1.0e-3_dp*reference_series("ar1", 2000)
+      do i = 1, 4
+         call fit_ar(x, ar_options(method=all_methods(i), max_order=5), a, problem)
+         call fit_ar(x + 1.0e6_dp, ar_options(method=all_methods(i), max_order=5), b, problem)
+         call check(error, .not. allocated(problem), "it failed")
+         if (allocated(error)) return
+         call check(error, a%order, b%order)
+         if (allocated(error)) return
+         call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=1.0e-7_dp)
+         if (allocated(error)) return
+      end do
+   end subroutine test_large_offset
+
+   !> Forward and backward rows change places.
+   subroutine test_time_reversal(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: a, b
+      real(dp), allocatable :: x(:)
+      type(gyro_error), allocatable :: problem
+
+      x = reference_series("quad", 700)
+      call fit_ar(x, ar_options(method="mcov", order=5), a, problem)
+      call fit_ar(x(700:1:-1), ar_options(method="mcov", order=5), b, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, maxval(abs(a%std_error - b%std_error)), 0.0_dp, thr=tolerance)
+   end subroutine test_time_reversal
+
+   !> Complete rows gathered into a matrix and solved by QR factors.
+   subroutine test_gaps_dense(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: p = 3
+      real(dp) :: x(800), a(1600, p + 1), y(1600, 1), work(4000), mean
+      integer(int8) :: valid(800)
+      type(ar_model_type) :: model
+      type(gyro_error), allocatable :: problem
+      integer :: i, t, m, info, first
+
+      x = reference_series("ar2", 800) + 5.0_dp
+      valid = merge(0_int8, 1_int8, cshift(reference_series("unif", 800), 50) < 0.1_dp)
+      mean = sum(x, valid == 1_int8)/real(count(valid == 1_int8), dp)
+      do i = 1, 2
+         m = 0
+         do t = p + 1, 800
+            if (any(valid(t - p:t) == 0_int8)) cycle
+            m = m + 1
+            a(m, :) = [x(t - 1:t - p:-1) - mean, 1.0_dp]
+            y(m, 1) = x(t) - mean
+            if (i == 1) cycle
+            m = m + 1
+            a(m, :) = [x(t - p + 1:t) - mean, 1.0_dp]
+            y(m, 1) = x(t - p) - mean
+         end do
+         first = merge(p + 1, p, i == 1)
+         call dgels("N", m, first, 1, a, 1600, y, 1600, work, size(work), info)
+         call fit_ar(merge(x, 1.0e6_dp, valid == 1_int8), ar_options(method=methods(i), order=p, max_order=5), model, problem, &
+            & valid)
+         call check(error, .not. allocated(problem), "it failed")
+         if (allocated(error)) return
+         call check(error, maxval(abs(model%coefficient - y(:p, 1))), 0.0_dp, methods(i), thr=tolerance)
+         if (allocated(error)) return
+         call check(error, model%noise_variance, sum(y(first + 1:m, 1)**2)/real(m, dp), thr=tolerance, rel=.true.)
+         if (allocated(error)) return
+         call check(error, model%rows == m/i .and. model%compared_rows < model%rows, "rows")
+         if (allocated(error)) return
+      end do
+   end subroutine test_gaps_dense
+
+   !> One thread and two, with gaps.
+   subroutine test_threads(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: model(2, 2)
+      real(dp), allocatable :: x(:)
+      integer(int8), allocatable :: valid(:)
+      type(gyro_error), allocatable :: problem
+      integer :: i, k, before
+
+      x = reference_series("ar2", 120000)
+      valid = [(merge(0_int8, 1_int8, modulo(i, 997) == 5), i=1, 120000)]
+      before = omp_get_max_threads()
+      do i = 1, 2
+         call omp_set_num_threads(i)
+         do k = 1, 2
+            call fit_ar(x, ar_options(method=methods(k), order=4, max_order=6), model(i, k), problem, valid)
+         end do
+      end do
+      call omp_set_num_threads(before)
+      call check(error, .not. allocated(problem), "it failed")
+      do k = 1, 2
+         if (allocated(error)) return
+         call check(error, maxval(abs(model(1, k)%coefficient - model(2, k)%coefficient)), 0.0_dp, thr=tolerance)
+      end do
+   end subroutine test_threads
+
+   !> A series that grows: least squares says so, yw and burg cannot.
+   subroutine test_unstable(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: model
+      type(gyro_error), allocatable :: problem
+      real(dp) :: x(200)
+      integer :: t
+
+      x = reference_series("wn", 200)
+      do t = 2, 200
+         x(t) = x(t) + 1.05_dp*x(t - 1)
+      end do
+      call fit_ar(x, ar_options(method="ols", order=1), model, problem)
+      call check(error, .not. allocated(problem) .and. .not. model%stationary, "it grows")
+      if (allocated(error)) return
+      call check(error, model%root(1)%modulus, 1.05_dp, thr=1.0e-3_dp)
+      if (allocated(error)) return
+      call fit_ar(x, ar_options(method="burg", order=1), model, problem)
+      call check(error, .not. allocated(problem) .and. model%stationary, "burg")
+   end subroutine test_unstable
+
+   !> A cycle of 20 samples, phase 45 degrees, a little noise: mcov finds the frequency, Burg's is shifted (Chen & Stegen,
+   !> J. Geophys. Res. 79 (1974) 3019-3022).
+   subroutine test_sinusoid(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: pi = acos(-1.0_dp)
+      type(ar_model_type) :: model, burg
+      type(gyro_error), allocatable :: problem
+      real(dp) :: x(25)
+      integer :: t
+
+      x = [(sin(0.1_dp*pi*real(t, dp) + 0.25_dp*pi), t=1, 25)]
+      x = x - sum(x)/25.0_dp + 1.0e-6_dp*reference_series("wn", 25)
+      call fit_ar(x, ar_options(method="ols", order=2, max_order=2), model, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, model%root(1)%frequency, 0.05_dp, "ols, which has the intercept", thr=1.0e-6_dp)
+      if (allocated(error)) return
+      x = [(sin(0.1_dp*pi*real(t, dp) + 0.25_dp*pi), t=1, 25)]
+      x = [x(1:20) + 1.0e-6_dp*reference_series("wn", 20), x(21:25)]
+      call fit_ar(x(1:20), ar_options(method="mcov", order=2, max_order=2), model, problem)
+      call fit_ar(x(1:20), ar_options(method="burg", order=2, max_order=2), burg, problem)
+      call check(error, model%root(1)%frequency, 0.05_dp, "mcov", thr=1.0e-6_dp)
+      if (allocated(error)) return
+      call check(error, abs(burg%root(1)%frequency - 0.05_dp) > 1.0e-4_dp, "Burg's shift is gone")
+      if (allocated(error)) return
+      call check(error, burg%root(1)%frequency, 0.05_dp, "burg", thr=1.0e-2_dp)
+   end subroutine test_sinusoid
+
+   !> Order 0: mean and variance.
+   subroutine test_order_zero(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: model
+      type(gyro_error), allocatable :: problem
+      integer :: i
+
+      do i = 1, 2
+         call fit_ar([1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp], ar_options(method=methods(i), order=0, max_order=0), model, problem)
+         call check(error, .not. allocated(problem), "it failed")
+         if (allocated(error)) return
+         call check(error, size(model%coefficient) + size(model%root), 0)
+         if (allocated(error)) return
+         call check(error, model%noise_variance, 1.25_dp, thr=tolerance)
+         if (allocated(error)) return
+         call check(error, model%intercept, 2.5_dp, thr=tolerance)
+         if (allocated(error)) return
+      end do
+   end subroutine test_order_zero
+
+   !> A constant, a line, a sinusoid without noise; too few rows.
+   subroutine test_failures(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: x(60)
+      integer(int8) :: valid(60)
+      integer :: t, i
+
+      do i = 1, 2
+         x = 0.1_dp
+         call refused(error, x, methods(i), status%constant_input)
+         if (allocated(error)) return
+         x = [(sin(2.0_dp*acos(-1.0_dp)*real(t, dp)/20.0_dp), t=1, 60)]
+         call refused(error, x, methods(i), status%singular)
+         if (allocated(error)) return
+         x = reference_series("wn", 60)
+         valid = [(merge(0_int8, 1_int8, modulo(t, 4) == 0), t=1, 60)]
+         call refused(error, x, methods(i), status%too_few_samples, valid)
+         if (allocated(error)) return
+         call refused(error, x(1:9), methods(i), status%too_few_samples)
+         if (allocated(error)) return
+      end do
+      x = [(real(2*t, dp) - 7.0_dp, t=1, 60)]
+      call refused(error, x, "ols ", status%singular)
+   end subroutine test_failures
+
+   !> Fails unless the fit is refused with the code.
+   subroutine refused(error, x, method, code, valid)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      !> Series
+      real(dp), intent(in), contiguous :: x(:)
+      !> ols or mcov
+      character(4), intent(in) :: method
+      !> Expected
+      integer, intent(in) :: code
+      !> 1 present, 0 missing
+      integer(int8), intent(in), optional :: valid(:)
+      type(ar_model_type) :: model
+      type(gyro_error), allocatable :: problem
+
+      call fit_ar(x, ar_options(method=method), model, problem, valid)
+      call check(error, allocated(problem), "bad input was accepted")
+      if (allocated(error)) return
+      call check(error, problem%code, code, problem%message)
+   end subroutine refused
+
+end module test_least_squares
