@@ -53,6 +53,7 @@ module gyroakf
    use gyroakf_series_kpss, only : kpss_options, kpss_type, test_kpss
    use gyroakf_series_phillips_perron, only : phillips_perron_options, phillips_perron_type, test_phillips_perron
    use gyroakf_ar_autocovariance, only : compute_autocovariance, residual_autocovariance
+   use gyroakf_ar_shared_autocovariance, only : autocovariance_type, plan_autocovariance, need_autocovariance
    use gyroakf_ar_levinson, only : solve_levinson
    use gyroakf_ar_roots, only : ar_root_type, find_ar_roots, largest_modulus
    use gyroakf_filter_series, only : filter_result_type, filter_series, filter_run_type, begin_filter_run, feed_filter_run, &
@@ -63,7 +64,7 @@ module gyroakf
    use gyroakf_filter_smoother, only : smooth_drift
    use gyroakf_preprocess_trend, only : trend_type, fit_trend, remove_trend, evaluate_trend
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
-   use gyroakf_series_stationarity, only : adf_options, adf_type, test_adf
+   use gyroakf_series_stationarity, only : adf_options, adf_type, adf_coefficient_type, test_adf
    use gyroakf_ar_model, only : ar_options, ar_order_type, ar_model_type, fit_ar, fit_ar_of
    use gyroakf_ar_lag_stream, only : lag_stream_type, begin_lag_stream, feed_lag_stream, finish_lag_stream
    use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, design_drift_kf, design_drift_akf

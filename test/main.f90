@@ -7,6 +7,7 @@
 program test_main
    ! One line for every suite here, in alphabetical order ...
    use test_adf, only : collect_adf
+   use test_adf_table, only : collect_adf_table
    use test_allan_covariance, only : collect_allan_covariance
    use test_allan_deviation, only : collect_allan_deviation
    use test_allan_dynamic, only : collect_allan_dynamic
@@ -83,6 +84,7 @@ program test_main
 
    ! ... and one line here, in the same order.
    call add("adf", collect_adf)
+   call add("adf_table", collect_adf_table)
    call add("allan_covariance", collect_allan_covariance)
    call add("allan_deviation", collect_allan_deviation)
    call add("allan_dynamic", collect_allan_dynamic)

@@ -8,7 +8,7 @@ module gyroakf_lapack
    use gyroakf_kinds, only : dp
    implicit none (type, external)
    private
-   public :: dpotrf, dpotrs, dposv, dpotri, dgels, dtrtri, dtrtrs, dsyev, dsyrk, dgesv, dgebal, dhseqr
+   public :: dpotrf, dpotrs, dposv, dpotri, dgels, dtrtri, dtrtrs, dsyev, dsyrk, dgesv, dgebal, dhseqr, dgeqrf
 
    interface
 
@@ -136,6 +136,16 @@ module gyroakf_lapack
          real(dp), intent(out) :: wr(*), wi(*), work(*)
          integer, intent(out) :: info
       end subroutine dhseqr
+
+      !> Orthogonal and triangular factor
+      subroutine dgeqrf(m, n, a, lda, tau, work, lwork, info)
+         import :: dp
+         implicit none (type, external)
+         integer, intent(in) :: m, n, lda, lwork
+         real(dp), intent(inout) :: a(lda, *)
+         real(dp), intent(out) :: tau(*), work(*)
+         integer, intent(out) :: info
+      end subroutine dgeqrf
 
    end interface
 

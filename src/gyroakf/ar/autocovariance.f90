@@ -9,9 +9,10 @@ module gyroakf_ar_autocovariance
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_ar_lagged_products, only : add_lagged_products
    implicit none (type, external)
    private
-   public :: compute_autocovariance, residual_autocovariance, add_lagged_products, series_mean
+   public :: compute_autocovariance, residual_autocovariance, add_lagged_products, series_mean, load_centred
 
 contains
 
@@ -168,7 +169,7 @@ contains
          number(chunk) = 0.0_dp
          do first = chunk_first(n, chunk), chunk_last(n, chunk), block_length
             length = min(block_length, chunk_last(n, chunk) - first + 1)
-            call load(x, centre, phi, 0.0_dp, first, first + length - 1, e, flag, valid)
+            call load_centred(x, centre, phi, 0.0_dp, first, first + length - 1, e, flag, valid)
             total(chunk) = total(chunk) + sum_of(e(:length))
             number(chunk) = number(chunk) + sum_of(flag(:length))
          end do
@@ -281,7 +282,7 @@ contains
          do first = chunk_first(n, chunk), chunk_last(n, chunk), step
             last = min(first + step - 1, chunk_last(n, chunk))
             length = int(last - first) + 1
-            call load(x, centre, phi, offset, first - max_lag, last, e, flag, valid)
+            call load_centred(x, centre, phi, offset, first - max_lag, last, e, flag, valid)
             call add_lagged_products(e(1:), e, length, max_lag, partial(:, chunk))
             if (present(valid)) call add_lagged_products(flag(1:), flag, length, max_lag, number(:, chunk))
          end do
@@ -291,7 +292,7 @@ contains
    end subroutine sum_chunks
 
    !> Copies a stretch of the series, centre (or the AR prediction) subtracted; 0 where there is none.
-   pure subroutine load(x, centre, phi, offset, first, last, e, flag, valid)
+   pure subroutine load_centred(x, centre, phi, offset, first, last, e, flag, valid)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> Subtracted first, AR coefficients, subtracted last
@@ -332,45 +333,6 @@ contains
       do i = start, last
          e(i + shift) = merge(e(i + shift), 0.0_dp, flag(i + shift) > 0.5_dp)
       end do
-   end subroutine load
-
-   !> Adds $$\sum_{t=1}^{n} a_t b_{t-k}$$ to s_k for k = 0 .. lags; eight lags share the loads of a.
-   pure subroutine add_lagged_products(a, b, n, lags, s)
-      !> Length and largest lag
-      integer, intent(in) :: n, lags
-      !> First factor: [n]
-      real(dp), intent(in) :: a(n)
-      !> Second factor with its past: [1-lags:n]
-      real(dp), intent(in) :: b(1 - lags:n)
-      !> The sums: [0:lags]
-      real(dp), intent(inout) :: s(0:lags)
-      real(dp) :: s0, s1, s2, s3, s4, s5, s6, s7
-      integer :: k, t
-
-      do k = 0, lags - 7, 8
-         s0 = 0.0_dp; s1 = 0.0_dp; s2 = 0.0_dp; s3 = 0.0_dp
-         s4 = 0.0_dp; s5 = 0.0_dp; s6 = 0.0_dp; s7 = 0.0_dp
-         !$omp simd reduction(+:s0, s1, s2, s3, s4, s5, s6, s7)
-         do t = 1, n
-            s0 = s0 + a(t)*b(t - k)
-            s1 = s1 + a(t)*b(t - k - 1)
-            s2 = s2 + a(t)*b(t - k - 2)
-            s3 = s3 + a(t)*b(t - k - 3)
-            s4 = s4 + a(t)*b(t - k - 4)
-            s5 = s5 + a(t)*b(t - k - 5)
-            s6 = s6 + a(t)*b(t - k - 6)
-            s7 = s7 + a(t)*b(t - k - 7)
-         end do
-         s(k:k + 7) = s(k:k + 7) + [s0, s1, s2, s3, s4, s5, s6, s7]
-      end do
-      do k = 8*((lags + 1)/8), lags
-         s0 = 0.0_dp
-         !$omp simd reduction(+:s0)
-         do t = 1, n
-            s0 = s0 + a(t)*b(t - k)
-         end do
-         s(k) = s(k) + s0
-      end do
-   end subroutine add_lagged_products
+   end subroutine load_centred
 
 end module gyroakf_ar_autocovariance

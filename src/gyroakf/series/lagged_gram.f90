@@ -7,16 +7,18 @@
 !> $$C_{i+1,j+1} = C_{ij} + d_{a-1-i} d_{a-1-j} - d_{b-i} d_{b-j}$$
 !> $$\sum y_{t-1} d_{t-1-j} = \sum y_{t-1} d_{t-j} + C_{0j} + y_{a-1} d_{a-1-j} - y_b d_{b-j}$$
 !> and the sums with powers of the time likewise. Time O(n p), memory O(p^2). y is the series less its
-!> trend: the statistic does not feel that, but without it an offset would cost all digits.
+!> trend: the statistic does not feel that, but without it an offset would cost all digits. With fewer lags there are more rows:
+!> they are added one by one at the beginning of every stretch, without another pass.
 module gyroakf_series_lagged_gram
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_progress, only : progress_type
    use gyroakf_preprocess_trend, only : trend_type, subtract_trend
-   use gyroakf_ar_autocovariance, only : add_lagged_products
+   use gyroakf_ar_shared_autocovariance, only : autocovariance_type
+   use gyroakf_series_lagged_rows, only : row_sums_type, sum_rows, time_of, level2, level_d, time0, time_level, time_d
    implicit none (type, external)
    private
-   public :: gram_type, build_gram
+   public :: gram_type, build_gram, shorten_gram
 
    !> Sums of products over the rows of the regression
    type :: gram_type
@@ -28,21 +30,10 @@ module gyroakf_series_lagged_gram
       real(dp), allocatable :: matrix(:, :)
    end type gram_type
 
-   !> Places of the sums that are not lagged products
-   integer, parameter :: level2 = 1, level_d = 2, time0 = 3, time_level = 8, time_d = 11, sums = 13
-
-   !> What a block holds: differences with their past, level before each row, weight 1 or 0
-   type :: block_type
-      !> Series less trend and its differences: [-lags:length], [1-lags:length]
-      real(dp), allocatable :: y(:), d(:)
-      !> Difference, level before it and weight of every row: [length]
-      real(dp), allocatable :: a(:), level(:), weight(:)
-   end type block_type
-
 contains
 
    !> Builds the Gram matrix.
-   subroutine build_gram(x, trend, terms, lags, gram, error, valid)
+   subroutine build_gram(x, trend, terms, lags, gram, error, valid, shared, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> Subtracted from it
@@ -53,189 +44,138 @@ contains
       integer, intent(in) :: lags
       !> The matrix
       type(gram_type), intent(out) :: gram
-      !> no_memory
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      real(dp), allocatable :: c(:, :), other(:, :)
-      real(dp) :: first_row(0:lags, 0:4), s(sums)
-      integer :: k, chunks, stat
+      !> Autocovariances that are made on the way
+      type(autocovariance_type), intent(inout), optional :: shared
+      !> Told several times
+      class(progress_type), intent(inout), optional :: progress
+      type(row_sums_type) :: s
+      real(dp) :: first_row(0:lags, 0:4)
+      integer :: k, stat
 
       k = terms + lags + 2
-      chunks = chunk_count(size(x, kind=int64))
       gram%terms = terms
       gram%lags = lags
       allocate (gram%matrix(k, k), stat=stat)
-      if (stat == 0) allocate (c(0:lags, chunks), stat=stat)
-      if (stat == 0) allocate (other(sums, chunks), stat=stat)
-      if (stat == 0) call sum_rows(x, trend, terms, lags, c, other, stat, valid)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the sums of the unit-root regression")
          return
       end if
+      call sum_rows(x, trend, terms, lags, s, error, valid, shared, progress)
+      if (allocated(error)) return
       gram%matrix = 0.0_dp
-      s = sum(other, 2)
-      gram%rows = nint(s(time0), int64)
+      gram%rows = nint(s%other(time0), int64)
       first_row = 0.0_dp
-      first_row(:, 0) = sum(c, 2)
-      first_row(0, 1) = s(level_d)
-      first_row(0, 2:4) = s(time_d:time_d + 2)
+      first_row(:, 0) = s%lagged
+      first_row(0, 1) = s%other(level_d)
+      first_row(0, 2:4) = s%other(time_d:time_d + 2)
       call extend(x, trend, terms, lags, first_row, gram%matrix, valid)
-      call fill(gram, first_row, s)
+      call fill(gram, first_row, s%other)
    end subroutine build_gram
 
-   !> Scaled time of a sample.
-   pure real(dp) function time_of(t, n)
-      !> 0-based index, length of the series
-      integer(int64), intent(in) :: t, n
-
-      time_of = real(2*t - n, dp)/real(n, dp)
-   end function time_of
-
-   !> The pass over the series.
-   subroutine sum_rows(x, trend, terms, lags, c, other, stat, valid)
+   !> The matrix with fewer lags from that with more: its rows are those and the first ones of every stretch.
+   subroutine shorten_gram(x, trend, lags, gram, error, valid, progress)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> Subtracted from it
       type(trend_type), intent(in) :: trend
-      !> Powers of the time, lags
-      integer, intent(in) :: terms, lags
-      !> sum d_t d_(t-j): [0:lags, chunk]
-      real(dp), intent(out) :: c(0:, :)
-      !> The other sums: [sums, chunk]
-      real(dp), intent(out) :: other(:, :)
-      !> Not 0 where memory is short
-      integer, intent(out) :: stat
+      !> Fewer lags
+      integer, intent(in) :: lags
+      !> With more lags; with `lags` afterwards
+      type(gram_type), intent(inout) :: gram
+      !> no_memory, cancelled
+      type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      type(block_type) :: b
-      integer(int64) :: n, first, last, step
-      integer :: chunk, bad
-      logical :: ready
+      !> Told where it takes a pass
+      class(progress_type), intent(inout), optional :: progress
+      type(gram_type) :: longer
+      integer(int64) :: n, begin, finish
+      real(dp) :: work
+      integer :: k, terms
 
       n = size(x, kind=int64)
-      step = max(block_length, 4*int(lags, int64))
-      stat = 0
-      !$omp parallel if (n >= threads_from) default(shared) private(b, first, last, bad, ready)
-      call allocate_block(b, lags, step, ready)
-      bad = merge(0, 1, ready)
-      !$omp atomic
-      stat = stat + bad
-      !$omp do schedule(dynamic)
-      do chunk = 1, size(c, 2)
-         c(:, chunk) = 0.0_dp
-         other(:, chunk) = 0.0_dp
-         if (bad /= 0) cycle
-         do first = max(chunk_first(n, chunk) - 1, int(lags, int64) + 1), chunk_last(n, chunk) - 1, step
-            last = min(first + step - 1, chunk_last(n, chunk) - 1)
-            call load(x, trend, lags, first, last, b, valid)
-            call add_lagged_products(b%a, b%d, int(last - first) + 1, lags, c(:, chunk))
-            call add_others(b, terms, first, n, int(last - first) + 1, other(:, chunk))
+      k = gram%terms + lags + 2
+      work = 0.5_dp*real(gram%lags - lags, dp)*real(k, dp)*real(k, dp)
+      if (present(valid)) work = work*real(count_runs(valid), dp)
+      call move_alloc(gram%matrix, longer%matrix)
+      longer%lags = gram%lags
+      if (work > real(n, dp)*real(k + 16, dp)) then                   ! many gaps: another pass is quicker
+         terms = gram%terms
+         call build_gram(x, trend, terms, lags, gram, error, valid, progress=progress)
+         return
+      end if
+      allocate (gram%matrix(k, k))
+      gram%matrix(:k - 1, :k - 1) = longer%matrix(:k - 1, :k - 1)
+      gram%matrix(:k - 1, k) = longer%matrix(:k - 1, size(longer%matrix, 2))
+      gram%matrix(k, :) = 0.0_dp
+      gram%matrix(k, k) = longer%matrix(size(longer%matrix, 1), size(longer%matrix, 2))
+      gram%lags = lags
+      begin = 0
+      do while (begin < n)
+         finish = n - 1
+         if (present(valid)) call next_run(valid, begin, finish)
+         finish = min(finish, begin + longer%lags)
+         if (finish - begin >= lags + 1) call add_rows(x, trend, begin, finish, gram)
+         begin = finish + 1
+         if (.not. present(valid)) exit
+         do while (begin < n)
+            if (valid(begin + 1) == 0_int8) exit
+            begin = begin + 1
          end do
       end do
-      !$omp end do
-      if (bad == 0) deallocate (b%y, b%d, b%a, b%level, b%weight)
-      !$omp end parallel
-   end subroutine sum_rows
+   end subroutine shorten_gram
 
-   !> Allocates a block.
-   subroutine allocate_block(b, lags, length, ready)
-      !> The block
-      type(block_type), intent(inout) :: b
-      !> Lags
-      integer, intent(in) :: lags
-      !> Most rows
-      integer(int64), intent(in) :: length
-      !> .false. where memory is short
-      logical, intent(out) :: ready
-      integer :: stat
+   !> Number of stretches without gaps.
+   pure integer(int64) function count_runs(valid)
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in) :: valid(:)
+      integer(int64) :: i
 
-      allocate (b%y(-lags:length), stat=stat)
-      if (stat == 0) allocate (b%d(1 - lags:length), stat=stat)
-      if (stat == 0) allocate (b%a(length), stat=stat)
-      if (stat == 0) allocate (b%level(length), stat=stat)
-      if (stat == 0) allocate (b%weight(length), stat=stat)
-      ready = stat == 0
-   end subroutine allocate_block
+      count_runs = 0
+      do i = 2, size(valid, kind=int64)
+         if (valid(i) /= 0_int8 .and. valid(i - 1) == 0_int8) count_runs = count_runs + 1
+      end do
+      if (size(valid, kind=int64) > 0) then
+         if (valid(1) /= 0_int8) count_runs = count_runs + 1
+      end if
+   end function count_runs
 
-   !> Fills a block with the rows first .. last and the past of their differences.
-   pure subroutine load(x, trend, lags, first, last, b, valid)
+   !> Adds the products of the rows begin + lags + 1 .. finish, one after the other.
+   subroutine add_rows(x, trend, begin, finish, gram)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> Subtracted from it
       type(trend_type), intent(in) :: trend
-      !> Lags
-      integer, intent(in) :: lags
-      !> 0-based rows, first > lags
-      integer(int64), intent(in) :: first, last
-      !> The block
-      type(block_type), intent(inout) :: b
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: begin
-      integer :: i, m, run
+      !> 0-based; all samples from begin to finish are present
+      integer(int64), intent(in) :: begin, finish
+      !> The matrix
+      type(gram_type), intent(inout) :: gram
+      real(dp) :: y(0:finish - begin), row(size(gram%matrix, 1))
+      integer :: t, j, p, base
 
-      begin = first - lags - 1
-      m = int(last - first) + 1
-      do i = -lags, m
-         b%y(i) = x(begin + lags + 1 + i)
-      end do
-      call subtract_trend(trend, begin, b%y(:m))
-      do i = 1 - lags, m
-         b%d(i) = b%y(i) - b%y(i - 1)
-      end do
-      if (.not. present(valid)) then
-         b%a(:m) = b%d(1:m)
-         b%level(:m) = b%y(0:m - 1)
-         b%weight(:m) = 1.0_dp
-         return
-      end if
-      run = 0
-      do i = -lags, m
-         run = run + 1
-         if (valid(begin + lags + 1 + i) == 0_int8) run = 0
-         if (i < 1) cycle
-         b%weight(i) = merge(1.0_dp, 0.0_dp, run >= lags + 2)
-         b%a(i) = b%d(i)*b%weight(i)
-         b%level(i) = b%y(i - 1)*b%weight(i)
-      end do
-   end subroutine load
-
-   !> Adds a block's sums of the level and of the powers of the time.
-   pure subroutine add_others(b, terms, first, n, m, s)
-      !> The block
-      type(block_type), intent(in) :: b
-      !> Powers of the time, rows
-      integer, intent(in) :: terms, m
-      !> 0-based first row, length of the series
-      integer(int64), intent(in) :: first, n
-      !> The sums
-      real(dp), intent(inout) :: s(:)
-      real(dp) :: t, s1, s2, power(m)
-      integer :: i, k
-
-      s1 = 0.0_dp
-      s2 = 0.0_dp
-      !$omp simd reduction(+:s1, s2)
-      do i = 1, m
-         s1 = s1 + b%level(i)*b%level(i)
-         s2 = s2 + b%level(i)*b%a(i)
-      end do
-      s(level2) = s(level2) + s1
-      s(level_d) = s(level_d) + s2
-      power = b%weight(:m)
-      do k = 0, max(0, 2*(terms - 1))
-         s(time0 + k) = s(time0 + k) + sum(power)
-         if (k < terms) then
-            s(time_level + k) = s(time_level + k) + dot_product(power, b%level(:m))
-            s(time_d + k) = s(time_d + k) + dot_product(power, b%a(:m))
-         end if
-         do i = 1, m
-            t = time_of(first + i - 1, n)
-            power(i) = power(i)*t
+      p = gram%lags
+      base = gram%terms + 1
+      y = x(begin + 1:finish + 1)
+      call subtract_trend(trend, begin, y)
+      do t = p + 1, int(finish - begin)
+         do j = 1, gram%terms
+            row(j) = time_of(begin + t, size(x, kind=int64))**(j - 1)
          end do
+         row(base) = y(t - 1)
+         do j = 1, p
+            row(base + j) = y(t - j) - y(t - j - 1)
+         end do
+         row(base + p + 1) = y(t) - y(t - 1)
+         do j = 1, size(row)
+            gram%matrix(:j, j) = gram%matrix(:j, j) + row(:j)*row(j)
+         end do
+         gram%rows = gram%rows + 1
       end do
-   end subroutine add_others
+   end subroutine add_rows
 
    !> Extends the sums of lag 0 to all lags by the ends of every stretch without gaps.
    subroutine extend(x, trend, terms, lags, first_row, matrix, valid)

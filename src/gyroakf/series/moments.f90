@@ -25,6 +25,8 @@ module gyroakf_series_moments
       real(dp) :: skewness = 0.0_dp
       !> Kurtosis m4/m2^2, biased moments, 3 for a normal distribution; 0 where the variance is 0
       real(dp) :: kurtosis = 0.0_dp
+      !> What the mean lost when it was rounded, u: a series less both in turn has the mean 0 whatever its offset
+      real(dp) :: remainder = 0.0_dp
    end type moments_type
 
    !> Sums of powers of the deviations from the mean
@@ -144,6 +146,8 @@ contains
       moments%count = nint(s%count, int64)
       if (moments%count < 1) return
       moments%mean = shift + s%mean
+      m2 = moments%mean - shift
+      moments%remainder = (shift - (moments%mean - m2)) + (s%mean - m2)
       moments%minimum = s%low
       moments%maximum = s%high
       if (s%count < 1.5_dp) return
