@@ -49,7 +49,8 @@ contains
       if (allocated(error)) return
       select type (config)
       type is (analysis_config)
-         call check_method(config%pipeline, is_given(words, "--outlier-threshold"), error)
+         call check_method(config%pipeline, is_given(words, "--outlier-threshold"), is_given(words, "--outlier-rounds"), &
+                           is_given(words, "--outlier-window"), error)
       end select
    end subroutine check_job
 

@@ -5,6 +5,7 @@ module gyroakf_app_setting_method
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_allan_noise_fit, only : noise_options
    use gyroakf_filter_design, only : design_options
+   use gyroakf_preprocess_hampel, only : largest_half_width
    use gyroakf_pipeline, only : pipeline_options
    use gyroakf_app_option, only : option_type
    use gyroakf_app_value, only : value_type, value_error, not_wired, convert_list, is_word
@@ -14,6 +15,8 @@ module gyroakf_app_setting_method
 
    !> Largest AR order and number of lags that can be asked for
    integer(int64), parameter :: most_lags = 1000
+   !> Most rounds of the search for outliers
+   integer, parameter :: most_rounds = 1000
    !> Most segments of a dynamic Allan deviation
    integer, parameter :: most_segments = 100000
 
@@ -39,16 +42,23 @@ contains
    end subroutine set_method
 
    !> What is wrong with the options as a whole.
-   subroutine check_method(pipeline, threshold_given, error)
+   subroutine check_method(pipeline, threshold_given, rounds_given, window_given, error)
       !> All options
       type(pipeline_options), intent(in) :: pipeline
-      !> --outlier-threshold was given
-      logical, intent(in) :: threshold_given
+      !> --outlier-threshold, --outlier-rounds, --outlier-window were given
+      logical, intent(in) :: threshold_given, rounds_given, window_given
       !> usage
       type(error_type), allocatable, intent(out) :: error
 
       if (threshold_given .and. pipeline%clean%method == "none") then
          call fatal_error(error, status%usage, "--outlier-threshold without --outliers: no outliers are looked for")
+      else if (rounds_given .and. pipeline%clean%method == "none") then
+         call fatal_error(error, status%usage, "--outlier-rounds without --outliers: no outliers are looked for")
+      else if (window_given .and. pipeline%clean%method /= "hampel") then
+         call fatal_error(error, status%usage, "--outlier-window goes with --outliers hampel: the other rules have no window")
+      else if (threshold_given .and. pipeline%clean%method == "chauvenet") then
+         call fatal_error(error, status%usage, &
+                          "--outliers chauvenet has its threshold from the number of samples; --outlier-threshold goes with pauta")
       else if (pipeline%ar%order > pipeline%ar%max_order) then
          call fatal_error(error, status%usage, "--order is larger than --max-order")
       else if (pipeline%noise%tau_min >= pipeline%noise%tau_max) then
@@ -66,6 +76,8 @@ contains
       select case (option%name)
       case ("--outliers"); pipeline%clean%method = value%text
       case ("--outlier-threshold"); pipeline%clean%threshold = value%number
+      case ("--outlier-rounds"); call set_small(option, value%text, "", most_rounds, pipeline%clean%max_passes, error)
+      case ("--outlier-window"); call set_small(option, value%text, "", largest_half_width, pipeline%clean%half_width, error)
       case ("--detrend"); call set_small(option, value%text, "none", 9, pipeline%clean%degree, error)
       case ("--adf-regression"); pipeline%adf%regression = value%text
       case ("--adf-lags"); call set_small(option, value%text, "auto", int(most_lags), pipeline%adf%lags, error)

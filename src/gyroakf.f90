@@ -65,6 +65,9 @@ module gyroakf
    use gyroakf_preprocess_trend, only : trend_type, fit_trend, remove_trend, evaluate_trend
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
    use gyroakf_series_stationarity, only : adf_options, adf_type, adf_coefficient_type, test_adf
+   use gyroakf_preprocess_hampel, only : mark_hampel
+   use gyroakf_preprocess_truncation, only : truncated_deviation, final_cut, hampel_share, expected_false_alarms
+   use gyroakf_series_stationarity, only : adf_options, adf_type, test_adf
    use gyroakf_ar_model, only : ar_options, ar_order_type, ar_model_type, fit_ar, fit_ar_of
    use gyroakf_ar_lag_stream, only : lag_stream_type, begin_lag_stream, feed_lag_stream, finish_lag_stream
    use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, design_drift_kf, design_drift_akf

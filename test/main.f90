@@ -48,6 +48,8 @@ program test_main
    use test_npy, only : collect_npy
    use test_number, only : collect_number
    use test_outliers, only : collect_outliers
+   use test_hampel, only : collect_hampel
+   use test_truncation, only : collect_truncation
    use test_pipeline, only : collect_pipeline
    use test_progress, only : collect_progress
    use test_progress_text, only : collect_progress_text
@@ -125,6 +127,8 @@ program test_main
    call add("npy", collect_npy)
    call add("number", collect_number)
    call add("outliers", collect_outliers)
+   call add("hampel", collect_hampel)
+   call add("truncation", collect_truncation)
    call add("pipeline", collect_pipeline)
    call add("progress", collect_progress)
    call add("progress_text", collect_progress_text)

@@ -364,7 +364,9 @@ contains
 
       x = [1.0_dp, 2.0_dp, 1.0_dp, 3.0_dp]
       valid = 0_int8
-      call refused(error, x, clean_options(method="hampel"), status%not_supported)
+      call refused(error, x, clean_options(method="hampel", half_width=0), status%invalid_argument)
+      if (allocated(error)) return
+      call refused(error, x, clean_options(method="chauvenet", threshold=3.0_dp), status%invalid_argument)
       if (allocated(error)) return
       call refused(error, x, clean_options(method="best"), status%invalid_argument)
       if (allocated(error)) return

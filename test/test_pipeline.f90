@@ -169,7 +169,7 @@ contains
       o%design%estimate = "R"
       call apply_preset("paper", o, failed)
       call check(error, o%clean%method//o%ar%method//o%ar%criterion//o%design%akf//o%design%estimate, &
-                 "pauta   "//"yw  "//"aic "//"paper   "//"QR  ")
+                 "pauta    "//"yw  "//"aic "//"paper   "//"QR  ")
       if (allocated(error)) return
       call check(error, all([o%clean%degree, o%ar%max_order, o%ar%order] == [3, 3, -1]), "degree and orders")
       if (allocated(error)) return

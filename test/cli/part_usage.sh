@@ -53,7 +53,12 @@ other letters than Q N B K R ; x.txt --terms QX
 log:0 has no averaging times ; x.txt --taus log:0
 'x' is not a number ; x.txt --taus 1,2,x
 averaging times are larger than 0 ; x.txt --taus 1,-2
-'hampel' is not available in this version ; x.txt --outliers hampel
+'hampl' is not one of these ; x.txt --outliers hampl
+--outlier-window goes with --outliers hampel ; x.txt --outlier-window 5
+--outlier-rounds without --outliers ; allan x.txt --outlier-rounds 1
+has its threshold from the number of samples ; x.txt --outliers chauvenet --outlier-threshold 3
+it is at least 1 ; x.txt --outlier-rounds 0
+'200000' is not a whole number from 0 to 100000 ; x.txt --outliers hampel --outlier-window 200000
 --outlier-threshold without --outliers ; allan x.txt --outlier-threshold 3
 '10' is not a whole number from 0 to 9 ; x.txt --detrend 10
 q, r, Q, R at most once ; x.txt --estimate q,r,Q,Q

@@ -56,7 +56,7 @@ contains
       character(:), allocatable :: times
       integer(int64) :: i, last
 
-      if (.not. channel%clean%converged) call add_text(channel%warnings, &
+      if (.not. channel%clean%converged .and. channel%clean%passes > 1) call add_text(channel%warnings, &
          "the search for outliers did not settle within "//decimal(int(channel%clean%passes, int64))//" rounds")
       if (channel%clean%fraction <= outlier_share) return
       times = ""

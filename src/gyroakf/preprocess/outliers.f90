@@ -5,7 +5,12 @@
 !> |---|---|---|
 !> | `pauta` | mean and standard deviation (divisor n - 1) of the inliers | 3 |
 !> | `auto`  | first median and 1.4826 MAD, then as `pauta` | for the record's length: $$\sqrt2\,\mathrm{erfc}^{-1}(1/(2n))$$ |
+!> | `chauvenet` | mean and standard deviation of the inliers | that of `auto` for the number of inliers, each round anew |
 !> | `mad`   | median and 1.4826 MAD | 4.5 |
+!> | `hampel` | median and 1.4826 MAD of the sample's neighbourhood (gyroakf_preprocess_hampel) | 3 |
+!>
+!> Mean and standard deviation of n samples let none of them be further off than (n-1)/sqrt(n) standard deviations: 3 sigma
+!> rejects nothing below 11 samples.
 !>
 !> Sources: Pauta's rule as in the paper; Chauvenet's criterion for the threshold of `auto`, by which
 !> a clean normal record of any length loses half a sample on average (3 sigma takes 0.27 % of it);
@@ -18,28 +23,28 @@ module gyroakf_preprocess_outliers
    use gyroakf_special, only : normal_quantile
    implicit none (type, external)
    private
-   public :: check_method, default_threshold, length_threshold, robust_centre, quantisation_step, mark_outliers
+   public :: check_method, default_threshold, length_threshold, robust_centre, quantisation_step, is_repeated, mark_outliers
 
    !> MAD of a normal distribution times this is its standard deviation: 1/Phi^-1(3/4)
    real(dp), parameter :: mad_to_sigma = 1.4826022185056018_dp
+   !> A step is one of the quantisation that so many neighbours differ by, up to this factor of rounding errors
+   integer(int64), parameter :: least_steps = 10
+   real(dp), parameter :: nearly = 1.001_dp
 
 contains
 
    !> Refuses a method that is not known or not built.
    subroutine check_method(method, error)
-      !> none, auto, pauta, mad
+      !> none, auto, pauta, chauvenet, mad, hampel
       character(*), intent(in) :: method
-      !> invalid_argument, not_supported
+      !> invalid_argument
       type(error_type), allocatable, intent(out) :: error
 
       select case (method)
-      case ("none", "auto", "pauta", "mad")
-      case ("hampel")
-         call fatal_error(error, status%not_supported, &
-            & "the moving-window outlier method 'hampel' is not part of this version; there are none, auto, pauta, mad")
+      case ("none", "auto", "pauta", "chauvenet", "mad", "hampel")
       case default
          call fatal_error(error, status%invalid_argument, &
-            & "unknown outlier method '"//trim(method)//"'; there are none, auto, pauta, mad")
+            & "unknown outlier method '"//trim(method)//"'; there are none, auto, pauta, chauvenet, mad, hampel")
       end select
    end subroutine check_method
 
@@ -51,8 +56,8 @@ contains
       integer(int64), intent(in) :: n
 
       select case (method)
-      case ("auto"); default_threshold = length_threshold(n)
-      case ("pauta"); default_threshold = 3.0_dp
+      case ("auto", "chauvenet"); default_threshold = length_threshold(n)
+      case ("pauta", "hampel"); default_threshold = 3.0_dp
       case ("mad"); default_threshold = 4.5_dp
       case default; default_threshold = 0.0_dp
       end select
@@ -120,6 +125,31 @@ contains
       !$omp end parallel do
       if (step >= huge(step)) step = 0.0_dp
    end subroutine quantisation_step
+
+   !> Whether present neighbours differ by a step often enough for it to be that of the quantisation.
+   logical function is_repeated(x, step, valid)
+      !> Series: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> As quantisation_step found it; 0 is none
+      real(dp), intent(in) :: step
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      integer(int64) :: i, n, times
+      real(dp) :: difference
+
+      n = size(x, kind=int64)
+      times = 0
+      !$omp parallel do if (n >= threads_from) default(shared) private(difference) reduction(+:times) schedule(static)
+      do i = 2, n
+         if (present(valid)) then
+            if (valid(i) == 0_int8 .or. valid(i - 1) == 0_int8) cycle
+         end if
+         difference = abs(x(i) - x(i - 1))
+         if (difference > 0.0_dp .and. difference <= nearly*step) times = times + 1
+      end do
+      !$omp end parallel do
+      is_repeated = times >= least_steps
+   end function is_repeated
 
    !> Absolute value of the first sample, 0 where it is missing.
    pure subroutine first_value(x, first, valid)

@@ -14,7 +14,7 @@ module gyroakf_preprocess_trend
    use gyroakf_lapack, only : dpotrf, dpotrs
    implicit none (type, external)
    private
-   public :: trend_type, fit_trend, remove_trend, subtract_trend, evaluate_trend, largest_degree
+   public :: trend_type, fit_trend, remove_trend, detach_trend, subtract_trend, evaluate_trend, largest_degree
 
    !> Largest degree that fit_trend accepts
    integer, parameter :: largest_degree = 9
@@ -400,6 +400,31 @@ contains
       end do
       !$omp end parallel do
    end subroutine remove_trend
+
+   !> The series less the trend, in another array; threaded.
+   subroutine detach_trend(trend, x, rest)
+      !> The polynomial; its degree -1 is 0 everywhere
+      type(trend_type), intent(in) :: trend
+      !> Series that begins at sample 0: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> Series less trend: [n]
+      real(dp), intent(inout), contiguous :: rest(:)
+      integer(int64) :: n, first, last, i
+      integer :: chunk
+
+      n = size(x, kind=int64)
+      !$omp parallel do if (n >= threads_from) default(shared) private(first, last, i) schedule(static)
+      do chunk = 1, chunk_count(n)
+         do first = chunk_first(n, chunk), chunk_last(n, chunk), stretch
+            last = min(first + stretch - 1, chunk_last(n, chunk))
+            do i = first, last
+               rest(i) = x(i)
+            end do
+            call subtract_trend(trend, first - 1, rest(first:last))
+         end do
+      end do
+      !$omp end parallel do
+   end subroutine detach_trend
 
    !> Subtracts the trend from some successive samples: the constant first, then the rest, by
    !> Clenshaw's recursion.

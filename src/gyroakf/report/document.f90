@@ -9,7 +9,8 @@ module gyroakf_report_document
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_result_type, channel_result_type
    use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, flush_json
-   use gyroakf_report_document_parts, only : put_preprocess, put_tests, put_ar, put_filters, put_allan, put_coefficients
+   use gyroakf_report_document_preprocess, only : put_preprocess
+   use gyroakf_report_document_parts, only : put_tests, put_ar, put_filters, put_allan, put_coefficients
    implicit none (type, external)
    private
    public :: write_document, gather_warnings, schema_number

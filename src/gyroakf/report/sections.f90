@@ -1,58 +1,19 @@
 ! SPDX-License-Identifier: MIT
-!> Parts of a report on one channel: what was removed, and the tests with their verdict in words.
+!> Part of a report on one channel: the tests with their verdict in words.
 module gyroakf_report_sections
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_record, only : record_type
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : channel_result_type
    use gyroakf_series_whiteness, only : ljung_box_type
-   use gyroakf_report_layout, only : put_heading, put_item, number, scientific, count_text, p_value_text, plural
-   use gyroakf_report_input, only : unit_name
+   use gyroakf_report_layout, only : put_heading, put_item, number, count_text, p_value_text, plural
    implicit none (type, external)
    private
-   public :: put_removed, put_tests, whiteness_text
+   public :: put_tests, whiteness_text
 
    !> A test decides at this level
    real(dp), parameter :: level = 0.05_dp
 
 contains
-
-   !> Outliers and trend.
-   subroutine put_removed(writer, record, channel)
-      !> The report
-      type(writer_type), intent(inout) :: writer
-      !> For the unit
-      type(record_type), intent(in) :: record
-      !> `clean` is filled
-      type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: text
-      integer :: i
-
-      call put_heading(writer, "Removed")
-      if (.not. channel%available%preprocess) then
-         call put_item(writer, "Nothing", "the record is taken as it is")
-         return
-      end if
-      if (channel%clean%method == "none") then
-         call put_item(writer, "Outliers", "not looked for")
-      else
-         text = plural(channel%clean%removed, "sample")//" ("//number(100*channel%clean%fraction, 3)//" %) beyond "// &
-                number(channel%clean%threshold, 4)//" sigma (rule: "//trim(channel%clean%method)//", "// &
-                plural(int(channel%clean%passes, int64), "round")//"); marked missing"
-         call put_item(writer, "Outliers", text)
-      end if
-      if (channel%clean%trend%degree < 0 .or. .not. allocated(channel%clean%trend%power)) then
-         call put_item(writer, "Trend", "none removed")
-         return
-      end if
-      text = ""
-      do i = 0, channel%clean%trend%degree
-         text = text//", c"//count_text(int(i, int64))//" = "// &
-                scientific(channel%clean%trend%power(lbound(channel%clean%trend%power, 1) + i), 6)
-      end do
-      call put_item(writer, "Trend", degree_name(channel%clean%trend%degree)//" in the sample index i = 0, 1, ... : "// &
-                    text(3:)//" ("//unit_name(record)//")")
-   end subroutine put_removed
 
    !> Stationarity, normality, whiteness.
    subroutine put_tests(writer, channel)
@@ -142,18 +103,5 @@ contains
       case default; name = "with a constant, a line and a parabola"
       end select
    end function regression_name
-
-   pure function degree_name(degree) result(name)
-      integer, intent(in) :: degree
-      character(:), allocatable :: name
-
-      select case (degree)
-      case (0); name = "constant"
-      case (1); name = "straight line"
-      case (2); name = "parabola"
-      case (3); name = "cubic"
-      case default; name = "polynomial of degree "//count_text(int(degree, int64))
-      end select
-   end function degree_name
 
 end module gyroakf_report_sections

@@ -6,7 +6,8 @@ module gyroakf_report_text
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, stage
    use gyroakf_report_layout, only : put_heading, put_item
    use gyroakf_report_input, only : put_title, put_input, report_inspect
-   use gyroakf_report_sections, only : put_removed, put_tests
+   use gyroakf_report_removed, only : put_removed
+   use gyroakf_report_sections, only : put_tests
    use gyroakf_report_models, only : put_ar_table, put_filter_table, put_filter_details
    use gyroakf_report_noise, only : put_curves_of, put_coefficients, put_comparison
    use gyroakf_report_changes, only : put_changes

@@ -15,41 +15,9 @@ module gyroakf_report_document_parts
    use gyroakf_report_document_stated, only : put_stated, put_densities, put_known, put_description
    implicit none (type, external)
    private
-   public :: put_preprocess, put_tests, put_ar, put_filters, put_allan, put_coefficients
+   public :: put_tests, put_ar, put_filters, put_allan, put_coefficients
 
 contains
-
-   !> "preprocess": null where the record was taken as it is.
-   subroutine put_preprocess(json, channel)
-      !> The document
-      type(json_type), intent(inout) :: json
-      !> One channel
-      type(channel_result_type), intent(in) :: channel
-
-      if (.not. channel%available%preprocess) then
-         call put_null(json, "preprocess")
-         return
-      end if
-      call open_object(json, "preprocess")
-      call open_object(json, "outliers")
-      call put_member(json, "method", trim(channel%clean%method))
-      call put_member(json, "threshold", channel%clean%threshold)
-      call put_member(json, "passes", channel%clean%passes)
-      call put_member(json, "removed", channel%clean%removed)
-      call put_member(json, "fraction", channel%clean%fraction)
-      call close_object(json)
-      call open_object(json, "trend")
-      call put_member(json, "degree", channel%clean%trend%degree)
-      if (allocated(channel%clean%trend%power)) then
-         call put_member(json, "coefficients", channel%clean%trend%power)
-      else
-         call put_null(json, "coefficients")
-      end if
-      call close_object(json)
-      call put_member(json, "mean", channel%clean%mean)
-      call put_member(json, "variance", channel%clean%variance)
-      call close_object(json)
-   end subroutine put_preprocess
 
    !> "tests".
    subroutine put_tests(json, channel)

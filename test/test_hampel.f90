@@ -1,0 +1,399 @@
+! SPDX-License-Identifier: MIT
+!> Tests of the Hampel filter and of the sorted window beneath it.
+module test_hampel
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
+   use gyroakf_preprocess_hampel, only : largest_half_width, least_present, mark_hampel
+   use gyroakf_preprocess_neighbours, only : mark_isolated
+   use gyroakf_preprocess_truncation, only : hampel_share
+   use series_library, only : reference_series
+   use testdrive, only : check, error_type, new_unittest, unittest_type
+   implicit none (type, external)
+   private
+   public :: collect_hampel
+
+contains
+
+   !> The tests of this suite.
+   subroutine collect_hampel(testsuite)
+      !> The tests
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         & new_unittest("by_hand", test_by_hand), &
+         & new_unittest("brute_force", test_brute_force), &
+         & new_unittest("long_windows", test_long_windows), &
+         & new_unittest("gaps", test_gaps), &
+         & new_unittest("few_present", test_few_present), &
+         & new_unittest("level", test_level), &
+         & new_unittest("quantised", test_quantised), &
+         & new_unittest("offset_scale", test_offset_scale), &
+         & new_unittest("false_alarms", test_false_alarms), &
+         & new_unittest("cleaning", test_cleaning), &
+         & new_unittest("isolated", test_isolated), &
+         & new_unittest("failures", test_failures)]
+   end subroutine collect_hampel
+
+   !> 1.4826 MAD of all present samples i-k .. i+k, by sorting: whether i stands out.
+   function stands_out(x, i, k, threshold, floor, valid) result(out)
+      real(dp), intent(in) :: x(:)
+      integer, intent(in) :: i, k
+      real(dp), intent(in) :: threshold, floor
+      integer(int8), intent(in) :: valid(:)
+      logical :: out
+      real(dp), allocatable :: w(:)
+      real(dp) :: median
+
+      w = pack(x(max(1, i - k):min(size(x), i + k)), valid(max(1, i - k):min(size(x), i + k)) /= 0_int8)
+      out = .false.
+      if (size(w) < min(k + 1, least_present)) return
+      median = middle(w)
+      w = abs(w - median)
+      out = abs(x(i) - median) > threshold*max(1.4826022185056018_dp*middle(w), floor)
+   end function stands_out
+
+   !> Median by sorting.
+   function middle(x) result(median)
+      real(dp), intent(in) :: x(:)
+      real(dp) :: median, w(size(x)), held
+      integer :: i, j
+
+      w = x
+      do i = 2, size(w)
+         held = w(i)
+         do j = i - 1, 1, -1
+            if (w(j) <= held) exit
+            w(j + 1) = w(j)
+         end do
+         w(j + 1) = held
+      end do
+      median = w((size(w) + 1)/2)
+      if (mod(size(w), 2) == 0) median = 0.5_dp*median + 0.5_dp*w(size(w)/2 + 1)
+   end function middle
+
+   !> Fails unless the marks are those of the sorted windows, at every sample.
+   subroutine compare(error, x, k, threshold, floor, valid)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), intent(in), contiguous :: x(:)
+      integer, intent(in) :: k
+      real(dp), intent(in) :: threshold, floor
+      integer(int8), intent(in), contiguous :: valid(:)
+      integer(int8) :: mark(size(x))
+      integer(int64) :: changed, removed
+      integer :: i
+      type(gyro_error), allocatable :: problem
+      character(40) :: where_it_is
+
+      mark = valid
+      call mark_hampel(x, k, threshold, floor, mark, changed, removed, problem, valid)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      do i = 1, size(x)
+         if (valid(i) == 0_int8) cycle
+         if ((mark(i) == 0_int8) .eqv. stands_out(x, i, k, threshold, floor, valid)) cycle
+         write (where_it_is, "(a, i0, a, i0)") "sample ", i, ", half-width ", k
+         call check(error, .false., where_it_is)
+         return
+      end do
+      call check(error, removed == count(mark == 0_int8 .and. valid /= 0_int8) .and. removed == changed, "counts")
+   end subroutine compare
+
+   !> 1 2 1 9 2 1 2 1 2 8 1, k = 2: the 9 has neighbours 2 1 2 1, median 2, MAD 1; the 8 those of 1 2 8 1, cut at the end.
+   subroutine test_by_hand(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8) :: mark(11)
+      integer(int64) :: changed, removed
+      type(gyro_error), allocatable :: problem
+
+      mark = 1_int8
+      call mark_hampel([1.0_dp, 2.0_dp, 1.0_dp, 9.0_dp, 2.0_dp, 1.0_dp, 2.0_dp, 1.0_dp, 2.0_dp, 8.0_dp, 1.0_dp], 2, 3.0_dp, &
+         & 0.0_dp, mark, changed, removed, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, all((mark == 0_int8) .eqv. [.false., .false., .false., .true., .false., .false., .false., .false., &
+         & .false., .true., .false.]), "other marks")
+      if (allocated(error)) return
+      call check(error, changed == 2 .and. removed == 2, "counts")
+   end subroutine test_by_hand
+
+   !> Every window of short series, most of them cut at an end, with and without ties.
+   subroutine test_brute_force(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      character(4), parameter :: name(3) = [character(4) :: "wn", "ar1", "rw"]
+      integer, parameter :: half_width(7) = [1, 2, 3, 6, 10, 33, 200]
+      real(dp), allocatable :: x(:)
+      integer(int8) :: valid(150)
+      integer :: i, j, n
+
+      valid = 1_int8
+      do j = 1, size(name)
+         x = reference_series(trim(name(j)), 150)
+         do i = 1, size(half_width)
+            n = merge(150, 7 + 3*i, j < 3)
+            call compare(error, x(:n), half_width(i), 2.0_dp, 0.0_dp, valid(:n))
+            if (allocated(error)) return
+            call compare(error, anint(2.0_dp*x(:n)), half_width(i), 2.0_dp, 0.0_dp, valid(:n))
+            if (allocated(error)) return
+            call compare(error, anint(x(:n)), half_width(i), 1.0_dp, 0.5_dp, valid(:n))
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_brute_force
+
+   !> Beyond a stretch, and threaded: 70,000 samples, compared at some hundred of them, seams of stretches among them.
+   subroutine test_long_windows(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: n = 70000, half_width(3) = [5, 60, 700]
+      real(dp), allocatable :: x(:)
+      integer(int8), allocatable :: mark(:), valid(:)
+      integer(int64) :: changed, removed
+      integer :: i, j
+      type(gyro_error), allocatable :: problem
+
+      x = reference_series("wn", n)
+      x(::50) = 4.0_dp*x(::50)
+      allocate (mark(n), source=1_int8)
+      allocate (valid(n), source=1_int8)
+      do j = 1, size(half_width)
+         call mark_hampel(x, half_width(j), 3.0_dp, 0.0_dp, mark, changed, removed, problem)
+         do i = 1, n, merge(1000, 10, j == 3)
+            call check(error, (mark(i) == 0_int8) .eqv. stands_out(x, i, half_width(j), 3.0_dp, 0.0_dp, valid), "within")
+            if (allocated(error)) return
+         end do
+         do i = 16384 - 3, 16384 + 3
+            call check(error, (mark(i) == 0_int8) .eqv. stands_out(x, i, half_width(j), 3.0_dp, 0.0_dp, valid), "at a seam")
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_long_windows
+
+   !> Missing samples, also at the ends and whole windows of them; what they hold does not matter.
+   subroutine test_gaps(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: x(:)
+      integer(int8), allocatable :: valid(:)
+      integer :: k
+
+      x = reference_series("wn", 400)
+      valid = merge(0_int8, 1_int8, reference_series("unif", 400) < -0.2_dp)
+      valid(1:3) = 0_int8
+      valid(100:140) = 0_int8
+      valid(399:400) = 0_int8
+      where (valid == 0_int8) x = 1.0e300_dp
+      do k = 1, 61, 6
+         call compare(error, x, k, 2.0_dp, 0.0_dp, valid)
+         if (allocated(error)) return
+      end do
+   end subroutine test_gaps
+
+   !> With fewer than 11 present in its window a sample is not judged, however far off it is.
+   subroutine test_few_present(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: x(41)
+      integer(int8) :: valid(41), mark(41)
+      integer(int64) :: changed, removed
+      type(gyro_error), allocatable :: problem
+
+      x = reference_series("wn", 41)
+      x(21) = 1.0e6_dp
+      valid = 0_int8
+      valid(17:26) = 1_int8
+      mark = valid
+      call mark_hampel(x, 20, 3.0_dp, 0.0_dp, mark, changed, removed, problem, valid)
+      call check(error, int(removed), 0, "10 present")
+      if (allocated(error)) return
+      valid(30) = 1_int8
+      mark = valid
+      call mark_hampel(x, 20, 3.0_dp, 0.0_dp, mark, changed, removed, problem, valid)
+      call check(error, mark(21) == 0_int8, "11 present")
+   end subroutine test_few_present
+
+   !> A level: nothing stands out, with MAD 0 anything else does, unless the floor covers it.
+   subroutine test_level(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: x(200)
+      integer(int8) :: mark(200)
+      integer(int64) :: changed, removed
+      type(gyro_error), allocatable :: problem
+
+      x = 17.3_dp
+      mark = 1_int8
+      call mark_hampel(x, 7, 3.0_dp, 0.0_dp, mark, changed, removed, problem)
+      call check(error, int(removed), 0, "a level")
+      if (allocated(error)) return
+      x(50) = 17.4_dp
+      call mark_hampel(x, 7, 3.0_dp, 0.0_dp, mark, changed, removed, problem)
+      call check(error, removed == 1 .and. mark(50) == 0_int8, "one off the level")
+      if (allocated(error)) return
+      call mark_hampel(x, 7, 3.0_dp, 0.05_dp, mark, changed, removed, problem)
+      call check(error, removed == 0 .and. changed == 1, "within the floor")
+   end subroutine test_level
+
+   !> Counts 0 and 1, one in nine a 1, so that every MAD is 0: none is an outlier, neither by hampel nor by any other rule.
+   subroutine test_quantised(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      character(9), parameter :: method(5) = [character(9) :: "hampel", "auto", "pauta", "chauvenet", "mad"]
+      real(dp), allocatable :: x(:), cleaned(:)
+      integer(int8), allocatable :: mask(:)
+      type(clean_type) :: result
+      type(gyro_error), allocatable :: problem
+      integer :: i, j
+
+      allocate (x(5000), source=0.0_dp)
+      do j = 1, 2
+         x(9::merge(9, 200, j == 1)) = 1.0_dp
+         do i = 1, size(method)
+            call clean_series(0.1_dp*x, clean_options(degree=0, method=method(i)), cleaned, mask, result, problem)
+            call check(error, .not. allocated(problem), "it failed")
+            if (allocated(error)) return
+            call check(error, int(result%removed), 0, trim(method(i))//" marks counts")
+            if (allocated(error)) return
+         end do
+         x = 0.0_dp
+      end do
+      x(700) = 1.0_dp
+      do i = 1, size(method)
+         call clean_series(x, clean_options(degree=0, method=method(i)), cleaned, mask, result, problem)
+         call check(error, int(result%removed), 1, trim(method(i))//" misses the only glitch of a dead sensor")
+         if (allocated(error)) return
+      end do
+   end subroutine test_quantised
+
+   !> Offset 1e6 with noise of 1e-3, and a scale of a power of two, change no mark.
+   subroutine test_offset_scale(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: x(:)
+      integer(int8) :: mark(5000, 3)
+      integer(int64) :: changed, removed(3)
+      type(gyro_error), allocatable :: problem
+
+      x = 2.0_dp**(-30)*anint(2.0_dp**20*reference_series("ar1", 5000))
+      mark = 1_int8
+      call mark_hampel(x, 25, 3.0_dp, 0.0_dp, mark(:, 1), changed, removed(1), problem)
+      call mark_hampel(x + 2.0_dp**20, 25, 3.0_dp, 0.0_dp, mark(:, 2), changed, removed(2), problem)
+      call mark_hampel(-2.0_dp**40*x, 25, 3.0_dp, 0.0_dp, mark(:, 3), changed, removed(3), problem)
+      call check(error, removed(1) > 10 .and. all(mark(:, 1) == mark(:, 2)), "offset")
+      if (allocated(error)) return
+      call check(error, all(mark(:, 1) == mark(:, 3)), "scale")
+   end subroutine test_offset_scale
+
+   !> The share that is stated against that of 2e5 samples, to 4 of its standard errors and the 5 % that it promises; marks of
+   !> neighbours hang together, which doubles the variance.
+   subroutine test_false_alarms(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: n = 200000, half_width(4) = [2, 3, 10, 25]
+      real(dp), allocatable :: x(:)
+      integer(int8), allocatable :: mark(:)
+      integer(int64) :: changed, removed
+      real(dp) :: expected
+      integer :: i
+      type(gyro_error), allocatable :: problem
+
+      x = reference_series("wn_bm", n)
+      allocate (mark(n), source=1_int8)
+      do i = 1, size(half_width)
+         call mark_hampel(x, half_width(i), 3.0_dp, 0.0_dp, mark, changed, removed, problem)
+         expected = n*hampel_share(half_width(i), 3.0_dp)
+         call check(error, real(removed, dp), expected, thr=0.05_dp*expected + 4.0_dp*sqrt(2.0_dp*expected))
+         if (allocated(error)) return
+      end do
+   end subroutine test_false_alarms
+
+   !> As a method: spikes on a cubic drift whose scatter grows are found where Pauta's rule misses those of the quiet part.
+   subroutine test_cleaning(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: n = 6000, place(4) = [1, 300, 301, 6000]
+      real(dp), allocatable :: x(:), cleaned(:)
+      integer(int8), allocatable :: mask(:)
+      type(clean_type) :: result
+      type(gyro_error), allocatable :: problem
+      integer :: i
+
+      x = [(1.0e-9_dp*real(i - 3000, dp)**3, i = 1, n)] + reference_series("unif", n)*[(1.0e-4_dp*real(i, dp), i = 1, n)]
+      x(place) = x(place) + [5.0_dp, -3.0_dp, 3.0_dp, 40.0_dp]
+      call clean_series(x, clean_options(method="hampel", threshold=6.0_dp), cleaned, mask, result, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, all(mask(place) == 0_int8), "missed")
+      if (allocated(error)) return
+      call check(error, result%half_width == 25 .and. result%removed <= 8 .and. result%converged, "result")
+      if (allocated(error)) return
+      call check(error, result%corrected_variance, 0.0_dp, thr=tiny(x))
+   end subroutine test_cleaning
+
+   !> A burst to and fro ten times as large as the rest is no outlier, a spike of the same size elsewhere is; both are beyond
+   !> the limit of the record.
+   subroutine test_isolated(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: x(:), cleaned(:)
+      integer(int8), allocatable :: mask(:)
+      integer(int64) :: changed, removed
+      integer :: i
+      type(clean_type) :: result
+      type(gyro_error), allocatable :: problem
+
+      x = reference_series("wn", 8000)
+      x(3000:3060) = x(3000:3060) + [(10.0_dp*sin(0.7_dp*real(i, dp)), i = 0, 60)]
+      x(5000) = 10.0_dp
+      call clean_series(x, clean_options(), cleaned, mask, result, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, result%removed == 1 .and. mask(5000) == 0_int8, "auto")
+      if (allocated(error)) return
+      mask = merge(0_int8, 1_int8, [(i > 4995 .and. i < 5000, i = 1, 8000)])
+      call mark_isolated(x, 0.0_dp, 4.0_dp, 4.0_dp, 0.0_dp, .true., mask, changed, removed, problem)
+      call check(error, changed == 1 .and. removed == 5, "marks that stay")
+   end subroutine test_isolated
+
+   !> Each error.
+   subroutine test_failures(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: x(9)
+      integer(int8) :: mark(9)
+
+      x = 0.0_dp
+      mark = 1_int8
+      call refused(error, x, 0, 3.0_dp, 0.0_dp, mark)
+      if (allocated(error)) return
+      call refused(error, x, largest_half_width + 1, 3.0_dp, 0.0_dp, mark)
+      if (allocated(error)) return
+      call refused(error, x, 3, 0.0_dp, 0.0_dp, mark)
+      if (allocated(error)) return
+      call refused(error, x, 3, 3.0_dp, -1.0_dp, mark)
+      if (allocated(error)) return
+      call refused(error, x, 3, 3.0_dp, 0.0_dp, mark(:8))
+      if (allocated(error)) return
+      call refused(error, x, 3, 3.0_dp, 0.0_dp, mark, mark(:8))
+   end subroutine test_failures
+
+   !> Fails unless it is refused.
+   subroutine refused(error, x, half_width, threshold, floor, mark, valid)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), intent(in), contiguous :: x(:)
+      integer, intent(in) :: half_width
+      real(dp), intent(in) :: threshold, floor
+      integer(int8), intent(inout), contiguous :: mark(:)
+      integer(int8), intent(in), optional :: valid(:)
+      integer(int64) :: changed, removed
+      type(gyro_error), allocatable :: problem
+
+      call mark_hampel(x, half_width, threshold, floor, mark, changed, removed, problem, valid)
+      call check(error, allocated(problem), "bad input was accepted")
+      if (allocated(error)) return
+      call check(error, problem%code, status%invalid_argument, problem%message)
+   end subroutine refused
+
+end module test_hampel
