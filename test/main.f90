@@ -59,6 +59,7 @@ program test_main
    use test_reader, only : collect_reader
    use test_reader_errors, only : collect_reader_errors
    use test_odd, only : collect_odd
+   use test_store, only : collect_store
    use test_text_rows, only : collect_text_rows
    use test_record_stream, only : collect_record_stream
    use test_record_writer, only : collect_record_writer
@@ -138,6 +139,7 @@ program test_main
    call add("reader", collect_reader)
    call add("reader_errors", collect_reader_errors)
    call add("odd", collect_odd)
+   call add("store", collect_store)
    call add("text_rows", collect_text_rows)
    call add("record_stream", collect_record_stream)
    call add("record_writer", collect_record_writer)

@@ -6,6 +6,9 @@ module test_number
       ieee_set_halting_mode, ieee_underflow
    use testdrive, only : new_unittest, unittest_type, error_type, check, test_failed
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_io_power, only : power
+   use gyroakf_io_quick_number, only : quick_number, quick_type
+   use gyroakf_io_wide_power, only : int128, least_power, wide_power
    use gyroakf_io_number, only : scan_number, parse_number, is_missing_word, number, digits_ahead
    implicit none (type, external)
    private
@@ -53,6 +56,8 @@ contains
          new_unittest("overflow-underflow", test_overflow), &
          new_unittest("missing-words", test_missing), &
          new_unittest("locale", test_locale), &
+         new_unittest("powers", test_powers), &
+         new_unittest("usual-forms", test_usual), &
          new_unittest("random-plain", test_random_plain), &
          new_unittest("random-exponent", test_random_exponent), &
          new_unittest("random-subnormal", test_random_subnormal), &
@@ -143,6 +148,49 @@ contains
          same = same .and. found == number%ok .and. transfer(value, at) == transfer(expected, at)
       end if
    end function same
+
+   !> The 63 bits that the compiler computes are the first of the 126 that are checked against integers of any length.
+   subroutine test_powers(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer(int128) :: wide
+      integer :: k
+
+      do k = least_power, ubound(power, 1)
+         call wide_power(k, wide)
+         call check(error, power(k) == int(shiftr(wide, 63), int64))
+         if (allocated(error)) return
+      end do
+   end subroutine test_powers
+
+   !> Numbers of usual forms are read right, and nearly all of them without the careful path, though not all.
+   subroutine test_usual(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(builder_type) :: b
+      integer(int8) :: bytes(40 + digits_ahead)
+      type(quick_type) :: quick
+      integer :: i, j, careful
+
+      b%state = 77
+      careful = 0
+      do i = 1, 40000
+         call begin(b)
+         if (mod(i, 2) == 0) call add_digits(b, 1 + draw(b, 7))
+         if (mod(i, 2) == 0) call add(b, ".")
+         if (mod(i, 2) == 0) call add_digits(b, draw(b, 9))
+         if (mod(i, 2) == 1) call add(b, achar(48 + draw(b, 10))//".")
+         if (mod(i, 2) == 1) call add_digits(b, 18)
+         if (mod(i, 2) == 1) call add(b, "e"//merge("-", "+", draw(b, 2) == 0)//achar(48 + draw(b, 10))//achar(48 + draw(b, 10)))
+         if (.not. same(b)) then
+            call test_failed(error, b%text(:b%length))
+            return
+         end if
+         bytes = 10_int8
+         bytes(:b%length) = [(int(iachar(b%text(j:j)), int8), j=1, b%length)]
+         quick = quick_number(bytes, 1_int64)
+         if (quick%next == 0) careful = careful + 1
+      end do
+      call check(error, careful > 0 .and. careful < 1500)
+   end subroutine test_usual
 
    !> What the C library reads, also where overflow and underflow trap.
    real(dp) function reference(text)

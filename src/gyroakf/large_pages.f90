@@ -6,15 +6,17 @@
 !> `madvise` as a rule); other systems do not know the advice, and refuse it.
 module gyroakf_large_pages
    use, intrinsic :: iso_c_binding, only : c_int, c_intptr_t, c_loc, c_ptr, c_size_t
-   use gyroakf_kinds, only : dp
+   use gyroakf_kinds, only : dp, int64
    implicit none (type, external)
    private
-   public :: prefer_large_pages
+   public :: prefer_large_pages, values_before_page, release_pages, page_values
 
    !> Bytes of a large page
    integer(c_intptr_t), parameter :: page_bytes = 2097152
-   !> Linux: MADV_HUGEPAGE
-   integer(c_int), parameter :: huge_page_advice = 14
+   !> The same in values
+   integer(int64), parameter :: page_values = page_bytes/8
+   !> Linux: MADV_HUGEPAGE; everywhere: MADV_DONTNEED
+   integer(c_int), parameter :: huge_page_advice = 14, release_advice = 4
 
    interface
       !> 4.3BSD and all its heirs; 0 if the advice is taken
@@ -35,15 +37,40 @@ contains
       !> Any length; those shorter than a page are left alone
       real(dp), intent(inout), contiguous, target :: array(:)
 
+      if (8*size(array, kind=c_intptr_t) >= 2*page_bytes) call advise(array, huge_page_advice)
+   end subroutine prefer_large_pages
+
+   !> Gives the memory of an array back before it is deallocated, as far as it covers whole large pages: what is in it is lost, and
+   !> it may be neither read nor written afterwards. Memory that is first touched next is then likely to be this one, at no cost.
+   subroutine release_pages(array)
+      !> Any length; about to be deallocated
+      real(dp), intent(inout), contiguous, target :: array(:)
+
+      if (8*size(array, kind=c_intptr_t) >= page_bytes) call advise(array, release_advice)
+   end subroutine release_pages
+
+   !> So many values of an array come before its first large page.
+   integer(int64) function values_before_page(array) result(values)
+      !> Any length
+      real(dp), intent(in), contiguous, target :: array(:)
+      integer(c_intptr_t) :: first
+
+      first = transfer(c_loc(array), first)
+      values = min(modulo(-first, page_bytes)/8, size(array, kind=int64))
+   end function values_before_page
+
+   !> Gives advice about the whole large pages of an array.
+   subroutine advise(array, advice)
+      real(dp), intent(inout), contiguous, target :: array(:)
+      integer(c_int), intent(in) :: advice
       integer(c_intptr_t) :: first, bytes
       integer(c_int) :: ignored
 
-      bytes = 8*size(array, kind=c_intptr_t)
-      if (bytes < 2*page_bytes) return
       first = transfer(c_loc(array), first)
-      bytes = bytes - modulo(-first, page_bytes)
+      bytes = 8*size(array, kind=c_intptr_t) - modulo(-first, page_bytes)
       first = first + modulo(-first, page_bytes)
-      ignored = c_madvise(transfer(first, c_loc(array)), int(bytes - modulo(bytes, page_bytes), c_size_t), huge_page_advice)
-   end subroutine prefer_large_pages
+      bytes = bytes - modulo(bytes, page_bytes)
+      if (bytes > 0) ignored = c_madvise(transfer(first, c_loc(array)), int(bytes, c_size_t), advice)
+   end subroutine advise
 
 end module gyroakf_large_pages

@@ -1,58 +1,21 @@
 ! SPDX-License-Identifier: MIT
-!> Rows of numbers: the fast way through the lines that hold numbers only, the careful way through the rest.
+!> Rows of numbers: the fast way through the lines that hold numbers only; [[gyroakf_io_row]] is the careful way through the rest.
 !>
 !> Both work on a block of whole lines and know nothing of files, so that blocks can be given to several threads.
 module gyroakf_io_rows
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_io_date, only : kind_of_field, scan_stamp, stamp_kind
-   use gyroakf_io_format, only : comma_advice, comma_found, decimal_comma
-   use gyroakf_io_number, only : is_missing_field, number, scan_number, skip_digits
-   use gyroakf_io_place, only : integer_text, shown_bytes
-   use gyroakf_io_text, only : bytes_text, fields_type, split, split_line
+   use gyroakf_io_any_number, only : number, scan_any
+   use gyroakf_io_date, only : scan_stamp, stamp_kind
+   use gyroakf_io_layout, only : layout_type, problem_type
+   use gyroakf_io_number, only : is_missing_field
+   use gyroakf_io_quick_number, only : quick_number, quick_type, skip_digits
+   use gyroakf_io_row, only : join_fields, read_row
+   use gyroakf_io_row_problem, only : excerpt
    implicit none (type, external)
    private
    public :: layout_type, problem_type, parse_rows, read_row, join_fields, excerpt
 
-   !> Which columns a file has, and which of them are kept
-   type :: layout_type
-      !> Columns of every row
-      integer :: columns = 0
-      !> Columns that are kept
-      integer :: stored = 0
-      !> Where a column is kept, 0 where it is not: [column]
-      integer, allocatable :: slot(:)
-      !> The last column may be left away: the row that it was counted in ended with a separator
-      logical :: last_optional = .false.
-      !> Columns of dates and times of day: one of the components of stamp_kind, negative where it is added to what another column
-      !> of the same slot gave: [column]; unallocated where all are numbers
-      integer, allocatable :: kind(:)
-      !> Stamps are counted from this day or whole number
-      integer(int64) :: origin = 0
-      !> The column that is a date and a time of day with blanks between them, 0 where there is none
-      integer :: joined = 0
-      !> What commas are, a component of comma_mode
-      integer :: commas = 0
-      !> The line of the names, from its first visible byte to the last: where it is met again it is no row; unallocated where
-      !> there is none
-      integer(int8), allocatable :: heading(:)
-      !> Semicolons part the columns: a line that begins with one may be a row whose first field is empty
-      logical :: semicolons = .false.
-   end type layout_type
-
-   !> What is wrong with a row
-   type :: problem_type
-      !> False where nothing is
-      logical :: found = .false.
-      !> The byte
-      integer(int64) :: at = 0
-      !> What is wrong, and what to do; unallocated where nobody wants to know
-      character(:), allocatable :: what, advice
-   end type problem_type
-
-   !> The minus sign of mathematics, in UTF-8
-   character(*), parameter :: dash = char(226)//char(136)//char(146)
-   character(*), parameter :: mend = "mend the line, or let such lines count as missing samples with --bad-lines missing"
    !> Bytes of a word that may stand for a missing number, and the bytes behind a field
    integer(int64), parameter :: longest_word = 11
    integer(int8), parameter :: ends(6) = [9_int8, 10_int8, 13_int8, 32_int8, 44_int8, 59_int8]
@@ -77,11 +40,13 @@ contains
       !> True where the line at `at` needs [[read_row]]
       logical, intent(out) :: odd
       integer(int64) :: p, room
-      integer :: j, slot, found
+      integer :: j, slot
       logical :: stamped
+      type(quick_type) :: quick
 
       odd = .false.
       stamped = allocated(layout%kind)
+      if (layout%columns == 1 .and. layout%stored == 1 .and. .not. stamped) call parse_column(bytes, at, last, value(:, 1), rows)
       room = size(value, 1, kind=int64)
       do while (at <= last .and. rows < room)
          p = at
@@ -99,9 +64,13 @@ contains
             if (slot == 0) then
                call skip_field(bytes, p, odd)
             else if (slot > 0) then
-               call scan_number(bytes, p, value(rows + 1, slot), found)
-               odd = found /= number%ok
-               if (found == number%none) call scan_missing(bytes, p, value(rows + 1, slot), odd)
+               quick = quick_number(bytes, p)
+               if (quick%next > 0) then
+                  value(rows + 1, slot) = quick%value
+                  p = quick%next
+               else
+                  call scan_other(bytes, p, value(rows + 1, slot), odd)
+               end if
             end if
             if (odd) return
             if (bytes(p) == line_feed .and. j == layout%columns) then
@@ -124,6 +93,43 @@ contains
          at = p + 1
       end do
    end subroutine parse_rows
+
+   !> The same for files of one column, as far as lines are a usual number and nothing else.
+   pure subroutine parse_column(bytes, at, last, value, rows)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(inout) :: at
+      integer(int64), intent(in) :: last
+      real(dp), intent(inout), contiguous :: value(:)
+      integer(int64), intent(inout) :: rows
+      type(quick_type) :: quick
+      integer(int64) :: p, row
+
+      p = at
+      do row = rows + 1, size(value, kind=int64)
+         if (p > last) exit
+         quick = quick_number(bytes, p)
+         if (quick%next == 0) exit
+         if (bytes(quick%next) == carriage_return) quick%next = quick%next + 1
+         if (bytes(quick%next) /= line_feed) exit
+         value(row) = quick%value
+         p = quick%next + 1
+      end do
+      rows = row - 1
+      at = p
+   end subroutine parse_column
+
+   !> Reads a number that is not usual, or what stands for a missing one.
+   pure subroutine scan_other(bytes, p, value, odd)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(inout) :: p
+      real(dp), intent(inout) :: value
+      logical, intent(out) :: odd
+      integer :: found
+
+      call scan_any(bytes, p, value, found)
+      odd = found /= number%ok
+      if (found == number%none) call scan_missing(bytes, p, value, odd)
+   end subroutine scan_other
 
    !> Reads a field of a date or a time of day, wanted or not.
    pure subroutine scan_time(bytes, p, layout, column, row, odd)
@@ -194,281 +200,5 @@ contains
       end do
       odd = p == first .and. bytes(p) /= comma
    end subroutine skip_field
-
-   !> Reads one row of any kind: missing values, quotes, blank fields, comments behind it.
-   !>
-   !> Thread-safe where `explain` is false: texts of any length are not, in gfortran.
-   subroutine read_row(bytes, first, last, layout, fields, row, problem, explain)
-      !> Holds the line at first:last, without its end
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      !> The columns
-      type(layout_type), intent(in) :: layout
-      !> Room, reused
-      type(fields_type), intent(inout) :: fields
-      !> [stored column]; NaN where missing
-      real(dp), intent(out) :: row(:)
-      !> What is wrong
-      type(problem_type), intent(out) :: problem
-      !> False leaves out the texts
-      logical, intent(in) :: explain
-      integer(int64) :: comma_at
-      integer :: j, slot
-
-      row = ieee_value(1.0_dp, ieee_quiet_nan)
-      call split_row(bytes, first, last, split%mixed, layout, fields)
-      if (.not. fits(layout, fields) .and. any(bytes(first:last) == tab)) then
-         call split_row(bytes, first, last, split%tabs, layout, fields)
-         if (.not. fits(layout, fields)) call split_row(bytes, first, last, split%mixed, layout, fields)
-      end if
-      problem%found = fields%open_quote /= 0 .or. .not. fits(layout, fields)
-      if (problem%found .and. .not. explain) return
-      if (fields%open_quote /= 0) then
-         call set_problem(problem, fields%open_quote, "a quote that is not closed", mend)
-      else if (problem%found) then
-         comma_at = decimal_comma(bytes, first, last)
-         if (comma_at > 0) call set_problem(problem, comma_at, comma_found, comma_advice)
-         if (comma_at == 0) call count_problem(bytes, first, last, layout, fields, problem)
-      end if
-      if (problem%found) return
-      do j = 1, min(layout%columns, fields%count)
-         slot = layout%slot(j)
-         if (slot > 0) call read_field(bytes, fields%first(j), fields%last(j), layout, j, row(slot), problem%found)
-         if (.not. problem%found) cycle
-         if (explain) call field_problem(bytes, fields%first(j), fields%last(j), layout, j, problem)
-         return
-      end do
-   end subroutine read_row
-
-   !> Splits a row; a date and a time of day that are one column are one field.
-   pure subroutine split_row(bytes, first, last, way, layout, fields)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      integer, intent(in) :: way
-      type(layout_type), intent(in) :: layout
-      type(fields_type), intent(inout) :: fields
-
-      call split_line(bytes, first, last, way, fields)
-      call join_fields(bytes, layout, fields)
-   end subroutine split_row
-
-   !> Makes one field of a date and the time of day behind it, where the layout says that they are one column.
-   pure subroutine join_fields(bytes, layout, fields)
-      !> Holds the fields
-      integer(int8), intent(in), contiguous :: bytes(:)
-      !> Its `joined` tells the column
-      type(layout_type), intent(in) :: layout
-      !> One less where there are two to join
-      type(fields_type), intent(inout) :: fields
-      integer :: i, j
-
-      j = layout%joined
-      if (j == 0 .or. fields%count <= j) return
-      if (kind_of_field(bytes, fields%first(j), fields%last(j)) /= stamp_kind%date) return
-      if (kind_of_field(bytes, fields%first(j + 1), fields%last(j + 1)) /= stamp_kind%clock) return
-      fields%last(j) = fields%last(j + 1)
-      fields%count = fields%count - 1
-      do i = j + 1, fields%count
-         fields%first(i) = fields%first(i + 1)
-         fields%last(i) = fields%last(i + 1)
-      end do
-   end subroutine join_fields
-
-   !> True where the line has the columns of the file.
-   pure logical function fits(layout, fields)
-      type(layout_type), intent(in) :: layout
-      type(fields_type), intent(in) :: fields
-
-      fits = fields%count == layout%columns .or. (fields%count == layout%columns + 1 .and. fields%trailing) &
-             .or. (fields%count == layout%columns - 1 .and. layout%last_optional)
-   end function fits
-
-   !> The number or stamp in first:last; unchanged where a number is missing, NaN where a stamp is.
-   pure subroutine read_field(bytes, first, last, layout, column, value, wrong)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      type(layout_type), intent(in) :: layout
-      integer, intent(in) :: column
-      real(dp), intent(inout) :: value
-      !> True where it is no number, or one that is too large
-      logical, intent(out) :: wrong
-      integer(int64) :: p
-      real(dp) :: x
-      integer :: found
-
-      wrong = .false.
-      if (kind_of(layout, column) /= stamp_kind%number) then
-         call read_stamp(bytes, first, last, layout, column, value, wrong)
-         return
-      end if
-      if (last < first) return
-      p = first
-      call scan_number(bytes, p, x, found)
-      if (found /= number%none .and. p == last + 1) then
-         value = x
-         wrong = found == number%overflow
-      else
-         wrong = .not. is_missing_field(bytes, first, last)
-      end if
-   end subroutine read_field
-
-   !> What is expected in a column, a component of stamp_kind.
-   pure integer function kind_of(layout, column)
-      type(layout_type), intent(in) :: layout
-      integer, intent(in) :: column
-
-      kind_of = stamp_kind%number
-      if (allocated(layout%kind)) kind_of = abs(layout%kind(column))
-   end function kind_of
-
-   !> The stamp in first:last, NaN where it is missing.
-   pure subroutine read_stamp(bytes, first, last, layout, column, value, wrong)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      type(layout_type), intent(in) :: layout
-      integer, intent(in) :: column
-      real(dp), intent(inout) :: value
-      logical, intent(out) :: wrong
-      integer(int64) :: p
-      integer :: kind, plain
-      real(dp) :: x
-      logical :: found
-
-      wrong = .false.
-      kind = kind_of(layout, column)
-      found = .false.
-      if (last >= first) then
-         p = first
-         if (first > 1) then
-            if (bytes(first - 1) == 34 .or. bytes(first - 1) == 39) p = first - 1
-         end if
-         call scan_stamp(bytes, p, kind, layout%origin, x, found)
-         if (found) found = p > last .and. p <= last + 2
-         if (.not. found .and. kind == stamp_kind%long) then
-            p = first
-            call scan_number(bytes, p, x, plain)
-            found = plain == number%ok .and. p == last + 1
-            x = x - real(layout%origin, dp)
-         end if
-         if (.not. found) wrong = .not. is_missing_field(bytes, first, last)
-      end if
-      if (found .and. layout%kind(column) < 0) x = value + x
-      if (.not. found) x = ieee_value(1.0_dp, ieee_quiet_nan)
-      if (.not. wrong) value = x
-   end subroutine read_stamp
-
-   !> What is wrong with the field in first:last.
-   subroutine field_problem(bytes, first, last, layout, column, problem)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      type(layout_type), intent(in) :: layout
-      integer, intent(in) :: column
-      type(problem_type), intent(inout) :: problem
-      character(:), allocatable :: advice
-      integer(int64) :: p
-      real(dp) :: x
-      integer :: found, kind
-
-      kind = kind_of(layout, column)
-      if (kind == stamp_kind%long .or. kind == stamp_kind%nano .or. kind == stamp_kind%micro) then
-         call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not a number", mend)
-         return
-      else if (kind /= stamp_kind%number) then
-         call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not "//trim(merge("a time of day", &
-            "a date       ", kind == stamp_kind%clock))//" as in the first row", mend)
-         return
-      end if
-      p = first
-      call scan_number(bytes, p, x, found)
-      if (found /= number%none .and. p == last + 1) then
-         call set_problem(problem, first, "the number '"//excerpt(bytes, first, last)//"' is too large (at most 1.8e308)", mend)
-         return
-      end if
-      advice = mend//"; --column chooses columns"
-      if (index(bytes_text(bytes, first, last), dash) > 0) advice = "the minus sign is not that of ASCII: replace it by '-'"
-      if (has_groups(bytes, first, last)) advice = "commas that group digits are not read: take them out"
-      if (has_label(bytes, first, last)) advice = "numbers behind labels are not read; take the labels out: "// &
-         "sed 's/[A-Za-z_]*[:=]//g' FILE | gyroakf inspect -"
-      if (kind_of_field(bytes, first, last) /= stamp_kind%number) advice = "the first row has a number in this column, not a "// &
-         "date or a time of day; "//mend
-      call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not a number", advice)
-   end subroutine field_problem
-
-   !> True for "gx:0.5" and "x=-1".
-   pure logical function has_label(bytes, first, last)
-      !> The field in first:last
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      character(:), allocatable :: text
-      integer :: mark
-
-      text = bytes_text(bytes, first, last)
-      mark = scan(text, ":=")
-      has_label = mark > 1 .and. mark < len(text)
-      if (has_label) has_label = verify(text(1:1), "0123456789+-.") > 0 .and. verify(text(mark + 1:), "0123456789+-.eE") == 0
-   end function has_label
-
-   !> True for "1,234" and "1,234,567.8".
-   pure logical function has_groups(bytes, first, last)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      character(:), allocatable :: text
-      integer :: comma_at, whole
-
-      text = bytes_text(bytes, first, last)
-      comma_at = index(text, ",", back=.true.)
-      whole = scan(text//".", ".") - 1
-      has_groups = comma_at > 1 .and. whole == comma_at + 3 .and. verify(text, "+-.,0123456789") == 0
-   end function has_groups
-
-   !> The start of a field, for a message.
-   pure function excerpt(bytes, first, last) result(text)
-      !> The field in first:last
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      character(:), allocatable :: text
-      integer(int64) :: to
-
-      to = last
-      if (last - first >= 40) then
-         to = first + 36
-         do while (bytes(to + 1) < -64 .and. to > first + 32)
-            to = to - 1
-         end do
-      end if
-      text = shown_bytes(bytes, first, to)
-      if (to < last) text = text//"..."
-   end function excerpt
-
-   !> The problem of a row with another number of columns, at the first field that is too much or at the end.
-   subroutine count_problem(bytes, first, last, layout, fields, problem)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      type(layout_type), intent(in) :: layout
-      type(fields_type), intent(in) :: fields
-      type(problem_type), intent(inout) :: problem
-      character(:), allocatable :: advice
-      integer(int64) :: at
-
-      advice = mend
-      if (any(bytes(first:last) == carriage_return)) advice = "a carriage return stands within the line: make all line "// &
-                                                              "ends the same, as with tr '\r' '\n'"
-      at = last + 1
-      if (fields%count > layout%columns) at = fields%first(layout%columns + 1)
-      call set_problem(problem, at, integer_text(int(fields%count, int64))//trim(merge(" column ", " columns", fields%count == 1)) &
-                       //" where the rows above have "//integer_text(int(layout%columns, int64)), advice)
-   end subroutine count_problem
-
-   !> Fills the problem.
-   pure subroutine set_problem(problem, at, what, advice)
-      type(problem_type), intent(inout) :: problem
-      integer(int64), intent(in) :: at
-      character(*), intent(in) :: what, advice
-
-      problem%found = .true.
-      problem%at = at
-      problem%what = what
-      problem%advice = advice
-   end subroutine set_problem
 
 end module gyroakf_io_rows

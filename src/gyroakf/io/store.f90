@@ -2,10 +2,11 @@
 !> Columns that grow while a file is read: a list of chunks, so that growing copies nothing and the whole is held once.
 !>
 !> A chunk of a long record is so large that the system gives it a mapping of its own, and takes it back as soon as it is freed:
-!> while the chunks are joined, no more than one of them is held twice.
+!> while the chunks are joined, no more than one of them is held twice, and no more than some pages of it where the system takes
+!> back parts of an array.
 module gyroakf_io_store
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_large_pages, only : prefer_large_pages
+   use gyroakf_large_pages, only : page_values, prefer_large_pages, release_pages, values_before_page
    implicit none (type, external)
    private
    public :: chunk_rows, chunk_type, store_type, next_chunk, add_chunk, count_rows, take_columns
@@ -14,9 +15,6 @@ module gyroakf_io_store
    integer(int64), parameter :: chunk_rows = 65536
    !> Values of a chunk: 40 MB, more than 32 MiB, from which on C libraries have no choice
    integer(int64), parameter :: chunk_values = 5000000
-   !> Rows that a thread moves at a time
-   integer(int64), parameter :: moved_rows = 65536
-
    !> Some rows of all stored columns
    type :: chunk_type
       !> Rows that are filled
@@ -166,9 +164,10 @@ contains
       do i = 1, store%count
          associate (chunk => store%chunk(i))
             do j = 1, size(columns)
-               call move_rows(chunk%value(:chunk%rows, columns(j)), value(at + 1:at + chunk%rows, j))
+               call move_rows(chunk%value(:chunk%rows, columns(j)), value(at + 1:at + chunk%rows, j), &
+                              columns(j) /= time_slot .and. all(columns(j + 1:) /= columns(j)))
             end do
-            if (time_slot > 0) call move_rows(chunk%value(:chunk%rows, time_slot), stamps(at + 1:at + chunk%rows))
+            if (time_slot > 0) call move_rows(chunk%value(:chunk%rows, time_slot), stamps(at + 1:at + chunk%rows), .true.)
             at = at + chunk%rows
             deallocate (chunk%value)
             chunk%rows = 0
@@ -190,16 +189,22 @@ contains
       if (is_record) is_record = all(columns == [(j, j=1, size(columns))])
    end function is_record
 
-   !> Copies rows, by several threads: the first touch of the memory takes longer than the copying.
-   subroutine move_rows(from, to)
-      real(dp), intent(in), contiguous :: from(:)
+   !> Copies rows, by several threads: the first touch of the memory takes longer than the copying. Where nobody needs them again,
+   !> their memory is given back page by page, and what is copied next may come to lie in it while the caches still hold it.
+   subroutine move_rows(from, to, release)
+      real(dp), intent(inout), contiguous :: from(:)
       real(dp), intent(inout), contiguous :: to(:)
-      integer(int64) :: first, last
+      logical, intent(in) :: release
+      integer(int64) :: before, first, last, k, n
 
-      !$omp parallel do schedule(static) private(last) if(size(from, kind=int64) > moved_rows)
-      do first = 1, size(from, kind=int64), moved_rows
-         last = min(first + moved_rows - 1, size(from, kind=int64))
+      n = size(from, kind=int64)
+      before = values_before_page(from)
+      !$omp parallel do schedule(static) private(first, last) if(n > page_values)
+      do k = 0, (n - before + page_values - 1)/page_values
+         first = max(1_int64, before + (k - 1)*page_values + 1)
+         last = min(before + k*page_values, n)
          to(first:last) = from(first:last)
+         if (release) call release_pages(from(first:last))
       end do
       !$omp end parallel do
    end subroutine move_rows

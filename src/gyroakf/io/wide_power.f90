@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Powers of ten to 126 bits, exactly truncated: what numbers are written with.
+!> Powers of ten to 126 bits, exactly truncated: what numbers are written with, and read with where 63 bits are not enough.
 !>
 !> 10^k is the product of one of 36 powers 10^(18 a), held truncated to 186 bits, and of an exact one below 10^18. The
 !> product differs from the true power by less than 2^-60 of the last of 126 bits; that these are the exact ones for every k
@@ -8,7 +8,7 @@ module gyroakf_io_wide_power
    use gyroakf_kinds, only : int64
    implicit none (type, external)
    private
-   public :: wide_power, power_scale, ten, first_word, int128, least_power, most_power
+   public :: wide_power, power_scale, ten, word, int128, least_power, most_power
 
    !> Integers for products of two 64-bit numbers
    integer, parameter :: int128 = selected_int_kind(38)
@@ -61,9 +61,6 @@ module gyroakf_io_wide_power
       3785766995733679075_int64, 520221758083560209_int64, 542835706698237062_int64, &
       3283629441038700999_int64, 2162066463385423509_int64, 682215723853208251_int64, &
       2848094538889217770_int64, 1639444594408567917_int64, 370723880999011195_int64], [3, 36])
-
-   !> The first 62 bits of 10^(18 a)
-   integer(int64), parameter :: first_word(-17:18) = word(1, :)
 
    integer(int64), parameter :: low62 = 2_int64**62 - 1
 

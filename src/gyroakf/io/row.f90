@@ -1,0 +1,173 @@
+! SPDX-License-Identifier: MIT
+!> Rows of any kind, one at a time: missing values, quotes, blank fields, comments behind them.
+module gyroakf_io_row
+   use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_io_date, only : kind_of_field, scan_stamp, stamp_kind
+   use gyroakf_io_format, only : comma_advice, comma_found, decimal_comma
+   use gyroakf_io_layout, only : layout_type, problem_type
+   use gyroakf_io_number, only : is_missing_field, number, scan_number
+   use gyroakf_io_row_problem, only : count_problem, field_problem, kind_of, mend, set_problem
+   use gyroakf_io_text, only : fields_type, split, split_line
+   implicit none (type, external)
+   private
+   public :: read_row, join_fields
+
+   integer(int8), parameter :: tab = 9
+
+contains
+
+   !> Reads one row of any kind: missing values, quotes, blank fields, comments behind it.
+   !>
+   !> Thread-safe where `explain` is false: texts of any length are not, in gfortran.
+   subroutine read_row(bytes, first, last, layout, fields, row, problem, explain)
+      !> Holds the line at first:last, without its end
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      !> The columns
+      type(layout_type), intent(in) :: layout
+      !> Room, reused
+      type(fields_type), intent(inout) :: fields
+      !> [stored column]; NaN where missing
+      real(dp), intent(out) :: row(:)
+      !> What is wrong
+      type(problem_type), intent(out) :: problem
+      !> False leaves out the texts
+      logical, intent(in) :: explain
+      integer(int64) :: comma_at
+      integer :: j, slot
+
+      row = ieee_value(1.0_dp, ieee_quiet_nan)
+      call split_row(bytes, first, last, split%mixed, layout, fields)
+      if (.not. fits(layout, fields) .and. any(bytes(first:last) == tab)) then
+         call split_row(bytes, first, last, split%tabs, layout, fields)
+         if (.not. fits(layout, fields)) call split_row(bytes, first, last, split%mixed, layout, fields)
+      end if
+      problem%found = fields%open_quote /= 0 .or. .not. fits(layout, fields)
+      if (problem%found .and. .not. explain) return
+      if (fields%open_quote /= 0) then
+         call set_problem(problem, fields%open_quote, "a quote that is not closed", mend)
+      else if (problem%found) then
+         comma_at = decimal_comma(bytes, first, last)
+         if (comma_at > 0) call set_problem(problem, comma_at, comma_found, comma_advice)
+         if (comma_at == 0) call count_problem(bytes, first, last, layout, fields, problem)
+      end if
+      if (problem%found) return
+      do j = 1, min(layout%columns, fields%count)
+         slot = layout%slot(j)
+         if (slot > 0) call read_field(bytes, fields%first(j), fields%last(j), layout, j, row(slot), problem%found)
+         if (.not. problem%found) cycle
+         if (explain) call field_problem(bytes, fields%first(j), fields%last(j), layout, j, problem)
+         return
+      end do
+   end subroutine read_row
+
+   !> Splits a row; a date and a time of day that are one column are one field.
+   pure subroutine split_row(bytes, first, last, way, layout, fields)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      integer, intent(in) :: way
+      type(layout_type), intent(in) :: layout
+      type(fields_type), intent(inout) :: fields
+
+      call split_line(bytes, first, last, way, fields)
+      call join_fields(bytes, layout, fields)
+   end subroutine split_row
+
+   !> Makes one field of a date and the time of day behind it, where the layout says that they are one column.
+   pure subroutine join_fields(bytes, layout, fields)
+      !> Holds the fields
+      integer(int8), intent(in), contiguous :: bytes(:)
+      !> Its `joined` tells the column
+      type(layout_type), intent(in) :: layout
+      !> One less where there are two to join
+      type(fields_type), intent(inout) :: fields
+      integer :: i, j
+
+      j = layout%joined
+      if (j == 0 .or. fields%count <= j) return
+      if (kind_of_field(bytes, fields%first(j), fields%last(j)) /= stamp_kind%date) return
+      if (kind_of_field(bytes, fields%first(j + 1), fields%last(j + 1)) /= stamp_kind%clock) return
+      fields%last(j) = fields%last(j + 1)
+      fields%count = fields%count - 1
+      do i = j + 1, fields%count
+         fields%first(i) = fields%first(i + 1)
+         fields%last(i) = fields%last(i + 1)
+      end do
+   end subroutine join_fields
+
+   !> True where the line has the columns of the file.
+   pure logical function fits(layout, fields)
+      type(layout_type), intent(in) :: layout
+      type(fields_type), intent(in) :: fields
+
+      fits = fields%count == layout%columns .or. (fields%count == layout%columns + 1 .and. fields%trailing) &
+             .or. (fields%count == layout%columns - 1 .and. layout%last_optional)
+   end function fits
+
+   !> The number or stamp in first:last; unchanged where a number is missing, NaN where a stamp is.
+   pure subroutine read_field(bytes, first, last, layout, column, value, wrong)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      type(layout_type), intent(in) :: layout
+      integer, intent(in) :: column
+      real(dp), intent(inout) :: value
+      !> True where it is no number, or one that is too large
+      logical, intent(out) :: wrong
+      integer(int64) :: p
+      real(dp) :: x
+      integer :: found
+
+      wrong = .false.
+      if (kind_of(layout, column) /= stamp_kind%number) then
+         call read_stamp(bytes, first, last, layout, column, value, wrong)
+         return
+      end if
+      if (last < first) return
+      p = first
+      call scan_number(bytes, p, x, found)
+      if (found /= number%none .and. p == last + 1) then
+         value = x
+         wrong = found == number%overflow
+      else
+         wrong = .not. is_missing_field(bytes, first, last)
+      end if
+   end subroutine read_field
+
+   !> The stamp in first:last, NaN where it is missing.
+   pure subroutine read_stamp(bytes, first, last, layout, column, value, wrong)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      type(layout_type), intent(in) :: layout
+      integer, intent(in) :: column
+      real(dp), intent(inout) :: value
+      logical, intent(out) :: wrong
+      integer(int64) :: p
+      integer :: kind, plain
+      real(dp) :: x
+      logical :: found
+
+      wrong = .false.
+      kind = kind_of(layout, column)
+      found = .false.
+      if (last >= first) then
+         p = first
+         if (first > 1) then
+            if (bytes(first - 1) == 34 .or. bytes(first - 1) == 39) p = first - 1
+         end if
+         call scan_stamp(bytes, p, kind, layout%origin, x, found)
+         if (found) found = p > last .and. p <= last + 2
+         if (.not. found .and. kind == stamp_kind%long) then
+            p = first
+            call scan_number(bytes, p, x, plain)
+            found = plain == number%ok .and. p == last + 1
+            x = x - real(layout%origin, dp)
+         end if
+         if (.not. found) wrong = .not. is_missing_field(bytes, first, last)
+      end if
+      if (found .and. layout%kind(column) < 0) x = value + x
+      if (.not. found) x = ieee_value(1.0_dp, ieee_quiet_nan)
+      if (.not. wrong) value = x
+   end subroutine read_stamp
+
+end module gyroakf_io_row

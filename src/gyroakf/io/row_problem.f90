@@ -1,0 +1,144 @@
+! SPDX-License-Identifier: MIT
+!> Messages about rows that cannot be read: what is wrong, and what to do.
+module gyroakf_io_row_problem
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_io_date, only : kind_of_field, stamp_kind
+   use gyroakf_io_layout, only : layout_type, problem_type
+   use gyroakf_io_number, only : number, scan_number
+   use gyroakf_io_place, only : integer_text, shown_bytes
+   use gyroakf_io_text, only : bytes_text, fields_type
+   implicit none (type, external)
+   private
+   public :: count_problem, field_problem, excerpt, kind_of, set_problem, mend
+
+   !> The minus sign of mathematics, in UTF-8
+   character(*), parameter :: dash = char(226)//char(136)//char(146)
+   character(*), parameter :: mend = "mend the line, or let such lines count as missing samples with --bad-lines missing"
+   integer(int8), parameter :: carriage_return = 13
+
+contains
+
+   !> What is expected in a column, a component of stamp_kind.
+   pure integer function kind_of(layout, column)
+      type(layout_type), intent(in) :: layout
+      integer, intent(in) :: column
+
+      kind_of = stamp_kind%number
+      if (allocated(layout%kind)) kind_of = abs(layout%kind(column))
+   end function kind_of
+
+   !> What is wrong with the field in first:last.
+   subroutine field_problem(bytes, first, last, layout, column, problem)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      type(layout_type), intent(in) :: layout
+      integer, intent(in) :: column
+      type(problem_type), intent(inout) :: problem
+      character(:), allocatable :: advice
+      integer(int64) :: p
+      real(dp) :: x
+      integer :: found, kind
+
+      kind = kind_of(layout, column)
+      if (kind == stamp_kind%long .or. kind == stamp_kind%nano .or. kind == stamp_kind%micro) then
+         call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not a number", mend)
+         return
+      else if (kind /= stamp_kind%number) then
+         call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not "//trim(merge("a time of day", &
+            "a date       ", kind == stamp_kind%clock))//" as in the first row", mend)
+         return
+      end if
+      p = first
+      call scan_number(bytes, p, x, found)
+      if (found /= number%none .and. p == last + 1) then
+         call set_problem(problem, first, "the number '"//excerpt(bytes, first, last)//"' is too large (at most 1.8e308)", mend)
+         return
+      end if
+      advice = mend//"; --column chooses columns"
+      if (index(bytes_text(bytes, first, last), dash) > 0) advice = "the minus sign is not that of ASCII: replace it by '-'"
+      if (has_groups(bytes, first, last)) advice = "commas that group digits are not read: take them out"
+      if (has_label(bytes, first, last)) advice = "numbers behind labels are not read; take the labels out: "// &
+         "sed 's/[A-Za-z_]*[:=]//g' FILE | gyroakf inspect -"
+      if (kind_of_field(bytes, first, last) /= stamp_kind%number) advice = "the first row has a number in this column, not a "// &
+         "date or a time of day; "//mend
+      call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not a number", advice)
+   end subroutine field_problem
+
+   !> True for "gx:0.5" and "x=-1".
+   pure logical function has_label(bytes, first, last)
+      !> The field in first:last
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      character(:), allocatable :: text
+      integer :: mark
+
+      text = bytes_text(bytes, first, last)
+      mark = scan(text, ":=")
+      has_label = mark > 1 .and. mark < len(text)
+      if (has_label) has_label = verify(text(1:1), "0123456789+-.") > 0 .and. verify(text(mark + 1:), "0123456789+-.eE") == 0
+   end function has_label
+
+   !> True for "1,234" and "1,234,567.8".
+   pure logical function has_groups(bytes, first, last)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      character(:), allocatable :: text
+      integer :: comma_at, whole
+
+      text = bytes_text(bytes, first, last)
+      comma_at = index(text, ",", back=.true.)
+      whole = scan(text//".", ".") - 1
+      has_groups = comma_at > 1 .and. whole == comma_at + 3 .and. verify(text, "+-.,0123456789") == 0
+   end function has_groups
+
+   !> The start of a field, for a message.
+   pure function excerpt(bytes, first, last) result(text)
+      !> The field in first:last
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      character(:), allocatable :: text
+      integer(int64) :: to
+
+      to = last
+      if (last - first >= 40) then
+         to = first + 36
+         do while (bytes(to + 1) < -64 .and. to > first + 32)
+            to = to - 1
+         end do
+      end if
+      text = shown_bytes(bytes, first, to)
+      if (to < last) text = text//"..."
+   end function excerpt
+
+   !> The problem of a row with another number of columns, at the first field that is too much or at the end.
+   subroutine count_problem(bytes, first, last, layout, fields, problem)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      type(layout_type), intent(in) :: layout
+      type(fields_type), intent(in) :: fields
+      type(problem_type), intent(inout) :: problem
+      character(:), allocatable :: advice
+      integer(int64) :: at
+
+      advice = mend
+      if (any(bytes(first:last) == carriage_return)) advice = "a carriage return stands within the line: make all line "// &
+                                                              "ends the same, as with tr '\r' '\n'"
+      at = last + 1
+      if (fields%count > layout%columns) at = fields%first(layout%columns + 1)
+      call set_problem(problem, at, integer_text(int(fields%count, int64))//trim(merge(" column ", " columns", fields%count == 1)) &
+                       //" where the rows above have "//integer_text(int(layout%columns, int64)), advice)
+   end subroutine count_problem
+
+   !> Fills the problem.
+   pure subroutine set_problem(problem, at, what, advice)
+      type(problem_type), intent(inout) :: problem
+      integer(int64), intent(in) :: at
+      character(*), intent(in) :: what, advice
+
+      problem%found = .true.
+      problem%at = at
+      problem%what = what
+      problem%advice = advice
+   end subroutine set_problem
+
+end module gyroakf_io_row_problem
