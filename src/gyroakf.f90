@@ -52,6 +52,11 @@ module gyroakf
    use gyroakf_series_correlation, only : correlation_type, compute_correlation, correlation_of
    use gyroakf_series_kpss, only : kpss_options, kpss_type, test_kpss
    use gyroakf_series_phillips_perron, only : phillips_perron_options, phillips_perron_type, test_phillips_perron
+   use gyroakf_series_fisher, only : fisher_type, test_fisher_g, fisher_tail
+   use gyroakf_series_lines, only : line_options, line_type, find_lines
+   use gyroakf_series_periodicity, only : periodicity_options, periodicity_type, analyse_periodicity, whiten_series
+   use gyroakf_series_welch, only : welch_options, welch_type, welch_spectrum, default_segment
+   use gyroakf_series_whiteness, only : ljung_box_type, test_ljung_box, ljung_box_of
    use gyroakf_ar_autocovariance, only : compute_autocovariance, residual_autocovariance
    use gyroakf_ar_shared_autocovariance, only : autocovariance_type, plan_autocovariance, need_autocovariance
    use gyroakf_ar_levinson, only : solve_levinson

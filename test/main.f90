@@ -34,6 +34,7 @@ program test_main
    use test_design, only : collect_design
    use test_error, only : collect_error
    use test_fft, only : collect_fft
+   use test_fisher, only : collect_fisher
    use test_filter_series, only : collect_filter_series
    use test_identification, only : collect_identification
    use test_likelihood, only : collect_likelihood
@@ -50,6 +51,7 @@ program test_main
    use test_outliers, only : collect_outliers
    use test_hampel, only : collect_hampel
    use test_truncation, only : collect_truncation
+   use test_periodicity, only : collect_periodicity
    use test_pipeline, only : collect_pipeline
    use test_progress, only : collect_progress
    use test_progress_text, only : collect_progress_text
@@ -80,6 +82,7 @@ program test_main
    use test_kpss, only : collect_kpss
    use test_phillips_perron, only : collect_phillips_perron
    use test_correlation, only : collect_correlation
+   use test_welch, only : collect_welch
    use test_whiteness, only : collect_whiteness
    use test_writer, only : collect_writer
    use suite_runner, only : add, finish
@@ -114,6 +117,7 @@ program test_main
    call add("design", collect_design)
    call add("error", collect_error)
    call add("fft", collect_fft)
+   call add("fisher", collect_fisher)
    call add("filter_series", collect_filter_series)
    call add("identification", collect_identification)
    call add("likelihood", collect_likelihood)
@@ -130,6 +134,7 @@ program test_main
    call add("outliers", collect_outliers)
    call add("hampel", collect_hampel)
    call add("truncation", collect_truncation)
+   call add("periodicity", collect_periodicity)
    call add("pipeline", collect_pipeline)
    call add("progress", collect_progress)
    call add("progress_text", collect_progress_text)
@@ -160,6 +165,7 @@ program test_main
    call add("kpss", collect_kpss)
    call add("phillips_perron", collect_phillips_perron)
    call add("correlation", collect_correlation)
+   call add("welch", collect_welch)
    call add("whiteness", collect_whiteness)
    call add("writer", collect_writer)
 

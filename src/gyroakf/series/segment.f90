@@ -1,0 +1,133 @@
+! SPDX-License-Identifier: MIT
+!> Windows, and the periodograms of the segments of a series.
+module gyroakf_series_segment
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_fft, only : real_fft_plan_type, real_fft_forward
+   implicit none (type, external)
+   private
+   public :: segment_type, make_window, add_segments
+
+   !> What a segment is
+   type :: segment_type
+      !> Samples of a segment, and from one to the next
+      integer(int64) :: length = 0, step = 0
+      !> Its mean is subtracted
+      logical :: detrend = .true.
+      !> Least share that must be present
+      real(dp) :: min_coverage = 0.5_dp
+      !> [0:length-1]
+      real(dp), allocatable :: window(:)
+   end type segment_type
+
+contains
+
+   !> A window for spectra, in its periodic form: the next value would be the first again.
+   pure subroutine make_window(name, window)
+      !> hann, hamming, blackman; any other is rectangular
+      character(*), intent(in) :: name
+      !> Values: [0:L-1]
+      real(dp), intent(out) :: window(0:)
+      real(dp), parameter :: turn = 6.28318530717958647693_dp
+      real(dp) :: c
+      integer(int64) :: t, n
+
+      n = size(window, kind=int64)
+      do t = 0, n - 1
+         c = cos(turn*(real(t, dp)/real(n, dp)))
+         select case (name)
+         case ("hann"); window(t) = 0.5_dp - 0.5_dp*c
+         case ("hamming"); window(t) = 0.54_dp - 0.46_dp*c
+         case ("blackman"); window(t) = 0.42_dp - 0.5_dp*c + 0.08_dp*(2.0_dp*c*c - 1.0_dp)
+         case default; window(t) = 1.0_dp
+         end select
+      end do
+   end subroutine make_window
+
+   !> Adds the periodograms of some segments, each over the sum of the squares of its window and times its share.
+   subroutine add_segments(x, part, plan, from, to, total, share, error, valid)
+      !> Series: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> What a segment is
+      type(segment_type), intent(in) :: part
+      !> Of its length
+      type(real_fft_plan_type), intent(in) :: plan
+      !> Number of the first and of the last segment, from 1 on
+      integer(int64), intent(in) :: from, to
+      !> Sum of the periodograms: [0:length/2]
+      real(dp), intent(inout), contiguous :: total(0:)
+      !> Weight of each, 0 where too much is missing: [to - from + 1]
+      real(dp), intent(out) :: share(:)
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp), allocatable :: segment(:)
+      complex(dp), allocatable :: spectrum(:)
+      real(dp) :: energy, factor
+      integer(int64) :: i, first, k
+      integer :: stat
+
+      share = 0.0_dp
+      allocate (segment(0:part%length - 1), stat=stat)
+      if (stat == 0) allocate (spectrum(0:part%length/2), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for a segment of the spectrum")
+         return
+      end if
+      energy = sum(part%window**2)
+      do i = from, to
+         first = (i - 1)*part%step + 1
+         call cut(x(first:first + part%length - 1), part, energy, segment, share(i - from + 1), first, valid)
+         if (share(i - from + 1) <= 0.0_dp) cycle
+         call real_fft_forward(plan, segment, spectrum, error)
+         if (allocated(error)) return
+         factor = 1.0_dp/energy                      ! share over the energy of what is present
+         do k = 0, part%length/2
+            total(k) = total(k) + factor*(real(spectrum(k), dp)**2 + aimag(spectrum(k))**2)
+         end do
+      end do
+   end subroutine add_segments
+
+   !> A segment without its mean, times the window, 0 where missing; and the share of it that is present.
+   pure subroutine cut(x, part, energy, segment, share, first, valid)
+      real(dp), intent(in), contiguous :: x(:)
+      type(segment_type), intent(in) :: part
+      real(dp), intent(in) :: energy
+      real(dp), intent(out), contiguous :: segment(0:)
+      real(dp), intent(out) :: share
+      !> Number of its first sample in the series
+      integer(int64), intent(in) :: first
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp) :: mean, squares
+      integer(int64) :: t, here
+
+      if (.not. present(valid)) then
+         share = 1.0_dp
+         mean = 0.0_dp
+         if (part%detrend) mean = x(1) + sum(x - x(1))/real(part%length, dp)
+         do t = 0, part%length - 1
+            segment(t) = part%window(t)*(x(t + 1) - mean)
+         end do
+         return
+      end if
+      squares = 0.0_dp
+      mean = 0.0_dp
+      here = 0
+      do t = 0, part%length - 1
+         if (valid(first + t) == 0_int8) cycle
+         here = here + 1
+         squares = squares + part%window(t)**2
+         mean = mean + (x(t + 1) - mean)/real(here, dp)
+      end do
+      share = squares/energy
+      if (share < part%min_coverage .or. here == 0) share = 0.0_dp
+      if (share <= 0.0_dp) return
+      if (.not. part%detrend) mean = 0.0_dp
+      do t = 0, part%length - 1
+         segment(t) = 0.0_dp
+         if (valid(first + t) /= 0_int8) segment(t) = part%window(t)*(x(t + 1) - mean)
+      end do
+   end subroutine cut
+
+end module gyroakf_series_segment
