@@ -12,7 +12,7 @@ module gyroakf
    use gyroakf_units, only : unit_type, coefficient_unit_type, quantity, term_names, &
       parse_unit, parse_units, coefficient_unit, density_unit, angle_to_rate_unit, is_integral, coefficient_definition
    use gyroakf_record, only : record_type, audit_type, text_type, add_text, sample_count, view_channel
-   use gyroakf_special, only : normal_cdf, normal_quantile, chi_square_cdf, chi_square_survival, &
+   use gyroakf_special, only : normal_cdf, log_normal_cdf, normal_quantile, chi_square_cdf, chi_square_survival, &
       & chi_square_quantile, digamma
    use gyroakf_fft, only : fft_plan_type, new_fft_plan, fft_forward, fft_backward, smooth_length, &
       real_fft_plan_type, new_real_fft_plan, real_fft_forward, real_fft_backward, convolve
@@ -56,6 +56,13 @@ module gyroakf
    use gyroakf_series_lines, only : line_options, line_type, find_lines
    use gyroakf_series_periodicity, only : periodicity_options, periodicity_type, analyse_periodicity, whiten_series
    use gyroakf_series_welch, only : welch_options, welch_type, welch_spectrum, default_segment
+   use gyroakf_series_normality, only : jarque_bera_type, test_jarque_bera, dagostino_type, test_dagostino, skewness_error, &
+      kurtosis_error, judge_normality
+   use gyroakf_series_anderson_darling, only : anderson_darling_options, anderson_darling_type, test_anderson_darling, &
+      anderson_darling_p, rounding_statistic
+   use gyroakf_series_histogram, only : histogram_options, histogram_type, compute_histogram
+   use gyroakf_series_quantisation, only : quantisation_type, find_quantisation
+   use gyroakf_sort, only : sort_values
    use gyroakf_series_whiteness, only : ljung_box_type, test_ljung_box, ljung_box_of
    use gyroakf_ar_autocovariance, only : compute_autocovariance, residual_autocovariance
    use gyroakf_ar_shared_autocovariance, only : autocovariance_type, plan_autocovariance, need_autocovariance

@@ -46,6 +46,10 @@ program test_main
    use test_machine_memory, only : collect_machine_memory
    use test_moments, only : collect_moments
    use test_normality, only : collect_normality
+   use test_anderson, only : collect_anderson
+   use test_histogram, only : collect_histogram
+   use test_quantisation, only : collect_quantisation
+   use test_sort, only : collect_sort
    use test_npy, only : collect_npy
    use test_number, only : collect_number
    use test_outliers, only : collect_outliers
@@ -129,6 +133,10 @@ program test_main
    call add("machine_memory", collect_machine_memory)
    call add("moments", collect_moments)
    call add("normality", collect_normality)
+   call add("anderson", collect_anderson)
+   call add("histogram", collect_histogram)
+   call add("quantisation", collect_quantisation)
+   call add("sort", collect_sort)
    call add("npy", collect_npy)
    call add("number", collect_number)
    call add("outliers", collect_outliers)

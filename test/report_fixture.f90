@@ -174,12 +174,48 @@ contains
       channel%jarque_bera%p_value = 0.55_dp
       channel%jarque_bera%skewness = 0.0125_dp
       channel%jarque_bera%kurtosis = 3.25_dp
+      call fill_distribution(channel)
       channel%available%ljung_box = .true.
       channel%ljung_box%statistic = 2030
       channel%ljung_box%p_value = 0
       channel%ljung_box%lags = 20
       channel%ljung_box%largest_rho = 0.41_dp
    end subroutine fill_series
+
+   !> Nearly normal, in steps of half a standard deviation, every second sample tested, three bins.
+   subroutine fill_distribution(channel)
+      type(channel_result_type), intent(inout) :: channel
+
+      channel%normality = "nearly"
+      channel%available%dagostino = .true.
+      channel%dagostino%statistic = 7.5_dp
+      channel%dagostino%p_value = 0.0235_dp
+      channel%dagostino%skewness_error = 0.022_dp
+      channel%dagostino%kurtosis_error = 0.045_dp
+      channel%available%anderson_darling = .true.
+      channel%anderson_darling%modified = 0.7_dp
+      channel%anderson_darling%p_value = 0.0668_dp
+      channel%anderson_darling%samples = 5994
+      channel%anderson_darling%stride = 2
+      channel%available%histogram = .true.
+      associate (histogram => channel%histogram)
+         histogram%width = 0.02_dp
+         histogram%samples = 12
+         histogram%above = 1
+         histogram%edge = [-0.03_dp, -0.01_dp, 0.01_dp, 0.03_dp]
+         histogram%count = [2_int64, 6_int64, 3_int64]
+         histogram%expected = [2.75_dp, 4.5_dp, 2.75_dp]
+         histogram%density = [8.5_dp, 25.0_dp, 12.5_dp]
+         histogram%normal_density = [11.5_dp, 17.5_dp, 11.5_dp]
+      end associate
+      channel%available%quantisation = .true.
+      channel%quantisation%quantised = .true.
+      channel%quantisation%step = 0.0114_dp
+      channel%quantisation%ratio = 0.5_dp
+      channel%quantisation%variance_share = 0.0208_dp
+      channel%quantisation%levels = 17
+      channel%quantisation%corrected_std = 0.02265_dp
+   end subroutine fill_distribution
 
    subroutine fill_model(channel)
       type(channel_result_type), intent(inout) :: channel

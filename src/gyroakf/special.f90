@@ -16,7 +16,8 @@ module gyroakf_special
    use gyroakf_kinds, only : dp
    implicit none (type, external)
    private
-   public :: normal_cdf, normal_quantile, chi_square_cdf, chi_square_survival, chi_square_quantile, digamma
+   public :: normal_cdf, log_normal_cdf, normal_quantile, chi_square_cdf, chi_square_survival, chi_square_quantile, digamma
+   public :: log1p, expm1
 
    interface
       !> ln(1 + x) of the C library, accurate for small x
@@ -26,6 +27,14 @@ module gyroakf_special
          real(c_double), intent(in), value :: x
          real(c_double) :: log1p
       end function log1p
+
+      !> exp(x) - 1 of the C library, accurate for small x
+      pure function expm1(x) bind(c, name="expm1")
+         import :: c_double
+         implicit none (type, external)
+         real(c_double), intent(in), value :: x
+         real(c_double) :: expm1
+      end function expm1
    end interface
 
    real(dp), parameter :: pi = 3.1415926535897932384626433832795_dp
@@ -63,6 +72,28 @@ contains
 
       normal_cdf = 0.5_dp*erfc(-x*sqrt_half)
    end function normal_cdf
+
+   !> Logarithm of the standard normal distribution function, relatively accurate in both tails (4e-15; 1e-16 x^2 where x > 6).
+   !>
+   !> $$\ln\Phi(x) = \ln(\tfrac12\mathrm{erfc}(-x/\sqrt2)) = -x^2/2 + \ln(\tfrac12 e^{x^2/2}\mathrm{erfc}(-x/\sqrt2))$$
+   !> the second form where x < -1, and $$\ln(1 - \Phi(-x))$$ by log1p where x > 0. ln(1 - Phi(x)) is `log_normal_cdf(-x)`.
+   elemental real(dp) function log_normal_cdf(x)
+      !> Any value; below -1e154 it is -infinity, NaN gives NaN
+      real(dp), intent(in) :: x
+      real(dp), parameter :: lowest = -1.0e154_dp
+
+      if (ieee_is_nan(x)) then
+         log_normal_cdf = x
+      else if (x > 0.0_dp) then
+         log_normal_cdf = log1p(-0.5_dp*erfc(x*sqrt_half))
+      else if (x >= -1.0_dp) then
+         log_normal_cdf = log(0.5_dp*erfc(-x*sqrt_half))
+      else if (x >= lowest) then
+         log_normal_cdf = log(0.5_dp*erfc_scaled(-x*sqrt_half)) - 0.5_dp*x*x
+      else
+         log_normal_cdf = ieee_value(x, ieee_negative_inf)
+      end if
+   end function log_normal_cdf
 
    !> Quantile of the standard normal distribution: the x where normal_cdf(x) = p.
    !>

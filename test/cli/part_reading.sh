@@ -19,7 +19,7 @@ same() {
 
 good "plain text" run plain.txt --json -
 results <out >plain.json
-is "numbers of plain text" "$(grep -cE '"samples": 400,?$' plain.json)" 1
+is "numbers of plain text" "$(grep -cE '^ {4}"samples": 400,?$' plain.json)" 1
 if command -v python3 >/dev/null; then
    if python3 -m json.tool out >/dev/null; then pass; else fail "run --json is no JSON"; fi
    good "inspect as JSON" inspect plain.txt --json -

@@ -16,6 +16,7 @@ module gyroakf_pipeline_channel
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stage
    use gyroakf_pipeline_coefficients, only : run_allan, compare_coefficients
    use gyroakf_pipeline_changes, only : run_halves, run_dynamic
+   use gyroakf_pipeline_distribution, only : run_distribution
    use gyroakf_pipeline_filters, only : run_filters
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_outliers, warn_order, warn_model, &
       warn_fit, warn_centred
@@ -88,6 +89,8 @@ contains
       class(progress_type), intent(inout), optional :: progress
 
       if (options%do_tests) call run_tests(z, options, channel, error, valid, progress)
+      if (allocated(error)) return
+      if (options%do_tests) call run_distribution(x, z, options, channel, error, valid)
       if (allocated(error)) return
       if (options%do_ar .or. options%do_filter) then
          call tell_progress("AR model", 0_int64, size(z, kind=int64), error, progress)

@@ -9,7 +9,10 @@ module gyroakf_pipeline_result
    use gyroakf_preprocess_clean, only : clean_options, clean_type
    use gyroakf_series_moments, only : moments_type
    use gyroakf_series_stationarity, only : adf_options, adf_type
-   use gyroakf_series_normality, only : jarque_bera_type
+   use gyroakf_series_normality, only : jarque_bera_type, dagostino_type
+   use gyroakf_series_anderson_darling, only : anderson_darling_options, anderson_darling_type
+   use gyroakf_series_histogram, only : histogram_options, histogram_type
+   use gyroakf_series_quantisation, only : quantisation_type
    use gyroakf_series_whiteness, only : ljung_box_type
    use gyroakf_ar_model, only : ar_options, ar_model_type
    use gyroakf_filter_design, only : design_options, drift_options
@@ -67,6 +70,10 @@ module gyroakf_pipeline_result
       integer :: dynamic_segments = 0
       !> Coefficients from the curves
       type(noise_options) :: noise
+      !> Anderson-Darling test of the cleaned series: longer ones are thinned
+      type(anderson_darling_options) :: anderson_darling = anderson_darling_options(200000_int64)
+      !> Bins of its histogram; the step is found
+      type(histogram_options) :: histogram
       !> Lags of the Ljung-Box test of the cleaned series
       integer :: ljung_box_lags = 20
       !> What counts as drift, in s: slower than this; 0 is the larger of 5 samples and 1 s
@@ -80,6 +87,7 @@ module gyroakf_pipeline_result
       logical :: preprocess = .false., adf = .false., jarque_bera = .false., ljung_box = .false., ar = .false.
       logical :: kf = .false., akf = .false., drift = .false., drift_kf = .false., drift_akf = .false.
       logical :: halves = .false., dynamic = .false.
+      logical :: dagostino = .false., anderson_darling = .false., histogram = .false., quantisation = .false.
    end type available_type
 
    !> One noise coefficient in the unit it is stated in
@@ -166,6 +174,14 @@ module gyroakf_pipeline_result
       type(adf_type) :: adf
       type(jarque_bera_type) :: jarque_bera
       type(ljung_box_type) :: ljung_box
+      !> Normality of the cleaned series
+      type(dagostino_type) :: dagostino
+      type(anderson_darling_type) :: anderson_darling
+      type(histogram_type) :: histogram
+      !> Verdict of [[judge_normality]] by the smallest p-value of K2 and Anderson-Darling; "" where neither is available
+      character(9) :: normality = ""
+      !> The grid of the record as read, compared with the standard deviation of the cleaned series
+      type(quantisation_type) :: quantisation
       !> The model that was chosen
       type(ar_model_type) :: ar
       !> Largest share of the variance, in percent, that one-step prediction by the AR model removes: 100 (1 - sigma_a^2/var)

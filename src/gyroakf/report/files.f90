@@ -11,13 +11,14 @@ module gyroakf_report_files
    use gyroakf_report_document, only : write_document
    use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, write_dynamic, &
       series_output_type
+   use gyroakf_report_histogram, only : write_histogram
    implicit none (type, external)
    private
    public :: write_results, result_files, existing_result, series_output_type
 
    !> In the order in which they are written; one of the first three
-   character(16), parameter :: result_files(8) = [character(16) :: "series.csv", "series.npy", "series.f64", "allan.csv", &
-      "coefficients.csv", "dynamic.csv", "report.txt", "results.json"]
+   character(16), parameter :: result_files(9) = [character(16) :: "series.csv", "series.npy", "series.f64", "allan.csv", &
+      "coefficients.csv", "dynamic.csv", "histogram.csv", "report.txt", "results.json"]
 
 contains
 
@@ -36,7 +37,8 @@ contains
    end function existing_result
 
    !> Writes the series (where they were kept), allan.csv and coefficients.csv (where there are curves), dynamic.csv (where it
-   !> was asked for), report.txt and results.json; those that an earlier run left and this one does not write are removed.
+   !> was asked for), histogram.csv (where there are tests), report.txt and results.json; those that an earlier run left and this
+   !> one does not write are removed.
    !> The series of a streamed record are not here: they are written while it goes by.
    subroutine write_results(directory, command, record, options, result, error, output, progress)
       !> Made where it does not exist
@@ -64,7 +66,8 @@ contains
       call make_directory(directory, error)
       if (allocated(error)) return
       wanted(:3) = options%keep_series .and. .not. record%streamed .and. [character(3) :: "csv", "npy", "f64"] == series%form
-      wanted(4:) = [options%do_allan, options%do_allan, options%do_allan .and. options%dynamic_segments > 0, .true., .true.]
+      wanted(4:) = [options%do_allan, options%do_allan, options%do_allan .and. options%dynamic_segments > 0, &
+         options%do_tests, .true., .true.]
       do i = 1, size(result_files)
          if (.not. wanted(i)) cycle
          call open_writer(writer(i), directory//"/"//trim(result_files(i)), error)
@@ -101,6 +104,7 @@ contains
       case ("allan.csv"); call write_allan(writer, result)
       case ("coefficients.csv"); call write_coefficients(writer, result)
       case ("dynamic.csv"); call write_dynamic(writer, result)
+      case ("histogram.csv"); call write_histogram(writer, result)
       case ("report.txt"); call write_report(writer, command, record, options, result)
       case ("results.json"); call write_document(writer, record, result)
       case default; call write_series(writer, record, result, series, error, progress)

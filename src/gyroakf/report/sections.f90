@@ -6,6 +6,7 @@ module gyroakf_report_sections
    use gyroakf_pipeline_result, only : channel_result_type
    use gyroakf_series_whiteness, only : ljung_box_type
    use gyroakf_report_layout, only : put_heading, put_item, number, count_text, p_value_text, plural
+   use gyroakf_report_normality, only : put_normality
    implicit none (type, external)
    private
    public :: put_tests, whiteness_text
@@ -61,26 +62,6 @@ contains
              plural(int(channel%adf%lag, int64), "lag")//", "//count_text(channel%adf%observations)//" observations"
       call put_item(writer, "Stationarity", text)
    end subroutine put_stationarity
-
-   !> The Jarque-Bera test, with skewness and excess kurtosis as sizes of the effect.
-   subroutine put_normality(writer, channel)
-      type(writer_type), intent(inout) :: writer
-      type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: text
-
-      if (.not. channel%available%jarque_bera) then
-         call put_item(writer, "Normality", "not tested (see below)")
-         return
-      end if
-      text = "no evidence against a normal distribution: "
-      if (channel%jarque_bera%p_value < level) text = "not normal: "
-      text = text//"Jarque-Bera "//number(channel%jarque_bera%statistic, 4)//", "// &
-             p_value_text(channel%jarque_bera%p_value)//"; skewness "//number(channel%jarque_bera%skewness, 3)// &
-             ", excess kurtosis "//number(channel%jarque_bera%kurtosis - 3, 3)
-      if (channel%jarque_bera%p_value < level .and. abs(channel%jarque_bera%skewness) < 0.1_dp .and. &
-          abs(channel%jarque_bera%kurtosis - 3) < 0.2_dp) text = text//": a small departure, seen because the record is long"
-      call put_item(writer, "Normality", text)
-   end subroutine put_normality
 
    !> "Ljung-Box 2030 over 20 lags, p < 1e-20, largest |rho| 0.41".
    pure function whiteness_text(ljung_box) result(text)

@@ -1,0 +1,73 @@
+! SPDX-License-Identifier: MIT
+!> The distribution of one channel's samples: quantisation, normality, histogram.
+module gyroakf_pipeline_distribution
+   use gyroakf_kinds, only : dp, int8
+   use gyroakf_error, only : error_type
+   use gyroakf_record, only : add_text
+   use gyroakf_io_writer, only : format_real
+   use gyroakf_series_normality, only : test_dagostino, judge_normality
+   use gyroakf_series_anderson_darling, only : test_anderson_darling
+   use gyroakf_series_histogram, only : histogram_options, compute_histogram
+   use gyroakf_series_quantisation, only : find_quantisation, coarse_ratio
+   use gyroakf_pipeline_result, only : pipeline_options, channel_result_type
+   use gyroakf_pipeline_warnings, only : is_fatal, note_failure
+   implicit none (type, external)
+   private
+   public :: run_distribution
+
+contains
+
+   !> Quantisation of the record as read; D'Agostino's and the Anderson-Darling test and the histogram of the cleaned series.
+   subroutine run_distribution(x, z, options, channel, error, valid)
+      !> As read, and cleaned: [n]
+      real(dp), intent(in), contiguous :: x(:), z(:)
+      !> Samples of the Anderson-Darling test, bins
+      type(pipeline_options), intent(in) :: options
+      !> `cleaned` and `jarque_bera` are filled
+      type(channel_result_type), intent(inout) :: channel
+      !> no_memory and the like; all else is noted in the channel
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing or an outlier: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      type(histogram_options) :: bins
+      real(dp) :: p_value
+
+      call find_quantisation(x, channel%cleaned%std, channel%quantisation, error, valid)
+      if (is_fatal(error)) return
+      channel%available%quantisation = .not. allocated(error)
+      call note_failure(channel, "quantisation", error)
+      call warn_coarse(channel)
+      call test_dagostino(channel%cleaned, channel%dagostino, error)
+      if (is_fatal(error)) return
+      channel%available%dagostino = .not. allocated(error)
+      call note_failure(channel, "D'Agostino's test", error)
+      call test_anderson_darling(z, options%anderson_darling, channel%anderson_darling, error, valid)
+      if (is_fatal(error)) return
+      channel%available%anderson_darling = .not. allocated(error)
+      call note_failure(channel, "Anderson-Darling test", error)
+      p_value = min(channel%dagostino%p_value, channel%anderson_darling%p_value)
+      if (channel%available%dagostino .or. channel%available%anderson_darling) then
+         channel%normality = judge_normality(channel%cleaned%skewness, channel%cleaned%kurtosis, p_value)
+      end if
+      bins = options%histogram
+      bins%step = channel%quantisation%step
+      call compute_histogram(z, channel%cleaned, bins, channel%histogram, error, valid)
+      if (is_fatal(error)) return
+      channel%available%histogram = .not. allocated(error)
+      call note_failure(channel, "histogram", error)
+   end subroutine run_distribution
+
+   !> The step is as large as what is measured.
+   subroutine warn_coarse(channel)
+      type(channel_result_type), intent(inout) :: channel
+
+      associate (grid => channel%quantisation)
+         if (grid%ratio < coarse_ratio) return
+         call add_text(channel%warnings, "the step of the samples, "//format_real(grid%step, 4)//", is "// &
+            format_real(grid%ratio, 3)//" standard deviations of the cleaned series: "// &
+            format_real(100.0_dp*grid%variance_share, 2)//" % of the variance are rounding, and no test of normality "// &
+            "means anything; a finer range of the converter would show the sensor's noise")
+      end associate
+   end subroutine warn_coarse
+
+end module gyroakf_pipeline_distribution

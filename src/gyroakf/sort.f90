@@ -1,0 +1,120 @@
+! SPDX-License-Identifier: MIT
+!> Sorting of real numbers, in time n log n whatever their order.
+!>
+!> Runs of 32 numbers are sorted by insertion, then neighbours are merged between the array and a work space of the
+!> same length, all pairs of a level by all threads. The sorted array does not depend on the threads.
+module gyroakf_sort
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_chunks, only : threads_from
+   implicit none (type, external)
+   private
+   public :: sort_values
+
+   !> Numbers that are sorted by insertion
+   integer(int64), parameter :: run_length = 32
+
+contains
+
+   !> Sorts in ascending order. Source: merge sort from the bottom up, Knuth, The Art of Computer Programming 3, 5.2.4.
+   subroutine sort_values(x, error)
+      !> Numbers: [n], n >= 0, no NaN; sorted afterwards
+      real(dp), intent(inout), contiguous, target :: x(:)
+      !> no_memory: another n numbers are needed as work space; x is unchanged then
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable, target :: work(:)
+      real(dp), pointer, contiguous :: from(:), to(:), other(:)
+      integer(int64) :: n, i, width
+      integer :: stat
+
+      n = size(x, kind=int64)
+      if (n > run_length) then
+         allocate (work(n), stat=stat)
+         if (stat /= 0) then
+            call fatal_error(error, status%no_memory, "no memory for sorting the series")
+            return
+         end if
+      end if
+      !$omp parallel do if (n >= threads_from) default(shared) schedule(static)
+      do i = 1, n, run_length
+         call sort_run(x(i:min(i + run_length - 1, n)))
+      end do
+      !$omp end parallel do
+      if (n <= run_length) return
+      from => x
+      to => work
+      width = run_length
+      do while (width < n)
+         call merge_level(from, to, width)
+         other => from
+         from => to
+         to => other
+         width = 2*width
+      end do
+      if (.not. associated(from, x)) x(:) = work
+   end subroutine sort_values
+
+   !> Sorts a few numbers by insertion.
+   pure subroutine sort_run(x)
+      !> Numbers: [n]
+      real(dp), intent(inout), contiguous :: x(:)
+      real(dp) :: value
+      integer :: i, j
+
+      do i = 2, size(x)
+         value = x(i)
+         do j = i - 1, 1, -1
+            if (x(j) <= value) exit
+            x(j + 1) = x(j)
+         end do
+         x(j + 1) = value
+      end do
+   end subroutine sort_run
+
+   !> Merges all pairs of sorted runs.
+   subroutine merge_level(from, to, width)
+      !> Runs of `width` numbers, the last may be shorter: [n]
+      real(dp), intent(in), contiguous :: from(:)
+      !> Runs of twice as many: [n]
+      real(dp), intent(inout), contiguous :: to(:)
+      !> Length of a run
+      integer(int64), intent(in) :: width
+      integer(int64) :: n, first, middle, last
+
+      n = size(from, kind=int64)
+      !$omp parallel do if (n >= threads_from) default(shared) private(middle, last) schedule(static)
+      do first = 1, n, 2*width
+         middle = min(first + width - 1, n)
+         last = min(first + 2*width - 1, n)
+         call merge_runs(from(first:middle), from(middle + 1:last), to(first:last))
+      end do
+      !$omp end parallel do
+   end subroutine merge_level
+
+   !> Merges two sorted runs.
+   pure subroutine merge_runs(a, b, both)
+      !> Sorted: [m] and [n], n may be 0
+      real(dp), intent(in), contiguous :: a(:), b(:)
+      !> Sorted: [m + n]
+      real(dp), intent(inout), contiguous :: both(:)
+      integer(int64) :: i, j, k, m, n
+
+      m = size(a, kind=int64)
+      n = size(b, kind=int64)
+      i = 1
+      j = 1
+      do k = 1, m + n
+         if (i > m .or. j > n) exit
+         if (b(j) < a(i)) then
+            both(k) = b(j)
+            j = j + 1
+         else
+            both(k) = a(i)
+            i = i + 1
+         end if
+      end do
+      if (i <= m) both(k:) = a(i:)
+      if (j <= n) both(k:) = b(j:)
+   end subroutine merge_runs
+
+end module gyroakf_sort
