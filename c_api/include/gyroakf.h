@@ -296,6 +296,62 @@ typedef struct gyroakf_adf {
 GYROAKF_API int gyroakf_adf_test(const double *x, int64_t n, const gyroakf_adf_options *opt, gyroakf_adf *out,
                                  gyroakf_error *err);
 
+/* --------------------------------------------------------------------------------------------------------- normality */
+
+typedef struct gyroakf_normality {
+  double skewness;            /* 0 for a normal distribution: the size of the effect, which n does not inflate */
+  double skewness_error;      /* standard deviation of that of so many independent normal samples */
+  double excess_kurtosis;     /* the same, 0 for a normal distribution */
+  double kurtosis_error;
+  double jarque_bera;         /* statistics and their p-values; they take the samples as independent */
+  double jarque_bera_p;
+  double dagostino_k2;
+  double dagostino_k2_p;
+  double anderson_darling;    /* A2 (1 + 0.75/n + 2.25/n^2) */
+  double anderson_darling_p;  /* 3.8e-24 stands for anything smaller */
+  int64_t samples;            /* present samples */
+  int64_t tested;             /* of them in the Anderson-Darling test */
+  int32_t quantised;          /* 1: all samples are whole steps apart; 0: the numbers below are 0 */
+  double step;                /* u */
+  double step_over_std;       /* from 1 on rounding changes the shape of the distribution */
+  double corrected_std;       /* standard deviation before rounding, by Sheppard's correction, u */
+} gyroakf_normality;
+
+/*
+ * Tests of normality of a series x [n] with at least 8 present samples.
+ *   most_samples  in the Anderson-Darling test, >= 8: a longer series is thinned to every k-th sample; 0: no limit.
+ *                 It takes 16 bytes of memory for each
+ * A long record of any sensor fails every test: look at skewness and kurtosis.
+ */
+GYROAKF_API int gyroakf_normality_test(const double *x, int64_t n, int64_t most_samples, gyroakf_normality *out,
+                                       gyroakf_error *err);
+
+/* Samples counted in bins of equal width. */
+typedef struct gyroakf_histogram gyroakf_histogram;
+
+/*
+ * Histogram of a series x [n].
+ *   most_bins  >= 2; 0: 256
+ *   out        the histogram; free it with gyroakf_histogram_free
+ * The width is that of Freedman and Diaconis, a whole number of steps where the samples are quantised.
+ */
+GYROAKF_API int gyroakf_histogram_new(const double *x, int64_t n, int32_t most_bins, gyroakf_histogram **out,
+                                      gyroakf_error *err);
+
+/* Bins; 0 for NULL. */
+GYROAKF_API int32_t gyroakf_histogram_bins(const gyroakf_histogram *h);
+
+/* Arrays; they live as long as the histogram. NULL for NULL. */
+GYROAKF_API const double *gyroakf_histogram_edges(const gyroakf_histogram *h);    /* [bins + 1], u */
+GYROAKF_API const int64_t *gyroakf_histogram_counts(const gyroakf_histogram *h);  /* [bins] samples */
+GYROAKF_API const double *gyroakf_histogram_expected(const gyroakf_histogram *h); /* [bins] of the normal distribution with
+                                                                                     the same mean and variance */
+
+/* Samples below the first and not below the last edge; either may be NULL. */
+GYROAKF_API void gyroakf_histogram_outside(const gyroakf_histogram *h, int64_t *below, int64_t *above);
+
+GYROAKF_API void gyroakf_histogram_free(gyroakf_histogram *h);
+
 /* ---------------------------------------------------------------------------------------------------------- AR model */
 
 typedef struct gyroakf_ar_options {

@@ -277,6 +277,48 @@ static void test_noise_failures(void) {
   gyroakf_allan_free(a);
 }
 
+/* Weights of 11 men, as in test/test_normality.f90, and the failures. */
+static void test_normality(void) {
+  static const double men[11] = {148, 154, 158, 160, 161, 162, 166, 170, 182, 195, 236};
+  double x[1000];
+  gyroakf_normality normal;
+  int i;
+  check_success(gyroakf_normality_test(men, 11, 0, &normal, &err), "normality of 11 weights");
+  check(close_to(normal.dagostino_k2, 13.0342631211925817, 1e-12), "K2");
+  check(close_to(normal.anderson_darling, 1.02892976997730313, 1e-12), "Anderson-Darling");
+  check(close_to(normal.skewness, 1.67854390158616478, 1e-12), "skewness");
+  check(normal.samples == 11 && normal.tested == 11 && normal.quantised == 1 && normal.step == 1.0, "whole kilograms");
+  autoregressive(x, 1000, 0.0);
+  for (i = 0; i < 5; i++) x[100 * i] = NAN;
+  check_success(gyroakf_normality_test(x, 1000, 200, &normal, &err), "normality with missing samples, thinned");
+  check(normal.samples == 995 && normal.tested == 199 && normal.quantised == 0, "every fifth of 995");
+  check_failure(gyroakf_normality_test(x, 8, 0, &normal, &err), GYROAKF_TOO_FEW_SAMPLES, "7 samples");
+  check_failure(gyroakf_normality_test(x, 1000, 7, &normal, &err), GYROAKF_INVALID_ARGUMENT, "at most 7 samples");
+  check_failure(gyroakf_normality_test(x, 1000, 0, NULL, &err), GYROAKF_INVALID_ARGUMENT, "no place for the result");
+}
+
+/* Five levels: a bin for each two of them, as in test/test_histogram.f90. */
+static void test_histogram(void) {
+  static const double nine[9] = {0, 1, 1, 2, 2, 2, 3, 3, 4};
+  static const double flat[3] = {1, 1, 1};
+  gyroakf_histogram *h = NULL;
+  int64_t below = -1, above = -1;
+  check_success(gyroakf_histogram_new(nine, 9, 0, &h, &err), "histogram of 9 samples");
+  check(gyroakf_histogram_bins(h) == 3, "three bins");
+  if (gyroakf_histogram_bins(h) == 3) {
+    check(gyroakf_histogram_edges(h)[0] == -0.5 && gyroakf_histogram_edges(h)[3] == 5.5, "edges");
+    check(gyroakf_histogram_counts(h)[0] == 3 && gyroakf_histogram_counts(h)[1] == 5, "counts");
+    check(gyroakf_histogram_expected(h)[1] > 4 && gyroakf_histogram_expected(h)[1] < 6, "expected counts");
+  }
+  gyroakf_histogram_outside(h, &below, &above);
+  check(below == 0 && above == 0, "nothing outside");
+  gyroakf_histogram_free(h);
+  check_failure(gyroakf_histogram_new(flat, 3, 0, &h, &err), GYROAKF_CONSTANT_INPUT, "a constant");
+  check(h == NULL && gyroakf_histogram_bins(h) == 0 && gyroakf_histogram_counts(h) == NULL, "no histogram");
+  check_failure(gyroakf_histogram_new(nine, 9, 1, &h, &err), GYROAKF_INVALID_ARGUMENT, "one bin");
+  gyroakf_histogram_free(NULL);
+}
+
 /* A stationary series and its sums, which have a unit root. */
 static void test_adf(void) {
   double x[2000], sum[2000];
@@ -783,6 +825,8 @@ int main(void) {
   test_noise();
   test_noise_failures();
   test_adf();
+  test_normality();
+  test_histogram();
   test_adf_failures();
   test_ar();
   test_ar_failures();

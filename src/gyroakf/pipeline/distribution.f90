@@ -6,7 +6,7 @@ module gyroakf_pipeline_distribution
    use gyroakf_record, only : add_text
    use gyroakf_io_writer, only : format_real
    use gyroakf_series_normality, only : test_dagostino, judge_normality
-   use gyroakf_series_anderson_darling, only : test_anderson_darling
+   use gyroakf_series_anderson_darling, only : test_anderson_darling, rounding_statistic
    use gyroakf_series_histogram, only : histogram_options, compute_histogram
    use gyroakf_series_quantisation, only : find_quantisation, coarse_ratio
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type
@@ -14,6 +14,9 @@ module gyroakf_pipeline_distribution
    implicit none (type, external)
    private
    public :: run_distribution
+
+   !> Where rounding alone adds more than this to A2, the Anderson-Darling test does not decide
+   real(dp), parameter :: negligible_rounding = 0.1_dp
 
 contains
 
@@ -45,7 +48,10 @@ contains
       if (is_fatal(error)) return
       channel%available%anderson_darling = .not. allocated(error)
       call note_failure(channel, "Anderson-Darling test", error)
-      p_value = min(channel%dagostino%p_value, channel%anderson_darling%p_value)
+      p_value = channel%dagostino%p_value
+      if (rounding_statistic(channel%quantisation%ratio, channel%anderson_darling%samples) < negligible_rounding) then
+         p_value = min(p_value, channel%anderson_darling%p_value)
+      end if
       if (channel%available%dagostino .or. channel%available%anderson_darling) then
          channel%normality = judge_normality(channel%cleaned%skewness, channel%cleaned%kurtosis, p_value)
       end if

@@ -178,7 +178,8 @@ module gyroakf_pipeline_result
       type(dagostino_type) :: dagostino
       type(anderson_darling_type) :: anderson_darling
       type(histogram_type) :: histogram
-      !> Verdict of [[judge_normality]] by the smallest p-value of K2 and Anderson-Darling; "" where neither is available
+      !> Verdict of [[judge_normality]] by the smaller p-value of K2 and Anderson-Darling, by that of K2 where rounding alone adds
+      !> more than 0.1 to A2; "" where neither is available
       character(9) :: normality = ""
       !> The grid of the record as read, compared with the standard deviation of the cleaned series
       type(quantisation_type) :: quantisation
