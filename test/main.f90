@@ -39,6 +39,7 @@ program test_main
    use test_identification, only : collect_identification
    use test_likelihood, only : collect_likelihood
    use test_smoother, only : collect_smoother
+   use test_drift_fit, only : collect_drift_fit
    use test_json, only : collect_json
    use test_kalman, only : collect_kalman
    use test_least_squares, only : collect_least_squares
@@ -126,6 +127,7 @@ program test_main
    call add("identification", collect_identification)
    call add("likelihood", collect_likelihood)
    call add("smoother", collect_smoother)
+   call add("drift_fit", collect_drift_fit)
    call add("json", collect_json)
    call add("kalman", collect_kalman)
    call add("least_squares", collect_least_squares)

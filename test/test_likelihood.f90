@@ -26,6 +26,7 @@ contains
          new_unittest("ar1-dense", test_ar1_dense), &
          new_unittest("three-dense", test_three_dense), &
          new_unittest("walk-dense", test_walk_dense), &
+         new_unittest("slow-dense", test_slow_dense), &
          new_unittest("gaps-dense", test_gaps_dense), &
          new_unittest("late-start", test_late_start), &
          new_unittest("gradient", test_gradient), &
@@ -151,6 +152,18 @@ contains
       here = .true.
       call compare(error, mixture(.true.), 7.0_dp + normal_series(50_int64, 5), here)
    end subroutine test_walk_dense
+
+   !> A filter that needs thousands of samples to come to rest is not taken as being there after some hundred.
+   subroutine test_slow_dense(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model
+      logical :: here(400)
+
+      model = mixture(.true.)
+      model%q(3) = 1.0e-6_dp
+      here = .true.
+      call compare(error, model, normal_series(400_int64, 15), here)
+   end subroutine test_slow_dense
 
    subroutine test_gaps_dense(error)
       type(error_type), allocatable, intent(out) :: error

@@ -44,8 +44,6 @@ module gyroakf_filter_components
       logical :: started = .true.
    end type component_state_type
 
-   !> Measurements in succession after which the distance from the steady state is judged again
-   integer, parameter :: judge_every = 64
    !> Relative distance at which it is as good as reached, and change that is rounding
    real(dp), parameter :: settled_distance = 1.0e-13_dp, rounding = 4.0_dp*epsilon(1.0_dp)
 
@@ -53,10 +51,9 @@ module gyroakf_filter_components
    type :: settling_type
       !> They have: they may be kept until a measurement is missing
       logical :: settled = .false.
-      !> Measurements since they were judged, what they were then, how far they had come
-      integer :: since = 0
+      !> What they were when they were judged last, how far they had come
       real(dp), allocatable :: judged(:, :)
-      real(dp) :: moved = huge(1.0_dp)
+      real(dp) :: moved = 0.0_dp
    end type settling_type
 
 contains
@@ -173,7 +170,7 @@ contains
       end do
    end subroutine correct_components
 
-   !> Counts a measurement and judges from time to time: the distance that is left is that of a geometric approach.
+   !> Judges numbers after so and so many measurements, always the same: the distance that is left is that of a geometric approach.
    pure subroutine judge_settling(settling, numbers)
       !> Fresh at the beginning and after a missing measurement
       type(settling_type), intent(inout) :: settling
@@ -182,9 +179,6 @@ contains
       real(dp) :: moved, ratio, scale
       integer :: k
 
-      settling%since = settling%since + 1
-      if (settling%since < judge_every) return
-      settling%since = 0
       if (.not. allocated(settling%judged)) then
          allocate (settling%judged(size(numbers, 1), size(numbers, 2)))
          settling%judged(:, :) = numbers

@@ -18,29 +18,26 @@ module gyroakf_filter_likelihood
    private
    public :: component_likelihood
 
-   !> phi and q of every process, r
-   integer, parameter :: most_parameters = 2*most_components + 1
+   !> phi and q of every process, r: numbered 1 .. n, n + 1 .. 2 n, 2 n + 1; and room for a whole number of vector registers
+   integer, parameter :: most_parameters = 2*most_components + 1, room = 8
    real(dp), parameter :: log_two_pi = 1.8378770664093454835606594728112_dp
+   !> Measurements after which it is looked whether the recursion has come to rest
+   integer, parameter :: look_every = 64
 
-   !> Derivatives of the state by every parameter
-   type :: derivative_type
-      real(dp) :: x(most_components, most_parameters) = 0.0_dp
-      real(dp) :: p(most_components, most_components, most_parameters) = 0.0_dp
-      real(dp) :: gain(most_components, most_parameters) = 0.0_dp
-      real(dp) :: innovation(most_parameters) = 0.0_dp, variance(most_parameters) = 0.0_dp
-   end type derivative_type
-
-   !> What the recursion needs to know of the parameters
+   !> What changes from step to step
    type :: lane_type
       type(component_model_type) :: model
       type(component_state_type) :: state
-      type(derivative_type) :: d
-      !> Parameters that are derived by, their numbers
-      integer :: wanted = 0, parameter(most_parameters) = 0
+      !> The gradient is wanted
+      logical :: derive = .false.
+      !> Derivatives by every parameter of estimates, covariance (upper triangle), gain, innovation and its variance
+      real(dp) :: dx(room, most_components) = 0.0_dp, dcov(room, most_components, most_components) = 0.0_dp
+      real(dp) :: dgain(room, most_components) = 0.0_dp, de(room) = 0.0_dp, ds(room) = 0.0_dp
       !> Of gain and S and their derivatives
       type(settling_type) :: settling
+      integer :: look = 0
       !> Sums over the measurements: ln S, e^2/S, derivatives of the log-likelihood times -2
-      real(dp) :: logarithms = 0.0_dp, squares = 0.0_dp, slope(most_parameters) = 0.0_dp
+      real(dp) :: logarithms = 0.0_dp, squares = 0.0_dp, slope(room) = 0.0_dp
       integer(int64) :: measurements = 0
    end type lane_type
 
@@ -86,7 +83,9 @@ contains
       end if
       if (allocated(error)) return
       value = -0.5_dp*(real(lane%measurements, dp)*log_two_pi + lane%logarithms + lane%squares)
-      if (present(gradient)) gradient(:2*model%count + 1) = -0.5_dp*lane%slope(:2*model%count + 1)
+      if (.not. present(gradient)) return
+      gradient(:2*model%count + 1) = -0.5_dp*lane%slope(:2*model%count + 1)
+      if (lane%state%walk > 0) gradient(lane%state%walk) = 0.0_dp
    end subroutine component_likelihood
 
    !> State and derivatives before the first sample.
@@ -99,19 +98,14 @@ contains
       integer :: i, n
 
       lane%model = model
+      lane%derive = derive
       n = model%count
       call start_components(model, lane%state)
-      if (.not. derive) return
-      do i = 1, 2*n + 1
-         if (i == lane%state%walk) cycle
-         lane%wanted = lane%wanted + 1
-         lane%parameter(lane%wanted) = i
-      end do
       do i = 1, n
          if (i == lane%state%walk) cycle
          rest = (1.0_dp - model%phi(i))*(1.0_dp + model%phi(i))
-         lane%d%p(i, i, i) = 2.0_dp*model%phi(i)*model%q(i)/rest**2
-         lane%d%p(i, i, n + i) = 1.0_dp/rest
+         lane%dcov(i, i, i) = 2.0_dp*model%phi(i)*model%q(i)/rest**2
+         lane%dcov(n + i, i, i) = 1.0_dp/rest
       end do
    end subroutine begin
 
@@ -121,152 +115,163 @@ contains
       real(dp), intent(in) :: z
       !> There is a measurement
       logical, intent(in) :: here
-      type(component_state_type) :: before
       logical :: counts
-      integer :: k
 
-      before = lane%state
+      if (lane%derive) call derive_prediction(lane%model, lane%state, lane%dx, lane%dcov)
       call predict_components(lane%model, lane%state)
-      do k = 1, lane%wanted
-         call derive_prediction(lane%model, before, lane%parameter(k), lane%d)
-      end do
       if (.not. here) then
-         lane%settling = settling_type()
+         if (lane%settling%settled .or. lane%look > 0 .or. allocated(lane%settling%judged)) lane%settling = settling_type()
+         lane%look = 0
          return
       end if
       counts = lane%state%started
-      before = lane%state
+      if (lane%derive .and. counts) then
+         call derive_correction(lane%model, lane%state, z, lane)
+      else if (lane%derive) then
+         call derive_level(lane%model%count, lane%state%walk, lane%dx, lane%dcov)
+      end if
       call correct_components(lane%model%count, lane%model%r, z, lane%state)
-      do k = 1, lane%wanted
-         call derive_correction(lane%model%count, before, lane%state, lane%parameter(k), lane%d)
-      end do
       if (.not. counts) return
       lane%measurements = lane%measurements + 1
-      if (.not. lane%state%variance > 0.0_dp) return
-      lane%logarithms = lane%logarithms + log(lane%state%variance)
-      lane%squares = lane%squares + lane%state%innovation**2/lane%state%variance
-      do k = 1, lane%wanted
-         call add_slope(lane, lane%parameter(k))
-      end do
-      call judge(lane)
+      associate (s => lane%state%variance, e => lane%state%innovation)
+         if (.not. s > 0.0_dp) return
+         lane%logarithms = lane%logarithms + log(s)
+         lane%squares = lane%squares + e*e/s
+         if (lane%derive) lane%slope = lane%slope + (lane%ds*(1.0_dp - e*e/s) + 2.0_dp*e*lane%de)/s
+      end associate
+      lane%look = lane%look + 1
+      if (lane%look == look_every) call look(lane)
    end subroutine step
 
-   !> Adds the derivative of ln S + e^2/S.
-   pure subroutine add_slope(lane, m)
-      type(lane_type), intent(inout) :: lane
-      integer, intent(in) :: m
-
-      associate (s => lane%state%variance, e => lane%state%innovation)
-         lane%slope(m) = lane%slope(m) + (lane%d%variance(m)*(1.0_dp - e*e/s) + 2.0_dp*e*lane%d%innovation(m))/s
-      end associate
-   end subroutine add_slope
-
-   !> Derivatives of the prediction by a parameter.
-   pure subroutine derive_prediction(model, before, m, d)
+   !> Derivatives of the prediction.
+   pure subroutine derive_prediction(model, state, dx, dcov)
       type(component_model_type), intent(in) :: model
-      !> The state before it
-      type(component_state_type), intent(in) :: before
-      !> Number of the parameter
-      integer, intent(in) :: m
-      type(derivative_type), intent(inout) :: d
+      !> Before it
+      type(component_state_type), intent(in) :: state
+      real(dp), intent(inout) :: dx(room, *), dcov(room, most_components, *)
+      integer :: i, j
+
+      do j = 1, model%count
+         do i = 1, j
+            dcov(:, i, j) = (model%phi(i)*model%phi(j))*dcov(:, i, j)
+            dcov(i, i, j) = dcov(i, i, j) + model%phi(j)*state%p(i, j)
+            dcov(j, i, j) = dcov(j, i, j) + model%phi(i)*state%p(i, j)
+         end do
+         if (state%started .or. j /= state%walk) dcov(model%count + j, j, j) = dcov(model%count + j, j, j) + 1.0_dp
+         dx(:, j) = model%phi(j)*dx(:, j)
+         dx(j, j) = dx(j, j) + state%x(j)
+      end do
+   end subroutine derive_prediction
+
+   !> Derivatives of the correction.
+   pure subroutine derive_correction(model, state, z, lane)
+      type(component_model_type), intent(in) :: model
+      !> The prediction
+      type(component_state_type), intent(in) :: state
+      !> The measurement
+      real(dp), intent(in) :: z
+      type(lane_type), intent(inout) :: lane
+      real(dp) :: c(most_components), gain(most_components), dc(room, most_components), e, s
       integer :: i, j, n
 
       n = model%count
-      do j = 1, n
-         d%x(j, m) = model%phi(j)*d%x(j, m)
-         do i = 1, n
-            d%p(i, j, m) = model%phi(i)*model%phi(j)*d%p(i, j, m)
-         end do
-      end do
-      if (m <= n) then
-         d%x(m, m) = d%x(m, m) + before%x(m)
-         do j = 1, n
-            d%p(m, j, m) = d%p(m, j, m) + model%phi(j)*before%p(m, j)
-            d%p(j, m, m) = d%p(j, m, m) + model%phi(j)*before%p(j, m)
-         end do
-      else if (m <= 2*n) then
-         if (before%started .or. m - n /= before%walk) d%p(m - n, m - n, m) = d%p(m - n, m - n, m) + 1.0_dp
-      end if
-   end subroutine derive_prediction
-
-   !> Derivatives of the correction by a parameter.
-   pure subroutine derive_correction(n, before, state, m, d)
-      integer, intent(in) :: n
-      !> The prediction, and what became of it
-      type(component_state_type), intent(in) :: before, state
-      integer, intent(in) :: m
-      type(derivative_type), intent(inout) :: d
-      real(dp) :: c(n), dc(n), s, ds
-      integer :: i, j
-
+      s = model%r
+      e = z
+      lane%ds = 0.0_dp
+      lane%ds(2*n + 1) = 1.0_dp
+      lane%de = 0.0_dp
       do i = 1, n
-         c(i) = sum(before%p(:n, i))
-         dc(i) = sum(d%p(:n, i, m))
+         c(i) = sum(state%p(:n, i))
+         s = s + c(i)
+         e = e - state%x(i)
+         dc(:, i) = 0.0_dp
+         do j = 1, n
+            dc(:, i) = dc(:, i) + lane%dcov(:, min(i, j), max(i, j))
+         end do
+         lane%ds = lane%ds + dc(:, i)
+         lane%de = lane%de - lane%dx(:, i)
       end do
-      ds = sum(dc)
-      if (m == 2*n + 1) ds = ds + 1.0_dp
-      if (.not. before%started) then
-         associate (walk => before%walk)
-            d%x(walk, m) = -(sum(d%x(:n, m)) - d%x(walk, m))
-            d%p(:n, walk, m) = -dc
-            d%p(walk, :n, m) = -dc
-            d%p(walk, walk, m) = ds
-         end associate
-         return
-      end if
-      s = state%variance
       if (.not. s > 0.0_dp) return
-      d%variance(m) = ds
-      d%innovation(m) = -sum(d%x(:n, m))
-      d%gain(:n, m) = (dc - state%gain(:n)*ds)/s
-      d%x(:n, m) = d%x(:n, m) + d%gain(:n, m)*state%innovation + state%gain(:n)*d%innovation(m)
       do j = 1, n
-         do i = 1, n
-            d%p(i, j, m) = d%p(i, j, m) - d%gain(i, m)*c(j) - state%gain(i)*dc(j)
+         gain(j) = c(j)/s
+         lane%dgain(:, j) = (dc(:, j) - gain(j)*lane%ds)/s
+         lane%dx(:, j) = lane%dx(:, j) + lane%dgain(:, j)*e + gain(j)*lane%de
+         do i = 1, j
+            lane%dcov(:, i, j) = lane%dcov(:, i, j) - lane%dgain(:, i)*c(j) - gain(i)*dc(:, j)
          end do
       end do
    end subroutine derive_correction
 
+   !> Derivatives of the first correction of a random walk: its estimate is what the others leave of the measurement.
+   pure subroutine derive_level(n, walk, dx, dcov)
+      integer, intent(in) :: n, walk
+      real(dp), intent(inout) :: dx(room, *), dcov(room, most_components, *)
+      real(dp) :: dc(room, most_components), total(room)
+      integer :: i, j
+
+      total = 0.0_dp
+      total(2*n + 1) = 1.0_dp
+      do i = 1, n
+         dc(:, i) = 0.0_dp
+         do j = 1, n
+            if (i /= walk .and. j /= walk) dc(:, i) = dc(:, i) + dcov(:, min(i, j), max(i, j))
+         end do
+         total = total + dc(:, i)
+      end do
+      dx(:, walk) = 0.0_dp
+      do i = 1, n
+         if (i == walk) cycle
+         dx(:, walk) = dx(:, walk) - dx(:, i)
+         dcov(:, min(i, walk), max(i, walk)) = -dc(:, i)
+      end do
+      dcov(:, walk, walk) = total
+   end subroutine derive_level
+
    !> Whether gain, S and their derivatives have come to rest.
-   pure subroutine judge(lane)
+   pure subroutine look(lane)
       type(lane_type), intent(inout) :: lane
-      real(dp) :: numbers(most_components, 0:2*most_parameters + 1)
+      real(dp) :: numbers(most_components, 0:2*room + 1)
       integer :: k, n
 
       n = lane%model%count
       numbers = 0.0_dp
       numbers(:n, 0) = lane%state%gain(:n)
       numbers(1, 1) = lane%state%variance
-      do k = 1, lane%wanted
-         numbers(:n, 2*k) = lane%d%gain(:n, lane%parameter(k))
-         numbers(1, 2*k + 1) = lane%d%variance(lane%parameter(k))
+      do k = 1, room
+         numbers(:n, 2*k) = lane%dgain(k, :n)
+         numbers(1, 2*k + 1) = lane%ds(k)
       end do
       call judge_settling(lane%settling, numbers)
-   end subroutine judge
+      lane%look = 0
+   end subroutine look
 
    !> A step with the steady gain.
    pure subroutine step_settled(lane, z)
       type(lane_type), intent(inout) :: lane
       real(dp), intent(in) :: z
-      real(dp) :: e, de, old(most_components), change(most_components)
-      integer :: k, m, n
+      real(dp) :: e, before
+      integer :: j, n
 
       n = lane%model%count
-      associate (x => lane%state%x, d => lane%d, phi => lane%model%phi, s => lane%state%variance)
-         old(:n) = x(:n)
-         x(:n) = phi(:n)*x(:n)
-         e = z - sum(x(:n))
-         x(:n) = x(:n) + lane%state%gain(:n)*e
-         do k = 1, lane%wanted
-            m = lane%parameter(k)
-            change(:n) = phi(:n)*d%x(:n, m)
-            if (m <= n) change(m) = change(m) + old(m)
-            de = -sum(change(:n))
-            d%x(:n, m) = change(:n) + d%gain(:n, m)*e + lane%state%gain(:n)*de
-            lane%slope(m) = lane%slope(m) + (d%variance(m)*(1.0_dp - e*e/s) + 2.0_dp*e*de)/s
+      associate (x => lane%state%x, phi => lane%model%phi, gain => lane%state%gain, s => lane%state%variance)
+         e = z
+         lane%de = 0.0_dp
+         do j = 1, n
+            before = x(j)
+            x(j) = phi(j)*before
+            e = e - x(j)
+            if (.not. lane%derive) cycle
+            lane%dx(:, j) = phi(j)*lane%dx(:, j)
+            lane%dx(j, j) = lane%dx(j, j) + before
+            lane%de = lane%de - lane%dx(:, j)
+         end do
+         do j = 1, n
+            x(j) = x(j) + gain(j)*e
+            if (lane%derive) lane%dx(:, j) = lane%dx(:, j) + lane%dgain(:, j)*e + gain(j)*lane%de
          end do
          lane%logarithms = lane%logarithms + log(s)
          lane%squares = lane%squares + e*e/s
+         if (lane%derive) lane%slope = lane%slope + (lane%ds*(1.0_dp - e*e/s) + 2.0_dp*e*lane%de)/s
          lane%measurements = lane%measurements + 1
       end associate
    end subroutine step_settled

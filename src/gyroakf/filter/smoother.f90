@@ -23,6 +23,8 @@ module gyroakf_filter_smoother
 
    !> Samples of a block, at least
    integer(int64), parameter :: shortest_block = 1024
+   !> Samples after which it is looked whether the filter has come to rest
+   integer(int64), parameter :: look_every = 64
 
    !> What the way back needs of a sample: the state behind it
    type :: step_type
@@ -164,7 +166,7 @@ contains
                if (here) call correct_components(n, r, z(k), state)
                if (.not. here .or. present(white)) then
                   settling = settling_type()
-               else
+               else if (modulo(k, look_every) == 0) then
                   call judge_settling(settling, reshape([state%gain(:n), state%variance], [n + 1, 1]))
                end if
             end if

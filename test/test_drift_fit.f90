@@ -1,0 +1,281 @@
+! SPDX-License-Identifier: MIT
+!> Drift models by maximum likelihood: parameters within their errors, invariance, failures.
+module test_drift_fit
+   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_filter_components, only : component_model_type
+   use gyroakf_filter_drift_fit, only : drift_fit_type, fit_drift, is_slow
+   use gyroakf_filter_likelihood, only : component_likelihood
+   use filter_library, only : fill_noise, make_series
+   implicit none (type, external)
+   private
+   public :: collect_drift_fit
+
+contains
+
+   subroutine collect_drift_fit(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         new_unittest("ar1", test_ar1), &
+         new_unittest("walk", test_walk), &
+         new_unittest("both", test_both), &
+         new_unittest("errors", test_errors), &
+         new_unittest("likelihood", test_value), &
+         new_unittest("invariance", test_invariance), &
+         new_unittest("gaps", test_gaps), &
+         new_unittest("long", test_long), &
+         new_unittest("slow", test_slow), &
+         new_unittest("refused", test_refused)]
+   end subroutine collect_drift_fit
+
+   !> A random walk in white noise of these standard deviations.
+   subroutine make_walk(seed, step, white, z)
+      integer, intent(in) :: seed
+      real(dp), intent(in) :: step, white
+      real(dp), intent(out), contiguous :: z(:)
+      real(dp), allocatable :: w(:)
+      real(dp) :: level
+      integer :: i
+
+      allocate (w(size(z)))
+      call fill_noise(seed, w)
+      call fill_noise(seed + 50000, z)
+      level = 0.0_dp
+      do i = 1, size(z)
+         level = level + step*w(i)
+         z(i) = level + white*z(i)
+      end do
+   end subroutine make_walk
+
+   !> Number of the candidate of a name, 0 where there is none.
+   integer function number_of(fit, name)
+      type(drift_fit_type), intent(in) :: fit
+      character(*), intent(in) :: name
+
+      do number_of = size(fit%candidate), 1, -1
+         if (fit%candidate(number_of)%name == name) exit
+      end do
+   end function number_of
+
+   !> Case C1 of the comparison: the best model is AR(1), its numbers lie within four standard errors.
+   subroutine test_ar1(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(drift_fit_type) :: fit
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(12000)
+
+      call make_series(31, 0.98_dp, 1.0e-4_dp, 4.2e-4_dp, z)
+      call fit_drift(z, fit, failed)
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      call check(error, trim(fit%candidate(fit%best)%name), "ar1")
+      if (allocated(error)) return
+      associate (best => fit%candidate(fit%best))
+         call check(error, best%converged .and. best%errors_known .and. best%parameters == 4)
+         if (allocated(error)) return
+         call check(error, abs(best%model%phi(1) - 0.98_dp) <= 4*best%std_error%phi(1))
+         if (allocated(error)) return
+         call check(error, abs(best%model%q(1) - 3.96e-6_dp) <= 4*best%std_error%q(1))
+         if (allocated(error)) return
+         call check(error, abs(best%model%r - 4.2e-4_dp) <= 4*best%std_error%r)
+      end associate
+   end subroutine test_ar1
+
+   subroutine test_walk(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(drift_fit_type) :: fit
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(8000)
+
+      call make_walk(32, 0.01_dp, 1.0_dp, z)
+      call fit_drift(z, fit, failed)
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      associate (walk => fit%candidate(number_of(fit, "walk")))
+         call check(error, walk%converged .and. walk%parameters == 2)
+         if (allocated(error)) return
+         call check(error, abs(walk%model%q(1) - 1.0e-4_dp) <= 4*walk%std_error%q(1))
+         if (allocated(error)) return
+         call check(error, abs(walk%model%r - 1.0_dp) <= 4*walk%std_error%r)
+         if (allocated(error)) return
+         ! a term too many gains chi-square of two degrees of freedom: beyond 14 once in a thousand
+         call check(error, walk%log_likelihood > fit%candidate(number_of(fit, "walk+ar1"))%log_likelihood - 7)
+      end associate
+   end subroutine test_walk
+
+   subroutine test_both(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(drift_fit_type) :: fit
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(20000), slow(20000)
+
+      call make_series(33, 0.9_dp, 0.5_dp, 1.0_dp, z)
+      call make_walk(34, 0.02_dp, 0.0_dp, slow)
+      call fit_drift(z + slow, fit, failed)
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      call check(error, trim(fit%candidate(fit%best)%name), "walk+ar1")
+      if (allocated(error)) return
+      associate (best => fit%candidate(fit%best))
+         call check(error, abs(best%model%phi(1) - 0.9_dp) <= 4*best%std_error%phi(1))
+         if (allocated(error)) return
+         call check(error, abs(best%model%q(1) - 0.095_dp) <= 4*best%std_error%q(1))
+         if (allocated(error)) return
+         call check(error, abs(best%model%q(2) - 4.0e-4_dp) <= 4*best%std_error%q(2))
+         if (allocated(error)) return
+         call check(error, abs(best%model%r - 1.0_dp) <= 4*best%std_error%r)
+      end associate
+   end subroutine test_both
+
+   !> Twenty records: the squared deviations in units of the stated errors are chi-square of 20 degrees, within four deviations.
+   subroutine test_errors(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(drift_fit_type) :: fit
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(1500), total(3)
+      integer :: seed, k
+
+      total = 0.0_dp
+      do seed = 1, 20
+         call make_series(400 + seed, 0.9_dp, 1.0_dp, 1.0_dp, z)
+         call fit_drift(z, fit, failed)
+         call check(error, .not. allocated(failed))
+         if (allocated(error)) return
+         associate (found => fit%candidate(number_of(fit, "ar1")))
+            total = total + ([found%model%phi(1) - 0.9_dp, found%model%q(1) - 0.19_dp, found%model%r - 1.0_dp]/ &
+                             [found%std_error%phi(1), found%std_error%q(1), found%std_error%r])**2
+         end associate
+      end do
+      do k = 1, 3
+         call check(error, abs(total(k) - 20) <= 4*sqrt(40.0_dp))
+         if (allocated(error)) return
+      end do
+   end subroutine test_errors
+
+   !> The stated likelihood is that of the stated model, and beyond that of the true one.
+   subroutine test_value(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(drift_fit_type) :: fit
+      type(gyro_error), allocatable :: failed
+      type(component_model_type) :: truth
+      real(dp) :: z(4000), value
+
+      call make_series(35, 0.95_dp, 2.0_dp, 3.0_dp, z)
+      call fit_drift(z, fit, failed)
+      associate (found => fit%candidate(number_of(fit, "ar1")))
+         call component_likelihood(found%model, z - fit%mean, value, failed)
+         call check(error, found%log_likelihood, value, thr=1.0e-10_dp, rel=.true.)
+         if (allocated(error)) return
+         truth%count = 1
+         truth%phi(1) = 0.95_dp
+         truth%q(1) = 2*0.0975_dp
+         truth%r = 3.0_dp
+         call component_likelihood(truth, z - fit%mean, value, failed)
+         call check(error, found%log_likelihood > value)
+      end associate
+   end subroutine test_value
+
+   !> Scale and offset.
+   subroutine test_invariance(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(drift_fit_type) :: fit, other
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(3000)
+      integer :: k
+
+      call make_series(36, 0.9_dp, 1.0_dp, 1.0_dp, z)
+      call fit_drift(z, fit, failed)
+      call fit_drift(1.0e-3_dp*z + 1.0e3_dp, other, failed)
+      call check(error, size(fit%candidate) == size(other%candidate))
+      if (allocated(error)) return
+      do k = 1, 2                                        ! a third one may have no more than a flat top
+         ! the offset takes six of the digits, the top of the likelihood is flat within the root of what is left
+         call check(error, other%candidate(k)%model%r, 1.0e-6_dp*fit%candidate(k)%model%r, thr=1.0e-6_dp, rel=.true.)
+         if (allocated(error)) return
+         call check(error, other%candidate(k)%model%q(1), 1.0e-6_dp*fit%candidate(k)%model%q(1), thr=1.0e-5_dp, rel=.true.)
+         if (allocated(error)) return
+      end do
+   end subroutine test_invariance
+
+   !> A tenth of the samples is missing, with nonsense in their place.
+   subroutine test_gaps(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(drift_fit_type) :: fit
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(12000), u(12000)
+      integer(int8) :: here(12000)
+
+      call make_series(37, 0.95_dp, 1.0_dp, 1.0_dp, z)
+      call fill_noise(38, u)
+      here = 1_int8
+      where (u > 1.28_dp)
+         here = 0_int8
+         z = 0.0_dp
+      end where
+      call fit_drift(z, fit, failed, here)
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      associate (found => fit%candidate(number_of(fit, "ar1")))
+         call check(error, abs(found%model%phi(1) - 0.95_dp) <= 4*found%std_error%phi(1))
+         if (allocated(error)) return
+         call check(error, abs(found%model%r - 1.0_dp) <= 4*found%std_error%r)
+      end associate
+   end subroutine test_gaps
+
+   !> Of a long record the middle.
+   subroutine test_long(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(drift_fit_type) :: fit
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(3002)
+
+      call make_series(39, 0.9_dp, 1.0_dp, 1.0_dp, z)
+      z([1, 3002]) = 1.0e6_dp
+      call fit_drift(z, fit, failed, most=3000_int64)
+      call check(error, fit%samples == 3000_int64 .and. fit%first == 2_int64)
+      if (allocated(error)) return
+      associate (found => fit%candidate(number_of(fit, "ar1")))
+         call check(error, found%model%r, 1.0_dp, thr=4*found%std_error%r)
+      end associate
+   end subroutine test_long
+
+   subroutine test_slow(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model
+      logical, allocatable :: slow(:)
+
+      model%count = 3
+      model%phi = [0.8_dp, 1.0_dp, -0.99_dp]
+      call is_slow(model, 5.0_dp, slow)
+      call check(error, all(slow .eqv. [.false., .true., .false.]))
+      if (allocated(error)) return
+      call is_slow(model, 4.0_dp, slow)
+      call check(error, all(slow .eqv. [.true., .true., .false.]))
+   end subroutine test_slow
+
+   subroutine test_refused(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(drift_fit_type) :: fit
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(60)
+
+      call fill_noise(40, z)
+      call fit_drift(z(:49), fit, failed)
+      call check(error, code_of(failed), status%too_few_samples)
+      if (allocated(error)) return
+      z = 3.0_dp
+      call fit_drift(z, fit, failed)
+      call check(error, code_of(failed), status%constant_input)
+   end subroutine test_refused
+
+   !> 0 where there is no error.
+   integer function code_of(failed)
+      type(gyro_error), allocatable, intent(in) :: failed
+
+      code_of = 0
+      if (allocated(failed)) code_of = failed%code
+   end function code_of
+
+end module test_drift_fit
