@@ -146,7 +146,8 @@ contains
          part(:, chunk) = sum_chunk(x, mean, std, chunk)
       end do
       !$omp end parallel do
-      total = [-real(n, dp), 0.0_dp]
+      total(1) = -real(n, dp)
+      total(2) = 0.0_dp
       do chunk = 1, chunk_count(n)
          call add(-part(1, chunk), total)
          call add(-part(2, chunk), total)
