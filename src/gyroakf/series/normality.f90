@@ -15,7 +15,7 @@ module gyroakf_series_normality
    public :: skewness_error, kurtosis_error, judge_normality
    public :: negligible_skewness, negligible_kurtosis, least_dagostino, good_dagostino
 
-   !> Below both, a departure from the normal distribution is small: tails at 3 sigma then differ by less than a factor of 2
+   !> Below both, a departure from the normal distribution is small: the share beyond 3 sigma differs by half at most
    real(dp), parameter :: negligible_skewness = 0.1_dp, negligible_kurtosis = 0.2_dp
    !> Fewer samples than the first are refused, below the second K2 is rough
    integer(int64), parameter :: least_dagostino = 8, good_dagostino = 20
