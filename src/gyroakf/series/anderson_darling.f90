@@ -216,7 +216,8 @@ contains
    !> The p-value of a modified statistic, for normality with mean and variance estimated.
    !>
    !> Parabolas in the exponent, one for each of four ranges, that meet to 0.004. Against 200,000 simulated series of 50
-   !> samples: within 0.004 where p < 0.2, within 0.03 above. Source: D'Agostino & Stephens, Goodness-of-Fit Techniques (1986), Table 4.9.
+   !> samples: within 0.004 where p < 0.2, within 0.03 above.
+   !> Source: D'Agostino & Stephens, Goodness-of-Fit Techniques (1986), Table 4.9.
    elemental real(dp) function anderson_darling_p(modified) result(p)
       !> A*^2, >= 0; from 10 on p stays 3.8e-24
       real(dp), intent(in) :: modified
