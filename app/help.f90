@@ -32,7 +32,7 @@ module gyroakf_app_help
       "allan", "find day -name '*.csv' | gyroakf allan --list - --rate 100 --out results", &
       "allan", "gyroakf allan imu.csv --unit rad/s,rad/s,rad/s,m/s^2,m/s^2,m/s^2 --kalibr imu.yaml", &
       "tests", "gyroakf tests log.csv --outliers auto --detrend 3", &
-      "tests", "gyroakf tests log.csv --adf-regression ct --adf-lags 4", &
+      "tests", "gyroakf tests log.csv --adf-regression ct --adf-lags 4 --adf-table", &
       "ar", "gyroakf ar log.csv --outliers auto --detrend 3 --ar-criterion bic", &
       "filter", "gyroakf filter log.csv --outliers auto --detrend 3 --order 1 --out results", &
       "filter", "gyroakf filter log.csv --akf robust --forgetting 0.995", &

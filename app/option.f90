@@ -113,6 +113,10 @@ module gyroakf_app_option
                   "terms of the ADF regression: none, constant (default), trend, quadratic trend"), &
       option_type("--adf-lags", "auto|N", "text", "run tests", "tests", "lags of the ADF regression (default auto: chosen)"), &
       option_type("--adf-criterion", "aic|bic|t", "choice", "run tests", "tests", "what chooses the lags (default aic)"), &
+      option_type("--adf-max-lags", "auto|N", "text", "run tests", "tests", &
+                  "lags to choose from (default auto: 12 (n/100)^(1/4))"), &
+      option_type("--adf-table", "", "flag", "run tests", "tests", &
+                  "show the coefficients of the ADF regression with their standard errors"), &
       option_type("--ar-method", "yw", "choice", "run ar filter", "ar", "yw: Yule-Walker by the Levinson recursion", &
                   "burg|ols"), &
       option_type("--ar-criterion", "aic|aicc|bic|hqic|fpe", "choice", "run ar filter", "ar", &

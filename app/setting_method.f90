@@ -82,6 +82,8 @@ contains
       case ("--adf-regression"); pipeline%adf%regression = value%text
       case ("--adf-lags"); call set_small(option, value%text, "auto", int(most_lags), pipeline%adf%lags, error)
       case ("--adf-criterion"); pipeline%adf%criterion = value%text
+      case ("--adf-max-lags"); call set_small(option, value%text, "auto", int(most_lags), pipeline%adf%max_lags, error)
+      case ("--adf-table"); pipeline%adf%table = .true.
       case default; call not_wired(option, error)
       end select
    end subroutine set_series

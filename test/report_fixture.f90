@@ -169,6 +169,8 @@ contains
       channel%adf%observations = 11
       channel%adf%critical = [-3.43_dp, -2.86_dp, -2.57_dp]
       channel%adf%stationary = .true.
+      allocate (channel%adf%table(1))
+      channel%adf%table(1)%name = "level"
       channel%available%jarque_bera = .true.
       channel%jarque_bera%statistic = 1.2_dp
       channel%jarque_bera%p_value = 0.55_dp

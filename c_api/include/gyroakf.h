@@ -296,6 +296,20 @@ typedef struct gyroakf_adf {
 GYROAKF_API int gyroakf_adf_test(const double *x, int64_t n, const gyroakf_adf_options *opt, gyroakf_adf *out,
                                  gyroakf_error *err);
 
+typedef struct gyroakf_adf_coefficient {
+  char name[16];    /* "constant", "time", "time^2", "level", "lag 1", "lag 2", ... */
+  double value;     /* time = 1, 2, ... from the first row, sample number lag + 2 of the series */
+  double std_error; /* residual variance with N - k */
+  double t;         /* value/std_error; of "level" it is the statistic of the test, not Student's */
+} gyroakf_adf_coefficient;
+
+/*
+ * Coefficients of the regression of the same test: rows becomes their number (deterministic ones, level, lags), table [capacity]
+ * the first of them. With table NULL only the number is told.
+ */
+GYROAKF_API int gyroakf_adf_coefficients(const double *x, int64_t n, const gyroakf_adf_options *opt, int32_t capacity,
+                                         gyroakf_adf_coefficient *table, int32_t *rows, gyroakf_error *err);
+
 /* --------------------------------------------------------------------------------------------------------- normality */
 
 typedef struct gyroakf_normality {

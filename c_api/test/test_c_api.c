@@ -324,6 +324,8 @@ static void test_adf(void) {
   double x[2000], sum[2000];
   gyroakf_adf_options opt;
   gyroakf_adf adf;
+  gyroakf_adf_coefficient table[6];
+  int32_t rows;
   int i;
   autoregressive(x, 2000, 0.5);
   for (i = 0, sum[0] = x[0]; i < 1999; i++) sum[i + 1] = sum[i] + x[i + 1];
@@ -340,6 +342,14 @@ static void test_adf(void) {
   opt.lags = 3;
   check_success(gyroakf_adf_test(x, 2000, &opt, &adf, &err), "given lags");
   check(adf.lag == 3 && adf.observations == 1996, "3 lags leave 1996 observations");
+  check_success(gyroakf_adf_coefficients(x, 2000, &opt, 0, NULL, &rows, &err), "number of coefficients");
+  check(rows == 6, "constant, time, level, three lags");
+  table[5].t = 17.0;
+  check_success(gyroakf_adf_coefficients(x, 2000, &opt, 5, table, &rows, &err), "coefficients");
+  check(strcmp(table[0].name, "constant") == 0 && strcmp(table[2].name, "level") == 0, "names of coefficients");
+  check(fabs(table[2].t - adf.statistic) < 1e-9 && fabs(table[2].value / table[2].std_error - table[2].t) < 1e-12, "level");
+  check(strcmp(table[4].name, "lag 2") == 0 && table[5].t == 17.0, "no more than the table holds");
+  check_failure(gyroakf_adf_coefficients(x, 2000, &opt, 5, table, NULL, &err), GYROAKF_INVALID_ARGUMENT, "number NULL");
   for (i = 0; i < 6; i++) x[300 * i] = NAN;
   check_success(gyroakf_adf_test(x, 2000, NULL, &adf, &err), "missing samples");
   check(adf.statistic < adf.critical[0], "still stationary");

@@ -144,6 +144,11 @@ bad "dynamic without a number" 1 "--dynamic" allan loud.txt --dynamic x
 good "a list of averaging times" allan "$example" --taus 1,2,10,100
 good "ar with options" ar "$example" --outliers mad --outlier-threshold 4 --detrend 2 --order 2 --ar-criterion bic
 good "tests with options" tests "$example" --adf-regression ct --adf-lags 3 --detrend none
+good "coefficients of the ADF test" tests "$example" --adf-regression ct --adf-lags 3 --adf-table --json adf.json
+holds "a coefficient of the report" "  lag 3 " out
+holds "a coefficient of the document" '"name": "level"' adf.json
+good "most lags of the ADF test" tests "$example" --adf-max-lags 5 --json adf5.json
+holds "most lags in the document" '"max_lags": 5,' adf5.json
 good "filter with options" filter "$example" --akf robust --forgetting 0.99 --r-factor 2 --outliers auto --detrend 3
 good "filter adapts all four" filter "$example" --outliers auto --detrend 3 --estimate q,r,Q,R
 good "filter of a slower drift" filter "$example" --outliers auto --detrend 3 --drift-tau 10

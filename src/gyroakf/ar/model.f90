@@ -4,6 +4,7 @@ module gyroakf_ar_model
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_lapack, only : dpotrf, dpotri
+   use gyroakf_ar_shared_autocovariance, only : autocovariance_type
    use gyroakf_ar_autocovariance, only : compute_autocovariance, series_mean
    use gyroakf_ar_burg, only : burg_type, compute_burg
    use gyroakf_ar_complete_rows, only : row_gram_type, build_row_gram
@@ -38,7 +39,7 @@ contains
    !> the divisor n, without a correction for the parameters: `unbiased_variance` has that. yw without gaps and burg are always
    !> stationary, the others are mostly. The residuals are tested in a pass of their own, without being stored. Source: Brockwell &
    !> Davis, Time Series: Theory and Methods (1991), 8.1, 8.2; Marple, Digital Spectral Analysis (1987), chapter 8.
-   subroutine fit_ar(x, options, model, error, valid)
+   subroutine fit_ar(x, options, model, error, valid, shared)
       !> Series: [n], finite, n > order + 3 (ols, mcov: so many rows); not modified
       real(dp), intent(in), contiguous :: x(:)
       !> How
@@ -49,16 +50,26 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Autocovariances that a pass has filled, taken where they reach far enough
+      type(autocovariance_type), intent(in), optional :: shared
       real(dp), allocatable :: r(:)
       integer(int64), allocatable :: pairs(:)
       real(dp) :: constant
-      integer :: most
+      integer :: most, lags
 
       call check_options(options, most, error)
       if (allocated(error)) return
       call check_length(size(x, kind=int64), most, "samples", error)
       if (allocated(error)) return
-      call compute_autocovariance(x, merge(most, 0, options%method == "yw"), model%mean, r, error, valid, pairs)
+      lags = merge(most, 0, options%method == "yw")
+      if (present(shared)) then
+         if (allocated(shared%r) .and. shared%max_lag >= lags) then
+            allocate (r(0:lags), source=shared%r(0:lags))
+            allocate (pairs(0:lags), source=shared%pairs(0:lags))
+            model%mean = shared%mean
+         end if
+      end if
+      if (.not. allocated(r)) call compute_autocovariance(x, lags, model%mean, r, error, valid, pairs)
       if (allocated(error)) return
       model%samples = pairs(0)
       model%variance = r(0)

@@ -1,14 +1,15 @@
 ! SPDX-License-Identifier: MIT
 !> C: the test of stationarity. What the function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_series
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, c_size_t, c_null_ptr, c_sizeof
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, c_size_t, c_null_ptr, c_sizeof, &
+      & c_char, c_null_char, c_associated, c_f_pointer
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_series_stationarity, only : adf_options, adf_type, test_adf
    use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
       & take_text, open_series, close_series
    implicit none (type, external)
    private
-   public :: gyroakf_adf_options_init, gyroakf_adf_test
+   public :: gyroakf_adf_options_init, gyroakf_adf_test, gyroakf_adf_coefficients
 
    !> `gyroakf_adf_options`
    type, bind(C) :: adf_options_c
@@ -24,6 +25,12 @@ module gyroakf_c_api_series
       integer(c_int32_t) :: lag
       integer(c_int64_t) :: observations
    end type adf_c
+
+   !> `gyroakf_adf_coefficient`
+   type, bind(C) :: coefficient_c
+      character(kind=c_char) :: name(16)
+      real(c_double) :: value, std_error, t
+   end type coefficient_c
 
 contains
 
@@ -62,6 +69,55 @@ contains
       if (.not. allocated(error)) call write_adf(result, out)
       gyroakf_adf_test = leave_library(host, error, err)
    end function gyroakf_adf_test
+
+   !> `gyroakf_adf_coefficients`
+   integer(c_int) function gyroakf_adf_coefficients(x, n, opt, capacity, table, rows, err) &
+      & bind(C, name="gyroakf_adf_coefficients")
+      type(c_ptr), intent(in), value :: x, table
+      integer(c_int64_t), intent(in), value :: n
+      type(adf_options_c), intent(in), optional :: opt
+      integer(c_int32_t), intent(in), value :: capacity
+      integer(c_int32_t), intent(out), optional :: rows
+      type(error_c), intent(out), optional :: err
+      type(host_type) :: host
+      type(series_type) :: series
+      type(adf_options) :: options
+      type(adf_type) :: result
+      type(error_type), allocatable :: error
+
+      call enter_library(host)
+      if (.not. present(rows)) call fatal_error(error, status%invalid_argument, "the place for the number must not be NULL")
+      if (.not. allocated(error)) call read_options(options, error, opt)
+      options%table = .true.
+      if (.not. allocated(error)) call open_series(x, n, series, error)
+      if (.not. allocated(error)) call test_adf(series%x, options, result, error, series%valid)
+      call close_series(series)
+      if (.not. allocated(error)) call write_table(result, capacity, table, rows)
+      gyroakf_adf_coefficients = leave_library(host, error, err)
+   end function gyroakf_adf_coefficients
+
+   !> The coefficients in C's array, as many as it holds.
+   subroutine write_table(result, capacity, table, rows)
+      type(adf_type), intent(in) :: result
+      integer(c_int32_t), intent(in) :: capacity
+      type(c_ptr), intent(in) :: table
+      integer(c_int32_t), intent(out) :: rows
+      type(coefficient_c), pointer :: row(:)
+      integer :: i, k
+
+      rows = size(result%table)
+      if (.not. c_associated(table)) return
+      call c_f_pointer(table, row, [max(capacity, 0_c_int32_t)])
+      do i = 1, min(size(result%table), size(row))
+         row(i)%name(:) = c_null_char
+         do k = 1, len_trim(result%table(i)%name)
+            row(i)%name(k) = result%table(i)%name(k:k)
+         end do
+         row(i)%value = result%table(i)%value
+         row(i)%std_error = result%table(i)%std_error
+         row(i)%t = result%table(i)%t
+      end do
+   end subroutine write_table
 
    !> Options of C into options of the library; the defaults where they are absent.
    subroutine read_options(options, error, opt)

@@ -9,15 +9,15 @@ module gyroakf_pipeline_channel
    use gyroakf_record, only : record_type
    use gyroakf_preprocess_clean, only : clean_series
    use gyroakf_series_moments, only : compute_moments
-   use gyroakf_series_stationarity, only : test_adf
    use gyroakf_series_normality, only : test_jarque_bera
-   use gyroakf_series_whiteness, only : test_ljung_box
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
+   use gyroakf_ar_shared_autocovariance, only : autocovariance_type
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stage
    use gyroakf_pipeline_coefficients, only : run_allan, compare_coefficients
    use gyroakf_pipeline_changes, only : run_halves, run_dynamic
    use gyroakf_pipeline_distribution, only : run_distribution
    use gyroakf_pipeline_filters, only : run_filters
+   use gyroakf_pipeline_shared_pass, only : plan_pass, run_adf, run_ljung_box
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_outliers, warn_order, warn_model, &
       warn_fit, warn_centred
    implicit none (type, external)
@@ -87,15 +87,17 @@ contains
       !> Outliers are marked missing too
       integer(int8), intent(in), optional :: valid(:)
       class(progress_type), intent(inout), optional :: progress
+      type(autocovariance_type) :: shared
 
-      if (options%do_tests) call run_tests(z, options, channel, error, valid, progress)
+      call plan_pass(size(z, kind=int64), options, channel%cleaned, shared)
+      if (options%do_tests) call run_tests(z, options, channel, shared, error, valid, progress)
       if (allocated(error)) return
       if (options%do_tests) call run_distribution(x, z, options, channel, error, valid)
       if (allocated(error)) return
       if (options%do_ar .or. options%do_filter) then
          call tell_progress("AR model", 0_int64, size(z, kind=int64), error, progress)
          if (allocated(error)) return
-         call run_ar(z, options, channel, error, valid)
+         call run_ar(z, options, channel, shared, error, valid)
          if (allocated(error)) return
          call warn_model(channel)
       end if
@@ -125,43 +127,39 @@ contains
    end subroutine analyse
 
    !> Stationarity, normality, whiteness.
-   subroutine run_tests(z, options, channel, error, valid, progress)
+   subroutine run_tests(z, options, channel, shared, error, valid, progress)
       real(dp), intent(in), contiguous :: z(:)
       type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(inout) :: channel
+      !> Filled
+      type(autocovariance_type), intent(inout) :: shared
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
       class(progress_type), intent(inout), optional :: progress
-      integer :: lags
 
       call tell_progress("testing", 0_int64, 3*size(z, kind=int64), error, progress)
       if (allocated(error)) return
-      call test_adf(z, options%adf, channel%adf, error, valid)
-      if (is_fatal(error)) return
-      channel%available%adf = .not. allocated(error)
-      call note_failure(channel, "ADF test", error)
+      call run_adf(z, options, channel, shared, error, valid, progress)
+      if (allocated(error)) return
       call test_jarque_bera(channel%cleaned, channel%jarque_bera, error)
       if (is_fatal(error)) return
       channel%available%jarque_bera = .not. allocated(error)
       call note_failure(channel, "Jarque-Bera test", error)
       call tell_progress("testing", 2*size(z, kind=int64), 3*size(z, kind=int64), error, progress)
       if (allocated(error)) return
-      lags = int(min(int(options%ljung_box_lags, int64), max(1_int64, size(z, kind=int64)/5)))
-      call test_ljung_box(z, lags, 0, channel%ljung_box, error, valid)
-      if (is_fatal(error)) return
-      channel%available%ljung_box = .not. allocated(error)
-      call note_failure(channel, "Ljung-Box test", error)
+      call run_ljung_box(z, options, channel, shared, error, valid)
    end subroutine run_tests
 
    !> The AR model, of the whole series or of the paper's orders.
-   subroutine run_ar(z, options, channel, error, valid)
+   subroutine run_ar(z, options, channel, shared, error, valid)
       real(dp), intent(in), contiguous :: z(:)
       type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(inout) :: channel
+      type(autocovariance_type), intent(in) :: shared
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
 
-      call fit_ar(z, options%ar, channel%ar, error, valid)
+      call fit_ar(z, options%ar, channel%ar, error, valid, shared)
       if (.not. allocated(error) .and. options%preset == "paper" .and. channel%ar%order == 0) then
          call fit_positive_order(z, options%ar, channel%ar, error, valid)
       end if

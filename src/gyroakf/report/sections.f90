@@ -7,6 +7,7 @@ module gyroakf_report_sections
    use gyroakf_series_whiteness, only : ljung_box_type
    use gyroakf_report_layout, only : put_heading, put_item, number, count_text, p_value_text, plural
    use gyroakf_report_normality, only : put_normality
+   use gyroakf_report_adf_table, only : put_adf_details
    implicit none (type, external)
    private
    public :: put_tests, whiteness_text
@@ -29,6 +30,7 @@ contains
          call put_heading(writer, "Tests")
       end if
       call put_stationarity(writer, channel)
+      if (channel%available%adf) call put_adf_details(writer, channel%adf)
       call put_normality(writer, channel)
       if (.not. channel%available%ljung_box) then
          call put_item(writer, "Whiteness", "not tested (see below)")

@@ -14,6 +14,7 @@ module gyroakf_report_document_parts
    use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, flush_json
    use gyroakf_report_document_distribution, only : put_distribution
    use gyroakf_report_document_stated, only : put_stated, put_densities, put_known, put_description
+   use gyroakf_report_document_adf, only : put_adf_regression
    implicit none (type, external)
    private
    public :: put_tests, put_ar, put_filters, put_allan, put_coefficients
@@ -67,6 +68,7 @@ contains
       call put_member(json, "10%", channel%adf%critical(3))
       call close_object(json)
       call put_member(json, "stationary", channel%adf%stationary)
+      call put_adf_regression(json, channel%adf)
       call close_object(json)
    end subroutine put_adf
 

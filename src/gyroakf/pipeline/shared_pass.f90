@@ -1,0 +1,94 @@
+! SPDX-License-Identifier: MIT
+!> One pass over the cleaned series for all that is made of lagged products: the Dickey-Fuller test takes it, and on the way the
+!> autocovariances are made that the Ljung-Box test and the AR model need. The moments, one pass before, give the mean.
+module gyroakf_pipeline_shared_pass
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type
+   use gyroakf_progress, only : progress_type
+   use gyroakf_ar_shared_autocovariance, only : autocovariance_type, plan_autocovariance, need_autocovariance
+   use gyroakf_series_moments, only : moments_type
+   use gyroakf_series_stationarity, only : test_adf
+   use gyroakf_series_whiteness, only : ljung_box_of
+   use gyroakf_pipeline_result, only : pipeline_options, channel_result_type
+   use gyroakf_pipeline_warnings, only : is_fatal, note_failure
+   implicit none (type, external)
+   private
+   public :: plan_pass, run_adf, run_ljung_box
+
+   !> Autocovariances that are made in any case
+   integer, parameter :: least_lags = 40
+
+contains
+
+   !> Says which autocovariances the rooms need.
+   pure subroutine plan_pass(n, options, moments, shared)
+      !> Length of the series
+      integer(int64), intent(in) :: n
+      !> Of the main job
+      type(pipeline_options), intent(in) :: options
+      !> Of the series
+      type(moments_type), intent(in) :: moments
+      !> Planned
+      type(autocovariance_type), intent(out) :: shared
+      integer :: lags
+
+      lags = least_lags
+      if (options%do_tests) lags = max(lags, options%ljung_box_lags)
+      if (options%do_ar .or. options%do_filter) lags = max(lags, options%ar%max_order, options%ar%order)
+      call plan_autocovariance(shared, int(min(int(lags, int64), n - 1)), moments%mean, moments%remainder)
+   end subroutine plan_pass
+
+   !> The Dickey-Fuller test; the autocovariances are made on the way, or in a pass of their own where the test came to nothing.
+   subroutine run_adf(z, options, channel, shared, error, valid, progress)
+      !> The cleaned series: [n]
+      real(dp), intent(in), contiguous :: z(:)
+      !> Of the main job
+      type(pipeline_options), intent(in) :: options
+      !> Its test is filled
+      type(channel_result_type), intent(inout) :: channel
+      !> Planned; filled
+      type(autocovariance_type), intent(inout) :: shared
+      !> no_memory, cancelled; all else is noted in the channel
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is
+      class(progress_type), intent(inout), optional :: progress
+
+      call test_adf(z, options%adf, channel%adf, error, valid, shared, progress)
+      if (is_fatal(error)) return
+      channel%available%adf = .not. allocated(error)
+      call note_failure(channel, "ADF test", error)
+      call need_autocovariance(z, shared, error, valid)
+   end subroutine run_adf
+
+   !> The Ljung-Box test, of autocovariances that are there.
+   subroutine run_ljung_box(z, options, channel, shared, error, valid)
+      !> The cleaned series: [n]; only its length counts
+      real(dp), intent(in), contiguous :: z(:)
+      !> Of the main job
+      type(pipeline_options), intent(in) :: options
+      !> Its test is filled
+      type(channel_result_type), intent(inout) :: channel
+      !> Filled
+      type(autocovariance_type), intent(in) :: shared
+      !> no_memory; all else is noted in the channel
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      integer(int64) :: n
+      integer :: lags
+
+      n = size(z, kind=int64)
+      lags = int(min(int(options%ljung_box_lags, int64), max(1_int64, n/5)))
+      if (present(valid)) then
+         call ljung_box_of(shared%r(0:lags), n, 0, channel%ljung_box, error, shared%pairs(0:lags))
+      else
+         call ljung_box_of(shared%r(0:lags), n, 0, channel%ljung_box, error)
+      end if
+      if (is_fatal(error)) return
+      channel%available%ljung_box = .not. allocated(error)
+      call note_failure(channel, "Ljung-Box test", error)
+   end subroutine run_ljung_box
+
+end module gyroakf_pipeline_shared_pass
