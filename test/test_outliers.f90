@@ -25,6 +25,7 @@ contains
          & new_unittest("median_by_hand", test_median_by_hand), &
          & new_unittest("median_sorted", test_median_sorted), &
          & new_unittest("median_missing", test_median_missing), &
+         & new_unittest("median_by_sample", test_median_by_sample), &
          & new_unittest("deviation", test_deviation), &
          & new_unittest("thresholds", test_thresholds), &
          & new_unittest("robust", test_robust), &
@@ -123,6 +124,41 @@ contains
       if (allocated(error)) return
       call check(error, problem%code, status%too_few_samples)
    end subroutine test_median_missing
+
+   !> A length at which a sample brackets the middle: uniform, with ties, all but one the same, and with a period that a sample at
+   !> even distances would see only one number of; the rank by counting.
+   subroutine test_median_by_sample(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: n = 600001
+      real(dp), allocatable :: x(:)
+      integer(int8), allocatable :: valid(:)
+      real(dp) :: median, deviation
+      integer :: i, j, half
+      type(gyro_error), allocatable :: problem
+
+      allocate (valid(n), source=1_int8)
+      do j = 1, 4
+         x = reference_series("unif", n)
+         if (j == 2) x = anint(3.0_dp*x)
+         do i = 1, n
+            if (j == 3) x(i) = merge(1.0_dp, 7.0_dp, i == 5)
+            if (j == 4) x(i) = 1.0e-6_dp*x(i) + real(mod(i, n/65536), dp)
+         end do
+         if (j > 2) valid(::3) = 0_int8
+         half = count(valid /= 0_int8)/2
+         call find_median(x, median, problem, valid)
+         call check(error, .not. allocated(problem), "it failed")
+         if (allocated(error)) return
+         call check(error, count(x < median .and. valid == 1) <= half .and. count(x > median .and. valid == 1) <= half, "median")
+         if (allocated(error)) return
+         call find_deviation(x, median, deviation, problem, valid)
+         x = abs(x - median)
+         call check(error, count(x < deviation .and. valid == 1) <= half .and. count(x > deviation .and. valid == 1) <= half, &
+            & "deviation")
+         if (allocated(error)) return
+      end do
+   end subroutine test_median_by_sample
 
    !> 1 2 4 7 11 about 4: distances 3 2 0 3 7.
    subroutine test_deviation(error)

@@ -1,6 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> Order statistics in linear time without a copy of the series.
 !>
+!> In a long series a sample of 65,536 tells between which two numbers the median lies; one pass counts what is below and gathers
+!> the some percent between. Where it misleads, or in a short series, and among what was gathered:
+!>
 !> The bits of a double, read as an integer with the sign folded in, are ordered like the numbers.
 !> Six passes count the 11-bit digits of these keys, from the highest down, each among the samples
 !> that share the digits found before. Ties and outliers cost nothing; counts are integers, so the
@@ -8,12 +11,14 @@
 module gyroakf_preprocess_select
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last
    implicit none (type, external)
    private
    public :: find_median, find_deviation
 
    integer, parameter :: digit_bits = 11, digits = 6
+   !> Length from which a sample pays, its size, and the share of the series that may lie in its bracket
+   integer(int64), parameter :: sampled_from = 500000, sample_size = 65536, gathered_share = 16
    !> Bit of the sign alone
    integer(int64), parameter :: sign_bit = ishft(1_int64, 63)
 
@@ -63,9 +68,9 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      integer(int64), allocatable :: histogram(:)
-      integer(int64) :: found, rank, key, digit
-      integer :: d
+      integer(int64) :: found, rank
+      real(dp) :: next
+      logical :: done
 
       value = 0.0_dp
       found = size(x, kind=int64)
@@ -75,20 +80,221 @@ contains
          return
       end if
       rank = (found + 1)/2
+      done = .false.
+      if (found >= sampled_from) call find_by_sample(x, centre, absolute, found, rank, value, next, done, error, valid)
+      if (.not. done .and. .not. allocated(error)) call find_rank(x, centre, absolute, rank, value, next, error, valid)
+      if (allocated(error) .or. mod(found, 2_int64) == 1) return
+      value = 0.5_dp*value + 0.5_dp*next
+   end subroutine middle
+
+   !> A number by its rank, and the one of the next rank, digit by digit.
+   subroutine find_rank(x, centre, absolute, rank, value, next, error, valid)
+      !> Series: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> Subtracted first
+      real(dp), intent(in) :: centre
+      !> Whether the sign is dropped
+      logical, intent(in) :: absolute
+      !> Rank among the present samples, 1 the smallest
+      integer(int64), intent(in) :: rank
+      !> The two; the second is `huge` where there is none
+      real(dp), intent(out) :: value, next
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      integer(int64), allocatable :: histogram(:)
+      integer(int64) :: rest, key, digit
+      integer :: d
+
+      rest = rank
       key = 0
+      value = 0.0_dp
+      next = 0.0_dp
       do d = 1, digits
          call count_digits(x, centre, absolute, d, key, histogram, error, valid)
          if (allocated(error)) return
          do digit = 0, size(histogram, kind=int64) - 1
-            if (rank <= histogram(digit)) exit
-            rank = rank - histogram(digit)
+            if (rest <= histogram(digit)) exit
+            rest = rest - histogram(digit)
          end do
          key = ior(ishft(key, digit_bits), digit)
       end do
       value = value_of(key)
-      if (mod(found, 2_int64) == 1) return
-      if (rank == histogram(digit)) value = 0.5_dp*value + 0.5_dp*next_above(x, centre, absolute, key, valid)
-   end subroutine middle
+      next = value
+      if (rest == histogram(digit)) next = next_above(x, centre, absolute, value, valid)
+   end subroutine find_rank
+
+   !> The same by a sample: between which numbers the rank lies follows from some thousand of them, one pass counts what is below
+   !> and gathers what is between, and the rank is found among these.
+   subroutine find_by_sample(x, centre, absolute, found, rank, value, next, done, error, valid)
+      !> Series: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> Subtracted first
+      real(dp), intent(in) :: centre
+      !> Whether the sign is dropped
+      logical, intent(in) :: absolute
+      !> Present samples, and the rank among them
+      integer(int64), intent(in) :: found, rank
+      !> The number of this rank, and of the next
+      real(dp), intent(out) :: value, next
+      !> .false.: the sample was misleading, or there are too many ties
+      logical, intent(out) :: done
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp), allocatable :: between(:)
+      real(dp) :: low, high
+      integer(int64) :: below, inside
+      integer :: stat
+
+      done = .false.
+      value = 0.0_dp
+      next = 0.0_dp
+      call find_bracket(x, centre, absolute, real(rank, dp)/real(found, dp), low, high, error, valid)
+      if (allocated(error)) return
+      allocate (between(found/gathered_share), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the middle of the series")
+         return
+      end if
+      call gather(x, centre, absolute, low, high, below, inside, between, valid)
+      if (rank <= below .or. rank > below + inside .or. inside > size(between, kind=int64)) return
+      call find_rank(between(:inside), 0.0_dp, .false., rank - below, value, next, error)
+      if (allocated(error)) return
+      if (rank == below + inside) next = next_above(x, centre, absolute, value, valid)
+      done = .true.
+   end subroutine find_by_sample
+
+   !> Two numbers between which a quantile almost surely lies: six standard errors of a sample's quantile on either side.
+   subroutine find_bracket(x, centre, absolute, quantile, low, high, error, valid)
+      !> Series: [n], n >= 1
+      real(dp), intent(in), contiguous :: x(:)
+      !> Subtracted first
+      real(dp), intent(in) :: centre
+      !> Whether the sign is dropped
+      logical, intent(in) :: absolute
+      !> Share of the samples below
+      real(dp), intent(in) :: quantile
+      !> The two
+      real(dp), intent(out) :: low, high
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp) :: drawn(sample_size), ignored, margin
+      integer(int64) :: i, stride, n, count
+
+      n = size(x, kind=int64)
+      stride = n/sample_size
+      count = 0
+      do i = 0, sample_size - 1
+         associate (place => i*stride + mod(i*7919_int64, stride) + 1)      ! no multiples of one period
+            if (present(valid)) then
+               if (valid(place) == 0_int8) cycle
+            end if
+            count = count + 1
+            drawn(count) = (x(place) - centre) + 0.0_dp
+         end associate
+         if (absolute) drawn(count) = abs(drawn(count))
+      end do
+      low = -huge(low)
+      high = huge(high)
+      if (count < sample_size/16) return
+      margin = 6.0_dp*0.5_dp*sqrt(real(count, dp))
+      i = max(1_int64, int(quantile*real(count, dp) - margin, int64))
+      call find_rank(drawn(:count), 0.0_dp, .false., i, low, ignored, error)
+      if (allocated(error)) return
+      i = min(count, int(quantile*real(count, dp) + margin, int64) + 1)
+      call find_rank(drawn(:count), 0.0_dp, .false., i, high, ignored, error)
+   end subroutine find_bracket
+
+   !> Counts the numbers below two bounds and between them, and copies the latter in any order.
+   subroutine gather(x, centre, absolute, low, high, below, inside, between, valid)
+      !> Series: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> Subtracted first
+      real(dp), intent(in) :: centre
+      !> Whether the sign is dropped
+      logical, intent(in) :: absolute
+      !> The bounds, both inside
+      real(dp), intent(in) :: low, high
+      !> Numbers < low, and low .. high
+      integer(int64), intent(out) :: below, inside
+      !> The latter, as many as have room
+      real(dp), intent(inout), contiguous :: between(:)
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp) :: kept(block_length)
+      integer(int64) :: n, first, last, place
+      integer :: chunk, count
+
+      n = size(x, kind=int64)
+      below = 0
+      inside = 0
+      !$omp parallel do default(shared) private(kept, first, last, place, count, chunk) reduction(+:below) schedule(dynamic)
+      do chunk = 1, chunk_count(n)
+         do first = chunk_first(n, chunk), chunk_last(n, chunk), block_length
+            last = min(first + block_length - 1, chunk_last(n, chunk))
+            if (present(valid)) then
+               call gather_block(x(first:last), centre, absolute, low, high, below, kept, count, valid(first:last))
+            else
+               call gather_block(x(first:last), centre, absolute, low, high, below, kept, count)
+            end if
+            !$omp atomic capture
+            place = inside
+            inside = inside + count
+            !$omp end atomic
+            if (place + count <= size(between, kind=int64)) between(place + 1:place + count) = kept(:count)
+         end do
+      end do
+      !$omp end parallel do
+   end subroutine gather
+
+   !> The same of a block, without branches that depend on the numbers.
+   pure subroutine gather_block(x, centre, absolute, low, high, below, kept, count, valid)
+      !> Block: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> Subtracted first
+      real(dp), intent(in) :: centre
+      !> Whether the sign is dropped
+      logical, intent(in) :: absolute
+      !> The bounds, both inside
+      real(dp), intent(in) :: low, high
+      !> Numbers < low, counted on
+      integer(int64), intent(inout) :: below
+      !> Those between: [block_length]
+      real(dp), intent(inout) :: kept(:)
+      !> How many
+      integer, intent(out) :: count
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp) :: y(block_length)
+      integer :: i, n, less
+
+      n = 0
+      do i = 1, size(x)
+         y(n + 1) = (x(i) - centre) + 0.0_dp
+         if (present(valid)) then
+            n = n + merge(1, 0, valid(i) /= 0_int8)
+         else
+            n = n + 1
+         end if
+      end do
+      if (absolute) y(:n) = abs(y(:n))
+      less = 0
+      !$omp simd reduction(+:less)
+      do i = 1, n
+         less = less + merge(1, 0, y(i) < low)
+      end do
+      below = below + less
+      count = 0
+      do i = 1, n
+         kept(count + 1) = y(i)
+         count = count + merge(1, 0, y(i) >= low .and. y(i) <= high)
+      end do
+   end subroutine gather_block
 
    !> Ordered integer of a number, as unsigned.
    elemental integer(int64) function key_of(x)
@@ -187,23 +393,22 @@ contains
       end do
    end subroutine count_chunk
 
-   !> Smallest of the numbers above the one of the key.
-   real(dp) function next_above(x, centre, absolute, key, valid) result(next)
+   !> Smallest of the numbers above a bound, `huge` where there is none.
+   real(dp) function next_above(x, centre, absolute, bound, valid) result(next)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> Subtracted first
       real(dp), intent(in) :: centre
       !> Whether the sign is dropped
       logical, intent(in) :: absolute
-      !> Key of the number
-      integer(int64), intent(in) :: key
+      !> The bound
+      real(dp), intent(in) :: bound
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      real(dp) :: value, bound
+      real(dp) :: value
       integer(int64) :: i, n
 
       n = size(x, kind=int64)
-      bound = value_of(key)
       next = huge(next)
       !$omp parallel do if (n >= threads_from) default(shared) private(value) reduction(min:next) schedule(static)
       do i = 1, n
