@@ -272,6 +272,38 @@ typedef struct gyroakf_noise {
 GYROAKF_API int gyroakf_noise_fit(const gyroakf_allan *a, const gyroakf_fit_options *opt, gyroakf_noise *out,
                                   gyroakf_error *err);
 
+/* ---------------------------------------------------------------------------------------------------------- outliers */
+
+typedef struct gyroakf_outlier_options {
+  size_t struct_size;
+  const char *method; /* "auto" (default), "pauta", "chauvenet", "mad", "hampel", "none" */
+  double threshold;   /* in standard deviations; 0 (default): the method's own */
+  int32_t rounds;     /* at most, >= 1; 20; 1 is a single pass */
+  int32_t half_width; /* hampel: samples on either side, 1 .. 100000; 25 */
+  int32_t degree;     /* of the trend that the outliers are about, -1 (their mean or median) .. 9; 3 */
+} gyroakf_outlier_options;
+
+GYROAKF_API void gyroakf_outlier_options_init(gyroakf_outlier_options *opt);
+
+typedef struct gyroakf_outliers {
+  int64_t removed;           /* outliers */
+  double expected;           /* so many the rule marks of as much white normal noise, on average */
+  double threshold;          /* that was used, in standard deviations */
+  double mean, variance;     /* of what is left, less its trend */
+  double corrected_variance; /* of normal noise before its tails were cut off; 0 with hampel */
+  int32_t rounds;            /* that were made */
+  int32_t converged;         /* 1: the last one changed nothing */
+} gyroakf_outliers;
+
+/*
+ * Marks the outliers of a series.
+ *   x       [n], not modified
+ *   inlier  [n] of the caller: 1 inlier, 0 outlier or missing
+ *   out     NULL where the figures are not wanted
+ */
+GYROAKF_API int gyroakf_mark_outliers(const double *x, int64_t n, const gyroakf_outlier_options *opt, int8_t *inlier,
+                                      gyroakf_outliers *out, gyroakf_error *err);
+
 /* ------------------------------------------------------------------------------------------------------ stationarity */
 
 typedef struct gyroakf_adf_options {

@@ -320,6 +320,40 @@ static void test_histogram(void) {
 }
 
 /* A stationary series and its sums, which have a unit root. */
+static void test_outliers(void) {
+  double x[2000], before[2000];
+  int8_t inlier[2000];
+  gyroakf_outlier_options opt;
+  gyroakf_outliers out;
+  int i, marked;
+  nbs(x, 2000);
+  for (i = 0; i < 2000; i++) x[i] += 0.001 * i;
+  x[100] += 30;
+  x[1999] -= 30;
+  x[7] = NAN;
+  memcpy(before, x, sizeof x);
+  check_success(gyroakf_mark_outliers(x, 2000, NULL, inlier, &out, &err), "marks of outliers");
+  for (i = 0, marked = 0; i < 2000; i++) marked += !inlier[i];
+  check(marked == 3 && !inlier[100] && !inlier[1999] && !inlier[7], "two outliers and one missing sample");
+  check(out.removed == 2 && out.converged == 1 && out.expected < 1 && out.variance > 0, "the figures");
+  check(memcmp(before, x, sizeof x) == 0, "the series is as it was");
+  gyroakf_outlier_options_init(&opt);
+  opt.method = "hampel";
+  opt.half_width = 10;
+  opt.threshold = 6;
+  check_success(gyroakf_mark_outliers(x, 2000, &opt, inlier, NULL, &err), "hampel");
+  check(!inlier[100] && !inlier[1999], "a spike at the end is found too");
+  opt.half_width = 0;
+  check_failure(gyroakf_mark_outliers(x, 2000, &opt, inlier, &out, &err), GYROAKF_INVALID_ARGUMENT, "no window");
+  gyroakf_outlier_options_init(&opt);
+  opt.method = "sigma";
+  check_failure(gyroakf_mark_outliers(x, 2000, &opt, inlier, &out, &err), GYROAKF_INVALID_ARGUMENT, "unknown rule");
+  check_failure(gyroakf_mark_outliers(x, 2000, NULL, NULL, &out, &err), GYROAKF_INVALID_ARGUMENT, "marks NULL");
+  check_failure(gyroakf_mark_outliers(NULL, 2000, NULL, inlier, &out, &err), GYROAKF_INVALID_ARGUMENT, "series NULL");
+  check_failure(gyroakf_mark_outliers(x, 2, NULL, inlier, &out, &err), GYROAKF_TOO_FEW_SAMPLES, "two samples");
+  gyroakf_outlier_options_init(NULL);
+}
+
 static void test_adf(void) {
   double x[2000], sum[2000];
   gyroakf_adf_options opt;
@@ -834,6 +868,7 @@ int main(void) {
   test_allan_options();
   test_noise();
   test_noise_failures();
+  test_outliers();
   test_adf();
   test_normality();
   test_histogram();
