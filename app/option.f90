@@ -117,6 +117,12 @@ module gyroakf_app_option
                   "lags to choose from (default auto: 12 (n/100)^(1/4))"), &
       option_type("--adf-table", "", "flag", "run tests", "tests", &
                   "show the coefficients of the ADF regression with their standard errors"), &
+      option_type("--kpss-regression", "c|ct", "choice", "run tests", "tests", &
+                  "what the KPSS test takes the series to be stationary about: a level (default) or a line"), &
+      option_type("--kpss-lags", "auto|N", "text", "run tests", "tests", &
+                  "bandwidth of the KPSS test (default auto: from the correlation)"), &
+      option_type("--lags", "N", "count", "run tests", "tests", &
+                  "lags of the autocorrelation (correlation.csv) and of the test of whiteness (default 20)"), &
       option_type("--ar-method", "yw", "choice", "run ar filter", "ar", "yw: Yule-Walker by the Levinson recursion", &
                   "burg|ols"), &
       option_type("--ar-criterion", "aic|aicc|bic|hqic|fpe", "choice", "run ar filter", "ar", &

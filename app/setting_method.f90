@@ -17,6 +17,8 @@ module gyroakf_app_setting_method
    integer(int64), parameter :: most_lags = 1000
    !> Most rounds of the search for outliers
    integer, parameter :: most_rounds = 1000
+   !> Most lags of an autocorrelation
+   integer, parameter :: most_correlation_lags = 100000
    !> Most segments of a dynamic Allan deviation
    integer, parameter :: most_segments = 100000
 
@@ -84,9 +86,25 @@ contains
       case ("--adf-criterion"); pipeline%adf%criterion = value%text
       case ("--adf-max-lags"); call set_small(option, value%text, "auto", int(most_lags), pipeline%adf%max_lags, error)
       case ("--adf-table"); pipeline%adf%table = .true.
+      case ("--kpss-regression"); pipeline%kpss%regression = value%text
+      case ("--kpss-lags"); call set_bandwidth(option, value%text, pipeline%kpss%lags, error)
+      case ("--lags"); call set_small(option, value%text, "", most_correlation_lags, pipeline%correlation_lags, error)
       case default; call not_wired(option, error)
       end select
    end subroutine set_series
+
+   !> Bandwidth of the KPSS test.
+   subroutine set_bandwidth(option, text, lags, error)
+      type(option_type), intent(in) :: option
+      character(*), intent(in) :: text
+      integer(int64), intent(inout) :: lags
+      type(error_type), allocatable, intent(out) :: error
+      integer :: wanted
+
+      wanted = -1
+      call set_small(option, text, "auto", most_correlation_lags, wanted, error)
+      if (.not. allocated(error)) lags = int(wanted, int64)
+   end subroutine set_bandwidth
 
    !> AR model and filters.
    subroutine set_model(pipeline, option, value, error)

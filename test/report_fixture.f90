@@ -182,6 +182,17 @@ contains
       channel%ljung_box%p_value = 0
       channel%ljung_box%lags = 20
       channel%ljung_box%largest_rho = 0.41_dp
+      channel%ljung_box%largest_lag = 3
+      channel%available%kpss = .true.
+      channel%kpss%statistic = 0.84_dp
+      channel%kpss%p_value = 0.01_dp
+      channel%kpss%p_bound = -1
+      channel%kpss%p_asymptotic = 0.0058_dp
+      channel%kpss%critical = [0.347_dp, 0.463_dp, 0.574_dp, 0.739_dp]
+      channel%kpss%lags = 2
+      channel%kpss%observations = 11
+      channel%kpss%variance = 4.0_dp
+      channel%kpss%drift = 0.1_dp
    end subroutine fill_series
 
    !> Nearly normal, in steps of half a standard deviation, every second sample tested, three bins.

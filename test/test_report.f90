@@ -126,16 +126,19 @@ contains
    !> What was read, removed, tested, and what to make of it.
    subroutine test_run(error)
       type(error_type), allocatable, intent(out) :: error
-      character(96), parameter :: fragments(19) = [character(96) :: "12 in 1 channel: gx", "5 Hz (as the file says); 2.4 s", &
+      character(120), parameter :: fragments(22) = [character(120) :: "12 in 1 channel: gx", "5 Hz (as the file says); 2.4 s", &
          "deg/s (as the option says)", "the stamps show 5.2 Hz", "1 sample (8.33 %) beyond 4.27 sigma (rule: auto, 2 rounds)", &
-         "c0 = 4.30000e-03, c1 = -2.00000e-06", "stationary: the unit root is rejected, ADF -71.5 against -2.86 at 5 %", &
+         "c0 = 4.30000e-03, c1 = -2.00000e-06", "ADF -71.5 against -2.86 at 5 %", &
+         "stationary noise on a level that wanders: ADF rejects the unit root, KPSS rejects the constant level; as", &
+         "0.05 standard deviations over the record: too small to matter", &
+         "KPSS 0.84 against 0.463 at 5 % (0.739 at 1 %, 0.347 at 10 %), p < 0.01 by the table, p = 0.0058 asymptotically", &
          "nearly normal, a small departure is seen because the record is long: skewness 0.0125 +/- 0.022", &
          "excess kurtosis 0.25 +/- 0.045; Jarque-Bera 1.2, p = 0.55; D'Agostino K2 7.5, p = 0.024", &
          "Anderson-Darling 0.7, p = 0.067", "Anderson-Darling of every 2nd sample, 5994 of them", &
          "with an autocorrelation of 0.41 the errors are larger", &
          "in steps of 0.0114, 0.5 standard deviations, on 17 levels; rounding is 2.1 % of the variance", &
          "alone gives an Anderson-Darling statistic of about 60", &
-         "Ljung-Box 2030 over 20 lags, p < 1e-20, largest |rho| 0.41", "the Kalman filter passes 60.7 %", &
+         "Ljung-Box 2030 over 20 lags, p < 1e-20, largest |rho| 0.41 at lag 3", "the Kalman filter passes 60.7 %", &
          "AR(1) predicts 16.8 % of the variance", "2.5 % of the samples (3) were removed", &
          "drift identification: too few"]
       character(:), allocatable :: text, flat

@@ -342,6 +342,74 @@ typedef struct gyroakf_adf_coefficient {
 GYROAKF_API int gyroakf_adf_coefficients(const double *x, int64_t n, const gyroakf_adf_options *opt, int32_t capacity,
                                          gyroakf_adf_coefficient *table, int32_t *rows, gyroakf_error *err);
 
+typedef struct gyroakf_kpss_options {
+  size_t struct_size;
+  const char *regression; /* "c" (default), "ct": stationary about a level, about a line */
+  const char *rule;       /* "auto" (default): Hobijn, Franses and Ooms; "legacy": floor(12 (n/100)^(1/4)) */
+  int64_t lags;           /* bandwidth; -1 (default): by the rule */
+} gyroakf_kpss_options;
+
+GYROAKF_API void gyroakf_kpss_options_init(gyroakf_kpss_options *opt);
+
+typedef struct gyroakf_kpss {
+  double statistic;         /* the series is not stationary at 5 % where it is above critical[1] */
+  double p_value;           /* of stationarity, interpolated in the published table; 0.01 and 0.10 at its ends */
+  double p_asymptotic;      /* exact for a long series */
+  double critical[4];       /* at 10 %, 5 %, 2.5 %, 1 % */
+  double variance;          /* of the residuals */
+  double long_run_variance; /* of the residuals */
+  double drift;             /* height of the line ("ct": parabola) that drifts as much, in the unit of x */
+  int64_t lags;             /* bandwidth */
+  int64_t observations;     /* samples present */
+  int32_t p_bound;          /* -1: p is below p_value, 0: it is p_value, 1: it is above */
+} gyroakf_kpss;
+
+/* KPSS test of a series x [n]. Its null hypothesis is that the series is stationary. */
+GYROAKF_API int gyroakf_kpss_test(const double *x, int64_t n, const gyroakf_kpss_options *opt, gyroakf_kpss *out,
+                                  gyroakf_error *err);
+
+typedef struct gyroakf_phillips_perron_options {
+  size_t struct_size;
+  const char *regression; /* "n", "c" (default), "ct" */
+  int64_t lags;           /* bandwidth; -1 (default): ceil(12 (n/100)^(1/4)) */
+} gyroakf_phillips_perron_options;
+
+GYROAKF_API void gyroakf_phillips_perron_options_init(gyroakf_phillips_perron_options *opt);
+
+typedef struct gyroakf_phillips_perron {
+  double statistic;     /* Z_tau; the series is stationary at 5 % where it is below critical[1] */
+  double p_value;       /* of the unit root, MacKinnon */
+  double rho_statistic; /* Z_rho, without a p-value */
+  double critical[3];   /* of Z_tau at 1 %, 5 %, 10 % */
+  double coefficient;   /* rho */
+  int64_t lags;         /* bandwidth */
+  int64_t observations; /* in the regression */
+} gyroakf_phillips_perron;
+
+/* Phillips-Perron test of a series x [n]. Its null hypothesis is a unit root. */
+GYROAKF_API int gyroakf_phillips_perron_test(const double *x, int64_t n, const gyroakf_phillips_perron_options *opt,
+                                             gyroakf_phillips_perron *out, gyroakf_error *err);
+
+/* -------------------------------------------------------------------------------------------------------- correlation */
+
+/*
+ * Autocorrelation, partial autocorrelation and the 95 % limit of |acf| of white noise at the lags 0 .. lags of a series x [n].
+ * Each array has lags + 1 values; pacf and limit may be NULL. 1 <= lags < n.
+ */
+GYROAKF_API int gyroakf_autocorrelation(const double *x, int64_t n, int32_t lags, double *acf, double *pacf, double *limit,
+                                        gyroakf_error *err);
+
+typedef struct gyroakf_whiteness {
+  double statistic;    /* Q */
+  double p_value;      /* of whiteness */
+  double largest_rho;  /* largest |autocorrelation|: the size of the effect, which n does not inflate */
+  int32_t largest_lag; /* the lag that has it */
+} gyroakf_whiteness;
+
+/* Ljung-Box test of a series x [n], over more lags than parameters that were fitted to it before (0: it is no residual). */
+GYROAKF_API int gyroakf_ljung_box(const double *x, int64_t n, int32_t lags, int32_t fitted, gyroakf_whiteness *out,
+                                  gyroakf_error *err);
+
 /* --------------------------------------------------------------------------------------------------------- normality */
 
 typedef struct gyroakf_normality {

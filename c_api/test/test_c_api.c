@@ -389,6 +389,84 @@ static void test_adf(void) {
   check(adf.statistic < adf.critical[0], "still stationary");
 }
 
+/* A stationary series, white noise, and its sums: KPSS, Phillips-Perron, autocorrelation, Ljung-Box. */
+static void test_correlation(void) {
+  double x[2000], sum[2000], acf[11], pacf[11], limit[11];
+  gyroakf_kpss_options opt;
+  gyroakf_phillips_perron_options roots_opt;
+  gyroakf_kpss kpss;
+  gyroakf_phillips_perron roots;
+  gyroakf_whiteness white;
+  int i;
+  autoregressive(x, 2000, 0.5);
+  for (i = 0, sum[0] = x[0]; i < 1999; i++) sum[i + 1] = sum[i] + x[i + 1];
+  check_success(gyroakf_kpss_test(x, 2000, NULL, &kpss, &err), "KPSS of a stationary series");
+  check(kpss.statistic < kpss.critical[1] && kpss.p_value >= 0.05 && kpss.critical[1] == 0.463, "it is stationary");
+  check(kpss.lags > 0 && kpss.observations == 2000 && kpss.long_run_variance > kpss.variance, "bandwidth and variances");
+  check_success(gyroakf_kpss_test(sum, 2000, NULL, &kpss, &err), "KPSS of a random walk");
+  check(kpss.p_bound == -1 && kpss.p_value == 0.01 && kpss.p_asymptotic < 0.01, "it is not stationary");
+  gyroakf_kpss_options_init(&opt);
+  opt.regression = "ct";
+  opt.lags = 7;
+  check_success(gyroakf_kpss_test(x, 2000, &opt, &kpss, &err), "given bandwidth");
+  check(kpss.lags == 7 && kpss.critical[1] == 0.146, "about a line");
+  check_success(gyroakf_phillips_perron_test(x, 2000, NULL, &roots, &err), "Phillips-Perron of a stationary series");
+  check(roots.statistic < roots.critical[0] && roots.p_value < 0.01 && roots.coefficient < 0.7, "it has no unit root");
+  check(roots.observations == 1999 && roots.lags == 26, "bandwidth and rows");
+  check_success(gyroakf_phillips_perron_test(sum, 2000, NULL, &roots, &err), "Phillips-Perron of a random walk");
+  check(roots.statistic > roots.critical[1], "it has one");
+  gyroakf_phillips_perron_options_init(&roots_opt);
+  roots_opt.regression = "n";
+  roots_opt.lags = 3;
+  check_success(gyroakf_phillips_perron_test(x, 2000, &roots_opt, &roots, &err), "given bandwidth");
+  check(roots.lags == 3, "3 lags");
+  check_success(gyroakf_autocorrelation(x, 2000, 10, acf, pacf, limit, &err), "autocorrelation");
+  check(acf[0] == 1 && fabs(acf[1] - 0.5) < 0.1 && acf[1] == pacf[1] && fabs(pacf[3]) < 0.1, "AR(1)");
+  check(fabs(limit[10] - 1.959963984540054 / sqrt(2000.0)) < 1e-12, "limit");
+  check_success(gyroakf_autocorrelation(x, 2000, 10, acf, NULL, NULL, &err), "autocorrelation alone");
+  check_success(gyroakf_ljung_box(x, 2000, 10, 0, &white, &err), "Ljung-Box");
+  check(white.p_value < 1e-10 && white.largest_lag == 1 && white.largest_rho == acf[1], "not white");
+  for (i = 0; i < 6; i++) x[300 * i] = NAN;
+  check_success(gyroakf_kpss_test(x, 2000, NULL, &kpss, &err), "missing samples");
+  check(kpss.observations == 1994, "those present");
+}
+
+static void test_correlation_failures(void) {
+  double x[100], flat[100] = {0}, acf[100];
+  gyroakf_kpss_options opt;
+  gyroakf_phillips_perron_options roots_opt;
+  gyroakf_kpss kpss;
+  gyroakf_phillips_perron roots;
+  gyroakf_whiteness white;
+  nbs(x, 100);
+  check_failure(gyroakf_kpss_test(NULL, 100, NULL, &kpss, &err), GYROAKF_INVALID_ARGUMENT, "series NULL");
+  check_failure(gyroakf_kpss_test(x, 100, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "result NULL");
+  check_failure(gyroakf_kpss_test(flat, 100, NULL, &kpss, &err), GYROAKF_CONSTANT_INPUT, "constant series");
+  check_failure(gyroakf_kpss_test(x, 2, NULL, &kpss, &err), GYROAKF_TOO_FEW_SAMPLES, "two samples");
+  gyroakf_kpss_options_init(&opt);
+  opt.lags = INT64_MAX;
+  check_failure(gyroakf_kpss_test(x, 100, &opt, &kpss, &err), GYROAKF_TOO_FEW_SAMPLES, "lags huge");
+  gyroakf_kpss_options_init(&opt);
+  opt.regression = "ctt";
+  check_failure(gyroakf_kpss_test(x, 100, &opt, &kpss, &err), GYROAKF_INVALID_ARGUMENT, "unknown regression");
+  opt.struct_size = 0;
+  check_failure(gyroakf_kpss_test(x, 100, &opt, &kpss, &err), GYROAKF_INVALID_ARGUMENT, "options not initialised");
+  gyroakf_kpss_options_init(NULL);
+  check_failure(gyroakf_phillips_perron_test(x, 100, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "result NULL");
+  check_failure(gyroakf_phillips_perron_test(flat, 100, NULL, &roots, &err), GYROAKF_CONSTANT_INPUT, "constant series");
+  gyroakf_phillips_perron_options_init(&roots_opt);
+  roots_opt.lags = INT64_MAX;
+  check_failure(gyroakf_phillips_perron_test(x, 100, &roots_opt, &roots, &err), GYROAKF_TOO_FEW_SAMPLES, "lags huge");
+  gyroakf_phillips_perron_options_init(NULL);
+  check_failure(gyroakf_autocorrelation(x, 100, 10, NULL, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "result NULL");
+  check_failure(gyroakf_autocorrelation(x, 100, 100, acf, NULL, NULL, &err), GYROAKF_TOO_FEW_SAMPLES, "as many lags as samples");
+  check_failure(gyroakf_autocorrelation(x, 100, INT32_MAX, acf, NULL, NULL, &err), GYROAKF_TOO_FEW_SAMPLES, "lags huge");
+  check_failure(gyroakf_autocorrelation(x, 100, 0, acf, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "no lags");
+  check_failure(gyroakf_autocorrelation(flat, 100, 9, acf, NULL, NULL, &err), GYROAKF_CONSTANT_INPUT, "constant series");
+  check_failure(gyroakf_ljung_box(x, 100, 3, 3, &white, &err), GYROAKF_INVALID_ARGUMENT, "no degree of freedom");
+  check_failure(gyroakf_ljung_box(x, 100, 3, 0, NULL, &err), GYROAKF_INVALID_ARGUMENT, "result NULL");
+}
+
 static void test_adf_failures(void) {
   double x[100], flat[100] = {0};
   gyroakf_adf_options opt;
@@ -873,6 +951,8 @@ int main(void) {
   test_normality();
   test_histogram();
   test_adf_failures();
+  test_correlation();
+  test_correlation_failures();
   test_ar();
   test_ar_failures();
   test_filter_values();

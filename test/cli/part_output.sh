@@ -26,7 +26,7 @@ is "simulated rate" "$(number rate_hz out)" 100
 good "run on the example" run "$example" --out results --json all.json
 holds "report on standard output" "AKF" out
 is "report fits 100 columns" "$(LC_ALL=C.UTF-8 awk 'length > 100' out)" ""
-is "the result files" "$(cd results && echo *)" "allan.csv coefficients.csv histogram.csv report.txt results.json series.csv"
+is "the result files" "$(cd results && echo *)" "allan.csv coefficients.csv correlation.csv histogram.csv report.txt results.json series.csv"
 if cmp -s results/results.json all.json; then pass; else fail "results.json and --json differ"; fi
 if cmp -s results/report.txt out; then pass; else fail "report.txt and standard output differ"; fi
 is "series.csv is complete" "$(grep -c '^[-0-9]' results/series.csv)" 12000
@@ -34,7 +34,7 @@ sum=$(cat results/* | cksum)
 good "run into the same directory again" run "$example" --out results --quiet --force
 is "--quiet prints nothing" "$(cat out)" ""
 is "the same results again" "$(cat results/* | cksum)" "$sum"
-is "nothing is left aside" "$(cd results && echo * .[!.]*)" "allan.csv coefficients.csv histogram.csv report.txt results.json series.csv .[!.]*"
+is "nothing is left aside" "$(cd results && echo * .[!.]*)" "allan.csv coefficients.csv correlation.csv histogram.csv report.txt results.json series.csv .[!.]*"
 
 if command -v python3 >/dev/null; then
    # the numbers that issue and README promise: ratio of KF and cleaned variance, phi, order, stationarity, AKF below KF
@@ -149,6 +149,16 @@ holds "a coefficient of the report" "  lag 3 " out
 holds "a coefficient of the document" '"name": "level"' adf.json
 good "most lags of the ADF test" tests "$example" --adf-max-lags 5 --json adf5.json
 holds "most lags in the document" '"max_lags": 5,' adf5.json
+good "tests of stationarity and whiteness" tests "$example" --detrend 3 --kpss-regression ct --kpss-lags 30 --lags 700 --out tested
+holds "the verdict" "stationary: ADF and KPSS agree" out
+holds "KPSS" "about a line, bandwidth 30" out
+holds "Phillips-Perron" "Phillips-Perron Z_tau" out
+holds "whiteness by the size of the effect" "largest |rho| 0.388 at lag 1" out
+is "correlation.csv has a line for each lag" "$(grep -c '^gx,' tested/correlation.csv) $(tail -n 1 tested/correlation.csv | cut -d, -f2,11)" \
+   "700 700,11300"
+bad "no such regression" 1 "--kpss-regression" tests "$example" --kpss-regression ctt
+bad "no bandwidth" 1 "--kpss-lags" tests "$example" --kpss-lags many
+bad "no lags" 1 "--lags" tests "$example" --lags 0
 good "filter with options" filter "$example" --akf robust --forgetting 0.99 --r-factor 2 --outliers auto --detrend 3
 good "filter adapts all four" filter "$example" --outliers auto --detrend 3 --estimate q,r,Q,R
 good "filter of a slower drift" filter "$example" --outliers auto --detrend 3 --drift-tau 10

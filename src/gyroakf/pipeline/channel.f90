@@ -10,6 +10,7 @@ module gyroakf_pipeline_channel
    use gyroakf_preprocess_clean, only : clean_series
    use gyroakf_series_moments, only : compute_moments
    use gyroakf_series_normality, only : test_jarque_bera
+   use gyroakf_pipeline_correlation, only : run_stationarity, run_correlation
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
    use gyroakf_ar_shared_autocovariance, only : autocovariance_type
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stage
@@ -17,7 +18,7 @@ module gyroakf_pipeline_channel
    use gyroakf_pipeline_changes, only : run_halves, run_dynamic
    use gyroakf_pipeline_distribution, only : run_distribution
    use gyroakf_pipeline_filters, only : run_filters
-   use gyroakf_pipeline_shared_pass, only : plan_pass, run_adf, run_ljung_box
+   use gyroakf_pipeline_shared_pass, only : plan_pass, run_adf
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_outliers, warn_order, warn_model, &
       warn_fit, warn_centred
    implicit none (type, external)
@@ -141,13 +142,15 @@ contains
       if (allocated(error)) return
       call run_adf(z, options, channel, shared, error, valid, progress)
       if (allocated(error)) return
+      call run_stationarity(z, options, channel, error, valid)
+      if (allocated(error)) return
       call test_jarque_bera(channel%cleaned, channel%jarque_bera, error)
       if (is_fatal(error)) return
       channel%available%jarque_bera = .not. allocated(error)
       call note_failure(channel, "Jarque-Bera test", error)
       call tell_progress("testing", 2*size(z, kind=int64), 3*size(z, kind=int64), error, progress)
       if (allocated(error)) return
-      call run_ljung_box(z, options, channel, shared, error, valid)
+      call run_correlation(z, options, channel, error, valid, shared)
    end subroutine run_tests
 
    !> The AR model, of the whole series or of the paper's orders.

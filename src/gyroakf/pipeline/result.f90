@@ -13,7 +13,10 @@ module gyroakf_pipeline_result
    use gyroakf_series_anderson_darling, only : anderson_darling_options, anderson_darling_type
    use gyroakf_series_histogram, only : histogram_options, histogram_type
    use gyroakf_series_quantisation, only : quantisation_type
-   use gyroakf_series_whiteness, only : ljung_box_type
+   use gyroakf_series_whiteness, only : ljung_box_type, box_pierce_type
+   use gyroakf_series_correlation, only : correlation_type
+   use gyroakf_series_kpss, only : kpss_options, kpss_type
+   use gyroakf_series_phillips_perron, only : phillips_perron_type
    use gyroakf_ar_model, only : ar_options, ar_model_type
    use gyroakf_filter_design, only : design_options, drift_options
    use gyroakf_filter_series, only : filter_result_type
@@ -76,6 +79,11 @@ module gyroakf_pipeline_result
       type(histogram_options) :: histogram
       !> Lags of the Ljung-Box test of the cleaned series
       integer :: ljung_box_lags = 20
+      !> Lags of the autocorrelation and of the Ljung-Box test where they are asked for; 0: ljung_box_lags, a fifth of the samples
+      !> at most
+      integer :: correlation_lags = 0
+      !> The KPSS test
+      type(kpss_options) :: kpss
       !> What counts as drift, in s: slower than this; 0 is the larger of 5 samples and 1 s
       real(dp) :: drift_tau = 0.0_dp
       !> The cleaned and filtered series stay in the result (8 bytes a sample and series)
@@ -88,6 +96,7 @@ module gyroakf_pipeline_result
       logical :: kf = .false., akf = .false., drift = .false., drift_kf = .false., drift_akf = .false.
       logical :: halves = .false., dynamic = .false.
       logical :: dagostino = .false., anderson_darling = .false., histogram = .false., quantisation = .false.
+      logical :: kpss = .false., phillips_perron = .false., correlation = .false.
    end type available_type
 
    !> One noise coefficient in the unit it is stated in
@@ -183,6 +192,11 @@ module gyroakf_pipeline_result
       character(9) :: normality = ""
       !> The grid of the record as read, compared with the standard deviation of the cleaned series
       type(quantisation_type) :: quantisation
+      type(box_pierce_type) :: box_pierce
+      type(kpss_type) :: kpss
+      type(phillips_perron_type) :: phillips_perron
+      !> Autocorrelation of the cleaned series
+      type(correlation_type) :: correlation
       !> The model that was chosen
       type(ar_model_type) :: ar
       !> Largest share of the variance, in percent, that one-step prediction by the AR model removes: 100 (1 - sigma_a^2/var)

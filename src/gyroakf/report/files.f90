@@ -12,13 +12,15 @@ module gyroakf_report_files
    use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, write_dynamic, &
       series_output_type
    use gyroakf_report_histogram, only : write_histogram
+   use gyroakf_report_correlation_table, only : write_correlation
    implicit none (type, external)
    private
    public :: write_results, result_files, existing_result, series_output_type
 
    !> In the order in which they are written; one of the first three
-   character(16), parameter :: result_files(9) = [character(16) :: "series.csv", "series.npy", "series.f64", "allan.csv", &
-      "coefficients.csv", "dynamic.csv", "histogram.csv", "report.txt", "results.json"]
+   character(16), parameter :: result_files(10) = [character(16) :: "series.csv", "series.npy", "series.f64", "allan.csv", &
+      "coefficients.csv", "dynamic.csv", "correlation.csv", "histogram.csv", "report.txt", &
+      "results.json"]
 
 contains
 
@@ -37,8 +39,8 @@ contains
    end function existing_result
 
    !> Writes the series (where they were kept), allan.csv and coefficients.csv (where there are curves), dynamic.csv (where it
-   !> was asked for), histogram.csv (where there are tests), report.txt and results.json; those that an earlier run left and this
-   !> one does not write are removed.
+   !> was asked for), correlation.csv and histogram.csv (where there are tests), report.txt and results.json; those that an earlier
+   !> run left and this one does not write are removed.
    !> The series of a streamed record are not here: they are written while it goes by.
    subroutine write_results(directory, command, record, options, result, error, output, progress)
       !> Made where it does not exist
@@ -67,7 +69,7 @@ contains
       if (allocated(error)) return
       wanted(:3) = options%keep_series .and. .not. record%streamed .and. [character(3) :: "csv", "npy", "f64"] == series%form
       wanted(4:) = [options%do_allan, options%do_allan, options%do_allan .and. options%dynamic_segments > 0, &
-         options%do_tests, .true., .true.]
+         & any(result%channel%available%correlation), options%do_tests, .true., .true.]
       do i = 1, size(result_files)
          if (.not. wanted(i)) cycle
          call open_writer(writer(i), directory//"/"//trim(result_files(i)), error)
@@ -105,6 +107,7 @@ contains
       case ("coefficients.csv"); call write_coefficients(writer, result)
       case ("dynamic.csv"); call write_dynamic(writer, result)
       case ("histogram.csv"); call write_histogram(writer, result)
+      case ("correlation.csv"); call write_correlation(writer, result)
       case ("report.txt"); call write_report(writer, command, record, options, result)
       case ("results.json"); call write_document(writer, record, result)
       case default; call write_series(writer, record, result, series, error, progress)

@@ -8,13 +8,10 @@ module gyroakf_report_models
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, filter_figures_type
    use gyroakf_report_layout, only : put_heading, put_item, put_items, number, scientific, fixed, count_text, p_value_text
    use gyroakf_report_table, only : table_type, new_table, set_cell, put_table
-   use gyroakf_report_sections, only : whiteness_text
+   use gyroakf_report_stationarity, only : whiteness_text, negligible_rho
    implicit none (type, external)
    private
    public :: put_ar_table, put_filter_table, put_filter_details
-
-   !> Autocorrelation of the innovations that does no harm, however significant it is
-   real(dp), parameter :: negligible_rho = 0.05_dp
 
 contains
 

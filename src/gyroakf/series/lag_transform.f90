@@ -13,7 +13,7 @@ module gyroakf_series_lag_transform
    public :: many_autocovariances, transform_from, autocovariances_by_transform
 
    !> Number of lags from which the transform is faster than the products
-   integer, parameter :: transform_from = 400
+   integer, parameter :: transform_from = 256
    !> Points of a transform at least, and at least so many times the lags
    integer(int64), parameter :: least_points = 16384, points_a_lag = 4
 

@@ -120,7 +120,7 @@ contains
             & "the lags of the Phillips-Perron test must not be negative; -1 chooses them")
       else if (n < int(terms, int64) + 4 .or. options%lags >= n - 1) then
          write (text, '("the Phillips-Perron test needs more than ", i0, " samples, there are ", i0)') &
-            & max(options%lags + 1, int(terms, int64) + 3), n
+            & max(min(options%lags, huge(n) - 1) + 1, int(terms, int64) + 3), n
          call fatal_error(error, status%too_few_samples, trim(text))
       end if
    end subroutine check_options

@@ -5,7 +5,6 @@ module gyroakf_report_document_parts
    use gyroakf_record, only : text_type
    use gyroakf_units, only : term_names
    use gyroakf_io_writer, only : writer_type
-   use gyroakf_series_whiteness, only : ljung_box_type
    use gyroakf_filter_series, only : filter_result_type
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_allan_halves, only : halves_type
@@ -15,6 +14,7 @@ module gyroakf_report_document_parts
    use gyroakf_report_document_distribution, only : put_distribution
    use gyroakf_report_document_stated, only : put_stated, put_densities, put_known, put_description
    use gyroakf_report_document_adf, only : put_adf_regression
+   use gyroakf_report_document_correlation, only : put_kpss, put_phillips_perron, put_box_pierce, put_ljung_box
    implicit none (type, external)
    private
    public :: put_tests, put_ar, put_filters, put_allan, put_coefficients
@@ -30,7 +30,7 @@ contains
 
       call open_object(json, "tests")
       call put_adf(json, channel)
-      call put_null(json, "kpss")
+      call put_kpss(json, channel)
       if (channel%available%jarque_bera) then
          call open_object(json, "jarque_bera")
          call put_member(json, "statistic", channel%jarque_bera%statistic)
@@ -44,6 +44,8 @@ contains
       call put_ljung_box(json, "ljung_box", channel%ljung_box, channel%available%ljung_box)
       call put_null(json, "fisher_g")
       call put_distribution(json, channel)
+      call put_phillips_perron(json, channel)
+      call put_box_pierce(json, channel)
       call close_object(json)
    end subroutine put_tests
 
@@ -71,24 +73,6 @@ contains
       call put_adf_regression(json, channel%adf)
       call close_object(json)
    end subroutine put_adf
-
-   !> A Ljung-Box test.
-   subroutine put_ljung_box(json, key, test, available)
-      type(json_type), intent(inout) :: json
-      character(*), intent(in) :: key
-      type(ljung_box_type), intent(in) :: test
-      logical, intent(in) :: available
-
-      if (.not. available) then
-         call put_null(json, key)
-         return
-      end if
-      call open_object(json, key)
-      call put_member(json, "statistic", test%statistic)
-      call put_member(json, "p_value", test%p_value)
-      call put_member(json, "lags", test%lags)
-      call close_object(json)
-   end subroutine put_ljung_box
 
    !> "ar".
    subroutine put_ar(json, channel)

@@ -1,0 +1,217 @@
+! SPDX-License-Identifier: MIT
+!> C: further tests of stationarity, correlation, whiteness. What the functions promise is said in c_api/include/gyroakf.h.
+module gyroakf_c_api_correlation
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, c_size_t, c_null_ptr, &
+      & c_associated, c_f_pointer, c_sizeof
+   use gyroakf_kinds, only : dp
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_series_correlation, only : correlation_type, compute_correlation
+   use gyroakf_series_kpss, only : kpss_options, kpss_type, test_kpss
+   use gyroakf_series_phillips_perron, only : phillips_perron_options, phillips_perron_type, test_phillips_perron
+   use gyroakf_series_whiteness, only : ljung_box_type, test_ljung_box
+   use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
+      & take_text, open_series, close_series
+   implicit none (type, external)
+   private
+   public :: gyroakf_kpss_options_init, gyroakf_kpss_test
+   public :: gyroakf_phillips_perron_options_init, gyroakf_phillips_perron_test
+   public :: gyroakf_autocorrelation, gyroakf_ljung_box
+
+   !> `gyroakf_kpss_options`
+   type, bind(C) :: kpss_options_c
+      integer(c_size_t) :: struct_size
+      type(c_ptr) :: regression, rule
+      integer(c_int64_t) :: lags
+   end type kpss_options_c
+
+   !> `gyroakf_kpss`
+   type, bind(C) :: kpss_c
+      real(c_double) :: statistic, p_value, p_asymptotic, critical(4), variance, long_run_variance, drift
+      integer(c_int64_t) :: lags, observations
+      integer(c_int32_t) :: p_bound
+   end type kpss_c
+
+   !> `gyroakf_phillips_perron_options`
+   type, bind(C) :: phillips_perron_options_c
+      integer(c_size_t) :: struct_size
+      type(c_ptr) :: regression
+      integer(c_int64_t) :: lags
+   end type phillips_perron_options_c
+
+   !> `gyroakf_phillips_perron`
+   type, bind(C) :: phillips_perron_c
+      real(c_double) :: statistic, p_value, rho_statistic, critical(3), coefficient
+      integer(c_int64_t) :: lags, observations
+   end type phillips_perron_c
+
+   !> `gyroakf_whiteness`
+   type, bind(C) :: ljung_box_c
+      real(c_double) :: statistic, p_value, largest_rho
+      integer(c_int32_t) :: largest_lag
+   end type ljung_box_c
+
+contains
+
+   !> `gyroakf_kpss_options_init`
+   subroutine gyroakf_kpss_options_init(opt) bind(C, name="gyroakf_kpss_options_init")
+      type(kpss_options_c), intent(out), optional :: opt
+
+      if (.not. present(opt)) return
+      opt%struct_size = c_sizeof(opt)
+      opt%regression = c_null_ptr
+      opt%rule = c_null_ptr
+      opt%lags = -1
+   end subroutine gyroakf_kpss_options_init
+
+   !> `gyroakf_kpss_test`
+   integer(c_int) function gyroakf_kpss_test(x, n, opt, out, err) bind(C, name="gyroakf_kpss_test")
+      type(c_ptr), intent(in), value :: x
+      integer(c_int64_t), intent(in), value :: n
+      type(kpss_options_c), intent(in), optional :: opt
+      type(kpss_c), intent(inout), optional :: out
+      type(error_c), intent(out), optional :: err
+      type(host_type) :: host
+      type(series_type) :: series
+      type(kpss_options) :: options
+      type(kpss_type) :: result
+      type(error_type), allocatable :: error
+
+      call enter_library(host)
+      call check_place(present(out), error)
+      if (.not. allocated(error)) call read_kpss(options, error, opt)
+      if (.not. allocated(error)) call open_series(x, n, series, error)
+      if (.not. allocated(error)) call test_kpss(series%x, options, result, error, series%valid)
+      call close_series(series)
+      if (.not. allocated(error)) out = kpss_c(result%statistic, result%p_value, result%p_asymptotic, result%critical, &
+         & result%variance, result%long_run_variance, result%drift, result%lags, result%observations, &
+         & int(result%p_bound, c_int32_t))
+      gyroakf_kpss_test = leave_library(host, error, err)
+   end function gyroakf_kpss_test
+
+   !> Options of C into options of the library; the defaults where they are absent.
+   subroutine read_kpss(options, error, opt)
+      type(kpss_options), intent(out) :: options
+      type(error_type), allocatable, intent(out) :: error
+      type(kpss_options_c), intent(in), optional :: opt
+
+      if (.not. present(opt)) return
+      call check_struct_size(opt%struct_size, c_sizeof(opt), error)
+      if (allocated(error)) return
+      call take_text(opt%regression, options%regression, error)
+      if (.not. allocated(error)) call take_text(opt%rule, options%rule, error)
+      options%lags = opt%lags
+   end subroutine read_kpss
+
+   !> `gyroakf_phillips_perron_options_init`
+   subroutine gyroakf_phillips_perron_options_init(opt) bind(C, name="gyroakf_phillips_perron_options_init")
+      type(phillips_perron_options_c), intent(out), optional :: opt
+
+      if (.not. present(opt)) return
+      opt%struct_size = c_sizeof(opt)
+      opt%regression = c_null_ptr
+      opt%lags = -1
+   end subroutine gyroakf_phillips_perron_options_init
+
+   !> `gyroakf_phillips_perron_test`
+   integer(c_int) function gyroakf_phillips_perron_test(x, n, opt, out, err) bind(C, name="gyroakf_phillips_perron_test")
+      type(c_ptr), intent(in), value :: x
+      integer(c_int64_t), intent(in), value :: n
+      type(phillips_perron_options_c), intent(in), optional :: opt
+      type(phillips_perron_c), intent(inout), optional :: out
+      type(error_c), intent(out), optional :: err
+      type(host_type) :: host
+      type(series_type) :: series
+      type(phillips_perron_options) :: options
+      type(phillips_perron_type) :: result
+      type(error_type), allocatable :: error
+
+      call enter_library(host)
+      call check_place(present(out), error)
+      if (.not. allocated(error)) call read_phillips_perron(options, error, opt)
+      if (.not. allocated(error)) call open_series(x, n, series, error)
+      if (.not. allocated(error)) call test_phillips_perron(series%x, options, result, error, series%valid)
+      call close_series(series)
+      if (.not. allocated(error)) out = phillips_perron_c(result%statistic, result%p_value, result%rho_statistic, &
+         & result%critical, result%coefficient, result%lags, result%observations)
+      gyroakf_phillips_perron_test = leave_library(host, error, err)
+   end function gyroakf_phillips_perron_test
+
+   !> Options of C into options of the library; the defaults where they are absent.
+   subroutine read_phillips_perron(options, error, opt)
+      type(phillips_perron_options), intent(out) :: options
+      type(error_type), allocatable, intent(out) :: error
+      type(phillips_perron_options_c), intent(in), optional :: opt
+
+      if (.not. present(opt)) return
+      call check_struct_size(opt%struct_size, c_sizeof(opt), error)
+      if (allocated(error)) return
+      call take_text(opt%regression, options%regression, error)
+      options%lags = opt%lags
+   end subroutine read_phillips_perron
+
+   !> `gyroakf_autocorrelation`
+   integer(c_int) function gyroakf_autocorrelation(x, n, lags, acf, pacf, limit, err) bind(C, name="gyroakf_autocorrelation")
+      type(c_ptr), intent(in), value :: x, acf, pacf, limit
+      integer(c_int64_t), intent(in), value :: n
+      integer(c_int32_t), intent(in), value :: lags
+      type(error_c), intent(out), optional :: err
+      type(host_type) :: host
+      type(series_type) :: series
+      type(correlation_type) :: result
+      type(error_type), allocatable :: error
+
+      call enter_library(host)
+      call check_place(c_associated(acf), error)
+      if (.not. allocated(error)) call open_series(x, n, series, error)
+      if (.not. allocated(error)) call compute_correlation(series%x, int(lags), 0, result, error, series%valid)
+      call close_series(series)
+      if (.not. allocated(error)) then
+         call copy_out(result%acf, acf)
+         call copy_out(result%pacf, pacf)
+         call copy_out(result%limit, limit)
+      end if
+      gyroakf_autocorrelation = leave_library(host, error, err)
+   end function gyroakf_autocorrelation
+
+   !> Values to where a pointer leads; nowhere where it is NULL.
+   subroutine copy_out(values, place)
+      real(dp), intent(in), contiguous :: values(:)
+      type(c_ptr), intent(in) :: place
+      real(c_double), pointer, contiguous :: array(:)
+
+      if (.not. c_associated(place)) return
+      call c_f_pointer(place, array, [size(values)])
+      array(:) = values
+   end subroutine copy_out
+
+   !> `gyroakf_ljung_box`
+   integer(c_int) function gyroakf_ljung_box(x, n, lags, fitted, out, err) bind(C, name="gyroakf_ljung_box")
+      type(c_ptr), intent(in), value :: x
+      integer(c_int64_t), intent(in), value :: n
+      integer(c_int32_t), intent(in), value :: lags, fitted
+      type(ljung_box_c), intent(inout), optional :: out
+      type(error_c), intent(out), optional :: err
+      type(host_type) :: host
+      type(series_type) :: series
+      type(ljung_box_type) :: result
+      type(error_type), allocatable :: error
+
+      call enter_library(host)
+      call check_place(present(out), error)
+      if (.not. allocated(error)) call open_series(x, n, series, error)
+      if (.not. allocated(error)) call test_ljung_box(series%x, int(lags), int(fitted), result, error, series%valid)
+      call close_series(series)
+      if (.not. allocated(error)) out = ljung_box_c(result%statistic, result%p_value, result%largest_rho, &
+         & int(result%largest_lag, c_int32_t))
+      gyroakf_ljung_box = leave_library(host, error, err)
+   end function gyroakf_ljung_box
+
+   !> The caller has a place for the result.
+   pure subroutine check_place(there, error)
+      logical, intent(in) :: there
+      type(error_type), allocatable, intent(out) :: error
+
+      if (.not. there) call fatal_error(error, status%invalid_argument, "the place for the result must not be NULL")
+   end subroutine check_place
+
+end module gyroakf_c_api_correlation

@@ -1,0 +1,166 @@
+! SPDX-License-Identifier: MIT
+!> Stationarity and whiteness in a report: what the tests say together, and what that means for a gyroscope.
+module gyroakf_report_stationarity
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_io_writer, only : writer_type
+   use gyroakf_pipeline_result, only : channel_result_type
+   use gyroakf_series_whiteness, only : ljung_box_type
+   use gyroakf_report_layout, only : put_item, number, count_text, p_value_text, plural
+   implicit none (type, external)
+   private
+   public :: put_stationarity, put_whiteness, whiteness_text, stationarity_verdict, negligible_rho, negligible_drift
+
+   !> A test decides at this level
+   real(dp), parameter :: level = 0.05_dp
+   !> Autocorrelation that does no harm, however significant it is
+   real(dp), parameter :: negligible_rho = 0.05_dp
+   !> Drift over the record, in standard deviations of the series, that does no harm
+   real(dp), parameter :: negligible_drift = 0.1_dp
+
+contains
+
+   !> The verdict, then a line for each test.
+   subroutine put_stationarity(writer, channel)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> Tests are filled as far as they are available
+      type(channel_result_type), intent(in) :: channel
+
+      if (.not. (channel%available%adf .or. channel%available%kpss)) then
+         call put_item(writer, "Stationarity", "not tested (see below)")
+         return
+      end if
+      call put_item(writer, "Stationarity", stationarity_verdict(channel))
+      if (channel%available%adf) call put_item(writer, "", adf_text(channel))
+      if (channel%available%phillips_perron) call put_item(writer, "", phillips_perron_text(channel))
+      if (channel%available%kpss) call put_item(writer, "", kpss_text(channel))
+   end subroutine put_stationarity
+
+   !> What ADF (null hypothesis: unit root) and KPSS (null hypothesis: stationary) say together.
+   function stationarity_verdict(channel) result(text)
+      !> `adf` or `kpss` is available
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
+
+      if (.not. channel%available%kpss) then
+         if (channel%adf%stationary) then
+            text = "stationary: the unit root is rejected"
+         else
+            text = "no evidence of stationarity: the unit root is not rejected"
+         end if
+      else if (.not. channel%available%adf) then
+         text = "not stationary: "//drift_text(channel)
+         if (channel%kpss%stationary) text = "no evidence against stationarity"
+      else if (channel%adf%stationary .and. channel%kpss%stationary) then
+         text = "stationary: ADF and KPSS agree; the noise keeps returning to its mean, no drift is seen"
+      else if (channel%adf%stationary) then
+         text = "stationary noise on a level that wanders: ADF rejects the unit root, KPSS rejects the constant level; "// &
+                drift_text(channel)
+         if (small_drift(channel)) text = text//": too small to matter, seen because the record is long"
+      else if (.not. channel%kpss%stationary) then
+         text = "not stationary: ADF and KPSS agree; the rate drifts (random walk, warm-up, temperature), "//drift_text(channel)
+      else
+         text = "undecided: neither the unit root nor stationarity is rejected; the record is too short for its correlation"
+      end if
+   end function stationarity_verdict
+
+   !> The drift is negligible.
+   pure logical function small_drift(channel)
+      type(channel_result_type), intent(in) :: channel
+
+      small_drift = channel%kpss%drift < negligible_drift*sqrt(channel%kpss%variance)
+   end function small_drift
+
+   !> Size of the effect.
+   function drift_text(channel) result(text)
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
+
+      text = "as much as a line"
+      if (channel%kpss%regression == "ct") text = "as much as a parabola"
+      text = text//" that spans "//number(channel%kpss%drift/sqrt(channel%kpss%variance), 2)// &
+             " standard deviations over the record"
+   end function drift_text
+
+   !> The ADF test.
+   function adf_text(channel) result(text)
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
+
+      text = "ADF "//number(channel%adf%statistic, 5)//" against "//number(channel%adf%critical(2), 4)//" at 5 % ("// &
+             number(channel%adf%critical(1), 4)//" at 1 %, "//number(channel%adf%critical(3), 4)//" at 10 %), "// &
+             p_value_text(channel%adf%p_value)//"; "//regression_name(channel%adf%regression)//", "// &
+             plural(int(channel%adf%lag, int64), "lag")//", "//count_text(channel%adf%observations)//" observations"
+   end function adf_text
+
+   !> The Phillips-Perron test.
+   function phillips_perron_text(channel) result(text)
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
+
+      text = "Phillips-Perron Z_tau "//number(channel%phillips_perron%statistic, 5)//" against "// &
+             number(channel%phillips_perron%critical(2), 4)//" at 5 %, "//p_value_text(channel%phillips_perron%p_value)// &
+             "; "//regression_name(channel%phillips_perron%regression)//", bandwidth "//count_text(channel%phillips_perron%lags)
+   end function phillips_perron_text
+
+   !> The KPSS test; beyond its table p is stated as a bound, with the asymptotic one beside it.
+   function kpss_text(channel) result(text)
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
+
+      select case (channel%kpss%p_bound)
+      case (-1); text = "p < 0.01"
+      case (1); text = "p > 0.10"
+      case default; text = p_value_text(channel%kpss%p_value)
+      end select
+      text = "KPSS "//number(channel%kpss%statistic, 4)//" against "//number(channel%kpss%critical(2), 4)//" at 5 % ("// &
+             number(channel%kpss%critical(4), 4)//" at 1 %, "//number(channel%kpss%critical(1), 4)//" at 10 %), "//text// &
+             " by the table, "//p_value_text(channel%kpss%p_asymptotic)//" asymptotically; about a "// &
+             trim(merge("line ", "level", channel%kpss%regression == "ct"))//", bandwidth "//count_text(channel%kpss%lags)
+   end function kpss_text
+
+   !> Whiteness by the size of the effect: significance alone would call every long record coloured.
+   subroutine put_whiteness(writer, channel)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> Tests are filled as far as they are available
+      type(channel_result_type), intent(in) :: channel
+
+      if (.not. channel%available%ljung_box) then
+         call put_item(writer, "Whiteness", "not tested (see below)")
+      else if (.not. channel%ljung_box%p_value < level) then
+         call put_item(writer, "Whiteness", "no correlation is found: "//whiteness_text(channel%ljung_box)// &
+                       "; a model has nothing to describe")
+      else if (channel%ljung_box%largest_rho < negligible_rho) then
+         call put_item(writer, "Whiteness", "nearly white: "//whiteness_text(channel%ljung_box)//", below "// &
+                       number(negligible_rho, 2)//": a small correlation, seen because the record is long")
+      else
+         call put_item(writer, "Whiteness", "not white: "//whiteness_text(channel%ljung_box)// &
+                       "; there is correlation for a model to describe")
+      end if
+   end subroutine put_whiteness
+
+   !> "Ljung-Box 2030 over 20 lags, p < 1e-20, largest |rho| 0.41 at lag 1".
+   pure function whiteness_text(ljung_box) result(text)
+      !> The test
+      type(ljung_box_type), intent(in) :: ljung_box
+      character(:), allocatable :: text
+
+      text = "Ljung-Box "//number(ljung_box%statistic, 4)//" over "//plural(int(ljung_box%lags, int64), "lag")//", "// &
+             p_value_text(ljung_box%p_value)//", largest |rho| "//number(ljung_box%largest_rho, 3)
+      if (ljung_box%largest_lag > 0) text = text//" at lag "//count_text(int(ljung_box%largest_lag, int64))
+   end function whiteness_text
+
+   pure function regression_name(regression) result(name)
+      character(*), intent(in) :: regression
+      character(:), allocatable :: name
+
+      select case (regression)
+      case ("n"); name = "without a constant"
+      case ("c"); name = "with a constant"
+      case ("ct"); name = "with a constant and a line"
+      case default; name = "with a constant, a line and a parabola"
+      end select
+   end function regression_name
+
+end module gyroakf_report_stationarity
