@@ -27,8 +27,10 @@ module gyroakf_quasi_newton
    real(dp), parameter :: decrease = 1.0e-4_dp, flattening = 0.9_dp, slope_share = 0.1_dp
    !> Differences of values below this share of the value are rounding
    real(dp), parameter :: rounding = 1.0e-14_dp
+   !> So many steps that change the value by no more than its rounding are the end
+   integer, parameter :: most_still = 5
    !> Most evaluations along a line
-   integer, parameter :: most_trials = 60
+   integer, parameter :: most_trials = 40
 
    !> A function; extensions hold its data
    type, abstract :: objective_type
@@ -61,6 +63,8 @@ module gyroakf_quasi_newton
       real(dp) :: gradient_tolerance = 1.0e-9_dp
       !> Most iterations, >= 0
       integer :: max_iterations = 200
+      !> Expected decrease of the value, half of gradient' inverse Hessian gradient, that is not worth a step, >= 0
+      real(dp) :: decrease_tolerance = 0.0_dp
    end type minimise_options
 
    !> What was found
@@ -103,19 +107,24 @@ contains
       type(point_type) :: here, next
       real(dp) :: h(size(start), size(start)), direction(size(start))
       logical :: unit, found
+      integer :: still
 
       call check_arguments(size(start), options, error, inverse_hessian)
       if (allocated(error)) return
       call begin(objective, start, here, minimum, error)
       if (allocated(error)) return
       call reset(h, unit, inverse_hessian)
+      still = 0
       do while (minimum%iterations < options%max_iterations)
-         minimum%converged = flatness(here) <= options%gradient_tolerance
+         minimum%converged = flatness(here) <= options%gradient_tolerance &
+                             .or. still >= most_still
          if (minimum%converged) exit
          direction = -matmul(h, here%gradient)
          if (unit) direction = direction/max(norm2(here%gradient), 1.0_dp)
          here%step = 0.0_dp
          here%slope = dot_product(direction, here%gradient)
+         minimum%converged = .not. unit .and. -0.5_dp*here%slope < options%decrease_tolerance .and. here%slope <= 0.0_dp
+         if (minimum%converged) exit
          if (here%slope < 0.0_dp) then
             call search_line(objective, here, direction, next, minimum%evaluations, found)
          else
@@ -124,6 +133,8 @@ contains
          if (found) then
             call update(h, next%parameter - here%parameter, next%gradient - here%gradient, unit)
             minimum%iterations = minimum%iterations + 1
+            still = still + 1
+            if (here%value - next%value > rounding*max(abs(here%value), 1.0_dp)) still = 0
             here = next
          else
             minimum%converged = -here%slope <= rounding*max(abs(here%value), 1.0_dp)
@@ -146,9 +157,10 @@ contains
 
       if (n < 1) then
          call fatal_error(error, status%invalid_argument, "there is no variable to minimise over")
-      else if (.not. (options%gradient_tolerance > 0.0_dp .and. options%max_iterations >= 0)) then
-         call fatal_error(error, status%invalid_argument, "the tolerance of a minimisation must be positive, &
-            &its iterations not negative")
+      else if (.not. (options%gradient_tolerance > 0.0_dp .and. &
+                      options%max_iterations >= 0 .and. options%decrease_tolerance >= 0.0_dp)) then
+         call fatal_error(error, status%invalid_argument, "the gradient tolerance of a minimisation must be positive, &
+            &the others not negative")
       else if (present(inverse_hessian)) then
          if (any(shape(inverse_hessian) /= n)) then
             call fatal_error(error, status%invalid_argument, "the inverse Hessian and the start differ in size")
@@ -281,7 +293,7 @@ contains
             low = trial
          end if
          if (bracketed) then
-            if (abs(high%step - low%step) <= epsilon(step)*max(abs(low%step), tiny(step)/epsilon(step))) exit
+            if (abs(high%step - low%step)*(-origin%slope) <= 1.0e-2_dp*noise) exit
             step = between(low, high)
          else
             step = 3.0_dp*low%step

@@ -1,0 +1,208 @@
+! SPDX-License-Identifier: MIT
+!> The largest likelihood of one ARMA(p, q) model of one series.
+!>
+!> The likelihood of a mixed model may have several maxima, and a ridge where roots of both polynomials nearly cancel, as those of a
+!> slow drift under much white noise do. So the search begins at several places: the regression of Hannan and Rissanen, the AR
+!> model, the drift that the autocovariances of block means show, and where it is given, a smaller model. On a long series all
+!> of them are tried on a part of it first. Each search begins with a step of scoring: the inverse of the information matrix
+!> is the first inverse Hessian.
+module gyroakf_ar_arma_fit
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : error_type
+   use gyroakf_quasi_newton, only : minimise, minimise_options, minimum_type
+   use gyroakf_ar_arma_transform, only : free_of, shrink
+   use gyroakf_ar_arma_start, only : regress_on_past, drift_as_arma
+   use gyroakf_ar_arma_filter, only : arma_series_type
+   use gyroakf_ar_arma_likelihood, only : arma_objective_type, start_inverse
+   implicit none (type, external)
+   private
+   public :: arma_hint_type, arma_optimum_type, maximise_likelihood, improve, part_of
+
+   !> Where all starts are tried first, of a series at least twice as long
+   integer(int64), parameter :: trial_length = 16384
+
+   !> A gain of ln L that ends the search: a change of the coefficients of 1e-6 of their standard errors
+   real(dp), parameter :: evident = 1.0e-12_dp
+
+   !> What is known of the series before
+   type :: arma_hint_type
+      !> Autocovariances of the scaled series: [0:long_order + 3]
+      real(dp), allocatable :: r(:)
+      !> Present samples
+      real(dp) :: samples = 0.0_dp
+      !> Coefficient and variances of a drift, where there is one
+      real(dp) :: drift_phi = 0.0_dp, drift_variance = 0.0_dp, white_variance = 0.0_dp
+   end type arma_hint_type
+
+   !> The maximum
+   type :: arma_optimum_type
+      !> Orders; unallocated parameters: there is none
+      integer :: p = 0, q = 0
+      !> Free parameters and mean: [p + q + 1]
+      real(dp), allocatable :: parameter(:)
+      !> -ln L/n without constants
+      real(dp) :: value = huge(1.0_dp)
+      !> The gradient is small
+      logical :: converged = .false.
+      !> Work of the searches
+      integer :: iterations = 0, evaluations = 0
+   end type arma_optimum_type
+
+contains
+
+   !> Largest likelihood of orders p and q.
+   subroutine maximise_likelihood(series, hint, p, q, optimum)
+      !> The series, centred and scaled
+      type(arma_series_type), intent(in) :: series
+      !> What is known of it
+      type(arma_hint_type), intent(in) :: hint
+      !> Orders, 0 .. 3
+      integer, intent(in) :: p, q
+      !> The maximum
+      type(arma_optimum_type), intent(out) :: optimum
+      type(arma_objective_type) :: objective
+      type(arma_optimum_type) :: trial
+      real(dp) :: start(p + q + 1, 4)
+      integer :: i, starts
+
+      optimum%p = p
+      optimum%q = q
+      call gather_starts(hint, p, q, start, starts)
+      if (size(series%y, kind=int64) >= 2*trial_length) then
+         call part_of(series, trial_length, objective%series)
+         objective%p = p
+         objective%q = q
+         trial%p = p
+         trial%q = q
+         do i = 1, starts
+            call improve(objective, start(:, i), trial)
+         end do
+         optimum%iterations = trial%iterations
+         optimum%evaluations = trial%evaluations
+         objective%series = series
+         call take_best(objective, start, starts, trial)
+         starts = 1
+         if (allocated(trial%parameter)) start(:, 1) = trial%parameter
+      else
+         objective%series = series
+         objective%p = p
+         objective%q = q
+      end if
+      do i = 1, starts
+         call improve(objective, start(:, i), optimum)
+      end do
+   end subroutine maximise_likelihood
+
+   !> Of the best of a part and the starts, the one that the whole series likes best.
+   subroutine take_best(objective, start, starts, best)
+      type(arma_objective_type), intent(inout) :: objective
+      real(dp), intent(in) :: start(:, :)
+      integer, intent(in) :: starts
+      type(arma_optimum_type), intent(inout) :: best
+      real(dp) :: value, lowest, gradient(size(start, 1))
+      logical :: feasible
+      integer :: i
+
+      lowest = huge(1.0_dp)
+      if (allocated(best%parameter)) then
+         call objective%evaluate(best%parameter, value, gradient, feasible)
+         if (feasible) lowest = value
+      end if
+      do i = 1, starts
+         call objective%evaluate(start(:, i), value, gradient, feasible)
+         if (.not. feasible) cycle
+         if (value >= lowest) cycle
+         lowest = value
+         best%parameter = start(:, i)
+      end do
+   end subroutine take_best
+
+   !> Searches from a start; keeps what is better than before.
+   subroutine improve(objective, start, optimum)
+      !> The likelihood
+      type(arma_objective_type), intent(inout) :: objective
+      !> Free parameters
+      real(dp), intent(in) :: start(:)
+      !> The best so far
+      type(arma_optimum_type), intent(inout) :: optimum
+      type(minimise_options) :: how
+      type(minimum_type) :: minimum
+      type(error_type), allocatable :: error
+      real(dp) :: inverse(size(start), size(start))
+      logical :: known
+
+      call start_inverse(objective, start, inverse, known)
+      optimum%evaluations = optimum%evaluations + 1
+      how%decrease_tolerance = max(evident/real(size(objective%series%y, kind=int64), dp), 4.0_dp*epsilon(evident))
+      if (known) then
+         call minimise(objective, start, how, minimum, error, inverse)
+      else
+         call minimise(objective, start, how, minimum, error)
+      end if
+      if (allocated(error)) return
+      optimum%iterations = optimum%iterations + minimum%iterations
+      optimum%evaluations = optimum%evaluations + minimum%evaluations
+      if (allocated(optimum%parameter) .and. minimum%value >= optimum%value) return
+      optimum%parameter = minimum%parameter
+      optimum%value = minimum%value
+      optimum%converged = minimum%converged
+   end subroutine improve
+
+   !> The starts, as free parameters.
+   subroutine gather_starts(hint, p, q, start, starts)
+      type(arma_hint_type), intent(in) :: hint
+      integer, intent(in) :: p, q
+      real(dp), intent(out) :: start(:, :)
+      integer, intent(out) :: starts
+      real(dp) :: phi(p), theta(q)
+
+      starts = 0
+      start(:, :) = 0.0_dp
+      call regress_on_past(hint%r, hint%samples, phi, theta)
+      call add(phi, theta, start, starts)
+      if (p > 0 .and. q > 0) then
+         theta(:) = 0.0_dp
+         call regress_on_past(hint%r, hint%samples, phi, theta(:0))
+         call add(phi, theta, start, starts)
+         if (hint%drift_phi > 0.0_dp .and. hint%drift_variance > 0.0_dp) then
+            phi(:) = 0.0_dp
+            theta(:) = 0.0_dp
+            phi(1) = hint%drift_phi
+            theta(1) = drift_as_arma(hint%drift_phi, hint%drift_variance, hint%white_variance)
+            call add(phi, theta, start, starts)
+         end if
+      end if
+   end subroutine gather_starts
+
+   !> One start, drawn inside where it is not stationary and invertible.
+   subroutine add(phi, theta, start, starts)
+      real(dp), intent(inout) :: phi(:), theta(:)
+      real(dp), intent(inout) :: start(:, :)
+      integer, intent(inout) :: starts
+      logical :: inside
+
+      starts = starts + 1
+      call shrink(phi)
+      call free_of(phi, start(:size(phi), starts), inside)
+      theta(:) = -theta
+      call shrink(theta)
+      call free_of(theta, start(size(phi) + 1:size(phi) + size(theta), starts), inside)
+      theta(:) = -theta
+   end subroutine add
+
+   !> The middle of a series.
+   subroutine part_of(series, length, part)
+      !> The series
+      type(arma_series_type), intent(in) :: series
+      !> Samples, fewer than the series has
+      integer(int64), intent(in) :: length
+      !> Its middle
+      type(arma_series_type), intent(out) :: part
+      integer(int64) :: first
+
+      first = (size(series%y, kind=int64) - length)/2
+      part%y = series%y(first + 1:first + length)
+      if (allocated(series%valid)) part%valid = series%valid(first + 1:first + length)
+   end subroutine part_of
+
+end module gyroakf_ar_arma_fit
