@@ -41,7 +41,7 @@ module gyroakf_app_option
       command_type("run", "the whole job: clean, test, model, filter, Allan analysis before and after (default)"), &
       command_type("inspect", "what the file holds: format, columns, rate, gaps, jitter, repeats, range, step"), &
       command_type("allan", "deviation with limits, coefficients Q N B K R with errors, change during the record"), &
-      command_type("tests", "stationarity (ADF), normality (Jarque-Bera) and whiteness (Ljung-Box)"), &
+      command_type("tests", "stationarity (ADF), normality (Jarque-Bera), whiteness (Ljung-Box), periodicity"), &
       command_type("ar", "order table by every criterion, coefficients with standard errors, residuals"), &
       command_type("filter", "Kalman filter and adaptive Kalman filter: filtered series and diagnostics"), &
       command_type("simulate", "a record with known noise: Q N B K R, AR terms, trend, outliers, seed")]
@@ -123,6 +123,9 @@ module gyroakf_app_option
                   "bandwidth of the KPSS test (default auto: from the correlation)"), &
       option_type("--lags", "N", "count", "run tests", "tests", &
                   "lags of the autocorrelation (correlation.csv) and of the test of whiteness (default 20)"), &
+      option_type("--welch-segment", "auto|S", "text", "run tests", "tests", &
+                  "segments of Welch's spectrum in seconds (default auto: a power of two samples of which 8 fit, at most 16384)"), &
+      option_type("--lines", "N", "natural", "run tests", "tests", "look for at most N spectral lines (default 10; 0: none)"), &
       option_type("--ar-method", "yw", "choice", "run ar filter", "ar", "yw: Yule-Walker by the Levinson recursion", &
                   "burg|ols"), &
       option_type("--ar-criterion", "aic|aicc|bic|hqic|fpe", "choice", "run ar filter", "ar", &

@@ -19,6 +19,8 @@ module gyroakf_app_setting_method
    integer, parameter :: most_rounds = 1000
    !> Most lags of an autocorrelation
    integer, parameter :: most_correlation_lags = 100000
+   !> Most spectral lines
+   integer, parameter :: most_lines = 1000
    !> Most segments of a dynamic Allan deviation
    integer, parameter :: most_segments = 100000
 
@@ -89,6 +91,8 @@ contains
       case ("--kpss-regression"); pipeline%kpss%regression = value%text
       case ("--kpss-lags"); call set_bandwidth(option, value%text, pipeline%kpss%lags, error)
       case ("--lags"); call set_small(option, value%text, "", most_correlation_lags, pipeline%correlation_lags, error)
+      case ("--welch-segment"); call set_segment(pipeline, option, value%text, error)
+      case ("--lines"); call set_small(option, value%text, "", most_lines, pipeline%lines%most, error)
       case default; call not_wired(option, error)
       end select
    end subroutine set_series
@@ -105,6 +109,22 @@ contains
       call set_small(option, text, "auto", most_correlation_lags, wanted, error)
       if (.not. allocated(error)) lags = int(wanted, int64)
    end subroutine set_bandwidth
+
+   !> Length of the segments of Welch's spectrum, or auto.
+   subroutine set_segment(pipeline, option, text, error)
+      type(pipeline_options), intent(inout) :: pipeline
+      type(option_type), intent(in) :: option
+      character(*), intent(in) :: text
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: seconds(:)
+
+      pipeline%welch_segment = 0.0_dp
+      if (text == "auto") return
+      call convert_list(option, text, seconds, error)
+      if (allocated(error)) return
+      if (size(seconds) == 1) pipeline%welch_segment = seconds(1)
+      if (.not. pipeline%welch_segment > 0.0_dp) call value_error(option, "'"//text//"' is not a number larger than 0", error)
+   end subroutine set_segment
 
    !> AR model and filters.
    subroutine set_model(pipeline, option, value, error)

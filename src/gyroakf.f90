@@ -63,7 +63,6 @@ module gyroakf
    use gyroakf_series_histogram, only : histogram_options, histogram_type, compute_histogram
    use gyroakf_series_quantisation, only : quantisation_type, find_quantisation
    use gyroakf_sort, only : sort_values
-   use gyroakf_series_whiteness, only : ljung_box_type, test_ljung_box, ljung_box_of
    use gyroakf_ar_autocovariance, only : compute_autocovariance, residual_autocovariance
    use gyroakf_ar_shared_autocovariance, only : autocovariance_type, plan_autocovariance, need_autocovariance
    use gyroakf_ar_levinson, only : solve_levinson

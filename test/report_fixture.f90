@@ -100,6 +100,7 @@ contains
             call state_noise(channel%allan(which)%noise, record%rate_known, record%unit, channel%allan(which)%stated)
             call state_read_off(read, record%rate_known, record%unit, channel%allan(which)%read_off)
          end do
+         call fill_periodicity(channel)
          call fill_halves(channel)
          call fill_dynamic(channel)
          call compare_coefficients(channel)
@@ -107,6 +108,43 @@ contains
          call add_text(channel%unavailable, "drift identification: too few samples")
       end associate
    end subroutine make_result
+
+   !> A line, its harmonic, which wanders, and a spectrum of three frequencies.
+   subroutine fill_periodicity(channel)
+      type(channel_result_type), intent(inout) :: channel
+
+      channel%available%periodicity = .true.
+      channel%available%spectrum = .true.
+      channel%frequency_unit = "Hz"
+      channel%whitened = "the residuals of AR(1)"
+      channel%fisher_frequency = 1.25_dp
+      channel%line_share = 0.018_dp
+      channel%periodicity%fisher%statistic = 0.3_dp
+      channel%periodicity%fisher%ordinates = 5
+      channel%periodicity%fisher%p_value = 0.004_dp
+      channel%periodicity%searched = .true.
+      allocate (channel%periodicity%line(2))
+      channel%periodicity%line%frequency = [0.625_dp, 1.25_dp]
+      channel%periodicity%line%amplitude = [0.004_dp, 0.002_dp]
+      channel%periodicity%line%share = [0.015_dp, 0.003_dp]
+      channel%periodicity%line%p_value = [0.0_dp, 2.0e-4_dp]
+      channel%periodicity%line%harmonic = [0, 2]
+      channel%periodicity%line%fundamental = [0, 1]
+      channel%periodicity%line(1)%steady = .false.
+      channel%periodicity%line(1)%width = 0.02_dp
+      channel%spectrum%frequency = [0.0_dp, 1.25_dp, 2.5_dp]
+      channel%spectrum%density = [1.0e-5_dp, 2.0e-5_dp, 3.0e-5_dp]
+      channel%spectrum%lower = 0.8_dp*channel%spectrum%density
+      channel%spectrum%upper = 1.3_dp*channel%spectrum%density
+      channel%spectrum%one_sided = channel%spectrum%density*[1, 2, 1]
+      channel%spectrum%edf = [5.0_dp, 10.0_dp, 5.0_dp]
+      channel%spectrum%degrees_of_freedom = 10
+      channel%spectrum%segment = 4
+      channel%spectrum%segments = 5
+      channel%spectrum%used = 4
+      channel%spectrum%overlap = 0.5_dp
+      channel%spectrum%resolution = 1.25_dp
+   end subroutine fill_periodicity
 
    !> Louder at the end, by 12 and 8 %.
    subroutine fill_halves(channel)

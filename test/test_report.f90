@@ -35,6 +35,7 @@ contains
          new_unittest("table-by-characters", test_table), &
          new_unittest("run", test_run), &
          new_unittest("run-tables", test_run_tables), &
+         new_unittest("periodicity", test_periodicity_text), &
          new_unittest("run-nothing-known", test_nothing_known), &
          new_unittest("width", test_width), &
          new_unittest("halves", test_halves), &
@@ -197,6 +198,21 @@ contains
       call check(error, index(text, "  Two-sided       0.0158 deg/s/sqrt(Hz) = ") > 0 .and. &
                  index(text, "  One-sided       0.02234 deg/s/sqrt(Hz) = ") > 0 .and. index(text, "As read in SI, and") > 0)
    end subroutine test_run_tables
+
+   !> Fisher's test, lines with the harmonic named, the spectrum.
+   subroutine test_periodicity_text(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: text
+
+      call run_text(.true., text)
+      call check(error, index(text, "a period stands out, or the model leaves correlation: Fisher's g 0.3 at") > 0)
+      if (allocated(error)) return
+      call check(error, index(text, "2 lines with 1.8 % of the variance: vibration, or interference") > 0)
+      if (allocated(error)) return
+      call check(error, index(text, "  2 x 0.625 Hz") > 0 .and. index(text, "wanders over 0.02 Hz") > 0)
+      if (allocated(error)) return
+      call check(error, index(text, "Welch: 4 segments of 4 samples") > 0 .and. index(text, "1 left out") > 0)
+   end subroutine test_periodicity_text
 
    !> No rate, no unit: per sample and in input units, and which options would help.
    subroutine test_nothing_known(error)

@@ -466,6 +466,45 @@ GYROAKF_API void gyroakf_histogram_outside(const gyroakf_histogram *h, int64_t *
 
 GYROAKF_API void gyroakf_histogram_free(gyroakf_histogram *h);
 
+/* ------------------------------------------------------------------------------------------------------- periodicity */
+
+typedef struct gyroakf_fisher {
+  double statistic;   /* g: share of the largest ordinate of the periodogram in the sum of all */
+  double p_value;     /* of a larger g in white noise; 0 where it underflows */
+  double log_p_value; /* its logarithm, which does not */
+  double frequency;   /* of the largest ordinate, cycles per sample */
+  int64_t ordinates;  /* (n - 1)/2, rounded down */
+} gyroakf_fisher;
+
+/* Fisher's test for a hidden periodicity in a white series x [n], n >= 3. Of a correlated one it finds the correlation. */
+GYROAKF_API int gyroakf_fisher_g(const double *x, int64_t n, gyroakf_fisher *out, gyroakf_error *err);
+
+/* Frequencies of a spectrum of n samples: segment/2 + 1, segment = 0 chooses it; 0 where there is none. */
+GYROAKF_API int64_t gyroakf_welch_size(int64_t n, int64_t segment);
+
+/*
+ * Two-sided power spectral density of x [n] by Welch's method: Hann's window, half overlap, each segment less its mean. frequency
+ * in 1/(unit of dt) and density in x's unit squared times that of dt have gyroakf_welch_size(n, segment) places each; each, and
+ * degrees_of_freedom, may be NULL.
+ */
+GYROAKF_API int gyroakf_welch_spectrum(const double *x, int64_t n, double dt, int64_t segment, double *frequency, double *density,
+                                       double *degrees_of_freedom, gyroakf_error *err);
+
+typedef struct gyroakf_spectral_line {
+  double frequency, frequency_error; /* and its standard error, 1/(unit of dt) */
+  double amplitude, amplitude_error; /* and its standard error, in x's unit */
+  double share;                      /* of its power in the variance */
+  double log_p_value;                /* logarithm of the probability of a false alarm at any frequency; below ln 0.001 */
+  double width;                      /* of the transform, or of a line that wanders */
+  int32_t steady;                    /* 1: a sinusoid describes it; 0: it wanders */
+  int32_t harmonic;                  /* 2, 3, ... of a lower line; 0: of none */
+} gyroakf_spectral_line;
+
+/* The spectral lines of x [n], n >= 40, in the noise that an AR model of it describes: most <= 1000 places, count of them filled,
+ * by frequency. */
+GYROAKF_API int gyroakf_spectral_lines(const double *x, int64_t n, double dt, int32_t most, gyroakf_spectral_line *lines,
+                                       int32_t *count, gyroakf_error *err);
+
 /* ---------------------------------------------------------------------------------------------------------- AR model */
 
 typedef struct gyroakf_ar_options {

@@ -467,6 +467,37 @@ static void test_correlation_failures(void) {
   check_failure(gyroakf_ljung_box(x, 100, 3, 0, NULL, &err), GYROAKF_INVALID_ARGUMENT, "result NULL");
 }
 
+static void test_periodicity(void) {
+  static double x[2000], frequency[65], density[65];
+  gyroakf_spectral_line line[4];
+  gyroakf_fisher g;
+  double freedom = 0.0, mean = 0.0;
+  int32_t count = -1;
+  int i;
+  autoregressive(x, 2000, 0.0);
+  check_success(gyroakf_fisher_g(x, 2000, &g, &err), "Fisher's test of white noise");
+  check(g.p_value > 0.001 && g.ordinates == 999 && close_to(exp(g.log_p_value), g.p_value, 1e-9), "no period in it");
+  check(gyroakf_welch_size(2000, 128) == 65 && gyroakf_welch_size(2000, 0) == 65, "frequencies of a spectrum");
+  check(gyroakf_welch_size(2000, 2001) == 0 && gyroakf_welch_size(1, 0) == 0, "no spectrum");
+  check_success(gyroakf_welch_spectrum(x, 2000, 0.5, 128, frequency, density, &freedom, &err), "spectrum");
+  for (i = 1; i < 64; i++) mean += density[i] / 63;
+  check(close_to(frequency[64], 1.0, 1e-12) && close_to(mean, 0.5, 0.15) && freedom > 40, "white level, highest frequency");
+  check_success(gyroakf_welch_spectrum(x, 2000, 0.5, 0, NULL, NULL, NULL, &err), "nothing wanted of a spectrum");
+  for (i = 0; i < 2000; i++) x[i] += cos(0.7 * i);
+  check_success(gyroakf_fisher_g(x, 2000, &g, &err), "Fisher's test of a sinusoid");
+  check(g.p_value < 1e-20 && fabs(g.frequency - 0.7 / 6.283185307179586) < 5e-4, "its period");
+  check_success(gyroakf_spectral_lines(x, 2000, 0.5, 4, line, &count, &err), "lines");
+  check(count == 1 && fabs(line[0].amplitude - 1) < 4 * line[0].amplitude_error && line[0].steady == 1, "one line");
+  check(fabs(line[0].frequency - 1.4 / 6.283185307179586) < 4 * line[0].frequency_error, "its frequency");
+  check_failure(gyroakf_fisher_g(x, 2000, NULL, &err), GYROAKF_INVALID_ARGUMENT, "Fisher's test: result NULL");
+  check_failure(gyroakf_fisher_g(x, 2, &g, &err), GYROAKF_TOO_FEW_SAMPLES, "Fisher's test: two samples");
+  check_failure(gyroakf_welch_spectrum(x, 2000, 0.0, 0, NULL, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "dt = 0");
+  check_failure(gyroakf_welch_spectrum(NULL, 9, 1.0, 0, NULL, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "spectrum of NULL");
+  check_failure(gyroakf_spectral_lines(x, 2000, 1.0, 4, NULL, &count, &err), GYROAKF_INVALID_ARGUMENT, "lines NULL");
+  check_failure(gyroakf_spectral_lines(x, 2000, 1.0, -1, line, &count, &err), GYROAKF_INVALID_ARGUMENT, "most < 0");
+  check_failure(gyroakf_spectral_lines(x, 20, 1.0, 4, line, &count, &err), GYROAKF_TOO_FEW_SAMPLES, "lines of 20 samples");
+}
+
 static void test_adf_failures(void) {
   double x[100], flat[100] = {0};
   gyroakf_adf_options opt;
@@ -953,6 +984,7 @@ int main(void) {
   test_adf_failures();
   test_correlation();
   test_correlation_failures();
+  test_periodicity();
   test_ar();
   test_ar_failures();
   test_filter_values();

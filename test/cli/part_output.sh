@@ -26,7 +26,7 @@ is "simulated rate" "$(number rate_hz out)" 100
 good "run on the example" run "$example" --out results --json all.json
 holds "report on standard output" "AKF" out
 is "report fits 100 columns" "$(LC_ALL=C.UTF-8 awk 'length > 100' out)" ""
-is "the result files" "$(cd results && echo *)" "allan.csv coefficients.csv correlation.csv histogram.csv report.txt results.json series.csv"
+is "the result files" "$(cd results && echo *)" "allan.csv coefficients.csv correlation.csv histogram.csv report.txt results.json series.csv spectrum.csv"
 if cmp -s results/results.json all.json; then pass; else fail "results.json and --json differ"; fi
 if cmp -s results/report.txt out; then pass; else fail "report.txt and standard output differ"; fi
 is "series.csv is complete" "$(grep -c '^[-0-9]' results/series.csv)" 12000
@@ -34,7 +34,7 @@ sum=$(cat results/* | cksum)
 good "run into the same directory again" run "$example" --out results --quiet --force
 is "--quiet prints nothing" "$(cat out)" ""
 is "the same results again" "$(cat results/* | cksum)" "$sum"
-is "nothing is left aside" "$(cd results && echo * .[!.]*)" "allan.csv coefficients.csv correlation.csv histogram.csv report.txt results.json series.csv .[!.]*"
+is "nothing is left aside" "$(cd results && echo * .[!.]*)" "allan.csv coefficients.csv correlation.csv histogram.csv report.txt results.json series.csv spectrum.csv .[!.]*"
 
 if command -v python3 >/dev/null; then
    # the numbers that issue and README promise: ratio of KF and cleaned variance, phi, order, stationarity, AKF below KF
@@ -218,3 +218,17 @@ fi
 # a reader that goes away: no run-time error, no traceback
 "$gyroakf" run "$example" 2>err | head -n 1 >/dev/null
 if grep -qiE 'backtrace|run-?time error|fortran' err; then fail "closed pipe: $(head -c 300 err)"; else pass; fi
+# a vibration: named with its amplitude; the spectrum is among the result files
+awk 'BEGIN { srand(1); for (i = 0; i < 20000; i++) { s = 0; for (j = 0; j < 12; j++) s += rand(); print s - 6 + sin(0.5 * i) } }' \
+  >vibration.txt
+good "lines" tests vibration.txt --rate 100 --unit deg/s --out vibration --json -
+is "one line" "$(grep -c '"share"' out)" 1
+near "its frequency" "$(sed -n '/"spectral_lines"/,/"share"/s/.*"frequency_hz": \([^,]*\).*/\1/p' out)" 7.957747 1e-3
+near "its amplitude" "$(sed -n '/"spectral_lines"/,/"share"/s/.*"amplitude": \([^,]*\).*/\1/p' out)" 1 0.05
+is "rows of the spectrum" "$(grep -c '^column1' vibration/spectrum.csv)" 1025
+good "segments of two seconds" tests vibration.txt --rate 100 --out vibration --force --welch-segment 2 --lines 0
+is "rows of its spectrum" "$(grep -c '^column1' vibration/spectrum.csv)" 101
+good "no rate" tests vibration.txt
+holds "frequencies without a rate" "cycles/sample" out
+bad "segment 0" 1 "larger than 0" tests vibration.txt --welch-segment 0
+bad "segment longer than the record" 2 "a segment of the spectrum must have" tests vibration.txt --welch-segment 1e6

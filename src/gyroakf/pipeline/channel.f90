@@ -19,6 +19,7 @@ module gyroakf_pipeline_channel
    use gyroakf_pipeline_distribution, only : run_distribution
    use gyroakf_pipeline_filters, only : run_filters
    use gyroakf_pipeline_shared_pass, only : plan_pass, run_adf
+   use gyroakf_pipeline_periodicity, only : run_periodicity
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_outliers, warn_order, warn_model, &
       warn_fit, warn_centred
    implicit none (type, external)
@@ -102,6 +103,9 @@ contains
          if (allocated(error)) return
          call warn_model(channel)
       end if
+      if (options%do_tests) call run_periodicity(z, record%sample_interval, record%rate_known, options, channel, error, valid, &
+                                                 progress)
+      if (allocated(error)) return
       if (options%do_allan) then
          call run_allan(x, record%sample_interval, record%rate_known, record%unit, options, stage%input, channel, error, &
                         valid, progress)

@@ -17,6 +17,9 @@ module gyroakf_pipeline_result
    use gyroakf_series_correlation, only : correlation_type
    use gyroakf_series_kpss, only : kpss_options, kpss_type
    use gyroakf_series_phillips_perron, only : phillips_perron_type
+   use gyroakf_series_lines, only : line_options
+   use gyroakf_series_periodicity, only : periodicity_type
+   use gyroakf_series_welch, only : welch_type
    use gyroakf_ar_model, only : ar_options, ar_model_type
    use gyroakf_filter_design, only : design_options, drift_options
    use gyroakf_filter_series, only : filter_result_type
@@ -86,6 +89,10 @@ module gyroakf_pipeline_result
       type(kpss_options) :: kpss
       !> What counts as drift, in s: slower than this; 0 is the larger of 5 samples and 1 s
       real(dp) :: drift_tau = 0.0_dp
+      !> Segment of Welch's spectrum in s (samples without a rate); 0: chosen
+      real(dp) :: welch_segment = 0.0_dp
+      !> Spectral lines of the cleaned series
+      type(line_options) :: lines
       !> The cleaned and filtered series stay in the result (8 bytes a sample and series)
       logical :: keep_series = .false.
    end type pipeline_options
@@ -97,6 +104,7 @@ module gyroakf_pipeline_result
       logical :: halves = .false., dynamic = .false.
       logical :: dagostino = .false., anderson_darling = .false., histogram = .false., quantisation = .false.
       logical :: kpss = .false., phillips_perron = .false., correlation = .false.
+      logical :: periodicity = .false., spectrum = .false.
    end type available_type
 
    !> One noise coefficient in the unit it is stated in
@@ -197,6 +205,15 @@ module gyroakf_pipeline_result
       type(phillips_perron_type) :: phillips_perron
       !> Autocorrelation of the cleaned series
       type(correlation_type) :: correlation
+      !> Fisher's test and lines, of a part of a long record
+      type(periodicity_type) :: periodicity
+      !> What was whitened: "the residuals of AR(2)"; the unit of all frequencies: Hz or cycles/sample
+      character(40) :: whitened = "the series"
+      character(13) :: frequency_unit = "Hz"
+      !> Frequency of Fisher's test in that unit; share of all lines in the variance
+      real(dp) :: fisher_frequency = 0.0_dp, line_share = 0.0_dp
+      !> Welch's spectrum of the cleaned series
+      type(welch_type) :: spectrum
       !> The model that was chosen
       type(ar_model_type) :: ar
       !> Largest share of the variance, in percent, that one-step prediction by the AR model removes: 100 (1 - sigma_a^2/var)

@@ -9,6 +9,7 @@ module gyroakf_report_files
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_report_text, only : write_report
    use gyroakf_report_document, only : write_document
+   use gyroakf_report_spectrum_file, only : write_spectrum, has_spectrum
    use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, write_dynamic, &
       series_output_type
    use gyroakf_report_histogram, only : write_histogram
@@ -18,9 +19,8 @@ module gyroakf_report_files
    public :: write_results, result_files, existing_result, series_output_type
 
    !> In the order in which they are written; one of the first three
-   character(16), parameter :: result_files(10) = [character(16) :: "series.csv", "series.npy", "series.f64", "allan.csv", &
-      "coefficients.csv", "dynamic.csv", "correlation.csv", "histogram.csv", "report.txt", &
-      "results.json"]
+   character(16), parameter :: result_files(11) = [character(16) :: "series.csv", "series.npy", "series.f64", "allan.csv", &
+      "coefficients.csv", "dynamic.csv", "correlation.csv", "histogram.csv", "spectrum.csv", "report.txt", "results.json"]
 
 contains
 
@@ -39,8 +39,8 @@ contains
    end function existing_result
 
    !> Writes the series (where they were kept), allan.csv and coefficients.csv (where there are curves), dynamic.csv (where it
-   !> was asked for), correlation.csv and histogram.csv (where there are tests), report.txt and results.json; those that an earlier
-   !> run left and this one does not write are removed.
+   !> was asked for), correlation.csv, histogram.csv and spectrum.csv (where there are tests), report.txt and results.json; those
+   !> that an earlier run left and this one does not write are removed.
    !> The series of a streamed record are not here: they are written while it goes by.
    subroutine write_results(directory, command, record, options, result, error, output, progress)
       !> Made where it does not exist
@@ -69,7 +69,7 @@ contains
       if (allocated(error)) return
       wanted(:3) = options%keep_series .and. .not. record%streamed .and. [character(3) :: "csv", "npy", "f64"] == series%form
       wanted(4:) = [options%do_allan, options%do_allan, options%do_allan .and. options%dynamic_segments > 0, &
-         & any(result%channel%available%correlation), options%do_tests, .true., .true.]
+         & any(result%channel%available%correlation), options%do_tests, options%do_tests .and. has_spectrum(result), .true., .true.]
       do i = 1, size(result_files)
          if (.not. wanted(i)) cycle
          call open_writer(writer(i), directory//"/"//trim(result_files(i)), error)
@@ -108,6 +108,7 @@ contains
       case ("dynamic.csv"); call write_dynamic(writer, result)
       case ("histogram.csv"); call write_histogram(writer, result)
       case ("correlation.csv"); call write_correlation(writer, result)
+      case ("spectrum.csv"); call write_spectrum(writer, result)
       case ("report.txt"); call write_report(writer, command, record, options, result)
       case ("results.json"); call write_document(writer, record, result)
       case default; call write_series(writer, record, result, series, error, progress)

@@ -11,6 +11,7 @@ module gyroakf_report_text
    use gyroakf_report_models, only : put_ar_table, put_filter_table, put_filter_details
    use gyroakf_report_noise, only : put_curves_of, put_coefficients, put_comparison
    use gyroakf_report_changes, only : put_changes
+   use gyroakf_report_periodicity, only : put_periodicity
    use gyroakf_report_advice, only : put_advice, put_warnings
    implicit none (type, external)
    private
@@ -63,6 +64,7 @@ contains
          call put_changes(writer, record, channel)
       case ("tests")
          call put_tests(writer, channel)
+         call put_periodicity(writer, record, channel)
       case ("ar")
          call put_ar_table(writer, channel)
       case ("filter")
@@ -71,6 +73,7 @@ contains
          call put_filter_details(writer, channel)
       case default
          call put_tests(writer, channel)
+         call put_periodicity(writer, record, channel)
          call put_ar_table(writer, channel)
          call put_filter_table(writer, channel)
          call put_filter_details(writer, channel)

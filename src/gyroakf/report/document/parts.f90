@@ -12,6 +12,7 @@ module gyroakf_report_document_parts
    use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stated_read_off_type, stage, stage_names
    use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, flush_json
    use gyroakf_report_document_distribution, only : put_distribution
+   use gyroakf_report_document_periodicity, only : put_fisher, put_lines, put_welch
    use gyroakf_report_document_stated, only : put_stated, put_densities, put_known, put_description
    use gyroakf_report_document_adf, only : put_adf_regression
    use gyroakf_report_document_correlation, only : put_kpss, put_phillips_perron, put_box_pierce, put_ljung_box
@@ -42,10 +43,12 @@ contains
          call put_null(json, "jarque_bera")
       end if
       call put_ljung_box(json, "ljung_box", channel%ljung_box, channel%available%ljung_box)
-      call put_null(json, "fisher_g")
+      call put_fisher(json, channel)
       call put_distribution(json, channel)
       call put_phillips_perron(json, channel)
       call put_box_pierce(json, channel)
+      call put_lines(json, channel)
+      call put_welch(json, channel)
       call close_object(json)
    end subroutine put_tests
 

@@ -1,0 +1,140 @@
+! SPDX-License-Identifier: MIT
+!> C: what is periodic in a series. What each function promises is said in c_api/include/gyroakf.h.
+module gyroakf_c_api_periodicity
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, c_associated, c_f_pointer
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_series_fisher, only : fisher_type, test_fisher_g
+   use gyroakf_series_periodicity, only : periodicity_options, periodicity_type, analyse_periodicity
+   use gyroakf_series_welch, only : welch_options, welch_type, welch_spectrum, default_segment
+   use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, open_series, close_series
+   implicit none (type, external)
+   private
+   public :: gyroakf_fisher_g, gyroakf_welch_size, gyroakf_welch_spectrum, gyroakf_spectral_lines
+
+   !> `gyroakf_fisher`
+   type, bind(C) :: fisher_c
+      real(c_double) :: statistic, p_value, log_p_value, frequency
+      integer(c_int64_t) :: ordinates
+   end type fisher_c
+
+   !> `gyroakf_spectral_line`
+   type, bind(C) :: line_c
+      real(c_double) :: frequency, frequency_error, amplitude, amplitude_error, share, log_p_value, width
+      integer(c_int32_t) :: steady, harmonic
+   end type line_c
+
+contains
+
+   !> `gyroakf_fisher_g`
+   integer(c_int) function gyroakf_fisher_g(x, n, out, err) bind(C, name="gyroakf_fisher_g")
+      type(c_ptr), intent(in), value :: x
+      integer(c_int64_t), intent(in), value :: n
+      type(fisher_c), intent(out), optional :: out
+      type(error_c), intent(out), optional :: err
+      type(host_type) :: host
+      type(series_type) :: series
+      type(fisher_type) :: result
+      type(error_type), allocatable :: error
+
+      call enter_library(host)
+      if (.not. present(out)) call fatal_error(error, status%invalid_argument, "the place for the result must not be NULL")
+      if (.not. allocated(error)) call open_series(x, n, series, error)
+      if (.not. allocated(error)) call test_fisher_g(series%x, result, error, series%valid)
+      call close_series(series)
+      if (present(out)) out = fisher_c(result%statistic, result%p_value, result%log_p_value, result%frequency, result%ordinates)
+      gyroakf_fisher_g = leave_library(host, error, err)
+   end function gyroakf_fisher_g
+
+   !> `gyroakf_welch_size`
+   integer(c_int64_t) function gyroakf_welch_size(n, segment) bind(C, name="gyroakf_welch_size")
+      integer(c_int64_t), intent(in), value :: n, segment
+
+      gyroakf_welch_size = 0
+      if (n < 2 .or. segment < 0 .or. segment == 1 .or. segment > n) return
+      gyroakf_welch_size = segment/2 + 1
+      if (segment == 0) gyroakf_welch_size = default_segment(n)/2 + 1
+   end function gyroakf_welch_size
+
+   !> `gyroakf_welch_spectrum`
+   integer(c_int) function gyroakf_welch_spectrum(x, n, dt, segment, frequency, density, degrees_of_freedom, err) &
+         bind(C, name="gyroakf_welch_spectrum")
+      type(c_ptr), intent(in), value :: x
+      integer(c_int64_t), intent(in), value :: n
+      real(c_double), intent(in), value :: dt
+      integer(c_int64_t), intent(in), value :: segment
+      type(c_ptr), intent(in), value :: frequency, density
+      real(c_double), intent(out), optional :: degrees_of_freedom
+      type(error_c), intent(out), optional :: err
+      type(host_type) :: host
+      type(series_type) :: series
+      type(welch_type) :: result
+      type(error_type), allocatable :: error
+
+      call enter_library(host)
+      call open_series(x, n, series, error)
+      if (.not. allocated(error)) call welch_spectrum(series%x, dt, welch_options(segment=segment), result, error, series%valid)
+      call close_series(series)
+      if (.not. allocated(error)) call copy_out(result%frequency, frequency)
+      if (.not. allocated(error)) call copy_out(result%density, density)
+      if (present(degrees_of_freedom)) degrees_of_freedom = result%degrees_of_freedom
+      gyroakf_welch_spectrum = leave_library(host, error, err)
+   end function gyroakf_welch_spectrum
+
+   !> Into an array of the caller, which may be NULL.
+   subroutine copy_out(values, array)
+      real(c_double), intent(in) :: values(:)
+      type(c_ptr), intent(in) :: array
+      real(c_double), pointer :: place(:)
+
+      if (.not. c_associated(array)) return
+      call c_f_pointer(array, place, [size(values)])
+      place(:) = values
+   end subroutine copy_out
+
+   !> `gyroakf_spectral_lines`
+   integer(c_int) function gyroakf_spectral_lines(x, n, dt, most, lines, count, err) bind(C, name="gyroakf_spectral_lines")
+      type(c_ptr), intent(in), value :: x
+      integer(c_int64_t), intent(in), value :: n
+      real(c_double), intent(in), value :: dt
+      integer(c_int32_t), intent(in), value :: most
+      type(c_ptr), intent(in), value :: lines
+      integer(c_int32_t), intent(out), optional :: count
+      type(error_c), intent(out), optional :: err
+      type(host_type) :: host
+      type(series_type) :: series
+      type(periodicity_options) :: options
+      type(periodicity_type) :: result
+      type(error_type), allocatable :: error
+
+      call enter_library(host)
+      options%lines%most = int(most)
+      if (.not. present(count) .or. .not. c_associated(lines) .or. most > 1000) call fatal_error(error, &
+         status%invalid_argument, "the places for the lines and their number must not be NULL, and there are at most 1000")
+      if (.not. allocated(error)) call open_series(x, n, series, error)
+      if (.not. allocated(error)) call analyse_periodicity(series%x, dt, options, result, error, series%valid)
+      call close_series(series)
+      if (present(count)) count = 0
+      if (.not. allocated(error)) call write_lines(result, lines, count)
+      gyroakf_spectral_lines = leave_library(host, error, err)
+   end function gyroakf_spectral_lines
+
+   !> The lines into the caller's array.
+   subroutine write_lines(result, lines, number)
+      type(periodicity_type), intent(in) :: result
+      type(c_ptr), intent(in) :: lines
+      integer(c_int32_t), intent(out) :: number
+      type(line_c), pointer :: place(:)
+      integer :: i
+
+      number = int(size(result%line), c_int32_t)
+      call c_f_pointer(lines, place, [size(result%line)])
+      do i = 1, size(result%line)
+         associate (line => result%line(i))
+            place(i) = line_c(line%frequency, line%frequency_error, line%amplitude, line%amplitude_error, line%share, &
+                              line%log_p_value, line%width, merge(1_c_int32_t, 0_c_int32_t, line%steady), &
+                              int(line%harmonic, c_int32_t))
+         end associate
+      end do
+   end subroutine write_lines
+
+end module gyroakf_c_api_periodicity

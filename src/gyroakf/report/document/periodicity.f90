@@ -1,0 +1,94 @@
+! SPDX-License-Identifier: MIT
+!> The members of "tests" that tell what is periodic.
+module gyroakf_report_document_periodicity
+   use gyroakf_kinds, only : int64
+   use gyroakf_pipeline_result, only : channel_result_type
+   use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null
+   use gyroakf_report_document_stated, only : put_known
+   implicit none (type, external)
+   private
+   public :: put_fisher, put_lines, put_welch
+
+contains
+
+   !> "fisher_g".
+   subroutine put_fisher(json, channel)
+      !> The document
+      type(json_type), intent(inout) :: json
+      !> One channel
+      type(channel_result_type), intent(in) :: channel
+
+      if (.not. channel%available%periodicity) then
+         call put_null(json, "fisher_g")
+         return
+      end if
+      call open_object(json, "fisher_g")
+      call put_member(json, "statistic", channel%periodicity%fisher%statistic)
+      call put_member(json, "p_value", channel%periodicity%fisher%p_value)
+      call put_member(json, "frequency_hz", channel%fisher_frequency)
+      call put_member(json, "log_p_value", channel%periodicity%fisher%log_p_value)
+      call put_member(json, "applied_to", trim(channel%whitened))
+      call put_member(json, "samples", channel%periodicity%samples)
+      call put_member(json, "frequency_unit", trim(channel%frequency_unit))
+      call close_object(json)
+   end subroutine put_fisher
+
+   !> "spectral_lines": an array, null where none were sought.
+   subroutine put_lines(json, channel)
+      !> The document
+      type(json_type), intent(inout) :: json
+      !> One channel
+      type(channel_result_type), intent(in) :: channel
+      integer :: i
+
+      if (.not. (channel%available%periodicity .and. channel%periodicity%searched)) then
+         call put_null(json, "spectral_lines")
+         return
+      end if
+      call open_array(json, "spectral_lines")
+      do i = 1, size(channel%periodicity%line)
+         associate (line => channel%periodicity%line(i))
+            call open_object(json)
+            call put_member(json, "frequency_hz", line%frequency)
+            call put_member(json, "frequency_std_error_hz", line%frequency_error)
+            call put_member(json, "amplitude", line%amplitude)
+            call put_member(json, "amplitude_std_error", line%amplitude_error)
+            call put_member(json, "share", line%share)
+            call put_member(json, "p_value", line%p_value)
+            call put_member(json, "log_p_value", line%log_p_value)
+            call put_member(json, "steady", line%steady)
+            call put_member(json, "width_hz", line%width)
+            call put_member(json, "harmonic", line%harmonic)
+            call put_known(json, "fundamental_hz", channel%periodicity%line(max(line%fundamental, 1))%frequency, line%harmonic > 0)
+            call close_object(json)
+         end associate
+      end do
+      call close_array(json)
+   end subroutine put_lines
+
+   !> "welch": what spectrum.csv holds.
+   subroutine put_welch(json, channel)
+      !> The document
+      type(json_type), intent(inout) :: json
+      !> One channel
+      type(channel_result_type), intent(in) :: channel
+
+      if (.not. channel%available%spectrum) then
+         call put_null(json, "welch")
+         return
+      end if
+      call open_object(json, "welch")
+      call put_member(json, "window", trim(channel%spectrum%window))
+      call put_member(json, "segment_samples", channel%spectrum%segment)
+      call put_member(json, "segments", channel%spectrum%used)
+      call put_member(json, "segments_left_out", channel%spectrum%segments - channel%spectrum%used)
+      call put_member(json, "overlap", channel%spectrum%overlap)
+      call put_member(json, "resolution_hz", channel%spectrum%resolution)
+      call put_member(json, "noise_bandwidth_hz", channel%spectrum%noise_bandwidth)
+      call put_member(json, "degrees_of_freedom", channel%spectrum%degrees_of_freedom)
+      call put_member(json, "confidence", channel%spectrum%confidence)
+      call put_member(json, "frequencies", size(channel%spectrum%frequency, kind=int64))
+      call close_object(json)
+   end subroutine put_welch
+
+end module gyroakf_report_document_periodicity
