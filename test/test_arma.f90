@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of the ARMA models: exact likelihood, its gradient, the fit.
 module test_arma
+   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_lapack, only : dpotrf, dtrtrs
@@ -17,6 +18,8 @@ module test_arma
    private
    public :: collect_arma
 
+   !> What the searches of the order table leave
+   real(dp), parameter :: table_error = 0.01_dp
    real(dp), parameter :: log_two_pi = 1.8378770664093454836_dp
    !> Coefficients of the models below, ARMA(3, 3) and its smaller ones
    real(dp), parameter :: phi3(3) = [0.5_dp, 0.2_dp, -0.3_dp], theta3(3) = [0.6_dp, 0.3_dp, 0.2_dp]
@@ -40,6 +43,9 @@ contains
          & new_unittest("offset and scale", test_invariance), &
          & new_unittest("missing samples", test_missing), &
          & new_unittest("orders by a criterion", test_orders), &
+         & new_unittest("AR(1) under white noise is chosen as ARMA(1,1), whatever the threads", test_choice), &
+         & new_unittest("the part of a long series", test_part), &
+         & new_unittest("models at the edge are not chosen", test_edge), &
          & new_unittest("a common factor is told", test_common), &
          & new_unittest("failures", test_failures)]
    end subroutine collect_arma
@@ -319,18 +325,89 @@ contains
       real(dp) :: x(1000)
 
       call simulate([0.9_dp], [0.5_dp], 13_int64, x)
-      call fit_arma(x, arma_options(criterion="bic", max_p=2, max_q=2), model, failure)
+      call fit_arma(x, arma_options(max_p=2, max_q=2), model, failure)
       call check(error,.not. allocated(failure), "a fit")
       if (allocated(error)) return
       call check(error, model%p == 1 .and. model%q == 1 .and. size(model%table) == 9, "ARMA(1,1) by BIC")
       if (allocated(error)) return
-      call check(error, model%table(9)%log_likelihood >= maxval(model%table%log_likelihood) - 1e-6_dp, "the largest is likeliest")
+      call check(error, model%table(9)%log_likelihood >= maxval(model%table%log_likelihood) - table_error, "the largest")
       if (allocated(error)) return
-      call check(error, abs(model%fit%log_likelihood - model%table(5)%log_likelihood) < 1e-6_dp, "the line of the choice")
+      call check(error, abs(model%fit%log_likelihood - model%table(5)%log_likelihood) < table_error, "the line of the choice")
       if (allocated(error)) return
       call fit_arma(x, arma_options(p=2, max_q=1, criterion="aicc"), model, failure)
       call check(error, model%p == 2 .and. size(model%table) == 2, "one order given")
    end subroutine test_orders
+
+   subroutine test_choice(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(arma_model_type) :: model, other
+      type(gyro_error), allocatable :: failure
+      real(dp) :: x(12000), white(12000)
+      type(random_type) :: random
+      integer :: threads
+
+      call simulate([0.98_dp], theta3(:0), 8_int64, x)
+      call seed_random(random, 9_int64)
+      call fill_normal(random, white)
+      x = white + 0.06_dp*x
+      threads = omp_get_max_threads()
+      call omp_set_num_threads(1)
+      call fit_arma(x, arma_options(), model, failure)
+      call omp_set_num_threads(3)
+      if (.not. allocated(failure)) call fit_arma(x, arma_options(), other, failure)
+      call omp_set_num_threads(threads)
+      call check(error,.not. allocated(failure), "fits")
+      if (allocated(error)) return
+      call check(error, model%p == 1 .and. model%q == 1 .and. model%drift%found .and. model%converged, "ARMA(1,1) by BIC")
+      if (allocated(error)) return
+      call check(error, all(abs(model%table%bic - other%table%bic) <= 0) .and. abs(model%phi(1) - other%phi(1)) <= 0, "threads")
+      if (allocated(error)) return
+      call check(error, model%evaluations <= 20 .and. model%compared_length == 12000, "the fit begins where the choice ended")
+   end subroutine test_choice
+
+   subroutine test_part(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(arma_model_type) :: model, other
+      type(gyro_error), allocatable :: failure
+      real(dp) :: x(9000)
+      integer(int8) :: valid(9000)
+
+      call simulate([0.9_dp], [0.5_dp], 13_int64, x)
+      call fit_arma(x, arma_options(max_p=1, max_q=1, max_samples=8000_int64), model, failure)
+      call check(error, model%first == 501 .and. model%length == 8000 .and. model%compared_length == 2000, "the middle")
+      if (allocated(error)) return
+      call fit_arma(x(501:8500), arma_options(p=1, q=1), other, failure)
+      call check(error, model%p == 1 .and. model%q == 1 .and. abs(model%phi(1) - other%phi(1)) < 1e-6_dp, "fitted to it")
+      if (allocated(error)) return
+      valid = 1_int8
+      valid(::300) = 0_int8
+      call fit_arma(x, arma_options(p=1, q=1, max_samples=8000_int64), model, failure, valid)
+      call check(error, model%length == 8000, "few gaps")
+      if (allocated(error)) return
+      valid(::100) = 0_int8
+      call fit_arma(x, arma_options(p=1, q=1, max_samples=8000_int64), model, failure, valid)
+      call check(error, model%length == 2000 .and. model%first == 3501, "many gaps: a quarter")
+   end subroutine test_part
+
+   !> White noise, differenced: its MA(1) has theta = -1.
+   subroutine test_edge(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(arma_model_type) :: model
+      type(gyro_error), allocatable :: failure
+      real(dp) :: x(1001)
+
+      call simulate(phi3(:0), theta3(:0), 13_int64, x)
+      x(:1000) = x(2:) - x(:1000)
+      call fit_arma(x(:1000), arma_options(max_p=1, max_q=1), model, failure)
+      call check(error,.not. allocated(failure), "a fit")
+      if (allocated(error)) return
+      call check(error, any(.not. model%table%usable) .and. .not. (model%p == 0 .and. model%q == 1), "left out")
+      if (allocated(error)) return
+      call fit_arma(x(:1000), arma_options(p=0, q=1), model, failure)
+      call check(error, size(model%warnings) >= 1, "told where it is asked for")
+      if (allocated(error)) return
+      call check(error, index(model%warnings(1)%text, "MA polynomial is at the unit circle") > 0, "by name")
+   end subroutine test_edge
 
    subroutine test_common(error)
       type(error_type), allocatable, intent(out) :: error

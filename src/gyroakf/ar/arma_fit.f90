@@ -21,8 +21,11 @@ module gyroakf_ar_arma_fit
    !> Where all starts are tried first, of a series at least twice as long
    integer(int64), parameter :: trial_length = 16384
 
-   !> A gain of ln L that ends the search: a change of the coefficients of 1e-6 of their standard errors
-   real(dp), parameter :: evident = 1.0e-12_dp
+   !> A gain of ln L that is worth no further step: the coefficients are within 5e-5 of their standard errors, and as the method
+   !> converges faster than linearly, better; where orders are compared, or starts on a part, 1 % of the standard errors will do
+   real(dp), parameter :: evident = 1.0e-9_dp, rough = 1.0e-4_dp
+   !> Most steps of a search, and of one on a part
+   integer, parameter :: most_steps = 60, most_rough_steps = 25
 
    !> What is known of the series before
    type :: arma_hint_type
@@ -51,7 +54,7 @@ module gyroakf_ar_arma_fit
 contains
 
    !> Largest likelihood of orders p and q.
-   subroutine maximise_likelihood(series, hint, p, q, optimum)
+   subroutine maximise_likelihood(series, hint, p, q, optimum, quick, first)
       !> The series, centred and scaled
       type(arma_series_type), intent(in) :: series
       !> What is known of it
@@ -60,37 +63,46 @@ contains
       integer, intent(in) :: p, q
       !> The maximum
       type(arma_optimum_type), intent(out) :: optimum
+      !> A search from the best start alone, and not to the last digit: good enough to compare orders
+      logical, intent(in) :: quick
+      !> Free parameters of a maximum of a part of the series: [p + q + 1]; it is one of the starts, and one search is enough
+      real(dp), intent(in), optional :: first(:)
       type(arma_objective_type) :: objective
-      type(arma_optimum_type) :: trial
+      type(arma_optimum_type) :: best
       real(dp) :: start(p + q + 1, 4)
       integer :: i, starts
+      logical :: long
 
       optimum%p = p
       optimum%q = q
+      objective%p = p
+      objective%q = q
       call gather_starts(hint, p, q, start, starts)
-      if (size(series%y, kind=int64) >= 2*trial_length) then
+      long = size(series%y, kind=int64) >= 2*trial_length
+      if (present(first)) then
+         best%parameter = first
+      else if (long) then
          call part_of(series, trial_length, objective%series)
-         objective%p = p
-         objective%q = q
-         trial%p = p
-         trial%q = q
-         do i = 1, starts
-            call improve(objective, start(:, i), trial)
+         if (quick) then
+            call take_best(objective, start, starts, best)
+            if (allocated(best%parameter)) start(:, 1) = best%parameter
+         end if
+         do i = 1, merge(1, starts, quick)
+            call improve(objective, start(:, i), best, .true.)
          end do
-         optimum%iterations = trial%iterations
-         optimum%evaluations = trial%evaluations
-         objective%series = series
-         call take_best(objective, start, starts, trial)
-         starts = 1
-         if (allocated(trial%parameter)) start(:, 1) = trial%parameter
-      else
-         objective%series = series
-         objective%p = p
-         objective%q = q
+         optimum%iterations = best%iterations
+         optimum%evaluations = best%evaluations
       end if
-      do i = 1, starts
-         call improve(objective, start(:, i), optimum)
-      end do
+      objective%series = series
+      if (long .or. quick .or. present(first)) then
+         call take_best(objective, start, starts, best)
+         optimum%evaluations = optimum%evaluations + starts
+         if (allocated(best%parameter)) call improve(objective, best%parameter, optimum, quick)
+      else
+         do i = 1, starts
+            call improve(objective, start(:, i), optimum, quick)
+         end do
+      end if
    end subroutine maximise_likelihood
 
    !> Of the best of a part and the starts, the one that the whole series likes best.
@@ -118,13 +130,15 @@ contains
    end subroutine take_best
 
    !> Searches from a start; keeps what is better than before.
-   subroutine improve(objective, start, optimum)
+   subroutine improve(objective, start, optimum, quick)
       !> The likelihood
       type(arma_objective_type), intent(inout) :: objective
       !> Free parameters
       real(dp), intent(in) :: start(:)
       !> The best so far
       type(arma_optimum_type), intent(inout) :: optimum
+      !> Not to the last digit
+      logical, intent(in) :: quick
       type(minimise_options) :: how
       type(minimum_type) :: minimum
       type(error_type), allocatable :: error
@@ -133,7 +147,9 @@ contains
 
       call start_inverse(objective, start, inverse, known)
       optimum%evaluations = optimum%evaluations + 1
-      how%decrease_tolerance = max(evident/real(size(objective%series%y, kind=int64), dp), 4.0_dp*epsilon(evident))
+      how%max_iterations = merge(most_rough_steps, most_steps, quick)
+      how%decrease_tolerance = merge(rough, evident, quick)/real(size(objective%series%y, kind=int64), dp)
+      how%decrease_tolerance = max(how%decrease_tolerance, 1.0e-14_dp)
       if (known) then
          call minimise(objective, start, how, minimum, error, inverse)
       else

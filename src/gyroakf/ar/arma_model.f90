@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> ARMA(p, q) models, p, q <= 3, by the exact Gaussian likelihood, with the choice of the orders.
 !>
-!>     call fit_arma(x, arma_options(criterion="bic"), model, error)
+!>     call fit_arma(x, arma_options(), model, error)
 !>
 !> A gyroscope whose drift is AR(1) under white noise is an ARMA(1, 1); a drift of p such terms an ARMA(p, p). A fit of AR models
 !> alone takes many coefficients for either.
@@ -26,8 +26,9 @@ module gyroakf_ar_arma_model
 
    !> sigma^2 below this share of the variance is a perfect fit: what is left comes from the edge of the stationary models
    real(dp), parameter :: perfect = 1.0e-14_dp
-   !> Where samples are missing the part is shorter by it
-   integer(int64), parameter :: gap_share = 4
+   !> Where there is more than one gap in so many samples the part is shorter by the second number: after a gap the prediction
+   !> goes sample by sample
+   integer(int64), parameter :: rare_gap = 256, gap_share = 4
 
 contains
 
@@ -55,22 +56,24 @@ contains
       type(arma_series_type) :: series
       type(arma_hint_type) :: hint
       type(arma_optimum_type) :: optimum
+      real(dp), allocatable :: chosen(:)
       real(dp) :: centre(2), scale
+      integer(int64) :: most_samples
 
       call check_options(options, error)
       if (allocated(error)) return
       model%criterion = options%criterion
-      call take_series(x, options, model, series, hint, centre, scale, error, valid)
+      call take_series(x, options, model, most_samples, series, hint, centre, scale, error, valid)
       if (allocated(error)) return
       model%p = options%p
       model%q = options%q
       if (options%p < 0 .or. options%q < 0) then
-         call choose_orders(series, hint, options, model, scale, error, progress)
+         call choose_orders(series, hint, options, most_samples, model, scale, chosen, error, progress)
          if (allocated(error)) return
       end if
       call tell_progress("ARMA model", model%length/2, model%length, error, progress)
       if (allocated(error)) return
-      call maximise_likelihood(series, hint, model%p, model%q, optimum)
+      call maximise_likelihood(series, hint, model%p, model%q, optimum, .false., chosen)
       call complete_model(series, hint, optimum, centre, scale, model, error)
    end subroutine fit_arma
 
@@ -91,11 +94,13 @@ contains
    end subroutine check_options
 
    !> The part of the series that is used, centred and scaled by a power of 2, and what its autocovariances show.
-   subroutine take_series(x, options, model, series, hint, centre, scale, error, valid)
+   subroutine take_series(x, options, model, most_samples, series, hint, centre, scale, error, valid)
       real(dp), intent(in), contiguous :: x(:)
       type(arma_options), intent(in) :: options
       !> Gets the samples used
       type(arma_model_type), intent(inout) :: model
+      !> Samples that may be used
+      integer(int64), intent(out) :: most_samples
       type(arma_series_type), intent(out) :: series
       type(arma_hint_type), intent(out) :: hint
       !> Subtracted one after the other, then divided by
@@ -108,6 +113,7 @@ contains
 
       centre = 0.0_dp
       scale = 1.0_dp
+      most_samples = options%max_samples
       n = size(x, kind=int64)
       if (present(valid)) then
          if (size(valid, kind=int64) /= n) then
@@ -115,8 +121,10 @@ contains
             return
          end if
       end if
-      model%length = min(n, options%max_samples)
-      if (present(valid)) model%length = min(n, max(options%max_samples/gap_share, 1000_int64))
+      if (present(valid)) then
+         if (gaps(valid) > n/rare_gap) most_samples = max(most_samples/gap_share, 1000_int64)
+      end if
+      model%length = min(n, most_samples)
       model%first = (n - model%length)/2 + 1
       last = model%first + model%length - 1
       allocate (series%y(model%length), stat=failed)
@@ -145,6 +153,17 @@ contains
       hint%samples = real(model%samples, dp)
       call look_for_drift(series, hint)
    end subroutine take_series
+
+   !> Runs of missing samples.
+   pure integer(int64) function gaps(valid)
+      integer(int8), intent(in) :: valid(:)
+      integer(int64) :: t
+
+      gaps = 0
+      do t = 1, size(valid, kind=int64) - 1
+         if (valid(t) == 0_int8 .and. valid(t + 1) /= 0_int8) gaps = gaps + 1
+      end do
+   end function gaps
 
    !> Refuses a series too short for the orders.
    subroutine check_length(samples, options, error)
@@ -227,7 +246,7 @@ contains
       call find_drift(covariance, model)
       gain = -1.0_dp
       if (model%p > 0 .and. model%q > 0) then
-         call maximise_likelihood(series, hint, model%p - 1, model%q - 1, reduced)
+         call maximise_likelihood(series, hint, model%p - 1, model%q - 1, reduced, .true.)
          gain = max(2.0_dp*real(sums%count, dp)*(reduced%value - optimum%value), 0.0_dp)
       end if
       call warn_of(model, gain)

@@ -29,10 +29,10 @@ module gyroakf_ar_arma_result
       !> Largest orders compared, 0 .. 3
       integer :: max_p = 3, max_q = 3
       !> "aic", "aicc", "bic", "hqic" or "fpe"
-      character(8) :: criterion = "aic"
-      !> Of a longer series the middle part of so many samples is used, >= 1000; orders are compared on a 32nd of them, and
-      !> where samples are missing both are a quarter
-      integer(int64) :: max_samples = 1048576
+      character(8) :: criterion = "bic"
+      !> Of a longer series the middle part of so many samples is used, >= 1000; orders are compared on a quarter of them in its
+      !> middle. With more than one gap in 256 samples both are a quarter
+      integer(int64) :: max_samples = 131072
    end type arma_options
 
    !> A line of the order table
@@ -60,7 +60,7 @@ module gyroakf_ar_arma_result
    !> x_t - mean = sum phi_i (x_(t-i) - mean) + e_t + sum theta_j e_(t-j)
    type :: arma_model_type
       !> What chose the orders
-      character(8) :: criterion = "aic"
+      character(8) :: criterion = "bic"
       !> Orders
       integer :: p = 0, q = 0
       !> Coefficients and their standard errors: [p], [q]
@@ -77,7 +77,7 @@ module gyroakf_ar_arma_result
       integer(int64) :: samples = 0, first = 1, length = 0
       !> Samples of the part on which the orders were compared
       integer(int64) :: compared_length = 0
-      !> Orders compared: [number], p + q growing; no line where they were given
+      !> Orders compared: [number], p + q growing, ln L to 0.01; no line where they were given
       type(arma_order_type), allocatable :: table(:)
       !> Roots of both polynomials, inside the unit circle: [p], [q]
       type(ar_root_type), allocatable :: ar_root(:), ma_root(:)

@@ -44,7 +44,8 @@ module gyroakf_ar_arma_state
       real(dp) :: phi(largest) = 0.0_dp, ma(largest) = 0.0_dp
       !> Prediction and covariance
       real(dp) :: a(largest + 1) = 0.0_dp, p(largest + 1, largest + 1) = 0.0_dp
-      !> Derivatives: [lanes, ...]
+      !> Derivatives, those of theta theta' among them: [lanes, ...]; of symmetric matrices the upper triangle
+      real(dp) :: dmm(lanes, largest, largest) = 0.0_dp
       real(dp) :: dphi(lanes, largest) = 0.0_dp, dma(lanes, largest) = 0.0_dp, da(lanes, largest + 1) = 0.0_dp
       real(dp) :: dp(lanes, largest + 1, largest + 1) = 0.0_dp
       !> The last values of the series, of the innovations and of their derivatives, the newest first
@@ -63,7 +64,7 @@ contains
       type(arma_state_type), intent(out) :: state
       !> The covariance could be solved for, and is one
       logical, intent(out) :: stationary
-      integer :: i
+      integer :: i, j
 
       state%r = max(size(phi), size(theta) + 1)
       state%phi(:size(phi)) = phi
@@ -74,6 +75,11 @@ contains
       end do
       do i = 1, size(theta)
          state%dma(most + i, i + 1) = 1.0_dp
+      end do
+      do j = 1, state%r
+         do i = 1, j
+            state%dmm(:, i, j) = state%dma(:, i)*state%ma(j) + state%ma(i)*state%dma(:, j)
+         end do
       end do
       call start_covariance(state, stationary)
    end subroutine begin_state
@@ -199,49 +205,41 @@ contains
    pure subroutine advance(state, y, v, dv)
       type(arma_state_type), intent(inout) :: state
       real(dp), intent(in) :: y, v, dv(lanes)
-      real(dp) :: kappa(largest), dkappa(lanes, largest), distance, spread(lanes), over
-      integer :: i, j
+      real(dp) :: kappa(largest), dkappa(lanes, largest), distance, spread(lanes), over, change
+      integer :: i, j, l
 
       over = 1.0_dp/state%p(1, 1)
       do i = 1, state%r
          kappa(i) = state%p(1, i + 1)*over
-         dkappa(:, i) = (state%dp(:, 1, i + 1) - kappa(i)*state%dp(:, 1, 1))*over
          state%a(i) = state%phi(i)*y + state%a(i + 1) + kappa(i)*v
-         state%da(:, i) = state%dphi(:, i)*y + state%da(:, i + 1) + dkappa(:, i)*v + kappa(i)*dv
+         !$omp simd
+         do l = 1, lanes
+            dkappa(l, i) = (state%dp(l, 1, i + 1) - kappa(i)*state%dp(l, 1, 1))*over
+            state%da(l, i) = state%dphi(l, i)*y + state%da(l, i + 1) + dkappa(l, i)*v + kappa(i)*dv(l)
+         end do
          state%da(mean_lane, i) = state%da(mean_lane, i) - state%phi(i)
       end do
       distance = 0.0_dp
       spread(:) = 0.0_dp
       do j = 1, state%r
          do i = 1, j
-            state%dp(:, i, j) = state%dp(:, i + 1, j + 1) - kappa(i)*state%dp(:, 1, j + 1) - dkappa(:, i)*state%p(1, j + 1)
-            spread(:) = spread + state%dp(:, i, j)**2
-            state%dp(:, i, j) = state%dp(:, i, j) + (state%dma(:, i)*state%ma(j) + state%ma(i)*state%dma(:, j))
+            !$omp simd private(change)
+            do l = 1, lanes
+               change = state%dp(l, i + 1, j + 1) - kappa(i)*state%dp(l, 1, j + 1) - dkappa(l, i)*state%p(1, j + 1)
+               spread(l) = spread(l) + change**2
+               state%dp(l, i, j) = change + state%dmm(l, i, j)
+            end do
             state%p(i, j) = state%p(i + 1, j + 1) - kappa(i)*state%p(1, j + 1)
             distance = max(distance, abs(state%p(i, j)))
             state%p(i, j) = state%p(i, j) + state%ma(i)*state%ma(j)
          end do
       end do
-      call mirror(state)
       if (distance <= steady*sum(state%ma**2) .and. sum(spread) <= steady_derivative**2) then
          state%settled = state%settled + 1
       else
          state%settled = 0
       end if
    end subroutine advance
-
-   !> The lower triangles.
-   pure subroutine mirror(state)
-      type(arma_state_type), intent(inout) :: state
-      integer :: i, j
-
-      do j = 1, state%r
-         do i = j + 1, state%r
-            state%p(i, j) = state%p(j, i)
-            state%dp(:, i, j) = state%dp(:, j, i)
-         end do
-      end do
-   end subroutine mirror
 
    !> A missing sample: the state of the next one without a correction.
    pure subroutine skip(state)
@@ -263,12 +261,11 @@ contains
             associate (fi => state%phi(i), fj => state%phi(j), dfi => state%dphi(:, i), dfj => state%dphi(:, j))
                state%dp(:, i, j) = state%dp(:, i + 1, j + 1) + row(1)*(dfi*fj + fi*dfj) + fi*fj*drow(:, 1) &
                   + dfi*row(j + 1) + fi*drow(:, j + 1) + dfj*row(i + 1) + fj*drow(:, i + 1) &
-                  + state%dma(:, i)*state%ma(j) + state%ma(i)*state%dma(:, j)
+                  + state%dmm(:, i, j)
                state%p(i, j) = state%p(i + 1, j + 1) + fi*fj*row(1) + fi*row(j + 1) + fj*row(i + 1) + state%ma(i)*state%ma(j)
             end associate
          end do
       end do
-      call mirror(state)
       state%settled = 0
    end subroutine skip
 
