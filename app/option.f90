@@ -126,8 +126,9 @@ module gyroakf_app_option
       option_type("--welch-segment", "auto|S", "text", "run tests", "tests", &
                   "segments of Welch's spectrum in seconds (default auto: a power of two samples of which 8 fit, at most 16384)"), &
       option_type("--lines", "N", "natural", "run tests", "tests", "look for at most N spectral lines (default 10; 0: none)"), &
-      option_type("--ar-method", "yw", "choice", "run ar filter", "ar", "yw: Yule-Walker by the Levinson recursion", &
-                  "burg|ols"), &
+      option_type("--ar-method", "yw|burg|ols|mcov", "choice", "run ar filter", "ar", &
+                  "Yule-Walker by the Levinson recursion (default), Burg's recursion, least squares with intercept, or "// &
+                  "forward and backward"), &
       option_type("--ar-criterion", "aic|aicc|bic|hqic|fpe", "choice", "run ar filter", "ar", &
                   "what chooses the order (default aic)"), &
       option_type("--max-order", "N", "natural", "run ar filter", "ar", &

@@ -66,6 +66,7 @@ module gyroakf
    use gyroakf_ar_autocovariance, only : compute_autocovariance, residual_autocovariance
    use gyroakf_ar_shared_autocovariance, only : autocovariance_type, plan_autocovariance, need_autocovariance
    use gyroakf_ar_levinson, only : solve_levinson
+   use gyroakf_ar_spectrum, only : ar_spectrum
    use gyroakf_ar_roots, only : ar_root_type, find_ar_roots, largest_modulus
    use gyroakf_filter_series, only : filter_result_type, filter_series, filter_run_type, begin_filter_run, feed_filter_run, &
       end_filter_run

@@ -25,6 +25,7 @@ program test_main
    use test_ar, only : collect_ar
    use test_ar_roots, only : collect_ar_roots
    use test_arma, only : collect_arma
+   use test_ar_spectrum, only : collect_ar_spectrum
    use test_audit, only : collect_audit
    use test_resample, only : collect_resample
    use test_autocovariance, only : collect_autocovariance
@@ -114,6 +115,7 @@ program test_main
    call add("ar", collect_ar)
    call add("ar_roots", collect_ar_roots)
    call add("arma", collect_arma)
+   call add("ar_spectrum", collect_ar_spectrum)
    call add("audit", collect_audit)
    call add("resample", collect_resample)
    call add("autocovariance", collect_autocovariance)

@@ -3,7 +3,7 @@
 module test_burg
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_ar_autocovariance, only : series_mean
+   use gyroakf_ar_autocovariance, only : compute_autocovariance, series_mean
    use gyroakf_ar_burg, only : burg_type, compute_burg
    use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
    use ar_reference, only : burg_phi, burg_residual, burg_variance
@@ -109,9 +109,9 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(6), parameter :: names(4) = [character(6) :: "ar2", "wn", "ar1", "ar1_99"]
       type(burg_type) :: a, b
-      real(dp), allocatable :: x(:)
+      real(dp), allocatable :: x(:), r(:)
       integer(int8), allocatable :: valid(:)
-      real(dp) :: shift, rest
+      real(dp) :: shift, rest, mean
       integer(int64) :: count
       integer :: i
       type(gyro_error), allocatable :: problem
@@ -120,7 +120,8 @@ contains
          x = 1.0e3_dp + reference_series(trim(names(i)), 30000)
          allocate (valid(size(x)), source=1_int8)
          call series_mean(x, shift, rest, count)
-         call compute_burg(x, shift, rest, 12, a, problem)
+         call compute_autocovariance(x, 12, mean, r, problem)
+         call compute_burg(x, shift, rest, 12, a, problem, r=r)
          call compute_burg(x, shift, rest, 12, b, problem, valid)
          deallocate (valid)
          call check(error, .not. allocated(problem), "it failed")

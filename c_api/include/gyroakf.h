@@ -509,7 +509,8 @@ GYROAKF_API int gyroakf_spectral_lines(const double *x, int64_t n, double dt, in
 
 typedef struct gyroakf_ar_options {
   size_t struct_size;
-  const char *method;    /* "yw" (default): Yule-Walker */
+  const char *method;    /* "yw" (default): Yule-Walker; "burg"; "ols": least squares with intercept; "mcov": forward and
+                            backward least squares. The model of the last two may be not stationary */
   const char *criterion; /* "aic" (default), "aicc", "bic", "hqic", "fpe" */
   int32_t order;         /* -1 (default): chosen by the criterion; otherwise 0 .. max_order */
 } gyroakf_ar_options;

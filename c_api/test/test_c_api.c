@@ -552,6 +552,17 @@ static void test_ar(void) {
   check_success(gyroakf_ar_fit(x, 20000, NULL, 3, &order, phi, NULL, NULL, &err), "results that are not wanted");
   check_success(gyroakf_ar_fit(x, 20000, NULL, 0, &order, NULL, &variance, NULL, &err), "order 0 needs no coefficients");
   check(order == 0 && fabs(variance - 4.0 / 3.0) < 0.08, "order 0");
+  {
+    const char *const method[4] = {"yw", "burg", "ols", "mcov"};
+    opt.order = 2;
+    for (i = 0; i < 4; i++) {
+      opt.method = method[i];
+      check_success(gyroakf_ar_fit(x, 20000, &opt, 3, &order, phi, &variance, &mean, &err), method[i]);
+      check(order == 2 && fabs(phi[0] - 0.5) < 0.03 && fabs(phi[1]) < 0.03 && fabs(variance - 1.0) < 0.05, method[i]);
+    }
+    opt.order = -1;
+    opt.method = NULL;
+  }
   for (i = 0; i < 60; i++) x[331 * i] = NAN;
   check_success(gyroakf_ar_fit(x, 20000, &opt, 3, &order, phi, &variance, &mean, &err), "missing samples");
   check(order == 1 && fabs(phi[0] - 0.5) < 0.03, "coefficient with missing samples");

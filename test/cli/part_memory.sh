@@ -76,13 +76,13 @@ fi
 # the series are written while they go by, the same as in memory but for rounding
 good "series of a streamed filter" filter large.txt --memory 30MB --out filtered_streamed --digits 9 --quiet
 good "series in memory" filter large.txt --out filtered_whole --digits 9 --quiet
-is "result files of a streamed filter" "$(ls filtered_streamed | tr '\n' ' ')" "report.txt results.json series.csv "
+is "result files of a streamed filter" "$(ls filtered_streamed | tr '\n' ' ')" "ar_spectrum.csv report.txt results.json series.csv "
 is "lines of the series" "$(wc -l <filtered_streamed/series.csv)" 1000001
 is "lines that differ beyond rounding" "$(paste -d, filtered_whole/series.csv filtered_streamed/series.csv |
    awk -F, 'NR == 1 { if ($0 != "time,raw,cleaned,kf,akf,time,raw,cleaned,kf,akf") n++; next }
    { for (i = 1; i <= 5; i++) { d = $i - $(i + 5); if (d > 1e-7 || d < -1e-7) n++ } } END { print n + 0 }')" 0
 good "binary series of a streamed filter" filter large.txt --memory 30MB --out filtered_streamed --series-format npy --force --quiet
-is "the other series is gone" "$(ls filtered_streamed | tr '\n' ' ')" "report.txt results.json series.npy "
+is "the other series is gone" "$(ls filtered_streamed | tr '\n' ' ')" "ar_spectrum.csv report.txt results.json series.npy "
 good "which can be read" inspect filtered_streamed/series.npy --quiet --json npy.json
 holds "samples of the series" '"samples": 1000000' npy.json
 bad "a streamed filter keeps results" 2 "is there already and is kept" filter large.txt --memory 30MB --out filtered_streamed \

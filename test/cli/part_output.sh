@@ -26,7 +26,7 @@ is "simulated rate" "$(number rate_hz out)" 100
 good "run on the example" run "$example" --out results --json all.json
 holds "report on standard output" "AKF" out
 is "report fits 100 columns" "$(LC_ALL=C.UTF-8 awk 'length > 100' out)" ""
-is "the result files" "$(cd results && echo *)" "allan.csv coefficients.csv correlation.csv histogram.csv report.txt results.json series.csv spectrum.csv"
+is "the result files" "$(cd results && echo *)" "allan.csv ar_spectrum.csv coefficients.csv correlation.csv histogram.csv report.txt results.json series.csv spectrum.csv"
 if cmp -s results/results.json all.json; then pass; else fail "results.json and --json differ"; fi
 if cmp -s results/report.txt out; then pass; else fail "report.txt and standard output differ"; fi
 is "series.csv is complete" "$(grep -c '^[-0-9]' results/series.csv)" 12000
@@ -34,7 +34,7 @@ sum=$(cat results/* | cksum)
 good "run into the same directory again" run "$example" --out results --quiet --force
 is "--quiet prints nothing" "$(cat out)" ""
 is "the same results again" "$(cat results/* | cksum)" "$sum"
-is "nothing is left aside" "$(cd results && echo * .[!.]*)" "allan.csv coefficients.csv correlation.csv histogram.csv report.txt results.json series.csv spectrum.csv .[!.]*"
+is "nothing is left aside" "$(cd results && echo * .[!.]*)" "allan.csv ar_spectrum.csv coefficients.csv correlation.csv histogram.csv report.txt results.json series.csv spectrum.csv .[!.]*"
 
 if command -v python3 >/dev/null; then
    # the numbers that issue and README promise: ratio of KF and cleaned variance, phi, order, stationarity, AKF below KF
@@ -143,6 +143,20 @@ is "JSON has a row for each segment" "$(sed -n '/"dynamic"/,/^ *"lower"/p' dynam
 bad "dynamic without a number" 1 "--dynamic" allan loud.txt --dynamic x
 good "a list of averaging times" allan "$example" --taus 1,2,10,100
 good "ar with options" ar "$example" --outliers mad --outlier-threshold 4 --detrend 2 --order 2 --ar-criterion bic
+for method in yw burg ols mcov; do
+   good "ar by $method" ar "$example" --detrend 3 --order 1 --ar-method $method --out "ar_$method"
+   is "the spectrum of $method" "$(head -n 1 "ar_$method/ar_spectrum.csv") $(wc -l <"ar_$method/ar_spectrum.csv")" \
+      "channel,frequency,density 1026"
+   near "phi by $method" "$(sed -nE 's/.*"coefficients": \[([0-9.]+)\].*/\1/p' "ar_$method/results.json")" 0.388 0.005
+   is "JSON says that $method is stationary" "$(grep -c '"stationary": true' "ar_$method/results.json")" 1
+done
+good "filter by burg" filter "$example" --detrend 3 --ar-method burg
+awk 'BEGIN { srand(1); x = 1; for (i = 0; i < 400; i++) { x = 1.03*x + rand() - 0.5; print x } }' >growing.txt
+good "a series that grows" filter growing.txt --ar-method ols --order 1 --json growing.json
+holds "the report says that the model is not stationary" "NOT STATIONARY" out
+holds "the filters take another model" "take the Yule-Walker model of the same order" out
+is "JSON says that it is not stationary" "$(grep -c '"stationary": false' growing.json)" 1
+bad "a method that does not exist" 1 "mcov" ar "$example" --ar-method least
 good "tests with options" tests "$example" --adf-regression ct --adf-lags 3 --detrend none
 good "coefficients of the ADF test" tests "$example" --adf-regression ct --adf-lags 3 --adf-table --json adf.json
 holds "a coefficient of the report" "  lag 3 " out

@@ -5,13 +5,12 @@
 !>
 !> - the lattice holds forward and backward residuals, 16 bytes a sample, and passes over them once an order: a block is
 !>   updated and multiplied for the next order while it is in the cache;
-!> - a long series without gaps needs one pass: the sums of an order are quadratic forms of its autocovariances, less
-!>   the products at the two ends, which is exact. Rounding grows with (sum |a_j|)^2 r_0/s, known on the way: where it could reach
-!>   the 12th digit the lattice is taken.
+!> - a long series without gaps needs its autocovariances alone: the sums of an order are quadratic forms of them, less the
+!>   products at the two ends, which is exact. Rounding grows with (sum |a_j|)^2 r_0/s, known on the way: where it could
+!>   reach the 12th digit the lattice is taken.
 module gyroakf_ar_burg
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_ar_autocovariance, only : compute_autocovariance
    use gyroakf_ar_burg_lattice, only : burg_lattice_type, begin_lattice, next_order
    implicit none (type, external)
    private
@@ -46,7 +45,7 @@ contains
    !> over t = m .. n-1, from f_0 = b_0 = x; always stationary. With gaps the sums go over the t of every stretch that is long
    !> enough, with one k_m for all: de Waele & Broersen, IEEE Trans. Signal Process. 48 (2000) 2876-2880. Source: Burg, Maximum
    !> entropy spectral analysis, 37th SEG meeting (1967); the quadratic forms: Vos, A fast implementation of Burg's method (2013).
-   subroutine compute_burg(x, shift, rest, order, burg, error, valid)
+   subroutine compute_burg(x, shift, rest, order, burg, error, valid, r)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> Its mean, in two parts that are subtracted in turn
@@ -59,6 +58,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Biased autocovariances, for whoever has them: [0:order]; without them, and with gaps, the lattice is taken
+      real(dp), intent(in), optional :: r(0:)
       integer(int64) :: n
       integer :: stat
       logical :: done
@@ -74,8 +75,8 @@ contains
       burg%phi = 0.0_dp
       burg%reflection = 0.0_dp
       done = .false.
-      if (.not. present(valid) .and. n >= long_series .and. n >= samples_an_order*order) then
-         call by_autocovariances(x, shift, rest, burg, done, error)
+      if (present(r) .and. .not. present(valid) .and. n >= long_series .and. n >= samples_an_order*order) then
+         call by_autocovariances(x, shift, rest, r(0:order), burg, done, error)
          if (allocated(error)) return
       end if
       if (.not. done) call by_lattice(x, shift, rest, burg, error, valid)
@@ -171,28 +172,28 @@ contains
    end subroutine add_order
 
    !> One pass for all orders, where rounding allows.
-   subroutine by_autocovariances(x, shift, rest, burg, done, error)
+   subroutine by_autocovariances(x, shift, rest, r, burg, done, error)
       !> Series and its mean
       real(dp), intent(in), contiguous :: x(:)
       real(dp), intent(in) :: shift, rest
+      !> Its autocovariances
+      real(dp), intent(in) :: r(0:)
       !> The models
       type(burg_type), intent(inout) :: burg
       !> .false.: the lattice is needed
       logical, intent(out) :: done
       !> As of [[compute_burg]]
       type(error_type), allocatable, intent(out) :: error
-      real(dp), allocatable :: s(:)
-      real(dp) :: a(0:size(burg%reflection)), mean, cross, power
+      real(dp) :: s(0:size(burg%reflection)), a(0:size(burg%reflection)), cross, power
       integer(int64) :: n
       integer :: m, p
 
       n = size(x, kind=int64)
       p = size(burg%reflection)
       done = .false.
-      call compute_autocovariance(x, p, mean, s, error)
-      if (.not. allocated(error)) call begin_orders(burg, s(0), n, error)
+      call begin_orders(burg, r(0), n, error)
       if (allocated(error)) return
-      s = s*real(n, dp)
+      s = r*real(n, dp)
       a(0) = 1.0_dp
       do m = 1, p
          a(1:m - 1) = -burg%phi(:m - 1, m - 1)

@@ -61,7 +61,7 @@ contains
       if (allocated(error)) return
       call check_length(size(x, kind=int64), most, "samples", error)
       if (allocated(error)) return
-      lags = merge(most, 0, options%method == "yw")
+      lags = merge(most, 0, any(options%method == ["yw  ", "burg"]))
       if (present(shared)) then
          if (allocated(shared%r) .and. shared%max_lag >= lags) then
             allocate (r(0:lags), source=shared%r(0:lags))
@@ -76,7 +76,7 @@ contains
       constant = 0.0_dp
       select case (options%method)
       case ("yw"); call model_of(r, size(x, kind=int64), pairs, most, options, model, error)
-      case ("burg"); call fit_burg(x, most, options, model, error, valid)
+      case ("burg"); call fit_burg(x, r, most, options, model, error, valid)
       case default; call fit_least_squares(x, most, options, model, constant, error, valid)
       end select
       if (allocated(error)) return
@@ -148,9 +148,11 @@ contains
    end subroutine model_of
 
    !> The model by Burg's recursion.
-   subroutine fit_burg(x, most, options, model, error, valid)
+   subroutine fit_burg(x, r, most, options, model, error, valid)
       !> Series
       real(dp), intent(in), contiguous :: x(:)
+      !> Its autocovariances: [0:most]
+      real(dp), intent(in) :: r(0:)
       !> Largest order
       integer, intent(in) :: most
       !> How
@@ -169,7 +171,7 @@ contains
       call check_length(model%samples, most, "samples", error)
       if (allocated(error)) return
       call series_mean(x, shift, rest, model%samples, valid)
-      call compute_burg(x, shift, rest, most, burg, error, valid)
+      call compute_burg(x, shift, rest, most, burg, error, valid, r)
       if (allocated(error)) return
       call choose_order(burg%variance, model%samples, options, model)
       model%coefficient = burg%phi(:model%order, model%order)

@@ -18,6 +18,7 @@ module gyroakf_pipeline_channel
    use gyroakf_pipeline_changes, only : run_halves, run_dynamic
    use gyroakf_pipeline_distribution, only : run_distribution
    use gyroakf_pipeline_filters, only : run_filters
+   use gyroakf_pipeline_filter_model, only : choose_filter_model
    use gyroakf_pipeline_shared_pass, only : plan_pass, run_adf
    use gyroakf_pipeline_periodicity, only : run_periodicity
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_outliers, warn_order, warn_model, &
@@ -173,7 +174,9 @@ contains
       if (is_fatal(error)) return
       channel%available%ar = .not. allocated(error)
       call note_failure(channel, "AR model", error)
-      if (channel%available%ar) call warn_order(channel)
+      if (.not. channel%available%ar) return
+      call warn_order(channel)
+      call choose_filter_model(z, options%ar, channel, valid)
    end subroutine run_ar
 
    !> The paper compares the orders from 1 on: the best of them, where order 0 would win.

@@ -3,8 +3,11 @@
 module gyroakf_pipeline_filter_lane
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_series_moments, only : moments_type
+   use gyroakf_series_normality, only : test_jarque_bera
    use gyroakf_series_whiteness, only : ljung_box_of
-   use gyroakf_ar_lag_stream, only : begin_lag_stream, feed_lag_stream, finish_lag_stream, lag_stream_type
+   use gyroakf_ar_residual_stream, only : begin_residual_stream, feed_residual_stream, finish_residual_stream, &
+      residual_stream_type
    use gyroakf_ar_model, only : residual_lags
    use gyroakf_filter_design, only : design_akf, design_drift_akf, design_drift_kf, design_kf
    use gyroakf_filter_kalman, only : filter_type
@@ -31,7 +34,7 @@ module gyroakf_pipeline_filter_lane
       logical :: centred = .false.
       type(worker_type) :: kf, akf, drift_kf, drift_akf
       !> Residuals of the AR model; whether they are tested
-      type(lag_stream_type) :: residuals
+      type(residual_stream_type) :: residuals
       logical :: tests_residuals = .false.
       !> Something was missing
       logical :: gaps = .false.
@@ -60,7 +63,7 @@ contains
       if (.not. channel%available%ar) return
       lags = residual_lags(samples, channel%ar%order)
       lane%tests_residuals = lags > channel%ar%order
-      if (lane%tests_residuals) call begin_lag_stream(lane%residuals, lags, error, channel%ar%coefficient, channel%ar%mean)
+      if (lane%tests_residuals) call begin_residual_stream(lane%residuals, lags, channel%ar%mean, channel%ar%coefficient, error)
       if (allocated(error)) return
       lane%centred = abs(channel%cleaned%mean) > negligible_mean*channel%cleaned%std
       if (lane%centred) lane%centre = channel%cleaned%mean
@@ -133,9 +136,9 @@ contains
       lane%z = x - lane%centre
       if (lane%tests_residuals) then
          if (present(valid)) then
-            call feed_lag_stream(lane%residuals, x, valid)
+            call feed_residual_stream(lane%residuals, x, valid)
          else
-            call feed_lag_stream(lane%residuals, x)
+            call feed_residual_stream(lane%residuals, x)
          end if
       end if
       call resize(part%series_kf, n, lane%kf%works, error)
@@ -253,7 +256,7 @@ contains
       call note_failure(channel, name, error)
    end subroutine measure
 
-   !> Ljung-Box test of the AR model's residuals; left out where there are too few of them or they are constant.
+   !> Whiteness and normality of the AR model's residuals; left out where there are too few of them or they are constant.
    subroutine test_residuals(lane, channel)
       type(filter_lane_type), intent(in) :: lane
       type(channel_result_type), intent(inout) :: channel
@@ -261,10 +264,11 @@ contains
       real(dp), allocatable :: r(:)
       integer(int64), allocatable :: pairs(:)
       integer(int64) :: n
-      real(dp) :: mean
+      type(moments_type) :: moments
 
-      call finish_lag_stream(lane%residuals, mean, r, pairs, n)
+      call finish_residual_stream(lane%residuals, r, pairs, n, moments)
       if (pairs(0) < 1) return
+      call test_jarque_bera(moments, channel%ar%residual_normality, error)
       if (lane%gaps) then
          call ljung_box_of(r, n, channel%ar%order, channel%ar%residual_ljung_box, error, pairs)
       else

@@ -74,14 +74,14 @@ contains
       type(filter_type) :: filter
 
       if (which == stage%kf) then
-         call design_kf(channel%ar, options%design, filter, error)
+         call design_kf(channel%filter_ar, options%design, filter, error)
          if (.not. allocated(error)) call filter_series(filter, z, x, channel%kf, error, valid, progress)
          if (is_fatal(error)) return
          channel%available%kf = .not. allocated(error)
          call note_failure(channel, "Kalman filter", error)
          if (channel%available%kf) channel%kf_figures = figures_of(channel%kf, channel)
       else
-         call design_akf(channel%ar, difference_variance(z, valid), options%design, filter, error)
+         call design_akf(channel%filter_ar, difference_variance(z, valid), options%design, filter, error)
          if (.not. allocated(error)) call filter_series(filter, z, x, channel%akf, error, valid, progress)
          if (is_fatal(error)) return
          channel%available%akf = .not. allocated(error)

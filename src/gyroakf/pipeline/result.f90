@@ -216,6 +216,8 @@ module gyroakf_pipeline_result
       type(welch_type) :: spectrum
       !> The model that was chosen
       type(ar_model_type) :: ar
+      !> The model that the paper's filters take: the same, or Yule-Walker's of the same order where that is not stationary
+      type(ar_model_type) :: filter_ar
       !> Largest share of the variance, in percent, that one-step prediction by the AR model removes: 100 (1 - sigma_a^2/var)
       real(dp) :: predictable_percent = 0.0_dp
       !> The paper's filters

@@ -80,6 +80,7 @@ contains
       what = ""
       if (options%clean%method /= "none") what = "--outliers"
       if (options%clean%degree >= 0) what = "--detrend"
+      if (options%ar%method /= "yw") what = "--ar-method "//trim(options%ar%method)
       least = base_bytes + channel_bytes*size(recording%table%chosen)
       if (what /= "") then
          call fatal_error(error, status%no_memory, too_large(recording)//new_line("a")//"without "//what//" the recording is "// &

@@ -10,6 +10,7 @@ module gyroakf_report_files
    use gyroakf_report_text, only : write_report
    use gyroakf_report_document, only : write_document
    use gyroakf_report_spectrum_file, only : write_spectrum, has_spectrum
+   use gyroakf_report_ar_details, only : write_ar_spectrum
    use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, write_dynamic, &
       series_output_type
    use gyroakf_report_histogram, only : write_histogram
@@ -19,8 +20,9 @@ module gyroakf_report_files
    public :: write_results, result_files, existing_result, series_output_type
 
    !> In the order in which they are written; one of the first three
-   character(16), parameter :: result_files(11) = [character(16) :: "series.csv", "series.npy", "series.f64", "allan.csv", &
-      "coefficients.csv", "dynamic.csv", "correlation.csv", "histogram.csv", "spectrum.csv", "report.txt", "results.json"]
+   character(16), parameter :: result_files(12) = [character(16) :: "series.csv", "series.npy", "series.f64", "allan.csv", &
+      "coefficients.csv", "dynamic.csv", "ar_spectrum.csv", "correlation.csv", "histogram.csv", "spectrum.csv", "report.txt", &
+      "results.json"]
 
 contains
 
@@ -39,8 +41,8 @@ contains
    end function existing_result
 
    !> Writes the series (where they were kept), allan.csv and coefficients.csv (where there are curves), dynamic.csv (where it
-   !> was asked for), correlation.csv, histogram.csv and spectrum.csv (where there are tests), report.txt and results.json; those
-   !> that an earlier run left and this one does not write are removed.
+   !> was asked for), ar_spectrum.csv (where there are AR models), correlation.csv, histogram.csv and spectrum.csv (where there are
+   !> tests), report.txt and results.json; those that an earlier run left and this one does not write are removed.
    !> The series of a streamed record are not here: they are written while it goes by.
    subroutine write_results(directory, command, record, options, result, error, output, progress)
       !> Made where it does not exist
@@ -69,7 +71,8 @@ contains
       if (allocated(error)) return
       wanted(:3) = options%keep_series .and. .not. record%streamed .and. [character(3) :: "csv", "npy", "f64"] == series%form
       wanted(4:) = [options%do_allan, options%do_allan, options%do_allan .and. options%dynamic_segments > 0, &
-         & any(result%channel%available%correlation), options%do_tests, options%do_tests .and. has_spectrum(result), .true., .true.]
+                    options%do_ar, any(result%channel%available%correlation), options%do_tests, &
+                    options%do_tests .and. has_spectrum(result), .true., .true.]
       do i = 1, size(result_files)
          if (.not. wanted(i)) cycle
          call open_writer(writer(i), directory//"/"//trim(result_files(i)), error)
@@ -106,6 +109,7 @@ contains
       case ("allan.csv"); call write_allan(writer, result)
       case ("coefficients.csv"); call write_coefficients(writer, result)
       case ("dynamic.csv"); call write_dynamic(writer, result)
+      case ("ar_spectrum.csv"); call write_ar_spectrum(writer, result, record%sample_interval)
       case ("histogram.csv"); call write_histogram(writer, result)
       case ("correlation.csv"); call write_correlation(writer, result)
       case ("spectrum.csv"); call write_spectrum(writer, result)

@@ -6,6 +6,7 @@ module gyroakf_report_models
    use gyroakf_series_whiteness, only : ljung_box_type
    use gyroakf_filter_series, only : filter_result_type
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, filter_figures_type
+   use gyroakf_report_ar_details, only : put_ar_normality, put_ar_roots
    use gyroakf_report_layout, only : put_heading, put_item, put_items, number, scientific, fixed, count_text, p_value_text
    use gyroakf_report_table, only : table_type, new_table, set_cell, put_table
    use gyroakf_report_stationarity, only : whiteness_text, negligible_rho
@@ -26,8 +27,8 @@ contains
       integer :: i, row
 
       if (.not. channel%available%ar) return
-      call put_heading(writer, "Table I. AR models ("//method_name(channel%ar%method)//", n = "//count_text(channel%ar%samples)// &
-                       "); * is the order chosen by "//upper_case(trim(channel%ar%criterion)))
+      call put_heading(writer, "Table I. AR models ("//method_name(channel%ar%method)//", n = "// &
+                       count_text(channel%ar%compared_rows)//"); * is the order chosen by "//upper_case(trim(channel%ar%criterion)))
       call new_table(table, size(channel%ar%table) + 1, size(head))
       do i = 1, size(head)
          call set_cell(table, 1, i, trim(head(i)))
@@ -65,7 +66,9 @@ contains
       call put_item(writer, "AR("//count_text(int(channel%ar%order, int64))//")", text//"noise variance "// &
                     scientific(channel%ar%noise_variance, 6)//" of a variance of "// &
                     scientific(channel%ar%variance, 6))
+      call put_ar_roots(writer, channel%ar)
       if (channel%ar%residual_ljung_box%lags > 0) call put_item(writer, "Residuals", whiteness_text(channel%ar%residual_ljung_box))
+      call put_ar_normality(writer, channel%ar)
    end subroutine put_model
 
    !> Mean and variance before and after each filter, and beside them what the filter does to a true rotation.
@@ -179,6 +182,7 @@ contains
       case ("yw"); name = "Yule-Walker"
       case ("burg"); name = "Burg"
       case ("ols"); name = "least squares"
+      case ("mcov"); name = "forward and backward least squares"
       case default; name = trim(method)
       end select
    end function method_name

@@ -1,0 +1,153 @@
+! SPDX-License-Identifier: MIT
+!> What is said of the AR model beside its coefficients: roots, normality of the residuals, spectrum.
+module gyroakf_report_ar_details
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_io_writer, only : writer_type, put, put_line, put_real
+   use gyroakf_ar_model, only : ar_model_type
+   use gyroakf_ar_spectrum, only : ar_spectrum
+   use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type
+   use gyroakf_report_csv, only : quoted
+   use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null
+   use gyroakf_report_layout, only : put_item, number, count_text, p_value_text
+   implicit none (type, external)
+   private
+   public :: put_ar_roots, put_ar_normality, put_ar_members, write_ar_spectrum
+
+   !> So many roots are named in the report; the JSON document has all
+   integer, parameter :: named_roots = 6
+   !> Intervals between 0 and the Nyquist frequency in the file
+   integer, parameter :: frequency_steps = 1024
+   !> Enough for every number of a file that was written with 15 digits
+   integer, parameter :: digits = 15
+
+contains
+
+   !> Intercept and roots.
+   subroutine put_ar_roots(writer, model)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> The model that was chosen
+      type(ar_model_type), intent(in) :: model
+      character(:), allocatable :: text
+      integer :: i
+
+      if (model%method == "ols") call put_item(writer, "", "intercept "//number(model%intercept, 6)//" +/- "// &
+                                               number(model%intercept_std_error, 2)//"; the errors have the divisor "// &
+                                               count_text(model%rows)//", the rows fitted")
+      if (allocated(model%root) .and. model%order > 0) then
+         text = ""
+         do i = 1, min(model%order, named_roots)
+            if (model%root(i)%imaginary_part < 0.0_dp) cycle
+            text = text//root_text(model, i)//"; "
+         end do
+         if (model%order > named_roots) text = text//"...; "
+         call put_item(writer, "Roots", text//trim(merge("stationary    ", "NOT STATIONARY", model%stationary)))
+      end if
+   end subroutine put_ar_roots
+
+   !> Normality of the residuals, where it was tested.
+   subroutine put_ar_normality(writer, model)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> The model that was chosen
+      type(ar_model_type), intent(in) :: model
+
+      associate (test => model%residual_normality)
+         if (test%kurtosis > 0.0_dp) call put_item(writer, "", "skewness "//number(test%skewness, 3)//", excess kurtosis "// &
+            number(test%kurtosis - 3.0_dp, 3)//", Jarque-Bera "//number(test%statistic, 4)//", "//p_value_text(test%p_value))
+      end associate
+   end subroutine put_ar_normality
+
+   !> A real root or a pair: modulus, time constant, and the period where it swings.
+   function root_text(model, i) result(text)
+      !> The model
+      type(ar_model_type), intent(in) :: model
+      !> Which of its roots
+      integer, intent(in) :: i
+      character(:), allocatable :: text
+
+      associate (root => model%root(i))
+         text = number(root%modulus, 4)
+         if (root%imaginary_part > 0.0_dp) text = "pair "//text//" (period "//number(1.0_dp/root%frequency, 4)//" samples"
+         if (root%imaginary_part <= 0.0_dp .and. root%real_part < 0.0_dp) text = "-"//text
+         if (root%imaginary_part <= 0.0_dp) text = text//" ("
+         if (root%imaginary_part > 0.0_dp) text = text//", "
+         if (root%modulus >= 1.0_dp) then
+            text = text//"grows)"
+         else
+            text = text//"decays in "//number(root%time_constant, 3)//" samples)"
+         end if
+      end associate
+   end function root_text
+
+   !> The members that follow the others of "ar".
+   subroutine put_ar_members(json, model)
+      !> The document, in the object
+      type(json_type), intent(inout) :: json
+      !> The model
+      type(ar_model_type), intent(in) :: model
+      integer :: i
+
+      call put_member(json, "stationary", model%stationary)
+      call open_array(json, "roots")
+      do i = 1, merge(model%order, 0, allocated(model%root))
+         call open_object(json)
+         call put_member(json, "real", model%root(i)%real_part)
+         call put_member(json, "imaginary", model%root(i)%imaginary_part)
+         call put_member(json, "modulus", model%root(i)%modulus)
+         call put_member(json, "frequency", model%root(i)%frequency)
+         call put_member(json, "time_constant_samples", model%root(i)%time_constant)
+         call put_member(json, "damping", model%root(i)%damping)
+         call close_object(json)
+      end do
+      call close_array(json)
+      call put_member(json, "rows", model%rows)
+      call put_member(json, "compared_rows", model%compared_rows)
+      call put_member(json, "intercept", model%intercept)
+      if (model%method == "ols") then
+         call put_member(json, "intercept_std_error", model%intercept_std_error)
+      else
+         call put_null(json, "intercept_std_error")
+      end if
+      call put_member(json, "unbiased_variance", model%unbiased_variance)
+      call put_member(json, "residual_variance", model%residual_variance)
+      if (model%residual_normality%kurtosis > 0.0_dp) then
+         call open_object(json, "residual_normality")
+         call put_member(json, "statistic", model%residual_normality%statistic)
+         call put_member(json, "p_value", model%residual_normality%p_value)
+         call put_member(json, "skewness", model%residual_normality%skewness)
+         call put_member(json, "kurtosis", model%residual_normality%kurtosis)
+         call close_object(json)
+      else
+         call put_null(json, "residual_normality")
+      end if
+   end subroutine put_ar_members
+
+   !> ar_spectrum.csv: the two-sided density of each channel's model from 0 to the Nyquist frequency, in the unit of the record
+   !> squared times s; cycles a sample and samples where no rate is known. A model that is not stationary has none.
+   subroutine write_ar_spectrum(writer, result, interval)
+      !> Open
+      type(writer_type), intent(inout) :: writer
+      !> With AR models
+      type(pipeline_result_type), intent(in) :: result
+      !> Sample interval, s; 1 without a rate
+      real(dp), intent(in) :: interval
+      real(dp) :: frequency
+      integer :: c, i
+
+      call put_line(writer, "channel,frequency,density")
+      do c = 1, size(result%channel)
+         if (.not. result%channel(c)%available%ar) cycle
+         if (.not. result%channel(c)%ar%stationary) cycle
+         do i = 0, frequency_steps
+            frequency = real(i, dp)/(2.0_dp*real(frequency_steps, dp)*interval)
+            call put(writer, quoted(result%channel(c)%name)//",")
+            call put_real(writer, frequency, digits)
+            call put(writer, ",")
+            call put_real(writer, ar_spectrum(result%channel(c)%ar, frequency, interval), digits)
+            call put_line(writer, "")
+         end do
+      end do
+   end subroutine write_ar_spectrum
+
+end module gyroakf_report_ar_details

@@ -1,0 +1,153 @@
+! SPDX-License-Identifier: MIT
+!> Tests of the spectrum of AR models, and of what the fit says of the residuals.
+module test_ar_spectrum
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : gyro_error => error_type
+   use gyroakf_ar_autocovariance, only : residual_autocovariance
+   use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
+   use gyroakf_ar_residual_stream, only : begin_residual_stream, feed_residual_stream, finish_residual_stream, &
+      residual_stream_type
+   use gyroakf_ar_residuals, only : analyse_residuals
+   use gyroakf_ar_spectrum, only : ar_spectrum
+   use gyroakf_series_moments, only : compute_moments, moments_type
+   use series_library, only : reference_series
+   use testdrive, only : check, error_type, new_unittest, unittest_type
+   implicit none (type, external)
+   private
+   public :: collect_ar_spectrum
+
+   real(dp), parameter :: tolerance = 1.0e-12_dp
+
+contains
+
+   !> The tests of this suite.
+   subroutine collect_ar_spectrum(testsuite)
+      !> The tests
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         & new_unittest("white", test_white), &
+         & new_unittest("integral", test_integral), &
+         & new_unittest("peak", test_peak), &
+         & new_unittest("residuals", test_residuals), &
+         & new_unittest("residual_stream", test_residual_stream)]
+   end subroutine collect_ar_spectrum
+
+   !> Order 0: the density of white noise, its variance over the bandwidth.
+   subroutine test_white(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: model
+      type(gyro_error), allocatable :: problem
+
+      call fit_ar(reference_series("wn", 200), ar_options(order=0), model, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, ar_spectrum(model, 17.0_dp, 0.01_dp), 0.01_dp*model%variance, thr=tolerance, rel=.true.)
+   end subroutine test_white
+
+   !> The variance that a Yule-Walker model gives back is r_0; the sum over a period of a smooth function is its integral.
+   subroutine test_integral(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: model
+      type(gyro_error), allocatable :: problem
+      integer :: i
+
+      call fit_ar(reference_series("ar2", 3000), ar_options(order=4, max_order=4), model, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, sum(ar_spectrum(model, [(0.125_dp*real(i, dp), i=-200, 199)], 0.02_dp))*0.125_dp, model%variance, &
+         & thr=tolerance, rel=.true.)
+      if (allocated(error)) return
+      call check(error, ar_spectrum(model, -3.0_dp, 0.02_dp), ar_spectrum(model, 53.0_dp, 0.02_dp), thr=tolerance, rel=.true.)
+   end subroutine test_integral
+
+   !> A sinusoid in noise: the density has its peak there, at the frequency of the largest pair of roots.
+   subroutine test_peak(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: model
+      type(gyro_error), allocatable :: problem
+      real(dp) :: density(0:5000)
+      integer :: i
+
+      call fit_ar(3.0_dp*[(cos(0.7_dp*real(i, dp)), i=1, 2000)] + reference_series("wn", 2000), &
+         & ar_options(method="burg", order=12, max_order=12), model, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      density = ar_spectrum(model, [(1.0e-4_dp*real(i, dp), i=0, 5000)], 1.0_dp)
+      call check(error, 1.0e-4_dp*real(maxloc(density, 1) - 1, dp), 0.7_dp/(2.0_dp*acos(-1.0_dp)), thr=2.0e-3_dp)
+      if (allocated(error)) return
+      call check(error, model%root(1)%frequency, 0.7_dp/(2.0_dp*acos(-1.0_dp)), thr=2.0e-3_dp)
+   end subroutine test_peak
+
+   !> One pass against the two of residual_autocovariance, and moments of residuals written out, with gaps.
+   subroutine test_residuals(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: phi(2) = [1.1_dp, -0.4_dp]
+      real(dp) :: x(20000)
+      integer(int8) :: valid(20000), row(19998)
+      real(dp), allocatable :: r(:), expected(:)
+      integer(int64), allocatable :: pairs(:), number(:)
+      type(moments_type) :: moments, dense
+      type(gyro_error), allocatable :: problem
+
+      x = reference_series("ar2", 20000) + 50.0_dp
+      valid = merge(0_int8, 1_int8, cshift(reference_series("unif", 20000), 50) < 0.05_dp)
+      valid(5000:12000) = 1_int8
+      call analyse_residuals(x, 49.0_dp, phi, 0.25_dp, 25, r, pairs, moments, problem, valid)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call residual_autocovariance(x, 49.0_dp, phi, 25, expected, problem, valid, number)
+      call check(error, maxval(abs(r - expected)), 0.0_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, all(pairs == number), "pairs")
+      if (allocated(error)) return
+      row = valid(3:)*valid(2:19999)*valid(:19998)
+      call compute_moments(x(3:) - 49.0_dp - phi(1)*(x(2:19999) - 49.0_dp) - phi(2)*(x(:19998) - 49.0_dp) - 0.25_dp, dense, row)
+      call check(error, maxval(abs([moments%mean, moments%std, moments%skewness, moments%kurtosis] - &
+         & [dense%mean, dense%std, dense%skewness, dense%kurtosis])), 0.0_dp, thr=tolerance)
+   end subroutine test_residuals
+
+   !> Parts of 1, 2, 7 and 5000 samples against the whole.
+   subroutine test_residual_stream(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: phi(3) = [1.1_dp, -0.4_dp, 0.1_dp]
+      integer, parameter :: part(4) = [1, 2, 7, 5000]
+      real(dp) :: x(15000)
+      integer(int8) :: valid(15000)
+      real(dp), allocatable :: r(:), expected(:)
+      integer(int64), allocatable :: pairs(:), number(:)
+      integer(int64) :: samples
+      type(moments_type) :: moments, whole
+      type(residual_stream_type) :: stream
+      type(gyro_error), allocatable :: problem
+      integer :: first, last, k
+
+      x = reference_series("ar2", 15000) + 50.0_dp
+      valid = merge(0_int8, 1_int8, cshift(reference_series("unif", 15000), 50) < 0.02_dp)
+      call analyse_residuals(x, 49.0_dp, phi, 0.0_dp, 23, expected, number, whole, problem, valid)
+      call begin_residual_stream(stream, 23, 49.0_dp, phi, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      last = 0
+      k = 0
+      do while (last < size(x))
+         first = last + 1
+         last = min(last + part(modulo(k, 4) + 1), size(x))
+         k = k + 1
+         call feed_residual_stream(stream, x(first:last), valid(first:last))
+      end do
+      call finish_residual_stream(stream, r, pairs, samples, moments)
+      call check(error, samples == size(x) - 3 .and. all(pairs == number), "pairs")
+      if (allocated(error)) return
+      call check(error, maxval(abs(r - expected)), 0.0_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, maxval(abs([moments%mean, moments%std, moments%skewness, moments%kurtosis] - &
+         & [whole%mean, whole%std, whole%skewness, whole%kurtosis])), 0.0_dp, thr=tolerance)
+   end subroutine test_residual_stream
+
+end module test_ar_spectrum
