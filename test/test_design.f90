@@ -31,6 +31,8 @@ contains
          & new_unittest("white_model", test_white), &
          & new_unittest("drift_filters", test_drift), &
          & new_unittest("drift_with_jumping_noise", test_jump), &
+         & new_unittest("unstable_model", test_unstable), &
+         & new_unittest("unstable_by_hand", test_unstable_by_hand), &
          & new_unittest("refused", test_refused)]
    end subroutine collect_design
 
@@ -312,4 +314,64 @@ contains
       call design_kf(model, design_options(), filter, failure)
       call check(error, failure%code, status%constant_input)
    end subroutine test_refused
+
+   !> Least squares of a growing series gives a model that grows: no filter is made of it, and the message says so
+   subroutine test_unstable(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(ar_model_type) :: model
+      type(filter_type) :: filter
+      real(dp) :: z(400)
+      integer :: i
+
+      call fill_noise(101, z)
+      do i = 2, size(z)
+         z(i) = z(i) + 1.02_dp*z(i - 1)
+      end do
+      do i = 1, 2
+         call fit_ar(z, ar_options(method="ols", order=i), model, failure)
+         call check(error, .not. allocated(failure) .and. .not. model%stationary, "least squares does not grow")
+         if (allocated(error)) return
+         call design_kf(model, design_options(), filter, failure)
+         call check_unstable(error, failure)
+         if (allocated(error)) return
+         call design_akf(model, 0.0_dp, design_options(), filter, failure)
+         call check_unstable(error, failure)
+         if (allocated(error)) return
+      end do
+   end subroutine test_unstable
+
+   !> Coefficients set by hand: at the unit circle and beyond, order 1 and 2
+   subroutine test_unstable_by_hand(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(ar_model_type) :: model
+      type(filter_type) :: filter
+      real(dp), parameter :: phi(2, 4) = reshape([1.0_dp, 0.0_dp, -1.0_dp, 0.0_dp, 1.5_dp, -0.4_dp, 0.3_dp, 0.8_dp], [2, 4])
+      integer :: i
+
+      model%variance = 1.0_dp
+      model%noise_variance = 0.5_dp
+      do i = 1, 4
+         model%coefficient = phi(:merge(1, 2, i <= 2), i)
+         call design_kf(model, design_options(), filter, failure)
+         call check_unstable(error, failure)
+         if (allocated(error)) return
+         call design_akf(model, 1.0_dp, design_options(), filter, failure)
+         call check_unstable(error, failure)
+         if (allocated(error)) return
+      end do
+   end subroutine test_unstable_by_hand
+
+   !> Refused as not stationary, in words
+   subroutine check_unstable(error, failure)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable, intent(in) :: failure
+
+      call check(error, allocated(failure), "a model that is not stationary made a filter")
+      if (allocated(error)) return
+      call check(error, failure%code, status%unstable)
+      if (allocated(error)) return
+      call check(error, index(failure%message, "stationary") > 0, "the message does not say why: "//failure%message)
+   end subroutine check_unstable
 end module test_design

@@ -8,6 +8,7 @@ module gyroakf_filter_design
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_ar_model, only : ar_model_type
+   use gyroakf_ar_roots, only : largest_modulus
    use gyroakf_filter_identification, only : drift_model_type
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter
    implicit none (type, external)
@@ -62,7 +63,8 @@ contains
       type(design_options), intent(in) :: options
       !> The filter
       type(filter_type), intent(out) :: filter
-      !> constant_input: the series has no variance; invalid_argument: r_factor; those of new_filter
+      !> constant_input: the series has no variance; unstable: the model is not stationary, as least squares may give it;
+      !> invalid_argument: r_factor; those of new_filter
       type(error_type), allocatable, intent(out) :: error
       type(filter_options) :: plain
 
@@ -88,7 +90,8 @@ contains
       type(design_options), intent(in) :: options
       !> The filter
       type(filter_type), intent(out) :: filter
-      !> constant_input; invalid_argument: form, a letter of `estimate`; those of new_filter
+      !> constant_input; unstable: the model is not stationary; invalid_argument: form, a letter of `estimate`; those of
+      !> new_filter
       type(error_type), allocatable, intent(out) :: error
       type(filter_options) :: adaptive
 
@@ -171,18 +174,32 @@ contains
       call shorten_burn_in(filter, model%samples)
    end subroutine design_drift_akf
 
-   !> Whether a series stands behind the model.
+   !> Whether a series stands behind the model, and one that is stationary.
    subroutine check_model(model, error)
       !> The model
       type(ar_model_type), intent(in) :: model
-      !> invalid_argument, constant_input
+      !> invalid_argument, constant_input, unstable
       type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: root
+      character(24) :: digits
+      logical :: stable
 
       if (.not. allocated(model%coefficient)) then
          call fatal_error(error, status%invalid_argument, "a filter is designed from a fitted AR model; this one is empty")
       else if (.not. model%variance > 0.0_dp) then
          call fatal_error(error, status%constant_input, "a series without variance has no filter")
       end if
+      if (allocated(error)) return
+      stable = model%stationary
+      if (size(model%coefficient) == 1) stable = stable .and. abs(model%coefficient(1)) < 1.0_dp
+      if (stable) return
+      root = ""
+      if (allocated(model%root)) then
+         write (digits, "(f0.6)") largest_modulus(model%root)
+         root = ", its largest root has the modulus "//trim(digits)
+      end if
+      call fatal_error(error, status%unstable, "the AR model ("//trim(model%method)//") is not stationary"//root// &
+                       ": a filter of it would diverge; the methods yw and burg give stationary models")
    end subroutine check_model
 
    !> Whether a drift was identified.
