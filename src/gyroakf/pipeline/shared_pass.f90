@@ -8,12 +8,11 @@ module gyroakf_pipeline_shared_pass
    use gyroakf_ar_shared_autocovariance, only : autocovariance_type, plan_autocovariance, need_autocovariance
    use gyroakf_series_moments, only : moments_type
    use gyroakf_series_stationarity, only : test_adf
-   use gyroakf_series_whiteness, only : ljung_box_of
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure
    implicit none (type, external)
    private
-   public :: plan_pass, run_adf, run_ljung_box
+   public :: plan_pass, run_adf
 
    !> Autocovariances that are made in any case
    integer, parameter :: least_lags = 40
@@ -61,34 +60,5 @@ contains
       call note_failure(channel, "ADF test", error)
       call need_autocovariance(z, shared, error, valid)
    end subroutine run_adf
-
-   !> The Ljung-Box test, of autocovariances that are there.
-   subroutine run_ljung_box(z, options, channel, shared, error, valid)
-      !> The cleaned series: [n]; only its length counts
-      real(dp), intent(in), contiguous :: z(:)
-      !> Of the main job
-      type(pipeline_options), intent(in) :: options
-      !> Its test is filled
-      type(channel_result_type), intent(inout) :: channel
-      !> Filled
-      type(autocovariance_type), intent(in) :: shared
-      !> no_memory; all else is noted in the channel
-      type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: n
-      integer :: lags
-
-      n = size(z, kind=int64)
-      lags = int(min(int(options%ljung_box_lags, int64), max(1_int64, n/5)))
-      if (present(valid)) then
-         call ljung_box_of(shared%r(0:lags), n, 0, channel%ljung_box, error, shared%pairs(0:lags))
-      else
-         call ljung_box_of(shared%r(0:lags), n, 0, channel%ljung_box, error)
-      end if
-      if (is_fatal(error)) return
-      channel%available%ljung_box = .not. allocated(error)
-      call note_failure(channel, "Ljung-Box test", error)
-   end subroutine run_ljung_box
 
 end module gyroakf_pipeline_shared_pass
