@@ -75,6 +75,7 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       type(residual_type) :: residual
       real(dp) :: gram(most, most)
+      real(dp) :: critical(3)
       integer(int64) :: rows
       integer :: terms
 
@@ -95,7 +96,8 @@ contains
       call correct(result, terms + 1, error)
       if (allocated(error)) return
       rows = result%observations
-      result%critical = critical_values(terms + 1, rows)
+      critical = critical_values(terms + 1, rows)
+      result%critical = critical
       result%p_value = p_value(result%statistic, terms + 1)
       result%stationary = result%statistic < result%critical(2)
    end subroutine test_phillips_perron
