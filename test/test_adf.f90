@@ -52,6 +52,7 @@ contains
          & new_unittest("threads", test_threads), &
          & new_unittest("verdict", test_verdict), &
          & new_unittest("most_lags", test_most_lags), &
+         & new_unittest("short", test_short), &
          & new_unittest("degenerate", test_degenerate), &
          & new_unittest("failures", test_failures)]
    end subroutine collect_adf
@@ -375,6 +376,30 @@ contains
       call default_max_lags(1000_int64, 1, -1, most(1), wanted(1), valid)
       call check(error, most(1) == 7 .and. wanted(1) == 22, "most lags with gaps")
    end subroutine test_most_lags
+
+   !> The lag is chosen for every series that lag 0 can be tested of: the most lags leave more rows than regressors.
+   subroutine test_short(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: x(30)
+      integer(int8) :: valid(30)
+      type(adf_type) :: adf
+      type(gyro_error), allocatable :: problem
+      integer :: n, i
+
+      x = reference_series("wn", 30)
+      valid = [(int(merge(0, 1, mod(i, 7) == 4), int8), i=1, 30)]
+      do n = 6, 30
+         call run_adf(x(:n), adf_options(regression="n"), adf, problem)
+         if (.not. allocated(problem) .and. n >= 9) call run_adf(x(:n), adf_options(), adf, problem, valid(:n))
+         call check(error, .not. allocated(problem), "a short series, or one with gaps, is tested with fewer lags")
+         if (allocated(error)) return
+      end do
+      call run_adf(x(:8), adf_options(regression="n", lags=3), adf, problem)
+      call check(error, allocated(problem), "4 rows are too few for 4 regressors")
+      if (allocated(error)) return
+      call check(error, index(problem%message, "there are 4") > 0, "the rows are told: "//problem%message)
+   end subroutine test_short
 
    !> Constant, perfect line, perfect prediction: a status, no number.
    subroutine test_degenerate(error)

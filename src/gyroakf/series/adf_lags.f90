@@ -12,8 +12,8 @@ module gyroakf_series_adf_lags
 
 contains
 
-   !> Most lags that are tried: as many as are asked for, or ceiling(12 (n/100)^(1/4)) (Schwert); at most n/2 - terms - 1, and
-   !> with gaps no more than leave a tenth of the samples in complete rows.
+   !> Most lags that are tried: as many as are asked for, or ceiling(12 (n/100)^(1/4)) (Schwert); at most n/2 - terms - 1, no
+   !> more than leave more complete rows than there are regressors, and with gaps a tenth of the samples in complete rows.
    subroutine default_max_lags(n, terms, asked, most, wanted, valid)
       !> Length of the series
       integer(int64), intent(in) :: n
@@ -30,7 +30,7 @@ contains
 
       wanted = asked
       if (asked < 0) wanted = ceiling(12.0_dp*(real(n, dp)/100.0_dp)**0.25_dp)
-      most = max(0, int(min(int(wanted, int64), n/2 - terms - 1)))
+      most = max(0, int(min(int(wanted, int64), n/2 - terms - 1, (n - terms - 3)/2)))
       if (.not. present(valid)) return
       allocate (rows(0:most + 2))
       rows = 0
@@ -43,7 +43,7 @@ contains
       found = n - rows(0)
       run = rows(most + 2)
       do while (most > 0)
-         if (10*run >= found) exit
+         if (10*run >= found .and. run > most + terms + 1) exit
          most = most - 1
          run = run + rows(most + 2)
       end do

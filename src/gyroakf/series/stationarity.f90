@@ -187,8 +187,8 @@ contains
       character(160) :: text
 
       k = terms + lags + 1
-      gram%rows = 0
-      if (size(x, kind=int64) > int(lags, int64) + k + 1) then
+      gram%rows = max(0_int64, size(x, kind=int64) - 1 - lags)               ! no more, even without gaps
+      if (gram%rows > k) then
          call build_gram(x, trend, terms, lags, gram, error, valid, shared, progress)
       end if
       if (allocated(error)) return
