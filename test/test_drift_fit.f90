@@ -190,6 +190,11 @@ contains
       call fit_drift(1.0e-3_dp*z + 1.0e3_dp, other, failed)
       call check(error, size(fit%candidate) == size(other%candidate))
       if (allocated(error)) return
+      call check(error, other%best, fit%best, "another model in another unit")
+      if (allocated(error)) return
+      call check(error, other%candidate(2)%aic - other%candidate(1)%aic, fit%candidate(2)%aic - fit%candidate(1)%aic, &
+         & thr=1.0e-4_dp)
+      if (allocated(error)) return
       do k = 1, 2                                        ! a third one may have no more than a flat top
          ! the offset takes six of the digits, the top of the likelihood is flat within the root of what is left
          call check(error, other%candidate(k)%model%r, 1.0e-6_dp*fit%candidate(k)%model%r, thr=1.0e-6_dp, rel=.true.)

@@ -32,7 +32,11 @@ module gyroakf_filter_drift_fit
       logical :: errors_known = .false.
       !> Fitted parameters
       integer :: parameters = 0
-      real(dp) :: log_likelihood = 0.0_dp, aic = 0.0_dp, bic = 0.0_dp
+      !> Of the series in u; with a random walk its first sample is given, not measured
+      real(dp) :: log_likelihood = 0.0_dp
+      !> Of the series in standard deviations, plus 2 n ln of that: the diffuse start of the random walk has no density in u,
+      !> and its likelihood a power of u more than that of the others
+      real(dp) :: aic = 0.0_dp, bic = 0.0_dp
       !> A maximum was found
       logical :: converged = .false.
    end type drift_candidate_type
@@ -171,6 +175,7 @@ contains
       type(minimum_type) :: minimum, other
       type(error_type), allocatable :: failed
       real(dp), allocatable :: start(:, :), value(:), inverse(:, :)
+      real(dp) :: deviance
       logical :: known
       integer :: k, first, n
 
@@ -196,8 +201,9 @@ contains
       found%parameters = n + merge(0, 1, objective%walk)
       found%log_likelihood = -minimum%value*real(objective%measurements, dp) - &
                              real(objective%measurements - merge(1, 0, objective%walk), dp)*log(scale)
-      found%aic = -2.0_dp*found%log_likelihood + 2.0_dp*found%parameters
-      found%bic = -2.0_dp*found%log_likelihood + log(real(objective%measurements, dp))*found%parameters
+      deviance = 2.0_dp*real(objective%measurements, dp)*(minimum%value + log(scale))
+      found%aic = deviance + 2.0_dp*found%parameters
+      found%bic = deviance + log(real(objective%measurements, dp))*found%parameters
       call model_of(objective, minimum%parameter, found%model)
       allocate (inverse(n, n))
       call invert_curvature(objective, minimum%parameter, inverse, known)
