@@ -9,7 +9,8 @@ module gyroakf_preprocess_clean
    use gyroakf_preprocess_trend, only : largest_degree
    use gyroakf_preprocess_outliers, only : check_method, default_threshold
    use gyroakf_preprocess_hampel, only : largest_half_width
-   use gyroakf_preprocess_truncation, only : expected_false_alarms, truncated_deviation, final_cut
+   use gyroakf_preprocess_truncation, only : expected_false_alarms, truncated_deviation, final_cut, isolated_share
+   use gyroakf_preprocess_neighbours, only : least_neighbours
    use gyroakf_preprocess_clean_types, only : clean_options, clean_type
    use gyroakf_preprocess_clean_rounds, only : run_rounds, detrend, set_mask
    implicit none (type, external)
@@ -225,6 +226,8 @@ contains
       case ("mad"); kept = truncated_deviation(result%threshold)
       case default; kept = truncated_deviation(final_cut(result%threshold, rounds))
       end select
+      if (result%method == "auto" .and. found >= least_neighbours) &
+         & kept = sqrt(1.0_dp - isolated_share(result%threshold)*(1.0_dp - kept**2))
       result%corrected_variance = 0.0_dp
       if (kept > 0.0_dp) result%corrected_variance = result%variance/kept**2
    end subroutine correct_variance

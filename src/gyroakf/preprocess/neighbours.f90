@@ -11,7 +11,7 @@ module gyroakf_preprocess_neighbours
    use gyroakf_preprocess_window, only : window_type, insert_value, window_median, window_deviation
    implicit none (type, external)
    private
-   public :: mark_isolated, neighbours
+   public :: mark_isolated, neighbours, least_neighbours
 
    !> Samples on either side
    integer(int64), parameter :: neighbours = 25

@@ -10,14 +10,18 @@
 !> Source: Johnson, Kotz, Balakrishnan, Continuous univariate distributions 1 (1994), section 13.10.1.
 module gyroakf_preprocess_truncation
    use gyroakf_kinds, only : dp, int64
+   use gyroakf_preprocess_neighbours, only : least_neighbours
    implicit none (type, external)
    private
-   public :: truncated_deviation, final_cut, normal_share_beyond, hampel_share, expected_false_alarms
+   public :: truncated_deviation, final_cut, normal_share_beyond, hampel_share, isolated_share, expected_false_alarms
 
    !> sqrt(2/pi)
    real(dp), parameter :: root_two_over_pi = 0.79788456080286535588_dp
    !> Most rounds that are followed: the limit is reached to rounding long before, unless K is next to sqrt(3)
    integer, parameter :: most_rounds = 100000
+   !> From so many samples on the standard deviation counts as known; a share beyond so many standard deviations is none
+   integer(int64), parameter :: known_from = 10000
+   real(dp), parameter :: far = 30.0_dp
 
 contains
 
@@ -110,7 +114,35 @@ contains
       share = two_over_root_pi*exp(log_gamma(0.5_dp*(freedom + 1.0_dp)) - log_gamma(0.5_dp*freedom))*total*way/real(steps, dp)
    end function student_share_beyond
 
-   !> Samples that a rule marks of white normal noise without outliers, on average.
+   !> Share of the samples of white normal noise beyond the limit that stand out of their neighbourhood too, as [[mark_isolated]]
+   !> asks for: fitted to 60,000 simulated windows of 51 samples each for t = 1.5 .. 6, within 2 % from 2 on.
+   elemental real(dp) function isolated_share(threshold)
+      !> t in standard deviations, > 0
+      real(dp), intent(in) :: threshold
+
+      isolated_share = min(1.0_dp, 0.46_dp + 0.56_dp/threshold)
+   end function isolated_share
+
+   !> What the share beyond t standard deviations of the same n samples is of that beyond t known standard deviations:
+   !> (x - mean)/s is t where Student's t with n-2 degrees of freedom is t sqrt(n(n-2)/((n-1)^2 - n t^2)). Source: Thompson,
+   !> Ann. Math. Stat. 6 (1935) 214-219.
+   pure real(dp) function sample_factor(threshold, n)
+      !> t, > 0
+      real(dp), intent(in) :: threshold
+      !> Samples
+      integer(int64), intent(in) :: n
+      real(dp) :: m, rest
+
+      sample_factor = 1.0_dp
+      if (n < 3 .or. n > known_from .or. threshold > far) return
+      m = real(n, dp)
+      rest = (m - 1.0_dp)**2 - m*threshold**2
+      if (.not. rest > 0.0_dp) return
+      sample_factor = student_share_beyond(threshold*sqrt(m*(m - 2.0_dp)/rest), m - 2.0_dp)/normal_share_beyond(threshold)
+   end function sample_factor
+
+   !> Samples that a rule marks of white normal noise without outliers, on average. With less than about 30 samples and many
+   !> rounds it is up to twice too large.
    pure real(dp) function expected_false_alarms(method, threshold, n, rounds, half_width)
       !> none, auto, pauta, chauvenet, mad, hampel
       character(*), intent(in) :: method
@@ -125,7 +157,9 @@ contains
       real(dp) :: share
 
       select case (method)
-      case ("pauta", "chauvenet", "auto"); share = normal_share_beyond(final_cut(threshold, rounds))
+      case ("pauta", "chauvenet", "auto")
+         share = normal_share_beyond(final_cut(threshold, rounds))*sample_factor(threshold, n)
+         if (method == "auto" .and. n >= least_neighbours) share = share*isolated_share(threshold)
          if (real(n - 1, dp) <= threshold*sqrt(real(n, dp))) share = 0.0_dp
       case ("mad"); share = normal_share_beyond(threshold)
       case ("hampel"); share = hampel_share(half_width, threshold)
