@@ -66,13 +66,15 @@ contains
    !> The step is as large as what is measured.
    subroutine warn_coarse(channel)
       type(channel_result_type), intent(inout) :: channel
+      character(:), allocatable :: share
 
       associate (grid => channel%quantisation)
          if (grid%ratio < coarse_ratio) return
+         share = format_real(100.0_dp*grid%variance_share, 2)//" % of the variance are rounding"
+         if (grid%variance_share >= 1.0_dp) share = "rounding hides the noise"
          call add_text(channel%warnings, "the step of the samples, "//format_real(grid%step, 4)//", is "// &
-            format_real(grid%ratio, 3)//" standard deviations of the cleaned series: "// &
-            format_real(100.0_dp*grid%variance_share, 2)//" % of the variance are rounding, and no test of normality "// &
-            "means anything; a finer range of the converter would show the sensor's noise")
+            format_real(grid%ratio, 3)//" standard deviations of the cleaned series: "//share//", and no test of "// &
+            "normality means anything; a finer range of the converter would show the sensor's noise")
       end associate
    end subroutine warn_coarse
 

@@ -97,7 +97,11 @@ contains
          if (grid%ratio < visible_step .and. rounding < visible_rounding) return
          text = "in steps of "//number(grid%step, 4)//", "//number(grid%ratio, 2)//" standard deviations"
          if (grid%levels > 0) text = text//", on "//plural(grid%levels, "level")
-         text = text//"; rounding is "//number(100*grid%variance_share, 2)//" % of the variance"
+         if (grid%variance_share < 1.0_dp) then
+            text = text//"; rounding is "//number(100*grid%variance_share, 2)//" % of the variance"
+         else
+            text = text//"; rounding hides the noise"
+         end if
          if (grid%corrected_std > 0.0_dp .and. grid%ratio >= visible_step) text = text// &
             " (without it a standard deviation of "//number(grid%corrected_std, 5)//")"
          if (rounding >= visible_rounding) text = text//" and alone gives an Anderson-Darling statistic of about "// &

@@ -38,9 +38,11 @@ contains
       else
          call put_item(writer, "Outliers", outlier_text(channel%clean)//"; marked missing")
          call put_item(writer, "By chance", chance_text(channel%clean))
-         if (channel%clean%corrected_variance > cut_matters*channel%clean%variance) call put_item(writer, "Variance", &
-            scientific(channel%clean%variance, 5)//" is left; of normal noise, whose tails are cut off too, it was "// &
-            scientific(channel%clean%corrected_variance, 5)//" before (in ("//unit_name(record)//")^2)")
+         if (channel%clean%removed > 0 .and. channel%clean%corrected_variance > cut_matters*channel%clean%variance) then
+            text = scientific(channel%clean%variance, 5)//" is left; of normal noise, whose tails are cut off too, it was "
+            call put_item(writer, "Variance", text//scientific(channel%clean%corrected_variance, 5)// &
+                          " before (in ("//unit_name(record)//")^2)")
+         end if
       end if
       if (channel%clean%trend%degree < 0 .or. .not. allocated(channel%clean%trend%power)) then
          call put_item(writer, "Trend", "none removed")

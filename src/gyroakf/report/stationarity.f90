@@ -49,7 +49,8 @@ contains
             text = "no evidence of stationarity: the unit root is not rejected"
          end if
       else if (.not. channel%available%adf) then
-         text = "not stationary: "//drift_text(channel)
+         text = "not stationary about a constant level: it drifts "//drift_text(channel)
+         if (channel%kpss%regression == "ct") text = "not stationary about a line: it drifts "//drift_text(channel)
          if (channel%kpss%stationary) text = "no evidence against stationarity"
       else if (channel%adf%stationary .and. channel%kpss%stationary) then
          text = "stationary: ADF and KPSS agree; the noise keeps returning to its mean, no drift is seen"
