@@ -41,7 +41,7 @@ module gyroakf_app_option
       command_type("run", "the whole job: clean, test, model, filter, Allan analysis before and after (default)"), &
       command_type("inspect", "what the file holds: format, columns, rate, gaps, jitter, repeats, range, step"), &
       command_type("allan", "deviation with limits, coefficients Q N B K R with errors, change during the record"), &
-      command_type("tests", "stationarity (ADF), normality (Jarque-Bera), whiteness (Ljung-Box), periodicity"), &
+      command_type("tests", "stationarity, normality, quantisation, whiteness, periodicity of the series"), &
       command_type("ar", "order table by every criterion, coefficients with standard errors, residuals"), &
       command_type("filter", "Kalman filter and adaptive Kalman filter: filtered series and diagnostics"), &
       command_type("simulate", "a record with known noise: Q N B K R, AR terms, trend, outliers, seed")]
