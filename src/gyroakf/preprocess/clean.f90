@@ -226,8 +226,9 @@ contains
       case ("mad"); kept = truncated_deviation(result%threshold)
       case default; kept = truncated_deviation(final_cut(result%threshold, rounds))
       end select
-      if (result%method == "auto" .and. found >= least_neighbours) &
-         & kept = sqrt(1.0_dp - isolated_share(result%threshold)*(1.0_dp - kept**2))
+      if (result%method == "auto" .and. found >= least_neighbours) then
+         kept = sqrt(1.0_dp - isolated_share(result%threshold)*(1.0_dp - kept**2))
+      end if
       result%corrected_variance = 0.0_dp
       if (kept > 0.0_dp) result%corrected_variance = result%variance/kept**2
    end subroutine correct_variance
