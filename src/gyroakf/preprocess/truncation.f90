@@ -142,7 +142,7 @@ contains
    end function sample_factor
 
    !> Samples that a rule marks of white normal noise without outliers, on average. With less than about 30 samples and many
-   !> rounds it is up to twice too large.
+   !> rounds it is off by up to a factor of two.
    pure real(dp) function expected_false_alarms(method, threshold, n, rounds, half_width)
       !> none, auto, pauta, chauvenet, mad, hampel
       character(*), intent(in) :: method
