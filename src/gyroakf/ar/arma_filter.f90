@@ -41,7 +41,7 @@ contains
       !> False: one by one to the end, for tests; true if absent
       logical, intent(in), optional :: switch
       !> Innovations over the root of their variance ratio, 0 where missing: [n]
-      real(dp), intent(inout), optional :: residual(:)
+      real(dp), intent(inout), contiguous, optional :: residual(:)
       type(arma_state_type) :: state
       real(dp) :: v, f
       integer(int64) :: t, last, n
@@ -70,6 +70,8 @@ contains
             t = last
          else
             call observe(state, series%y(t) - mean, sums, with_information, v, f)
+            stationary = f > 0.0_dp
+            if (.not. stationary) return
             if (present(residual)) residual(t) = v/sqrt(f)
          end if
          t = t + 1

@@ -46,7 +46,7 @@ contains
       real(dp), allocatable :: variance(:)
       real(dp) :: samples
       integer(int64) :: length
-      integer :: i, lines, best, first, last
+      integer :: i, lines, best, first, last, p, q
 
       length = max(most_samples/compared_share, 1000_int64)
       if (size(series%y, kind=int64) > length) then
@@ -62,9 +62,11 @@ contains
       allocate (model%table(lines), variance(lines))
       call tell_progress("ARMA orders", 0_int64, model%length, error, progress)
       if (allocated(error)) return
-      !$omp parallel do default(shared) schedule(dynamic) if (samples > 1.0e3_dp)
+      !$omp parallel do default(shared) private(p, q) schedule(dynamic) if (samples > 1.0e3_dp)
       do i = lines, 1, -1
-         call maximise_likelihood(part%series, hint, optimum(i)%p, optimum(i)%q, optimum(i), .true.)
+         p = optimum(i)%p
+         q = optimum(i)%q
+         call maximise_likelihood(part%series, hint, p, q, optimum(i), .true.)
       end do
       !$omp end parallel do
       last = 0

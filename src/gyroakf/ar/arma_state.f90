@@ -167,18 +167,19 @@ contains
       type(arma_sums_type), intent(inout) :: sums
       !> The information too
       logical, intent(in) :: with_information
-      !> v and F
+      !> v and F; F <= 0, by rounding where the model is hardly stationary: nothing is done
       real(dp), intent(out) :: innovation, variance
       real(dp) :: v, f, dv(lanes), df(lanes)
       integer :: m
 
       f = state%p(1, 1)
       v = y - state%a(1)
+      innovation = v
+      variance = f
+      if (f <= 0.0_dp) return
       df(:) = state%dp(:, 1, 1)
       dv(:) = -state%da(:, 1)
       dv(mean_lane) = dv(mean_lane) - 1.0_dp
-      innovation = v
-      variance = f
       sums%count = sums%count + 1
       sums%square = sums%square + v*v/f
       sums%log_f = sums%log_f + log(f)
