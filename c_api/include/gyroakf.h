@@ -530,6 +530,48 @@ GYROAKF_API void gyroakf_ar_options_init(gyroakf_ar_options *opt);
 GYROAKF_API int gyroakf_ar_fit(const double *x, int64_t n, const gyroakf_ar_options *opt, int32_t max_order,
                                int32_t *order, double *phi, double *noise_variance, double *mean, gyroakf_error *err);
 
+typedef struct gyroakf_arma_options {
+  size_t struct_size;
+  const char *criterion; /* "bic" (default), "aic", "aicc", "hqic", "fpe" */
+  int32_t p, q;          /* orders 0 .. 3; -1 (default): chosen by the criterion */
+  int32_t max_p, max_q;  /* largest orders compared, 0 .. 3; 3 */
+  int64_t max_samples;   /* of a longer series the middle so many are used, >= 1000; 131072. Orders are compared on a quarter of
+                            them; where there is more than one gap in 256 samples both are a quarter */
+} gyroakf_arma_options;
+
+GYROAKF_API void gyroakf_arma_options_init(gyroakf_arma_options *opt);
+
+/* Coefficients beyond the orders are 0, errors are standard errors. */
+typedef struct gyroakf_arma {
+  double phi[3], phi_error[3];
+  double theta[3], theta_error[3];
+  double mean, mean_error;     /* u */
+  double noise_variance;       /* of e, u^2 */
+  double log_likelihood;       /* the exact one */
+  double aic, bic;
+  double residual_p_value;     /* Ljung-Box test of the residuals over 20 lags; 1 where there are too few samples */
+  double residual_largest_rho; /* their largest autocorrelation */
+  double drift_time, drift_time_error; /* where drift_found: the model is an AR(1) of this correlation time, samples, */
+  double drift_std, drift_std_error;   /* of this standard deviation, u, */
+  double white_std, white_std_error;   /* in white noise of this one, u */
+  int64_t first, length;       /* the part of the series that was used, x[first] .. x[first + length - 1] */
+  int64_t samples;             /* of it, those that are present */
+  int32_t p, q;
+  int32_t converged;           /* 1: the search for the maximum ended there */
+  int32_t errors_known;        /* 0: the information matrix is singular, all errors are 0 */
+  int32_t drift_found;         /* 1: the model is ARMA(1,1), or AR(1), with -phi < theta <= 0 < phi */
+  int32_t warnings;            /* so many odd things: a common factor, a root at the unit circle, no convergence */
+} gyroakf_arma;
+
+/*
+ * ARMA model x_k - mean = sum phi_i (x_{k-i} - mean) + e_k + sum theta_j e_{k-j} by its exact Gaussian likelihood.
+ *   x    [n] series, unit u; NaN: missing, which the likelihood takes into account
+ *   opt  may be NULL
+ * On failure nothing but err is written.
+ */
+GYROAKF_API int gyroakf_arma_fit(const double *x, int64_t n, const gyroakf_arma_options *opt, gyroakf_arma *out,
+                                 gyroakf_error *err);
+
 /* ------------------------------------------------------------------------------------------------------------ filter */
 
 /* A Kalman filter of an AR(p) state in white noise, fixed or adaptive (Sage-Husa). */

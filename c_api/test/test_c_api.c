@@ -568,6 +568,53 @@ static void test_ar(void) {
   check(order == 1 && fabs(phi[0] - 0.5) < 0.03, "coefficient with missing samples");
 }
 
+/* An ARMA(1,1) that is AR(1) in white noise; a part of it; missing samples. */
+static void test_arma(void) {
+  static double x[4000];
+  gyroakf_arma_options opt;
+  gyroakf_arma m;
+  int32_t i;
+  gyroakf_arma_options_init(&opt);
+  check(opt.p == -1 && opt.q == -1 && opt.max_p == 3 && opt.max_samples == 131072, "defaults");
+  opt.p = opt.q = 1;
+  autoregressive(x, 4000, 0.9);
+  check_success(gyroakf_arma_fit(x, 4000, &opt, &m, &err), "ARMA(1,1) of AR(1)");
+  check(m.p == 1 && m.q == 1 && m.converged && m.errors_known && m.first == 0 && m.length == 4000 && m.samples == 4000, "counts");
+  check(fabs(m.phi[0] - 0.9) < 4 * m.phi_error[0] && fabs(m.theta[0]) < 4 * m.theta_error[0], "coefficients");
+  check(m.phi[1] == 0.0 && m.theta[2] == 0.0 && fabs(m.noise_variance - 1.0) < 0.1, "no others, noise variance");
+  check(close_to(m.bic - m.aic, 4 * (log(4000.0) - 2), 1e-9) && close_to(m.aic, 8 - 2 * m.log_likelihood, 1e-12), "criteria");
+  opt.q = 0;
+  opt.max_samples = 1000;
+  check_success(gyroakf_arma_fit(x, 4000, &opt, &m, &err), "AR(1) of a part");
+  check(m.first == 1500 && m.length == 1000 && m.drift_found == 1 && m.white_std == 0.0, "the middle; no white noise");
+  check(close_to(m.drift_time, -1 / log(m.phi[0]), 1e-12), "correlation time");
+  for (i = 0; i < 10; i++) x[400 * i] = NAN;
+  opt.max_samples = 4000;
+  check_success(gyroakf_arma_fit(x, 4000, &opt, &m, &err), "missing samples");
+  check(m.samples == 3990 && fabs(m.phi[0] - 0.9) < 4 * m.phi_error[0], "are not counted");
+}
+
+static void test_arma_failures(void) {
+  double x[100];
+  gyroakf_arma_options opt;
+  gyroakf_arma m;
+  m.p = 77;
+  nbs(x, 100);
+  check_failure(gyroakf_arma_fit(NULL, 4, NULL, &m, &err), GYROAKF_INVALID_ARGUMENT, "ARMA: series NULL");
+  check_failure(gyroakf_arma_fit(x, 100, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "ARMA: out NULL");
+  check_failure(gyroakf_arma_fit(x, 20, NULL, &m, &err), GYROAKF_TOO_FEW_SAMPLES, "ARMA: 20 samples");
+  gyroakf_arma_options_init(&opt);
+  opt.q = 4;
+  check_failure(gyroakf_arma_fit(x, 100, &opt, &m, &err), GYROAKF_INVALID_ARGUMENT, "ARMA: q = 4");
+  gyroakf_arma_options_init(&opt);
+  opt.criterion = "zzz";
+  check_failure(gyroakf_arma_fit(x, 100, &opt, &m, &err), GYROAKF_INVALID_ARGUMENT, "ARMA: unknown criterion");
+  opt.struct_size = 3;
+  check_failure(gyroakf_arma_fit(x, 100, &opt, &m, &err), GYROAKF_INVALID_ARGUMENT, "ARMA: struct_size 3");
+  check(m.p == 77, "ARMA: a failure leaves the result alone");
+  gyroakf_arma_options_init(NULL);
+}
+
 static void test_ar_failures(void) {
   double x[100], phi[12];
   int32_t order = 77;
@@ -998,6 +1045,8 @@ int main(void) {
   test_periodicity();
   test_ar();
   test_ar_failures();
+  test_arma();
+  test_arma_failures();
   test_filter_values();
   test_filter_run();
   test_filter_freeze();

@@ -72,6 +72,8 @@ option '--memory SIZE': '1MB' is too small, at least 28MB ; allan x.txt --memory
 '--truth' is not available in this version ; x.txt --truth f
 '--forgetting' is not one of 'inspect' ; inspect x.txt --forgetting 0.9
 --order is larger than --max-order ; ar x.txt --order 5 --max-order 3
+--ma-order goes with --order 0 to 3 ; ar x.txt --order 4 --ma-order 1
+'4' is not a whole number from 0 to 3 ; ar x.txt --ma-order 4
 '5000' is not a whole number from 0 to 1000 ; x.txt --adf-lags 5000
 --ar and --ar-variance go together ; simulate --ar 0.5
 'N=2' is not a term given once ; simulate --coefficients N=1,N=2

@@ -125,6 +125,7 @@ contains
          if (gaps(valid) > n/rare_gap) most_samples = max(most_samples/gap_share, 1000_int64)
       end if
       model%length = min(n, most_samples)
+      model%partial = model%length < n
       model%first = (n - model%length)/2 + 1
       last = model%first + model%length - 1
       allocate (series%y(model%length), stat=failed)

@@ -75,6 +75,8 @@ module gyroakf_ar_arma_result
       logical :: converged = .false.
       !> Present samples used; the part they are from: its first sample (from 1) and its length
       integer(int64) :: samples = 0, first = 1, length = 0
+      !> Not the whole series was used
+      logical :: partial = .false.
       !> Samples of the part on which the orders were compared
       integer(int64) :: compared_length = 0
       !> Orders compared: [number], p + q growing, ln L to 0.01; no line where they were given

@@ -21,6 +21,7 @@ module gyroakf_pipeline_result
    use gyroakf_series_periodicity, only : periodicity_type
    use gyroakf_series_welch, only : welch_type
    use gyroakf_ar_model, only : ar_options, ar_model_type
+   use gyroakf_ar_arma_result, only : arma_options, arma_model_type
    use gyroakf_filter_design, only : design_options, drift_options
    use gyroakf_filter_series, only : filter_result_type
    use gyroakf_filter_identification, only : drift_model_type
@@ -64,6 +65,9 @@ module gyroakf_pipeline_result
       type(adf_options) :: adf
       !> Order and coefficients of the AR model
       type(ar_options) :: ar
+      !> An ARMA model is fitted too, and how
+      logical :: do_arma = .false.
+      type(arma_options) :: arma
       !> The paper's filters
       type(design_options) :: design
       !> The adaptive filter of the identified drift
@@ -100,6 +104,7 @@ module gyroakf_pipeline_result
    !> Which parts of a channel's result are there
    type :: available_type
       logical :: preprocess = .false., adf = .false., jarque_bera = .false., ljung_box = .false., ar = .false.
+      logical :: arma = .false.
       logical :: kf = .false., akf = .false., drift = .false., drift_kf = .false., drift_akf = .false.
       logical :: halves = .false., dynamic = .false.
       logical :: dagostino = .false., anderson_darling = .false., histogram = .false., quantisation = .false.
@@ -220,6 +225,10 @@ module gyroakf_pipeline_result
       type(ar_model_type) :: filter_ar
       !> Largest share of the variance, in percent, that one-step prediction by the AR model removes: 100 (1 - sigma_a^2/var)
       real(dp) :: predictable_percent = 0.0_dp
+      !> The ARMA model, where it was asked for
+      type(arma_model_type) :: arma
+      !> Correlation time of the drift that it is and its standard error, in s (samples without a rate)
+      real(dp) :: arma_time = 0.0_dp, arma_time_error = 0.0_dp
       !> The paper's filters
       type(filter_result_type) :: kf, akf
       type(filter_figures_type) :: kf_figures, akf_figures

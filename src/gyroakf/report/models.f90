@@ -12,7 +12,7 @@ module gyroakf_report_models
    use gyroakf_report_stationarity, only : whiteness_text, negligible_rho
    implicit none (type, external)
    private
-   public :: put_ar_table, put_filter_table, put_filter_details
+   public :: put_ar_table, put_filter_table, put_filter_details, upper_case
 
 contains
 
@@ -189,6 +189,7 @@ contains
 
    !> aic -> AIC, aicc -> AICc.
    pure function upper_case(criterion) result(name)
+      !> As the options have it
       character(*), intent(in) :: criterion
       character(:), allocatable :: name
 

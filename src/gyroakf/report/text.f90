@@ -9,6 +9,7 @@ module gyroakf_report_text
    use gyroakf_report_removed, only : put_removed
    use gyroakf_report_sections, only : put_tests
    use gyroakf_report_models, only : put_ar_table, put_filter_table, put_filter_details
+   use gyroakf_report_arma, only : put_arma
    use gyroakf_report_noise, only : put_curves_of, put_coefficients, put_comparison
    use gyroakf_report_changes, only : put_changes
    use gyroakf_report_periodicity, only : put_periodicity
@@ -67,6 +68,7 @@ contains
          call put_periodicity(writer, record, channel)
       case ("ar")
          call put_ar_table(writer, channel)
+         call put_arma(writer, record, channel)
       case ("filter")
          call put_ar_table(writer, channel)
          call put_filter_table(writer, channel)
@@ -75,6 +77,7 @@ contains
          call put_tests(writer, channel)
          call put_periodicity(writer, record, channel)
          call put_ar_table(writer, channel)
+         call put_arma(writer, record, channel)
          call put_filter_table(writer, channel)
          call put_filter_details(writer, channel)
          call put_comparison(writer, record, channel)
