@@ -140,7 +140,8 @@ contains
       call solve_levinson(r, phi, variance, error)
       if (allocated(error)) return
       call choose_order(variance, model%samples, options, model)
-      model%coefficient = phi(:model%order, model%order)
+      model%coefficient = r(1:0)
+      if (model%order > 0) model%coefficient = phi(:model%order, model%order)
       model%noise_variance = variance(model%order)
       model%rows = model%samples
       model%residual_variance = model%noise_variance

@@ -108,13 +108,13 @@ contains
       !> Powers of the time, lags; first and last chunk
       integer, intent(in) :: terms, lags, from, to
       !> sum d_t d_(t-j): [0:lags, chunk]
-      real(dp), intent(inout) :: c(0:, :)
+      real(dp), intent(inout), contiguous :: c(0:, :)
       !> The other sums: [sums, chunk]
-      real(dp), intent(inout) :: other(:, :)
+      real(dp), intent(inout), contiguous :: other(:, :)
       !> Autocovariances that are made on the way
       type(autocovariance_type), intent(in) :: wanted
       !> Their products and pairs: [0:max_lag, chunk]
-      real(dp), intent(inout) :: products(0:, :), number(0:, :)
+      real(dp), intent(inout), contiguous :: products(0:, :), number(0:, :)
       !> Not 0 where memory is short
       integer, intent(out) :: stat
       !> 1 present, 0 missing: [n]
