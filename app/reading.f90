@@ -76,7 +76,8 @@ contains
       type(recording_type) :: recording
 
       reader = config%reader
-      call tell_memory(config%pipeline, reader%work_bytes, reader%channel_bytes)
+      call tell_memory(config%pipeline, reader%work_bytes, reader%channel_bytes, reader%part_bytes, &
+                       reader%part_samples)
       call find_bound(reader)
       if ((config%command == "allan" .or. config%command == "filter") .and. .not. config%shared) then
          call open_recording(config%path, reader, recording, error)

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of spectral lines and of the analysis of periodicity.
 module test_periodicity
+   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_simulate_random, only : random_type, seed_random, fill_normal
@@ -30,6 +31,7 @@ contains
          new_unittest("no_lines", test_no_lines), &
          new_unittest("gaps", test_gaps), &
          new_unittest("invariance", test_invariance), &
+         new_unittest("threads", test_threads), &
          new_unittest("middle_part", test_middle_part), &
          new_unittest("perfect_sinusoid", test_perfect), &
          new_unittest("residuals", test_residuals), &
@@ -250,6 +252,32 @@ contains
       call check(error, b%line(1)%amplitude, 1024*a%line(1)%amplitude, thr=1.0e-9_dp)
    end subroutine test_invariance
 
+   !> The same on one thread and on two.
+   subroutine test_threads(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(periodicity_type) :: a, b
+      type(gyro_error), allocatable :: problem
+      real(dp), allocatable :: x(:)
+      integer :: before
+
+      call make(11, 150000, 0.5_dp, 0.11_dp, 0.3_dp, x)
+      before = omp_get_max_threads()
+      call omp_set_num_threads(1)
+      call analyse_periodicity(x, 1.0_dp, periodicity_options(), a, problem)
+      call omp_set_num_threads(2)
+      if (.not. allocated(problem)) call analyse_periodicity(x, 1.0_dp, periodicity_options(), b, problem)
+      call omp_set_num_threads(before)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, size(a%line) == 1 .and. size(b%line) == 1)
+      if (allocated(error)) return
+      call check(error, b%line(1)%frequency, a%line(1)%frequency, thr=0.0_dp)
+      if (allocated(error)) return
+      call check(error, b%line(1)%amplitude, a%line(1)%amplitude, thr=0.0_dp)
+      if (allocated(error)) return
+      call check(error, b%fisher%statistic, a%fisher%statistic, thr=0.0_dp)
+   end subroutine test_threads
+
    !> At most so many samples of the middle.
    subroutine test_middle_part(error)
       type(error_type), allocatable, intent(out) :: error
@@ -262,7 +290,7 @@ contains
       options%longest = 1000
       options%ar%order = 1
       call analyse_periodicity(x, 1.0_dp, options, a, problem)
-      call check(error, int(a%samples) == 1000 .and. int(a%first) == 2501 .and. a%order == 1)
+      call check(error, int(a%samples) == 1000 .and. int(a%first) == 2501 .and. a%order == 1 .and. int(a%total) == 6000)
       if (allocated(error)) return
       call check(error, size(a%line), 1)
       if (allocated(error)) return

@@ -36,6 +36,7 @@ contains
          new_unittest("run", test_run), &
          new_unittest("run-tables", test_run_tables), &
          new_unittest("periodicity", test_periodicity_text), &
+         new_unittest("periodicity-verdicts", test_periodicity_verdicts), &
          new_unittest("run-nothing-known", test_nothing_known), &
          new_unittest("width", test_width), &
          new_unittest("halves", test_halves), &
@@ -205,14 +206,46 @@ contains
       character(:), allocatable :: text
 
       call run_text(.true., text)
-      call check(error, index(text, "a period stands out, or the model leaves correlation: Fisher's g 0.3 at") > 0)
+      call check(error, index(text, "a period stands out, that of the line at 1.25 Hz: Fisher's g 0.3 at") > 0)
       if (allocated(error)) return
       call check(error, index(text, "2 lines with 1.8 % of the variance: vibration, or interference") > 0)
       if (allocated(error)) return
       call check(error, index(text, "  2 x 0.625 Hz") > 0 .and. index(text, "wanders over 0.02 Hz") > 0)
       if (allocated(error)) return
-      call check(error, index(text, "Welch: 4 segments of 4 samples") > 0 .and. index(text, "1 left out") > 0)
+      call check(error, index(text, "Welch: a density every 1.25 Hz, mean of 4 segments of 4 samples") > 0 &
+                 .and. index(text, "1 left out") > 0)
    end subroutine test_periodicity_text
+
+   !> What Fisher's test found: nothing, drift, correlation, or no one knows because no lines were sought; of which samples.
+   subroutine test_periodicity_verdicts(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(60), parameter :: words(4) = [character(60) :: "no single period stands out: Fisher's g", &
+         "less than 5 periods in the record: drift, not a period", "a peak stands out that is no line: correlation", &
+         "a period stands out, or correlation"]
+      type(writer_type) :: writer
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      character(:), allocatable :: text, flat
+      integer :: i
+
+      call make_record(record, .true.)
+      call make_result(record, result)
+      result%channel(1)%fisher_frequency = 0.1_dp
+      result%channel(1)%periodicity%samples = 1000
+      result%channel(1)%periodicity%total = 5000
+      do i = 1, size(words)
+         result%channel(1)%periodicity%fisher%p_value = merge(0.5_dp, 1.0e-9_dp, i == 1)
+         result%channel(1)%periodicity%fisher%ordinate = merge(2, 80, i == 2)
+         result%channel(1)%periodicity%searched = i < 4
+         call begin_text(writer)
+         call write_report(writer, "tests", record, pipeline_options(), result)
+         call end_text(writer, text)
+         call unwrap(text, flat)
+         call check(error, index(flat, trim(words(i))) > 0, "missing: "//trim(words(i)))
+         if (allocated(error)) return
+      end do
+      call check(error, index(flat, "are of 1000 of 5000 samples, from the middle") > 0)
+   end subroutine test_periodicity_verdicts
 
    !> No rate, no unit: per sample and in input units, and which options would help.
    subroutine test_nothing_known(error)

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of Welch's spectrum.
 module test_welch
+   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_series_welch, only : welch_options, welch_type, welch_spectrum, default_segment
@@ -28,6 +29,7 @@ contains
          new_unittest("white_level", test_white_level), &
          new_unittest("limits", test_limits), &
          new_unittest("invariance", test_invariance), &
+         new_unittest("threads", test_threads), &
          new_unittest("gaps", test_gaps), &
          new_unittest("default_segment", test_default), &
          new_unittest("failures", test_failures)]
@@ -163,6 +165,26 @@ contains
       if (allocated(error)) return
       call check(error, all(s%lower < s%density .and. s%upper > s%density))
    end subroutine test_limits
+
+   !> The same on one thread and on two.
+   subroutine test_threads(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(welch_type) :: a, b
+      type(gyro_error), allocatable :: problem
+      real(dp), allocatable :: x(:)
+      integer :: before
+
+      x = reference_series("ar1", 200000)
+      before = omp_get_max_threads()
+      call omp_set_num_threads(1)
+      call welch_spectrum(x, 1.0_dp, welch_options(segment=1000), a, problem)
+      call omp_set_num_threads(2)
+      if (.not. allocated(problem)) call welch_spectrum(x, 1.0_dp, welch_options(segment=1000), b, problem)
+      call omp_set_num_threads(before)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, maxval(abs(b%density - a%density)) <= 0.0_dp .and. all(a%density > 0.0_dp))
+   end subroutine test_threads
 
    !> Offset and scale.
    subroutine test_invariance(error)

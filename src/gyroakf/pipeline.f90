@@ -16,6 +16,7 @@ module gyroakf_pipeline
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, available_type, &
       allan_result_type, stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, stage, stage_names
    use gyroakf_pipeline_channel, only : run_channel
+   use gyroakf_pipeline_periodicity, only : longest_part, longest_segment
    use gyroakf_pipeline_channel_progress, only : channel_progress_type
    use gyroakf_pipeline_series_sink, only : series_sink_type
    use gyroakf_pipeline_streamed, only : run_streamed
@@ -64,13 +65,23 @@ contains
       options%preset = name
    end subroutine apply_preset
 
-   !> Bytes a sample that the job takes beside the record itself: for the channel that is worked on, and for every channel.
-   pure subroutine tell_memory(options, work_bytes, channel_bytes)
+   !> Bytes a sample that the job takes beside the record itself: for the channel that is worked on, for every channel, and for
+   !> so many samples of it at most.
+   pure subroutine tell_memory(options, work_bytes, channel_bytes, part_bytes, part_samples)
       !> What to do
       type(pipeline_options), intent(in) :: options
       !> As `reader_options` has them
       integer(int64), intent(out) :: work_bytes, channel_bytes
+      integer(int64), intent(out), optional :: part_bytes, part_samples
 
+      if (present(part_bytes)) part_bytes = 0
+      if (present(part_samples)) part_samples = longest_part
+      if (options%do_tests .and. options%welch_segment > 0.0_dp) then
+         if (present(part_bytes)) part_bytes = 112                      ! of a segment: window, transforms, sums, densities
+         if (present(part_samples)) part_samples = longest_segment
+      else if (options%do_tests .and. .not. options%do_allan) then
+         if (present(part_bytes)) part_bytes = 12                       ! lines: beside what the program itself is allowed
+      end if
       work_bytes = 0
       if (options%do_filter) work_bytes = 8                             ! part of the series, for the drift
       if (options%do_allan) work_bytes = 12                             ! integral, count of missing samples; not at the same time

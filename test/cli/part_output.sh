@@ -254,4 +254,5 @@ is "rows of its spectrum" "$(grep -c '^column1' vibration/spectrum.csv)" 101
 good "no rate" tests vibration.txt
 holds "frequencies without a rate" "cycles/sample" out
 bad "segment 0" 1 "larger than 0" tests vibration.txt --welch-segment 0
+bad "segment that takes more memory than the record" 2 "may have 1048576 samples here" tests vibration.txt --welch-segment 1e9
 bad "segment longer than the record" 2 "a segment of the spectrum must have" tests vibration.txt --welch-segment 1e6

@@ -272,14 +272,15 @@ contains
       type(recording_type), intent(in) :: recording
       !> How many
       integer(int64), intent(in) :: rows
-      integer(int64) :: row_bytes
+      integer(int64) :: row_bytes, fixed
 
       associate (options => recording%options)
          row_bytes = size(recording%table%chosen)*(value_bytes + options%channel_bytes) &
                    + max(options%work_bytes, merge(stamp_bytes, 0_int64, recording%table%time > 0))
+         fixed = base_bytes + min(rows, options%part_samples)*options%part_bytes
       end associate
       bytes = huge(bytes)
-      if (rows < (huge(bytes) - base_bytes)/row_bytes) bytes = base_bytes + rows*row_bytes
+      if (rows < (huge(bytes) - fixed)/row_bytes) bytes = fixed + rows*row_bytes
    end function bytes_needed
 
    !> "FILE: about 12000000 rows need 276 MB (276000000 bytes), --memory allows 100 MB".

@@ -2,7 +2,7 @@
 !> What is periodic in a channel: Welch's spectrum of the cleaned series, Fisher's test and the lines of the whitened one.
 module gyroakf_pipeline_periodicity
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type
+   use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_series_periodicity, only : periodicity_options, analyse_periodicity
    use gyroakf_series_welch, only : welch_options, welch_spectrum
@@ -10,11 +10,13 @@ module gyroakf_pipeline_periodicity
    use gyroakf_pipeline_warnings, only : note_failure, is_fatal
    implicit none (type, external)
    private
-   public :: run_periodicity
+   public :: run_periodicity, longest_part, longest_segment
 
    !> Fisher's test and the lines see so many samples from the middle of a longer record: there a line of 1.5e-4 of the variance is
    !> found as surely as in the whole, and lines of sensors are seldom steady for longer
    integer(int64), parameter :: longest_part = 262144_int64
+   !> A longer segment of the spectrum is refused: its memory is not that of the record
+   integer(int64), parameter :: longest_segment = 1048576_int64
 
 contains
 
@@ -38,11 +40,17 @@ contains
       class(progress_type), intent(inout), optional :: progress
       type(welch_options) :: welch
       type(periodicity_options) :: choice
+      character(100) :: text
 
       channel%frequency_unit = "cycles/sample"
       if (rate_known) channel%frequency_unit = "Hz"
       welch%confidence = options%allan%confidence
       if (options%welch_segment > 0.0_dp) welch%segment = max(2_int64, nint(min(options%welch_segment/step, 1.0e15_dp), int64))
+      if (welch%segment > longest_segment) then
+         write (text, '("a segment of the spectrum may have ", i0, " samples here, not ", i0)') longest_segment, welch%segment
+         call fatal_error(error, status%invalid_argument, trim(text)//"; what is slower the Allan deviation tells better")
+         return
+      end if
       call welch_spectrum(z, step, welch, channel%spectrum, error, valid, progress)
       if (is_fatal(error)) return
       channel%available%spectrum = .not. allocated(error)

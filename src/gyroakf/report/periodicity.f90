@@ -15,6 +15,8 @@ module gyroakf_report_periodicity
 
    !> Fisher's test decides at this level
    real(dp), parameter :: level = 0.01_dp
+   !> Fewer periods in what was looked at are drift
+   integer(int64), parameter :: fewest_periods = 5_int64
    !> Lines with less than this share of the variance are small, with more than that large
    real(dp), parameter :: small_share = 1.0e-3_dp, large_share = 0.05_dp
 
@@ -45,17 +47,40 @@ contains
       character(:), allocatable :: text
 
       associate (fisher => channel%periodicity%fisher)
-         text = "no single period stands out: "
-         if (fisher%p_value < level) text = "a period stands out, or the model leaves correlation: "
-         text = text//"Fisher's g "//number(fisher%statistic, 3)//" at "//number(channel%fisher_frequency, 5)//" "// &
+         text = verdict(channel)//": Fisher's g "//number(fisher%statistic, 3)//" at "//number(channel%fisher_frequency, 5)//" "// &
                 trim(channel%frequency_unit)//", the largest of "//plural(fisher%ordinates, "ordinate")//", "// &
                 p_value_text(fisher%p_value)//", of "//trim(channel%whitened)
       end associate
-      if (channel%periodicity%samples < channel%cleaned%count - channel%periodicity%order) then
-         text = text//", "//count_text(channel%periodicity%samples)//" samples in the middle of the record"
+      if (channel%periodicity%samples < channel%periodicity%total - channel%periodicity%order) then
+         text = text//"; it and the lines are of "//count_text(channel%periodicity%samples)//" of "// &
+                count_text(channel%periodicity%total)//" samples, from the middle"
       end if
       call put_item(writer, "Fisher", text)
    end subroutine put_fisher
+
+   !> What the largest ordinate is: chance, a line of the table, drift, or correlation.
+   pure function verdict(channel) result(text)
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
+      integer :: i
+
+      text = "no single period stands out"
+      if (.not. channel%periodicity%fisher%p_value < level) return
+      do i = 1, merge(size(channel%periodicity%line), 0, channel%periodicity%searched)
+         associate (line => channel%periodicity%line(i))
+            if (abs(line%frequency - channel%fisher_frequency) > 2.0_dp*line%width) cycle
+            text = "a period stands out, that of the line at "//number(line%frequency, 5)//" "//trim(channel%frequency_unit)
+            return
+         end associate
+      end do
+      if (channel%periodicity%fisher%ordinate < fewest_periods) then
+         text = "slow changes stand out, less than "//count_text(fewest_periods)//" periods in the record: drift, not a period"
+      else if (channel%periodicity%searched) then
+         text = "a peak stands out that is no line: correlation that a model does not describe"
+      else
+         text = "a period stands out, or correlation that a model does not describe"
+      end if
+   end function verdict
 
    !> A table of the lines, and what they amount to.
    subroutine put_lines(writer, record, channel)
@@ -119,10 +144,10 @@ contains
       character(:), allocatable :: text
 
       associate (spectrum => channel%spectrum)
-         text = "Welch: "//plural(spectrum%used, "segment")//" of "//count_text(spectrum%segment)//" samples, window "// &
-                trim(spectrum%window)//", overlap "//number(100*spectrum%overlap, 3)//" %, a value every "// &
-                number(spectrum%resolution, 4)//" "//trim(channel%frequency_unit)//", "// &
-                number(spectrum%degrees_of_freedom, 3)//" degrees of freedom; --out writes it (spectrum.csv)"
+         text = "Welch: a density every "//number(spectrum%resolution, 4)//" "//trim(channel%frequency_unit)//", mean of "// &
+                plural(spectrum%used, "segment")//" of "//count_text(spectrum%segment)//" samples ("//trim(spectrum%window)// &
+                ", overlap "//number(100*spectrum%overlap, 3)//" %, "//count_text(nint(spectrum%degrees_of_freedom, int64))// &
+                " degrees of freedom); --out writes it (spectrum.csv)"
          if (spectrum%used < spectrum%segments) text = text//"; "//count_text(spectrum%segments - spectrum%used)// &
             " left out, more than half missing"
       end associate

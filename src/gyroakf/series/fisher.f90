@@ -8,10 +8,12 @@ module gyroakf_series_fisher
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_fft, only : real_fft_plan_type, new_real_fft_plan, real_fft_forward
-   use gyroakf_series_moments, only : moments_type, compute_moments
    implicit none (type, external)
    private
    public :: fisher_type, test_fisher_g, fisher_of_spectrum, fisher_tail, centre_and_scale
+
+   !> Samples that are summed at once
+   integer(int64), parameter :: block_length = 1024_int64
 
    !> Result of the test
    type :: fisher_type
@@ -90,18 +92,18 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> The result is to be multiplied by two to this power
       integer, intent(out), optional :: exponents
-      type(moments_type) :: moments
-      integer(int64) :: n, i
-      integer :: stat, power
+      real(dp) :: lowest, highest, mean
+      integer(int64) :: n, i, number
+      integer :: stat, power, size_of_all
       character(100) :: text
 
       n = size(x, kind=int64)
-      call compute_moments(x, moments, valid)
-      if (moments%count < 3) then
-         write (text, '("a periodogram needs at least 3 samples, there are ", i0)') moments%count
+      call find_range(x, number, lowest, highest, valid)
+      if (number < 3) then
+         write (text, '("a periodogram needs at least 3 samples, there are ", i0)') number
          call fatal_error(error, status%too_few_samples, trim(text))
          return
-      else if (.not. moments%maximum > moments%minimum) then
+      else if (.not. highest > lowest) then
          call fatal_error(error, status%constant_input, "the series is constant, there is nothing periodic in it")
          return
       end if
@@ -110,16 +112,57 @@ contains
          call fatal_error(error, status%no_memory, "no memory for a copy of the series")
          return
       end if
-      power = exponent(max(moments%maximum - moments%mean, moments%mean - moments%minimum))
-      if (present(exponents)) exponents = power
+      size_of_all = exponent(max(abs(lowest), abs(highest)))
+      lowest = scale(lowest, -size_of_all)
+      power = exponent(scale(highest, -size_of_all) - lowest)
+      if (present(exponents)) exponents = size_of_all + power
       do i = 0, n - 1
-         centred(i) = scale(x(i + 1) - moments%mean, -power)
+         centred(i) = 0.0_dp
+         if (present(valid)) then
+            if (valid(i + 1) == 0_int8) cycle
+         end if
+         centred(i) = scale(scale(x(i + 1), -size_of_all) - lowest, -power)
       end do
-      if (.not. present(valid)) return
+      mean = 0.0_dp
+      do i = 0, n - 1, block_length
+         mean = mean + sum(centred(i:min(i + block_length, n) - 1))
+      end do
+      mean = mean/real(number, dp)
+      if (.not. present(valid)) then
+         centred = centred - mean
+         return
+      end if
       do i = 0, n - 1
-         if (valid(i + 1) == 0_int8) centred(i) = 0.0_dp
+         if (valid(i + 1) /= 0_int8) centred(i) = centred(i) - mean
       end do
    end subroutine centre_and_scale
+
+   !> Number, smallest and largest of the present samples.
+   pure subroutine find_range(x, number, lowest, highest, valid)
+      real(dp), intent(in), contiguous :: x(:)
+      integer(int64), intent(out) :: number
+      real(dp), intent(out) :: lowest, highest
+      integer(int8), intent(in), optional :: valid(:)
+      integer(int64) :: i
+
+      lowest = huge(lowest)
+      highest = -huge(highest)
+      if (.not. present(valid)) then
+         number = size(x, kind=int64)
+         do i = 1, number
+            lowest = min(lowest, x(i))
+            highest = max(highest, x(i))
+         end do
+         return
+      end if
+      number = 0
+      do i = 1, size(x, kind=int64)
+         if (valid(i) == 0_int8) cycle
+         number = number + 1
+         lowest = min(lowest, x(i))
+         highest = max(highest, x(i))
+      end do
+   end subroutine find_range
 
    !> Fisher's test from a spectrum, for whoever has it already.
    subroutine fisher_of_spectrum(spectrum, n, result, error)

@@ -93,20 +93,19 @@ contains
       type(search_type) :: search
       real(dp), allocatable :: rest(:)
       type(line_type), allocatable :: found(:)
-      real(dp) :: unit
-      integer :: number, power
+      integer :: number, power, stat
 
       call check_input(size(x, kind=int64), dt, options, error)
       if (.not. allocated(error)) call centre_and_scale(x, rest, error, valid, power)
       if (.not. allocated(error)) call new_real_fft_plan(plan, size(x, kind=int64), error)
       if (.not. allocated(error)) call begin_search(search, size(x, kind=int64), error)
       if (allocated(error)) return
-      allocate (found(options%most))
-      call find_all(search, plan, options, rest, found, number, error, valid, fisher, progress)
+      allocate (found(min(int(options%most, int64), size(x, kind=int64)/2)), stat=stat)
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the lines")
+      if (.not. allocated(error)) call find_all(search, plan, options, rest, found, number, error, valid, fisher, progress)
       if (allocated(error)) return
       allocate (lines(number))
-      unit = scale(1.0_dp, power)
-      call put_in_order(found(:number), unit, dt, lines, phi, variance)
+      call put_in_order(found(:number), scale(1.0_dp, power), dt, lines, phi, variance)
       call name_harmonics(lines, 1.0_dp/(real(size(x, kind=int64), dp)*dt))
    end subroutine find_lines
 
@@ -162,7 +161,7 @@ contains
          if (allocated(error) .or. options%most == 0) return
          call look_at(search, spectrum)
          if (number > 0) call measure(search, sinusoid, found(number))
-         if (number == options%most) return
+         if (number == size(found)) return
          call find_next(search, spectrum, options%false_alarm, rest, found(number + 1), sinusoid, more, valid)
          if (.not. more) return
          number = number + 1

@@ -44,6 +44,8 @@ module gyroakf_series_periodicity
       integer(int64) :: first = 1, samples = 0
       !> Lines were sought: there are samples enough, and the options want them
       logical :: searched = .false.
+      !> Samples of the series, missing ones included
+      integer(int64) :: total = 0
    end type periodicity_type
 
 contains
@@ -179,6 +181,7 @@ contains
       type(periodicity_type), intent(inout) :: result
 
       result%order = order
+      result%total = n
       result%samples = max(n - int(order, int64), 0_int64)
       if (longest > 0) result%samples = min(result%samples, longest)
       if (result%samples >= trimmed_from) result%samples = even_length(result%samples)

@@ -30,6 +30,8 @@ contains
       call put_member(json, "applied_to", trim(channel%whitened))
       call put_member(json, "samples", channel%periodicity%samples)
       call put_member(json, "frequency_unit", trim(channel%frequency_unit))
+      call put_member(json, "of_samples", channel%periodicity%total)
+      call put_member(json, "first_sample", channel%periodicity%first)
       call close_object(json)
    end subroutine put_fisher
 
