@@ -2,6 +2,7 @@
 !> Raw numbers: words for types, interleaved columns, headers, lengths that do not fit; and the scan of what was read.
 module test_raw
    use, intrinsic :: ieee_arithmetic, only : ieee_positive_inf, ieee_quiet_nan, ieee_value
+   use, intrinsic :: iso_c_binding, only : c_int, c_loc
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : dp, int64, int8
    use gyroakf_error, only : gyro_error => error_type, status
@@ -9,6 +10,7 @@ module test_raw
    use gyroakf_io_reader, only : read_record, reader_options
    use gyroakf_io_recording, only : close_recording, next_rows, open_recording, recording_type
    use gyroakf_io_scan, only : all_sound, scan_extremes
+   use gyroakf_io_system, only : read_at
    use gyroakf_record, only : record_type
    use scratch_file, only : remove_file, scratch_path, write_bytes
    implicit none (type, external)
@@ -29,6 +31,7 @@ contains
          new_unittest("stored-integer", test_stored_integer), &
          new_unittest("refused", test_refused), &
          new_unittest("from-memory", test_memory), &
+         new_unittest("refused-by-system", test_refused_by_system), &
          new_unittest("sound", test_sound), &
          new_unittest("extremes", test_extremes)]
    end subroutine collect_raw
@@ -281,5 +284,16 @@ contains
          deallocate (x)
       end do
    end subroutine test_extremes
+
+   !> A descriptor that is none: the system refuses, which is no end of a file.
+   subroutine test_refused_by_system(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), target :: room(4)
+      integer(int64) :: got
+      logical :: failed
+
+      call read_at(-1_c_int, 0_int64, c_loc(room), 32_int64, got, failed)
+      call check(error, failed .and. got == 0)
+   end subroutine test_refused_by_system
 
 end module test_raw
