@@ -8,7 +8,7 @@ program bench_series
    use, intrinsic :: iso_fortran_env, only : int64
    use omp_lib, only : omp_set_num_threads, omp_get_wtime
    use gyroakf, only : dp, error_type, adf_options, adf_type, test_adf, ar_options, ar_model_type, fit_ar, &
-      & ljung_box_type, test_ljung_box
+      & ljung_box_type, test_ljung_box, kpss_options, kpss_type, test_kpss
    implicit none (type, external)
 
    call run()
@@ -76,6 +76,7 @@ contains
       type(adf_type) :: adf
       type(ar_model_type) :: model
       type(ljung_box_type) :: test
+      type(kpss_type) :: kpss
 
       figure = 0.0_dp
       select case (part)
@@ -85,6 +86,13 @@ contains
       case ("ar")
          call fit_ar(x, ar_options(max_order=12), model, error)
          if (.not. allocated(error)) figure(:2) = [real(model%order, dp), model%coefficient(1)]
+      case ("burg")
+         call fit_ar(x, ar_options(method="burg", order=10), model, error)
+         if (.not. allocated(error)) figure = [model%coefficient(1), model%coefficient(2), model%coefficient(10), &
+                                               & model%noise_variance]
+      case ("kpss")
+         call test_kpss(x, kpss_options(), kpss, error)
+         figure(:3) = [kpss%statistic, real(kpss%lags, dp), kpss%p_value]
       case ("ljung_box")
          call test_ljung_box(x, 20, 0, test, error)
          figure(:2) = [test%statistic, test%p_value]
