@@ -39,6 +39,7 @@ contains
          new_unittest("white", test_white), &
          new_unittest("too-short", test_too_short), &
          new_unittest("short", test_short), &
+         new_unittest("few-orders", test_few_orders), &
          new_unittest("outlier-times", test_outlier_times), &
          new_unittest("single-rooms", test_single_rooms), &
          new_unittest("series", test_series), &
@@ -465,6 +466,32 @@ contains
          end associate
       end do
    end subroutine test_short
+
+   !> A short record has an AR model of the orders that it can show, and says so.
+   subroutine test_few_orders(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      type(pipeline_options) :: options
+      type(gyro_error), allocatable :: failed
+      integer :: i
+
+      call paper_record(record)
+      record%value = record%value(:14, :)
+      options%ar%max_order = 12
+      options%do_allan = .false.
+      options%do_filter = .false.
+      call run_pipeline(record, options, result, failed)
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      associate (c => result%channel(1))
+         call check(error, c%available%ar)
+         if (allocated(error)) return
+         call check(error, size(c%ar%table), 4)
+         if (allocated(error)) return
+         call check(error, any([(index(c%warnings(i)%text, "AR orders up to 3 ") > 0, i=1, size(c%warnings))]))
+      end associate
+   end subroutine test_few_orders
 
    !> 2 % of outliers: the warning names the first times.
    subroutine test_outlier_times(error)

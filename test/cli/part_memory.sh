@@ -94,7 +94,7 @@ holds "why" "standard input or a pipe comes only once" err
 bad "filter cleaning" 2 "without --detrend" filter large.txt --memory 30MB --detrend 1
 bad "ar needs" 2 "rows need 33" ar large.txt --memory 30MB
 holds "what to do" "gyroakf allan, inspect and filter stream" err
-bad "tests need" 2 "rows need 33" tests large.txt --memory 30MB
+bad "tests need" 2 "rows need 36" tests large.txt --memory 30MB
 bad "all averaging times" 2 "without --taus all" allan large.txt --memory 30MB --taus all
 bad "cleaning" 2 "without --outliers" allan large.txt --memory 30MB --outliers auto
 bad "segments" 2 "without --dynamic" allan large.txt --memory 30MB --dynamic 4

@@ -196,7 +196,7 @@ contains
       s = r*real(n, dp)
       a(0) = 1.0_dp
       do m = 1, p
-         a(1:m - 1) = -burg%phi(:m - 1, m - 1)
+         if (m > 1) a(1:m - 1) = -burg%phi(:m - 1, m - 1)
          call quadratic_forms(x, shift, rest, s, a(0:m - 1), m, cross, power)
          if (.not. sum(abs(a(0:m - 1)))**2*s(0) < most_growth*power) return
          call add_order(burg, m, cross, power, n - m, error)

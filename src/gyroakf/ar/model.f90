@@ -175,7 +175,8 @@ contains
       call compute_burg(x, shift, rest, most, burg, error, valid, r)
       if (allocated(error)) return
       call choose_order(burg%variance, model%samples, options, model)
-      model%coefficient = burg%phi(:model%order, model%order)
+      allocate (model%coefficient(model%order))
+      if (model%order > 0) model%coefficient = burg%phi(:model%order, model%order)
       model%noise_variance = burg%variance(model%order)
       model%residual_variance = burg%residual_variance(model%order)
       model%rows = model%samples

@@ -6,7 +6,7 @@ module gyroakf_pipeline_channel
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, tell_progress
-   use gyroakf_record, only : record_type
+   use gyroakf_record, only : add_text, record_type
    use gyroakf_preprocess_clean, only : clean_series
    use gyroakf_series_moments, only : compute_moments
    use gyroakf_series_normality, only : test_jarque_bera
@@ -30,6 +30,9 @@ module gyroakf_pipeline_channel
 
    !> A mean below this share of the standard deviation is left in the series that is filtered
    real(dp), parameter :: negligible_mean = 1.0e-6_dp
+
+   !> An AR order is compared where there are so many samples for each
+   integer(int64), parameter :: fewest_for_order = 4
 
 contains
 
@@ -169,18 +172,33 @@ contains
       type(autocovariance_type), intent(in) :: shared
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
+      type(ar_options) :: asked
 
-      call fit_ar(z, options%ar, channel%ar, error, valid, shared)
+      asked = options%ar
+      if (asked%order < 0) asked%max_order = int(min(int(asked%max_order, int64), channel%cleaned%count/fewest_for_order))
+      call fit_ar(z, asked, channel%ar, error, valid, shared)
       if (.not. allocated(error) .and. options%preset == "paper" .and. channel%ar%order == 0) then
-         call fit_positive_order(z, options%ar, channel%ar, error, valid)
+         call fit_positive_order(z, asked, channel%ar, error, valid)
       end if
       if (is_fatal(error)) return
       channel%available%ar = .not. allocated(error)
       call note_failure(channel, "AR model", error)
       if (.not. channel%available%ar) return
       call warn_order(channel)
-      call choose_filter_model(z, options%ar, channel, valid)
+      if (asked%max_order < options%ar%max_order) call warn_capped(asked%max_order, channel)
+      call choose_filter_model(z, asked, channel, valid)
    end subroutine run_ar
+
+   !> Fewer orders were compared than were asked for.
+   subroutine warn_capped(most, channel)
+      !> The largest
+      integer, intent(in) :: most
+      type(channel_result_type), intent(inout) :: channel
+      character(80) :: text
+
+      write (text, '("the record is short: AR orders up to ", i0, " are compared")') most
+      call add_text(channel%warnings, trim(text))
+   end subroutine warn_capped
 
    !> The paper compares the orders from 1 on: the best of them, where order 0 would win.
    subroutine fit_positive_order(z, options, model, error, valid)

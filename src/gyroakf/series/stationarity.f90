@@ -67,6 +67,10 @@ module gyroakf_series_stationarity
       type(adf_coefficient_type), allocatable :: table(:)
    end type adf_type
 
+   !> Beyond it the sum of the squares may overflow
+   real(dp), parameter :: largest_square_root = 1.0e145_dp
+   character(*), parameter :: overflows = "the series has a value that is not finite, or its squares overflow"
+
 contains
 
    !> Augmented Dickey-Fuller test.
@@ -114,6 +118,10 @@ contains
          call default_max_lags(size(x, kind=int64), terms, options%max_lags, result%max_lags, result%wanted_lags, valid)
       end if
       rounding = epsilon(x)*largest_value(x, valid)
+      if (rounding > epsilon(x)*largest_square_root) then
+         call fatal_error(error, status%non_finite, overflows)
+         return
+      end if
       call regress(x, trend, terms, result%max_lags, rounding, gram, error, valid, shared, progress)
       if (allocated(error)) return
       result%lag = result%max_lags
@@ -197,7 +205,7 @@ contains
             & lags, k, gram%rows
          call fatal_error(error, status%too_few_samples, trim(text))
       else if (.not. (ieee_is_finite(gram%matrix(k + 1, k + 1)) .and. ieee_is_finite(gram%matrix(terms + 1, terms + 1)))) then
-         call fatal_error(error, status%non_finite, "the series has a value that is not finite, or its squares overflow")
+         call fatal_error(error, status%non_finite, overflows)
       else if (gram%matrix(k + 1, k + 1) <= real(gram%rows, dp)*rounding**2) then
          call fatal_error(error, status%constant_input, &
             & "the series is constant, or a line with ct, to rounding: there is nothing to test for a unit root")
