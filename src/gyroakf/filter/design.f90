@@ -180,7 +180,7 @@ contains
       type(ar_model_type), intent(in) :: model
       !> invalid_argument, constant_input, unstable
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: root
+      character(:), allocatable :: largest
       character(24) :: digits
       logical :: stable
 
@@ -193,12 +193,12 @@ contains
       stable = model%stationary
       if (size(model%coefficient) == 1) stable = stable .and. abs(model%coefficient(1)) < 1.0_dp
       if (stable) return
-      root = ""
+      largest = ""
       if (allocated(model%root)) then
          write (digits, "(f0.6)") largest_modulus(model%root)
-         root = ", its largest root has the modulus "//trim(digits)
+         largest = ", its largest root has the modulus "//trim(digits)
       end if
-      call fatal_error(error, status%unstable, "the AR model ("//trim(model%method)//") is not stationary"//root// &
+      call fatal_error(error, status%unstable, "the AR model ("//trim(model%method)//") is not stationary"//largest// &
                        ": a filter of it would diverge; the methods yw and burg give stationary models")
    end subroutine check_model
 
