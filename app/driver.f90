@@ -4,7 +4,7 @@
 !> Nothing is written before everything is computed, and standard output comes last: where something fails it stays empty.
 module gyroakf_app_driver
    use, intrinsic :: iso_fortran_env, only : error_unit
-   use omp_lib, only : omp_set_num_threads
+   use gyroakf_threads, only : set_thread_count
    use gyroakf_error, only : error_type, exit_code, status
    use gyroakf_io_record_writer, only : write_record
    use gyroakf_io_writer, only : writer_type, open_writer, put, commit_writer
@@ -66,7 +66,7 @@ contains
             return
          end if
       end select
-      if (config%threads > 0) call omp_set_num_threads(config%threads)
+      if (config%threads > 0) call set_thread_count(config%threads)
       select type (config)
       type is (text_config); call print_text(config%text, error)
       type is (inspect_config); call inspect(config, bar, record, error)

@@ -5,7 +5,7 @@
 !> is worked on later with all of it.
 module gyroakf_app_many
    use, intrinsic :: iso_fortran_env, only : error_unit
-   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
+   use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : int64
    use gyroakf_error, only : error_type, exit_code, fatal_error, status
    use gyroakf_io_recording, only : base_bytes
@@ -134,7 +134,7 @@ contains
       integer(int64) :: memory, done
 
       threads = files%config%threads
-      if (threads == 0) threads = omp_get_max_threads()
+      if (threads == 0) threads = thread_count()
       call find_bound(files%config%reader)
       memory = files%config%reader%memory
       processes = min(threads, size(rows))
@@ -214,7 +214,7 @@ contains
       type(pipeline_result_type) :: result
       type(bar_type) :: bar
 
-      call omp_set_num_threads(self%threads)
+      call set_thread_count(self%threads)
       call start_bar(bar, "off")
       associate (path => self%paths(number)%text, folder => self%folders(number)%text, command => self%config%command)
          call prepare_one(self%config, path, folder)

@@ -85,6 +85,7 @@ program test_main
    use test_columns_writer, only : collect_columns_writer
    use test_conventions, only : collect_conventions
    use test_kalibr, only : collect_kalibr
+   use test_threads, only : collect_threads
    use test_units, only : collect_units
    use test_kpss, only : collect_kpss
    use test_phillips_perron, only : collect_phillips_perron
@@ -175,6 +176,7 @@ program test_main
    call add("columns_writer", collect_columns_writer)
    call add("conventions", collect_conventions)
    call add("kalibr", collect_kalibr)
+   call add("threads", collect_threads)
    call add("units", collect_units)
    call add("kpss", collect_kpss)
    call add("phillips_perron", collect_phillips_perron)

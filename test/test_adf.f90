@@ -3,7 +3,7 @@
 !> (integer cross products of the doubles of the series, 60 digits) and rounded once; series of
 !> series_library, 1000 samples each, at most 22 lags: adf_reference.
 module test_adf
-   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
+   use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_lapack, only : dgels
@@ -335,12 +335,12 @@ contains
       type(gyro_error), allocatable :: problem
 
       x = reference_series("ar1", 70000)
-      before = omp_get_max_threads()
-      call omp_set_num_threads(1)
+      before = thread_count()
+      call set_thread_count(1)
       call run_adf(x, adf_options(max_lags=10), a, problem)
-      call omp_set_num_threads(2)
+      call set_thread_count(2)
       call run_adf(x, adf_options(max_lags=10), b, problem)
-      call omp_set_num_threads(before)
+      call set_thread_count(before)
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       call check(error, a%statistic, b%statistic, thr=tiny(x))

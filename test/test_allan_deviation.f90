@@ -6,7 +6,7 @@
 module test_allan_deviation
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan, ieee_positive_inf
    use, intrinsic :: iso_fortran_env, only : qp => real128
-   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
+   use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
@@ -303,18 +303,18 @@ contains
       allocate (valid(n))
       valid = 1
       valid(1000:n:777) = 0
-      threads = omp_get_max_threads()
-      call omp_set_num_threads(1)
+      threads = thread_count()
+      call set_thread_count(1)
       call curve_of(error, rate, 1.0_dp, "octave", one)
-      call omp_set_num_threads(2)
+      call set_thread_count(2)
       if (.not. allocated(error)) call curve_of(error, rate, 1.0_dp, "octave", two)
       if (.not. allocated(error)) call agree(error, two%deviation, one%deviation, 0.0_dp, "two threads")
-      call omp_set_num_threads(1)
+      call set_thread_count(1)
       if (.not. allocated(error)) call curve_of(error, rate, 1.0_dp, "octave", one, valid)
-      call omp_set_num_threads(2)
+      call set_thread_count(2)
       if (.not. allocated(error)) call curve_of(error, rate, 1.0_dp, "octave", two, valid)
       if (.not. allocated(error)) call agree(error, two%deviation, one%deviation, 0.0_dp, "two threads, gaps")
-      call omp_set_num_threads(threads)
+      call set_thread_count(threads)
    end subroutine test_threads
 
    subroutine test_direct_sum(error)

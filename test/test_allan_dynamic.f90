@@ -2,7 +2,7 @@
 !> Tests of the dynamic Allan deviation.
 module test_allan_dynamic
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
-   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
+   use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
@@ -205,12 +205,12 @@ contains
 
       x = normal_series(300000_int64, 99_int64)
       options%segments = 19
-      threads = omp_get_max_threads()
-      call omp_set_num_threads(1)
+      threads = thread_count()
+      call set_thread_count(1)
       call dynamic_allan(x, 1.0_dp, options, one, failed)
-      call omp_set_num_threads(2)
+      call set_thread_count(2)
       call dynamic_allan(x, 1.0_dp, options, two, failed)
-      call omp_set_num_threads(threads)
+      call set_thread_count(threads)
       call check(error, maxval(abs(one%deviation - two%deviation)), 0.0_dp, thr=0.0_dp)
    end subroutine test_threads
 

@@ -5,7 +5,7 @@
 !> the same series in rational arithmetic. PHASE.DAT: results of Stable32 1.60 for the integral of the same series.
 module test_allan_statistics
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
-   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
+   use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan, compute_allan_from_phase
@@ -552,21 +552,21 @@ contains
       allocate (rate, source=normal_series(n, 99_int64))
       allocate (valid(n), source=1_int8)
       valid(1000:n:777) = 0
-      threads = omp_get_max_threads()
+      threads = thread_count()
       do kind = 1, size(statistic_names)
-         call omp_set_num_threads(1)
+         call set_thread_count(1)
          call curve_of(error, statistic_names(kind), rate, "octave", one)
-         call omp_set_num_threads(2)
+         call set_thread_count(2)
          if (.not. allocated(error)) call curve_of(error, statistic_names(kind), rate, "octave", two)
          if (.not. allocated(error)) call agree(error, two%deviation, one%deviation, 0.0_dp, statistic_names(kind))
          if (allocated(error)) return
-         call omp_set_num_threads(1)
+         call set_thread_count(1)
          call curve_of(error, statistic_names(kind), rate, "log:1", one, valid)
-         call omp_set_num_threads(2)
+         call set_thread_count(2)
          if (.not. allocated(error)) call curve_of(error, statistic_names(kind), rate, "log:1", two, valid)
          if (.not. allocated(error)) call agree(error, two%deviation, one%deviation, 0.0_dp, statistic_names(kind)//", gaps")
       end do
-      call omp_set_num_threads(threads)
+      call set_thread_count(threads)
    end subroutine test_threads
 
    subroutine test_gaps_direct_sum(error)

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of the ARMA models: exact likelihood, its gradient, the fit.
 module test_arma
-   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
+   use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_lapack, only : dpotrf, dtrtrs
@@ -350,12 +350,12 @@ contains
       call seed_random(random, 9_int64)
       call fill_normal(random, white)
       x = white + 0.06_dp*x
-      threads = omp_get_max_threads()
-      call omp_set_num_threads(1)
+      threads = thread_count()
+      call set_thread_count(1)
       call fit_arma(x, arma_options(), model, failure)
-      call omp_set_num_threads(3)
+      call set_thread_count(3)
       if (.not. allocated(failure)) call fit_arma(x, arma_options(), other, failure)
-      call omp_set_num_threads(threads)
+      call set_thread_count(threads)
       call check(error,.not. allocated(failure), "fits")
       if (allocated(error)) return
       call check(error, model%p == 1 .and. model%q == 1 .and. model%drift%found .and. model%converged, "ARMA(1,1) by BIC")

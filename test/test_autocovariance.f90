@@ -2,7 +2,7 @@
 !> Tests of the lagged sums. The reference values were computed in exact arithmetic from the doubles
 !> of the series (series_library, 1000 samples each) and rounded once.
 module test_autocovariance
-   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
+   use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_ar_autocovariance, only : compute_autocovariance, residual_autocovariance
@@ -135,12 +135,12 @@ contains
       integer :: before
 
       x = reference_series("ar1", 70000)
-      before = omp_get_max_threads()
-      call omp_set_num_threads(1)
+      before = thread_count()
+      call set_thread_count(1)
       call compute_autocovariance(x, 20, mean, r, problem)
-      call omp_set_num_threads(2)
+      call set_thread_count(2)
       call compute_autocovariance(x, 20, mean, s, problem)
-      call omp_set_num_threads(before)
+      call set_thread_count(before)
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       call check(error, maxval(abs(r - s)), 0.0_dp, thr=tiny(mean))

@@ -9,7 +9,7 @@ module test_burg
    use ar_reference, only : burg_phi, burg_residual, burg_variance
    use series_library, only : reference_series, reference_names
    use testdrive, only : check, error_type, new_unittest, unittest_type
-   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
+   use gyroakf_threads, only : thread_count, set_thread_count
    implicit none (type, external)
    private
    public :: collect_burg
@@ -237,14 +237,14 @@ contains
 
       x = reference_series("ar2", 120000)
       valid = [(merge(0_int8, 1_int8, modulo(i, 997) == 5), i=1, 120000)]
-      before = omp_get_max_threads()
+      before = thread_count()
       do i = 1, 2
-         call omp_set_num_threads(i)
+         call set_thread_count(i)
          call fit_ar(x, ar_options(method="burg", order=4, max_order=4), model(i, 1), problem)
          call fit_ar(x, ar_options(method="burg", order=4, max_order=4), model(i, 2), problem, valid)
          call fit_ar(reference_series("rw", 120000), ar_options(method="burg", order=4, max_order=4), model(i, 3), problem)
       end do
-      call omp_set_num_threads(before)
+      call set_thread_count(before)
       call check(error, .not. allocated(problem), "it failed")
       do i = 1, 3
          if (allocated(error)) return

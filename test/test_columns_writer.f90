@@ -2,7 +2,7 @@
 !> Columns as text and as numbers: layout, missing samples, long files, cancelling, one thread as many.
 module test_columns_writer
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
-   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
+   use gyroakf_threads, only : thread_count, set_thread_count
    use testdrive, only : check, error_type, new_unittest, unittest_type
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
@@ -138,13 +138,13 @@ contains
       x = [(sin(real(i, dp))*10.0_dp**mod(i, 30), i=1, n)]
       present = [(int(min(1, mod(i, 11)), int8), i=1, n)]
       call make_columns(columns, x, present)
-      before = omp_get_max_threads()
-      call omp_set_num_threads(1)
+      before = thread_count()
+      call set_thread_count(1)
       call write_file(columns, int(n, int64), layout, failed)
       one = read_bytes(path())
-      call omp_set_num_threads(3)
+      call set_thread_count(3)
       call write_file(columns, int(n, int64), layout, failed)
-      call omp_set_num_threads(before)
+      call set_thread_count(before)
       three = read_bytes(path())
       call remove_file(path())
       call check(error, len(one) > 20*n .and. one == three, "the file depends on the number of threads")
@@ -191,9 +191,9 @@ contains
       x = 1.0_dp
       present = 1_int8
       call make_columns(columns, x, present)
-      call omp_set_num_threads(1)
+      call set_thread_count(1)
       call write_file(columns, int(n, int64), layout, failed, impatient)
-      call omp_set_num_threads(2)
+      call set_thread_count(2)
       call check(error, allocated(failed), "nothing was cancelled")
       if (allocated(error)) return
       call check(error, failed%code, status%cancelled)

@@ -8,7 +8,7 @@ module test_least_squares
    use ar_reference, only : mcov_phi, mcov_variance, ols_common, ols_criteria, ols_errors, ols_parameters, ols_variance
    use series_library, only : reference_series, reference_names
    use testdrive, only : check, error_type, new_unittest, unittest_type
-   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
+   use gyroakf_threads, only : thread_count, set_thread_count
    implicit none (type, external)
    private
    public :: collect_least_squares
@@ -300,14 +300,14 @@ contains
 
       x = reference_series("ar2", 120000)
       valid = [(merge(0_int8, 1_int8, modulo(i, 997) == 5), i=1, 120000)]
-      before = omp_get_max_threads()
+      before = thread_count()
       do i = 1, 2
-         call omp_set_num_threads(i)
+         call set_thread_count(i)
          do k = 1, 2
             call fit_ar(x, ar_options(method=methods(k), order=4, max_order=6), model(i, k), problem, valid)
          end do
       end do
-      call omp_set_num_threads(before)
+      call set_thread_count(before)
       call check(error, .not. allocated(problem), "it failed")
       do k = 1, 2
          if (allocated(error)) return

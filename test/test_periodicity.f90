@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of spectral lines and of the analysis of periodicity.
 module test_periodicity
-   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
+   use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_simulate_random, only : random_type, seed_random, fill_normal
@@ -261,12 +261,12 @@ contains
       integer :: before
 
       call make(11, 150000, 0.5_dp, 0.11_dp, 0.3_dp, x)
-      before = omp_get_max_threads()
-      call omp_set_num_threads(1)
+      before = thread_count()
+      call set_thread_count(1)
       call analyse_periodicity(x, 1.0_dp, periodicity_options(), a, problem)
-      call omp_set_num_threads(2)
+      call set_thread_count(2)
       if (.not. allocated(problem)) call analyse_periodicity(x, 1.0_dp, periodicity_options(), b, problem)
-      call omp_set_num_threads(before)
+      call set_thread_count(before)
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       call check(error, size(a%line) == 1 .and. size(b%line) == 1)

@@ -3,7 +3,7 @@
 module test_pipeline
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
-   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
+   use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_record, only : record_type
@@ -187,16 +187,16 @@ contains
       logical :: done(2)
       integer :: threads, before, which
 
-      before = omp_get_max_threads()
+      before = thread_count()
       options = paper_preset(paper_seed)
       options%samples = 300000_int64                ! enough for every loop to be divided among threads
       options%coefficient(2) = 0.01_dp
       call simulate_record(options, record, failed)
       do threads = 1, 2
-         call omp_set_num_threads(threads)
+         call set_thread_count(threads)
          done(threads) = run(record, result(threads))
       end do
-      call omp_set_num_threads(before)
+      call set_thread_count(before)
       call check(error, all(done))
       if (allocated(error)) return
       associate (a => result(1)%channel(1), b => result(2)%channel(1))

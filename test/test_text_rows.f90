@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Rows of text read by several threads: the same as by one, and as line by line; files that change while they are read.
 module test_text_rows
-   !$ use omp_lib, only : omp_get_max_threads, omp_set_num_threads
+   use gyroakf_threads, only : thread_count, set_thread_count
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use testdrive, only : new_unittest, unittest_type, error_type, check, test_failed
    use gyroakf_kinds, only : dp, int64
@@ -89,16 +89,15 @@ contains
       type(table_options) :: options
       integer :: usual
 
-      usual = 1
-      !$ usual = omp_get_max_threads()
-      !$ call omp_set_num_threads(threads)
+      usual = thread_count()
+      call set_thread_count(threads)
       options%bad_lines_missing = index(content, "strict") == 0
       call write_bytes(scratch_path("rows.txt"), content)
       call begin(lines, scratch_path("rows.txt"), options, table, failed)
       if (.not. allocated(failed)) call read_rows(lines, options, huge(1_int64), table, failed)
       call close_lines(lines)
       call remove_file(scratch_path("rows.txt"))
-      !$ call omp_set_num_threads(usual)
+      call set_thread_count(usual)
    end subroutine read_with
 
    !> A stored value by its row.

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of the polynomial trend.
 module test_trend
-   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
+   use gyroakf_threads, only : thread_count, set_thread_count
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
@@ -256,12 +256,12 @@ contains
       type(gyro_error), allocatable :: problem
 
       x = reference_series("ar1", 70000)
-      before = omp_get_max_threads()
-      call omp_set_num_threads(1)
+      before = thread_count()
+      call set_thread_count(1)
       call fit_trend(x, 3, a, problem)
-      call omp_set_num_threads(2)
+      call set_thread_count(2)
       call fit_trend(x, 3, b, problem)
-      call omp_set_num_threads(before)
+      call set_thread_count(before)
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       call check(error, maxval(abs(a%legendre - b%legendre)), 0.0_dp, thr=tiny(x))

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of Welch's spectrum.
 module test_welch
-   use omp_lib, only : omp_get_max_threads, omp_set_num_threads
+   use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_series_welch, only : welch_options, welch_type, welch_spectrum, default_segment
@@ -175,12 +175,12 @@ contains
       integer :: before
 
       x = reference_series("ar1", 200000)
-      before = omp_get_max_threads()
-      call omp_set_num_threads(1)
+      before = thread_count()
+      call set_thread_count(1)
       call welch_spectrum(x, 1.0_dp, welch_options(segment=1000), a, problem)
-      call omp_set_num_threads(2)
+      call set_thread_count(2)
       if (.not. allocated(problem)) call welch_spectrum(x, 1.0_dp, welch_options(segment=1000), b, problem)
-      call omp_set_num_threads(before)
+      call set_thread_count(before)
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       call check(error, maxval(abs(b%density - a%density)) <= 0.0_dp .and. all(a%density > 0.0_dp))

@@ -6,7 +6,7 @@
 !> of a term come from the memory once instead of three times. Factors that double, as octaves do, are taken four at a time.
 !> Partial sums belong to fixed parts of the record: the result does not depend on the number of threads.
 module gyroakf_allan_second_difference
-   use omp_lib, only : omp_get_max_threads
+   use gyroakf_threads, only : thread_count
    use gyroakf_kinds, only : dp, int32, int64
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type, tell_progress
@@ -60,7 +60,7 @@ contains
       n = ubound(phase, 1, kind=int64)
       parts = part_count(n)
       group = parts
-      if (present(progress)) group = max(8, 4*omp_get_max_threads())
+      if (present(progress)) group = max(8, 4*thread_count())
       do first = 1, size(m), batch
          last = min(first + batch - 1, size(m))
          do from = 1, parts, group
@@ -249,7 +249,7 @@ contains
       n = ubound(phase, 1, kind=int64)
       parts = part_count(n)
       group = parts
-      if (present(progress)) group = max(8, 4*omp_get_max_threads())
+      if (present(progress)) group = max(8, 4*thread_count())
       do first = 1, size(m), batch
          last = min(first + batch - 1, size(m))
          do from = 1, parts, group

@@ -11,7 +11,7 @@
 !> depend on their number.
 module gyroakf_io_columns_writer
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
-   use omp_lib, only : omp_get_max_threads
+   use gyroakf_threads, only : thread_count
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, tell_progress
@@ -120,7 +120,7 @@ contains
 
       piece_rows = max(1_int64, min(last - first + 1, piece_size/(widest*max(1, size(columns)))))
       room = merge(0_int64, piece_rows*widest*size(columns) + longest_real, layout%form /= "text")
-      pieces = 16*omp_get_max_threads()
+      pieces = 16*thread_count()
       allocate (piece(pieces))
       do k = 1, pieces
          allocate (character(room) :: piece(k)%text, stat=failed)
