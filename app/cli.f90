@@ -11,7 +11,9 @@ module gyroakf_app_cli
    use gyroakf_simulate_record, only : paper_preset
    use gyroakf_app_check, only : check_job
    use gyroakf_app_config, only : cli_config, text_config, reading_config, analysis_config, simulate_config, new_config
+   use gyroakf_app_completion, only : completion_text
    use gyroakf_app_help, only : program_help, command_help, version_text, citation_text
+   use gyroakf_app_manual, only : manual_text
    use gyroakf_app_option, only : option_type, options, command_names, find_option, belongs_to, suggest_word
    use gyroakf_app_setting_input, only : set_input, set_common
    use gyroakf_app_setting_method, only : set_method
@@ -40,8 +42,8 @@ contains
       if (allocated(error)) return
       call find_command(words, command, first, error)
       if (allocated(error)) return
-      call make_text(words, config)
-      if (allocated(config)) return
+      call make_text(words, config, error)
+      if (allocated(config) .or. allocated(error)) return
       call make_job(words, command, first, config, error)
    end subroutine get_config
 
@@ -83,11 +85,13 @@ contains
       end if
    end subroutine check_command
 
-   !> --help, --version and --citation go before everything else.
-   subroutine make_text(words, config)
+   !> --help, --version, --citation, --man and --completion go before everything else.
+   subroutine make_text(words, config, error)
       type(words_type), intent(in) :: words
       class(cli_config), allocatable, intent(inout) :: config
+      type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: text
+      type(value_type) :: value
       integer :: i
 
       do i = 1, words%used
@@ -99,6 +103,11 @@ contains
             end if
          case ("--version"); text = version_text()
          case ("--citation"); text = citation_text()
+         case ("--man"); text = manual_text()
+         case ("--completion")
+            call convert_value(options(words%given(i)%row), words%given(i)%value, value, error)
+            if (allocated(error)) return
+            text = completion_text(value%text)
          case default; cycle
          end select
          allocate (config, source=text_config(command="help", text=text))

@@ -6,11 +6,30 @@ module gyroakf_app_help
    implicit none (type, external)
    private
    public :: program_help, command_help, version_text, citation_text
+   public :: about, usage_notes, run_is_default, reading_notes, exit_codes, examples, references
 
    character(*), parameter :: nl = new_line("a")
 
    !> Column at which the explanations begin, and the last one that is written on
    integer, parameter :: first_column = 31, last_column = 98
+
+   !> What stands in the help and in the manual page
+   character(*), parameter :: about = "random errors of gyroscopes, from a recording to numbers"
+   character(*), parameter :: usage_notes = "FILE may be - (standard input); -- ends the options. Several files, or "// &
+      "--list FILE: each is worked on as if alone, then all are summed up; exit code: the largest of theirs."
+   character(*), parameter :: run_is_default = "Without a COMMAND gyroakf does the whole job (run)."
+   character(*), parameter :: reading_notes = "Begin with gyroakf inspect FILE. The content tells text from NumPy's .npy; gzip "// &
+      "and zstd come through a pipe. A header in the file (# rate_hz: 5, # unit: deg/h, # columns: t gx gy gz) is honoured; an "// &
+      "option overrides it. Where nobody gave a rate or a unit, results are per sample and in input units."
+   character(*), parameter :: exit_codes = &
+      "Exit codes: 0 done; 1 wrong usage; 2 the data or a file; 3 a numerical failure; 130 Ctrl-C."
+
+   !> What `--citation` names
+   character(150), parameter :: references(4) = [character(150) :: &
+      "Yi et al., Random Errors Compensation method of Autoregressive Adaptive Kalman Filter based on MEMS Gyroscope.", &
+      "W. J. Riley and D. A. Howe, Handbook of Frequency Stability Analysis, NIST SP 1065 (2008).", &
+      "IEEE Std 952, Specification Format Guide and Test Procedure for Single-Axis Interferometric Fiber Optic Gyros, annex C.", &
+      "A. P. Sage and G. W. Husa, Adaptive filtering with unknown prior statistics, Joint Automatic Control Conference (1969)."]
 
    !> Commands and examples of them
    character(92), parameter :: examples(2, 28) = reshape([character(92) :: &
@@ -57,16 +76,9 @@ contains
       character(:), allocatable :: text
 
       text = "gyroakf "//release_string//": random errors of gyroscopes, characterised and compensated."//nl//nl// &
-         "The method:"//nl// &
-         "  Yi et al., Random Errors Compensation method of Autoregressive Adaptive Kalman Filter based on"//nl// &
-         "  MEMS Gyroscope."//nl// &
-         "The Allan deviation and its uncertainty:"//nl// &
-         "  W. J. Riley and D. A. Howe, Handbook of Frequency Stability Analysis, NIST SP 1065 (2008)."//nl// &
-         "  IEEE Std 952, Specification Format Guide and Test Procedure for Single-Axis Interferometric"//nl// &
-         "  Fiber Optic Gyros, annex C."//nl// &
-         "The adaptive filter:"//nl// &
-         "  A. P. Sage and G. W. Husa, Adaptive filtering with unknown prior statistics, Joint Automatic"//nl// &
-         "  Control Conference (1969)."//nl
+         "The method:"//nl//wrapped(trim(references(1)), 3)//"The Allan deviation and its uncertainty:"//nl// &
+         wrapped(trim(references(2)), 3)//wrapped(trim(references(3)), 3)//"The adaptive filter:"//nl// &
+         wrapped(trim(references(4)), 3)
    end function citation_text
 
    !> What `gyroakf --help` prints.
@@ -74,21 +86,14 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      text = "gyroakf "//release_string//": random errors of gyroscopes, from a recording to numbers"//nl//nl// &
-         "Usage: gyroakf [COMMAND] FILE... [OPTIONS]"//nl// &
-         "       FILE may be - (standard input); -- ends the options. Several files, or --list FILE: each"//nl// &
-         "       is worked on as if alone, then all are summed up; exit code: the largest of theirs."//nl//nl//"Commands"//nl
+      text = "gyroakf "//release_string//": "//about//nl//nl//"Usage: gyroakf [COMMAND] FILE... [OPTIONS]"//nl// &
+         wrapped(usage_notes, 8)//nl//"Commands"//nl
       do i = 1, size(commands)
          text = text//"  "//commands(i)%name//"  "//trim(commands(i)%purpose)//nl
       end do
-      text = text//nl//"Without a COMMAND gyroakf does the whole job (run)."//nl
+      text = text//nl//run_is_default//nl
       text = text//options_of("run", "input")//options_of("run", "output")//options_of("run", "work")//options_of("run", "common")
-      text = text//nl//"Examples"//nl//first_examples()//nl// &
-         "Begin with gyroakf inspect FILE. The content tells text from NumPy's .npy; gzip and zstd come"//nl// &
-         "through a pipe. A header in the file (# rate_hz: 5, # unit: deg/h, # columns: t gx gy gz) is"//nl// &
-         "honoured; an option overrides it. Where nobody gave a rate or a unit, results are per sample"//nl// &
-         "and in input units."//nl// &
-         "Exit codes: 0 done; 1 wrong usage; 2 the data or a file; 3 a numerical failure; 130 Ctrl-C."//nl// &
+      text = text//nl//"Examples"//nl//first_examples()//nl//wrapped(reading_notes, 1)//exit_codes//nl// &
          "All options of a command: gyroakf COMMAND --help"//nl
    end function program_help
 
@@ -156,8 +161,7 @@ contains
    function option_lines(option) result(text)
       type(option_type), intent(in) :: option
       character(:), allocatable :: text
-      character(:), allocatable :: line, rest
-      integer :: cut
+      character(:), allocatable :: line
 
       line = "  "//trim(option%name)//" "//trim(option%value)
       text = ""
@@ -165,15 +169,32 @@ contains
          text = trim(line)//nl
          line = ""
       end if
-      rest = trim(option%help)
+      text = text//wrapped(trim(option%help), first_column, line)
+   end function option_lines
+
+   !> A text in lines that begin at a column and end at [[last_column]].
+   function wrapped(text, column, begun) result(lines)
+      !> One paragraph
+      character(*), intent(in) :: text
+      !> Where the lines begin, 1 at the margin
+      integer, intent(in) :: column
+      !> What stands in the first line already, shorter than that
+      character(*), intent(in), optional :: begun
+      character(:), allocatable :: lines, line, rest
+      integer :: cut
+
+      lines = ""
+      line = ""
+      if (present(begun)) line = begun
+      rest = text
       do while (len(rest) > 0)
-         line = line//repeat(" ", max(0, first_column - 1 - len(line)))
+         line = line//repeat(" ", max(0, column - 1 - len(line)))
          cut = len(rest)
-         if (cut > last_column - first_column + 1) cut = index(rest(:last_column - first_column + 2), " ", back=.true.) - 1
-         text = text//line//rest(:cut)//nl
+         if (cut > last_column - column + 1) cut = index(rest(:last_column - column + 2), " ", back=.true.) - 1
+         lines = lines//line//rest(:cut)//nl
          rest = trim(adjustl(rest(cut + 1:)))
          line = ""
       end do
-   end function option_lines
+   end function wrapped
 
 end module gyroakf_app_help

@@ -215,6 +215,9 @@ module gyroakf_app_option
       option_type("--help", "", "flag", every, "common", "this text, or that of a command"), &
       option_type("--version", "", "flag", every, "common", "the version"), &
       option_type("--citation", "", "flag", every, "common", "what to cite"), &
+      option_type("--man", "", "flag", every, "common", "the manual page, for man -l -"), &
+      option_type("--completion", "bash|zsh|fish", "choice", every, "common", "a script that completes commands, options and "// &
+                  "their words"), &
       option_type("--config", "FILE", "later", none), &
       option_type("--truth", "FILE", "later", none)]
 

@@ -1,0 +1,192 @@
+! SPDX-License-Identifier: MIT
+!> Completion scripts for bash, zsh and fish: `gyroakf --completion SHELL`, made from the table of options.
+module gyroakf_app_completion
+   use gyroakf_app_option, only : option_type, options, commands, command_names, belongs_to, takes_value
+   implicit none (type, external)
+   private
+   public :: completion_text
+
+   character(*), parameter :: nl = new_line("a")
+
+contains
+
+   !> The script of a shell.
+   function completion_text(shell) result(text)
+      !> bash, zsh or fish
+      character(*), intent(in) :: shell
+      character(:), allocatable :: text
+
+      select case (shell)
+      case ("fish"); text = fish_text()
+      case ("zsh"); text = zsh_text()
+      case default; text = bash_text()
+      end select
+   end function completion_text
+
+   !> bash: options of the command, words of the option before, else files.
+   function bash_text() result(text)
+      character(:), allocatable :: text, list
+      integer :: i, j
+
+      text = "# bash completion of gyroakf; made by: gyroakf --completion bash"//nl// &
+         "_gyroakf() {"//nl// &
+         "  local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} command=run words="//nl// &
+         "  case ${COMP_WORDS[1]} in"//nl//"    "//joined("|")//") command=${COMP_WORDS[1]} ;;"//nl//"  esac"//nl// &
+         "  case $command:$prev in"//nl
+      do i = 1, size(options)
+         if (.not. has_words(options(i))) cycle
+         list = ""
+         do j = 1, size(command_names)
+            if (belongs_to(options(i), command_names(j))) list = list//"|"//trim(command_names(j))//":"//trim(options(i)%name)
+         end do
+         text = text//"    "//list(2:)//") words='"//spaced(trim(options(i)%value))//"' ;;"//nl
+      end do
+      text = text//"  esac"//nl//"  if [ -z ""$words"" ] && [[ $cur == -* ]]; then"//nl//"    case $command in"//nl
+      do j = 1, size(command_names)
+         text = text//"      "//trim(command_names(j))//") words='"//names_of(command_names(j))//"' ;;"//nl
+      end do
+      text = text//"    esac"//nl//"  fi"//nl// &
+         "  [ $COMP_CWORD -gt 1 ] || [[ $cur == -* ]] || words='"//joined(" ")//"'"//nl// &
+         '  mapfile -t COMPREPLY < <(compgen -W "$words" -- "$cur")'//nl//"}"//nl// &
+         "complete -o default -o bashdefault -F _gyroakf gyroakf"//nl
+   end function bash_text
+
+   !> zsh: _arguments of each command.
+   function zsh_text() result(text)
+      character(:), allocatable :: text
+      integer :: i, j
+
+      text = "#compdef gyroakf"//nl//"# zsh completion of gyroakf; made by: gyroakf --completion zsh"//nl// &
+         "local command=run"//nl//"case ${words[2]} in"//nl//"  "//joined("|")//") command=${words[2]} ;;"//nl//"esac"//nl// &
+         "if (( CURRENT == 2 )) && [[ ${words[2]} != -* ]]; then"//nl//"  local -a commands=("//nl
+      do i = 1, size(commands)
+         text = text//"    "//quoted(trim(commands(i)%name)//":"//trim(commands(i)%purpose))//nl
+      end do
+      text = text//"  )"//nl//"  _describe command commands"//nl//"fi"//nl//"case $command in"//nl
+      do j = 1, size(command_names)
+         text = text//"  "//trim(command_names(j))//") _arguments -s \"//nl
+         do i = 1, size(options)
+            if (belongs_to(options(i), command_names(j))) text = text//"    "//quoted(zsh_spec(options(i)))//" \"//nl
+         end do
+         text = text//"    '*:file:_files' ;;"//nl
+      end do
+      text = text//"esac"//nl
+   end function zsh_text
+
+   !> An option as _arguments has it.
+   function zsh_spec(option) result(spec)
+      type(option_type), intent(in) :: option
+      character(:), allocatable :: spec, help
+      integer :: i
+
+      help = trim(option%help)
+      spec = trim(option%name)//"["
+      do i = 1, len(help)
+         if (scan(help(i:i), "[]:\") > 0) spec = spec//"\"
+         spec = spec//help(i:i)
+      end do
+      spec = spec//"]"
+      if (.not. takes_value(option)) return
+      if (has_words(option)) then
+         spec = spec//":value:("//spaced(trim(option%value))//")"
+      else if (names_a_file(option)) then
+         spec = spec//":file:_files"
+      else
+         spec = spec//":value: "
+      end if
+   end function zsh_spec
+
+   !> fish: a line for each option, with the commands that know it.
+   function fish_text() result(text)
+      character(:), allocatable :: text, condition
+      integer :: i
+
+      text = "# fish completion of gyroakf; made by: gyroakf --completion fish"//nl
+      do i = 1, size(commands)
+         text = text//"complete -c gyroakf -n __fish_use_subcommand -a "//trim(commands(i)%name)//" -d "// &
+            quoted(trim(commands(i)%purpose))//nl
+      end do
+      do i = 1, size(options)
+         if (options(i)%commands == "") cycle
+         condition = "__fish_seen_subcommand_from "//trim(options(i)%commands)
+         if (belongs_to(options(i), "run")) condition = condition//"; or not __fish_seen_subcommand_from "//joined(" ")
+         text = text//"complete -c gyroakf -n "//quoted(condition)//" -l "//trim(options(i)%name(3:))//" -d "// &
+            quoted(trim(options(i)%help))
+         if (has_words(options(i))) then
+            text = text//" -x -a "//quoted(spaced(trim(options(i)%value)))
+         else if (takes_value(options(i))) then
+            text = text//" -r"
+         end if
+         text = text//nl
+      end do
+   end function fish_text
+
+   !> Whether the value is one of the words in the table.
+   pure logical function has_words(option)
+      type(option_type), intent(in) :: option
+
+      has_words = option%kind(:6) == "choice" .and. option%commands /= ""
+   end function has_words
+
+   !> Whether the value is a file or a folder.
+   pure logical function names_a_file(option)
+      type(option_type), intent(in) :: option
+
+      names_a_file = option%value == "FILE" .or. option%value == "DIR"
+   end function names_a_file
+
+   !> The options that a command knows.
+   function names_of(command) result(list)
+      character(*), intent(in) :: command
+      character(:), allocatable :: list
+      integer :: i
+
+      list = ""
+      do i = 1, size(options)
+         if (belongs_to(options(i), command)) list = list//" "//trim(options(i)%name)
+      end do
+      list = list(2:)
+   end function names_of
+
+   !> The names of the commands with something between them.
+   function joined(between) result(list)
+      character(*), intent(in) :: between
+      character(:), allocatable :: list
+      integer :: i
+
+      list = trim(command_names(1))
+      do i = 2, size(command_names)
+         list = list//between//trim(command_names(i))
+      end do
+   end function joined
+
+   !> Words separated by blanks instead of |.
+   function spaced(words) result(list)
+      character(*), intent(in) :: words
+      character(len(words)) :: list
+      integer :: i
+
+      list = words
+      do i = 1, len(words)
+         if (list(i:i) == "|") list(i:i) = " "
+      end do
+   end function spaced
+
+   !> A text in the single quotes of a shell.
+   function quoted(text) result(word)
+      character(*), intent(in) :: text
+      character(:), allocatable :: word
+      integer :: i
+
+      word = "'"
+      do i = 1, len(text)
+         if (text(i:i) == "'") then
+            word = word//"'\''"
+         else
+            word = word//text(i:i)
+         end if
+      end do
+      word = word//"'"
+   end function quoted
+
+end module gyroakf_app_completion
