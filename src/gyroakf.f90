@@ -74,6 +74,8 @@ module gyroakf
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_likelihood, only : component_likelihood
    use gyroakf_filter_smoother, only : smooth_drift
+   use gyroakf_filter_drift_filter, only : new_drift_filter
+   use gyroakf_filter_two_pass, only : smooth_adaptive
    use gyroakf_filter_drift_fit, only : drift_fit_type, drift_candidate_type, fit_drift, is_slow
    use gyroakf_preprocess_trend, only : trend_type, fit_trend, remove_trend, evaluate_trend
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series

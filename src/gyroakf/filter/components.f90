@@ -11,7 +11,7 @@
 module gyroakf_filter_components
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_filter_scalar, only : is_sample
+   use gyroakf_filter_measurement, only : is_sample
    implicit none (type, external)
    private
    public :: component_model_type, component_state_type, most_components

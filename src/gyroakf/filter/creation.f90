@@ -6,10 +6,10 @@ module gyroakf_filter_creation
    use gyroakf_filter_types, only : filter_options, filter_type
    use gyroakf_filter_state_space, only : predict_covariance, correct_covariance, stationary_covariance, steady_state
    use gyroakf_filter_sage_husa, only : consistency_factor
-   use gyroakf_filter_scalar, only : is_sample
+   use gyroakf_filter_measurement, only : is_sample
    implicit none (type, external)
    private
-   public :: new_filter
+   public :: new_filter, check_options, set_adaptation, shortest_burn_in, longest_burn_in, burn_in_tolerance
 
    !> Largest state
    integer, parameter :: largest_order = 1000
@@ -85,10 +85,9 @@ contains
       type(error_type), allocatable, intent(out) :: error
       logical :: good
 
-      good = all(is_sample(phi)) .and. is_sample(q) .and. is_sample(r) .and. is_sample(options%r_scale) &
-         .and. is_sample(options%initial_variance) .and. is_sample(options%forgetting) .and. is_sample(options%huber)
+      good = all(is_sample(phi)) .and. is_sample(q) .and. is_sample(r)
       if (.not. good) then
-         call fatal_error(error, status%non_finite, "a filter's coefficients, variances and options must be finite numbers")
+         call fatal_error(error, status%non_finite, "a filter's coefficients and variances must be finite numbers")
       else if (size(phi) > largest_order) then
          call fatal_error(error, status%invalid_argument, "the order of a filter is at most 1000")
       else if (q < 0.0_dp .or. r < 0.0_dp .or. .not. q + r > tiny(1.0_dp)) then
@@ -97,6 +96,21 @@ contains
          call fatal_error(error, status%invalid_argument, "Q must start above zero where it is adapted")
       else if (options%estimate_measurement_variance .and. .not. max(r, options%r_scale) > 0.0_dp) then
          call fatal_error(error, status%invalid_argument, "R, or the scale of its bounds, must be above zero where it is adapted")
+      else
+         call check_options(options, error)
+      end if
+   end subroutine check_numbers
+
+   !> Options that do not depend on the model.
+   subroutine check_options(options, error)
+      !> The options
+      type(filter_options), intent(in) :: options
+      !> invalid_argument, non_finite
+      type(error_type), allocatable, intent(out) :: error
+
+      if (.not. (is_sample(options%r_scale) .and. is_sample(options%initial_variance) .and. is_sample(options%forgetting) &
+                 .and. is_sample(options%huber))) then
+         call fatal_error(error, status%non_finite, "the options of a filter must be finite numbers")
       else if (.not. (options%forgetting > 0.0_dp .and. options%forgetting <= 1.0_dp)) then
          call fatal_error(error, status%invalid_argument, "the forgetting factor must lie in 0 < b <= 1")
       else if (options%huber < 0.0_dp .or. options%initial_variance < 0.0_dp .or. options%r_scale < 0.0_dp) then
@@ -111,7 +125,7 @@ contains
                              //trim(options%measurement_form)//" (residual, exact, biased, paper)")
          end select
       end if
-   end subroutine check_numbers
+   end subroutine check_options
 
    !> Whether 0 < lower <= upper, both finite.
    pure logical function all_ordered(lower, upper)

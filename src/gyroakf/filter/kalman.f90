@@ -16,8 +16,10 @@ module gyroakf_filter_kalman
    use gyroakf_filter_types, only : filter_options, filter_type
    use gyroakf_filter_creation, only : new_filter
    use gyroakf_filter_state_space, only : predict_covariance, correct_covariance
+   use gyroakf_filter_drift_step, only : run_processes
    use gyroakf_filter_sage_husa, only : adapt_noise, gate_inflation, longest_run, shift_variance
-   use gyroakf_filter_scalar, only : run_scalar, is_sample, settle_distance
+   use gyroakf_filter_measurement, only : is_sample
+   use gyroakf_filter_scalar, only : run_scalar, settle_distance
    implicit none (type, external)
    private
    public :: filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
@@ -34,7 +36,11 @@ contains
       real(dp), intent(out) :: x
       real(dp) :: zs(1), xs(1)
 
-      if (filter%order == 1) then
+      if (filter%drift_model%count > 1) then
+         zs(1) = z
+         call run_processes(filter, zs, xs)
+         x = xs(1)
+      else if (filter%order == 1) then
          zs(1) = z
          call run_scalar(filter, zs, xs)
          x = xs(1)
@@ -59,8 +65,19 @@ contains
       integer(int64) :: k
       logical :: here
 
-      if (filter%order == 1) then
-         ! an absent optional is not passed on: the undefined-behaviour sanitizer of gfortran 12 stops there
+      ! an absent optional is not passed on: the undefined-behaviour sanitizer of gfortran 12 stops there
+      if (filter%drift_model%count > 1) then
+         if (present(valid) .and. present(normalised_innovation)) then
+            call run_processes(filter, z, x, valid, normalised_innovation)
+         else if (present(valid)) then
+            call run_processes(filter, z, x, valid)
+         else if (present(normalised_innovation)) then
+            call run_processes(filter, z, x, normalised_innovation=normalised_innovation)
+         else
+            call run_processes(filter, z, x)
+         end if
+         return
+      else if (filter%order == 1) then
          if (present(valid) .and. present(normalised_innovation)) then
             call run_scalar(filter, z, x, valid, normalised_innovation)
          else if (present(valid)) then

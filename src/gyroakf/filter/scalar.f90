@@ -5,11 +5,12 @@
 !> because a step of a few nanoseconds is wanted: the numbers of both agree to rounding, and a test says so.
 module gyroakf_filter_scalar
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_filter_measurement, only : is_sample
    use gyroakf_filter_types, only : filter_type
    use gyroakf_filter_sage_husa, only : longest_run, shift_variance
    implicit none (type, external)
    private
-   public :: run_scalar, is_sample, settle_distance
+   public :: run_scalar, is_sample, settle_distance, vanished
 
    !> Relative distance from the steady gain at which the gain is taken as settled ...
    real(dp), parameter :: settle_tolerance = 1.0e-13_dp
@@ -27,21 +28,10 @@ module gyroakf_filter_scalar
       real(dp) :: gate, inverse_consistency, q_low, q_high, r_low, r_high, gain_sum, steady_gain, pole
       integer(int64) :: used, clamped, gated, q_floor, r_floor
       integer :: wait, updates, run
-      logical :: adapt, adapt_q_mean, adapt_r_mean, adapt_q, adapt_r, by_residual, by_posterior, has_gate, settled
+      logical :: adapt, adapt_q_mean, adapt_r_mean, adapt_q, adapt_r, by_residual, by_posterior, has_gate, settled, started
    end type lane_type
 
 contains
-
-   !> Whether a value is a measurement: finite and below 1e149 in magnitude, so that its square is finite too.
-   !>
-   !> By the exponent's bits: a NaN meets no comparison, so nothing traps.
-   elemental logical function is_sample(z)
-      !> The value
-      real(dp), intent(in) :: z
-      integer(int64), parameter :: exponent_mask = 2047_int64, exponent_limit = 1023_int64 + 495_int64
-
-      is_sample = iand(shiftr(transfer(z, 0_int64), 52), exponent_mask) < exponent_limit
-   end function is_sample
 
    !> Distance from the steady gain K at which the gain has settled: at most 1e-12 of the innovations is then seen in the
    !> output.
@@ -73,7 +63,12 @@ contains
       do k = 1, size(z, kind=int64)
          here = is_sample(z(k))
          if (present(valid)) here = here .and. valid(k) /= 0_int8
-         if (.not. here) then
+         if (.not. lane%started) then
+            if (here) call begin_walk(lane, z(k))
+            x(k) = lane%state
+            if (present(normalised_innovation)) normalised_innovation(k) = 0.0_dp
+            cycle
+         else if (.not. here) then
             call predict(lane)
             call skip(lane)
          else if (varying) then
@@ -92,6 +87,20 @@ contains
       end do
       call store(lane, size(z, kind=int64), filter)
    end subroutine run_scalar
+
+   !> The first measurement of a random walk that may have begun anywhere: it is the estimate, and has no innovation.
+   pure subroutine begin_walk(lane, z)
+      type(lane_type), intent(inout) :: lane
+      !> The measurement
+      real(dp), intent(in) :: z
+
+      lane%state = z
+      lane%p = lane%r
+      lane%gain = 1.0_dp
+      lane%gain_sum = lane%gain_sum + 1.0_dp
+      lane%used = lane%used + 1
+      lane%started = .true.
+   end subroutine begin_walk
 
    !> Constant q and r, no gate: once the gain has settled the step is x = phi (1 - K) x + K z.
    pure subroutine correct_fixed(lane, z)
@@ -252,6 +261,7 @@ contains
       lane%r_low = filter%r_bounds(1)
       lane%r_high = filter%r_bounds(2)
       lane%settled = filter%settled
+      lane%started = filter%drift_state%started
       lane%steady_gain = filter%steady_gain(1)
       lane%pole = lane%phi*(1.0_dp - lane%steady_gain)
       lane%gain_sum = 0.0_dp
@@ -289,6 +299,10 @@ contains
       filter%weight_updates = lane%updates
       filter%wait = lane%wait
       filter%settled = lane%settled
+      filter%drift_state%started = lane%started
+      filter%drift_state%x(1) = lane%state
+      filter%drift_state%p(1, 1) = lane%p
+      filter%drift_state%gain(1) = lane%gain
       filter%run = lane%run
       filter%innovation = lane%innovation
       filter%innovation_variance = lane%s

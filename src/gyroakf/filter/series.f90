@@ -8,11 +8,14 @@ module gyroakf_filter_series
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_record, only : text_type
+   use gyroakf_special, only : chi_square_quantile
    use gyroakf_series_whiteness, only : ljung_box_type, ljung_box_of
    use gyroakf_filter_kalman, only : filter_type, run_filter
+   use gyroakf_filter_drift_steady, only : drift_dc_gain
+   use gyroakf_filter_drift_step, only : begins_here
    use gyroakf_filter_state_space, only : dc_gain
    use gyroakf_filter_lag_sums, only : lag_sums_type, start_lag_sums, add_block, autocovariance_of, longest_lag
-   use gyroakf_filter_scalar, only : is_sample
+   use gyroakf_filter_measurement, only : is_sample
    use gyroakf_filter_warnings, only : filter_facts, filter_warnings
    implicit none (type, external)
    private
@@ -41,6 +44,8 @@ module gyroakf_filter_series
       real(dp) :: q = 0, r = 0, q_mean = 0, r_mean = 0
       !> Mean of the squared normalised innovations; 1 where the stated variances are those of the series
       real(dp) :: nis_mean = 0
+      !> Where it lies in 95 of 100 series of the model: quantiles of chi-square over the innovations' count
+      real(dp) :: nis_low = 0, nis_high = 0
       !> Whiteness of the normalised innovations, 20 lags, no fitted parameters subtracted
       type(ljung_box_type) :: ljung_box
       !> Forgetting factor b; 0: nothing is adapted
@@ -173,6 +178,7 @@ contains
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: first, last
       integer :: n
+      logical :: begins
 
       last = 0
       do while (last < size(z, kind=int64))
@@ -190,8 +196,10 @@ contains
          else
             run%here(:n) = merge(1_int8, 0_int8, is_sample(z(first:last)))
          end if
+         begins = begins_here(filter)
          call run_filter(filter, z(first:last), x(first:last), run%here(:n), run%normalised(:n))
          call add_moments(run%output, x(first:last), run%here(:n))
+         if (begins) run%here(:n) = after_first(run%here(:n))
          call add_block(run%innovations, run%normalised(:n), run%here(:n))
          run%done = run%done + n
       end do
@@ -234,11 +242,24 @@ contains
       end do
    end function enough_measurements
 
+   !> Presence of the innovations: the first measurement of a random walk has none.
+   pure function after_first(here) result(later)
+      !> Presence of the measurements, [n]
+      integer(int8), intent(in), contiguous :: here(:)
+      integer(int8) :: later(size(here))
+      integer :: first
+
+      later = here
+      first = findloc(here, 1_int8, 1)
+      if (first > 0) later(first) = 0_int8
+   end function after_first
+
    !> Begins a new mean of the gain.
    pure subroutine restart_gain(filter)
       !> The filter
       type(filter_type), intent(inout) :: filter
 
+      filter%drift_gain_sum = 0.0_dp
       filter%gain_sum = 0.0_dp
       filter%gain_measurements = 0
    end subroutine restart_gain
@@ -286,7 +307,7 @@ contains
       !> As ljung_box_of
       type(error_type), allocatable, intent(out) :: error
       type(filter_facts) :: facts
-      real(dp) :: gain(size(filter%gain)), autocovariance(0:longest_lag)
+      real(dp) :: gain(size(filter%gain)), autocovariance(0:longest_lag), count
 
       gain = filter%gain
       if (filter%gain_measurements > 0) gain = filter%gain_sum/real(filter%gain_measurements, dp)
@@ -296,7 +317,10 @@ contains
       result%r = filter%r
       result%q_mean = filter%q_mean
       result%r_mean = filter%r_mean
-      result%nis_mean = innovations%squares/real(innovations%present, dp)
+      count = real(innovations%present, dp)
+      result%nis_mean = innovations%squares/count
+      result%nis_low = chi_square_quantile(0.025_dp, count)/count
+      result%nis_high = chi_square_quantile(0.975_dp, count)/count
       if (filter%adaptive) result%forgetting = filter%options%forgetting
       call list_estimates(filter, result%estimate)
       call autocovariance_of(innovations, autocovariance)
@@ -323,7 +347,12 @@ contains
       real(dp), intent(in) :: gain(:)
 
       associate (by_q => filter%options%estimate_process_mean, by_r => filter%options%estimate_measurement_mean)
-         if (by_q .and. by_r) then                 ! q = K r: one innovation drives both
+         if (filter%drift_model%count == 1) then
+            lasting_gain = drift_dc_gain(filter%drift_model, filter%slow, gain)
+         else if (filter%drift_model%count > 1) then
+            lasting_gain = drift_dc_gain(filter%drift_model, filter%slow, &
+                                         filter%drift_gain_sum/real(max(1_int64, filter%gain_measurements), dp))
+         else if (by_q .and. by_r) then                 ! q = K r: one innovation drives both
             lasting_gain = gain(1)/(gain(1) + 1.0_dp - sum(filter%phi))
          else if (by_r) then
             lasting_gain = 0.0_dp

@@ -16,7 +16,7 @@ module gyroakf_filter_smoother
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_filter_components, only : component_model_type, component_state_type, most_components, &
       check_components, start_components, predict_components, correct_components, settling_type, judge_settling
-   use gyroakf_filter_scalar, only : is_sample
+   use gyroakf_filter_measurement, only : is_sample
    implicit none (type, external)
    private
    public :: smooth_drift

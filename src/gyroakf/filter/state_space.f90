@@ -12,7 +12,7 @@ module gyroakf_filter_state_space
    implicit none (type, external)
    private
    public :: predict_covariance, correct_covariance, stationary_covariance, steady_state
-   public :: dc_gain, output_variance_ratio
+   public :: solve_riccati, dc_gain, output_variance_ratio
 
    !> Relative change at which a doubling iteration has converged
    real(dp), parameter :: tolerance = 1.0e-15_dp
@@ -141,6 +141,7 @@ contains
       real(dp), intent(out), contiguous :: prior(:, :)
       !> not_converged, singular: the Riccati iteration failed (p > 1)
       type(error_type), allocatable, intent(out) :: error
+      real(dp) :: a(size(phi), size(phi)), g(size(phi), size(phi))
       real(dp) :: c, root, work(size(phi)), s
       integer :: i
 
@@ -156,7 +157,12 @@ contains
             prior(1, 1) = 2.0_dp*q*r/(root - c)
          end if
       else if (q > 0.0_dp) then
-         call solve_riccati(phi, q/r, prior, error)
+         a = 0.0_dp
+         g = 0.0_dp
+         call companion(phi, a)
+         g(1, 1) = 1.0_dp
+         prior(1, 1) = q/r
+         call solve_riccati(a, g, prior, error)
          if (allocated(error)) return
          prior = r*prior
          do i = 1, 8                            ! polished by the recursion that the filter itself runs
@@ -167,30 +173,23 @@ contains
       gain = prior(:, 1)/(prior(1, 1) + r)
    end subroutine steady_state
 
-   !> Doubling iteration for P = Phi P Phi' - P e1 e1' P /(1 + P11) + q e1 e1' (r = 1).
-   subroutine solve_riccati(phi, q, h, error)
-      !> Coefficients, [p]
-      real(dp), intent(in) :: phi(:)
-      !> q/r, > 0
-      real(dp), intent(in) :: q
-      !> The solution, [p, p]
-      real(dp), intent(out) :: h(:, :)
+   !> Doubling iteration for the covariance of the prediction where the measurement noise has the variance 1:
+   !> $$ P = \Phi \big( P - P h (1 + h^T P h)^{-1} h^T P \big) \Phi^T + Q $$
+   subroutine solve_riccati(transition, g, h, error)
+      !> Phi, [p, p]
+      real(dp), intent(in) :: transition(:, :)
+      !> h h', [p, p]; spent afterwards
+      real(dp), intent(inout) :: g(:, :)
+      !> Q on entry, the solution on return, [p, p]
+      real(dp), intent(inout) :: h(:, :)
       !> not_converged, singular
       type(error_type), allocatable, intent(out) :: error
-      real(dp), dimension(size(phi), size(phi)) :: a, g, m, step
-      real(dp) :: w(size(phi), 2*size(phi))
-      integer :: pivot(size(phi)), i, n, info, round
+      real(dp), dimension(size(g, 1), size(g, 1)) :: a, m, step
+      real(dp) :: w(size(g, 1), 2*size(g, 1))
+      integer :: pivot(size(g, 1)), i, n, info, round
 
-      n = size(phi)
-      a = 0.0_dp
-      g = 0.0_dp
-      h = 0.0_dp
-      a(:, 1) = phi
-      do i = 2, n
-         a(i - 1, i) = 1.0_dp
-      end do
-      g(1, 1) = 1.0_dp
-      h(1, 1) = q
+      n = size(g, 1)
+      a = transpose(transition)
       do round = 1, max_doublings
          m = matmul(g, h)
          do i = 1, n

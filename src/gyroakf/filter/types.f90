@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> The filter as an object: its model, its state and how it adapts. Made by `new_filter`
-!> (gyroakf_filter_kalman, which re-exports the types); the components are for reading.
+!> (gyroakf_filter_kalman, which re-exports the types) or `new_drift_filter`; the components are for reading.
 module gyroakf_filter_types
    use gyroakf_kinds, only : dp, int64
+   use gyroakf_filter_components, only : component_model_type, component_state_type, most_components
    implicit none (type, external)
    private
    public :: filter_options, filter_type
@@ -26,9 +27,10 @@ module gyroakf_filter_types
       integer :: burn_in = 0
       !> Innovations beyond so many standard deviations count less; 0: no gate; 2.5 usual
       real(dp) :: huber = 0.0_dp
-      !> What the bounds of R are multiples of (half the variance of the differences); 0: r itself
+      !> What the bounds of R are multiples of (half the variance of the differences); 0: r itself, in a drift filter
+      !> half the variance of the differences that the model states
       real(dp) :: r_scale = 0.0_dp
-      !> Variance of the state at the start, on the diagonal; 0: the stationary covariance
+      !> Variance of the state at the start, on the diagonal; 0: the stationary covariance, of a drift's random walk none (diffuse)
       real(dp) :: initial_variance = 0.0_dp
       !> Bounds of Q, multiples of the q given
       real(dp) :: q_lower = 1.0e-3_dp, q_upper = 1.0e3_dp
@@ -36,10 +38,26 @@ module gyroakf_filter_types
       real(dp) :: r_lower = 1.0e-2_dp, r_upper = 1.0e2_dp
    end type filter_options
 
-   !> A filter for the AR(p) state, fixed or adaptive
+   !> A filter for the AR(p) state or for a drift, fixed or adaptive
+   !>
+   !> A drift is the sum of some processes of the first order (`slow`): `order` is 1, x(1) the drift, p(1,1) its variance (huge
+   !> before the first measurement of a random walk), gain(1) its gain, phi(1) the coefficient of its slowest process, q the sum of
+   !> its driving variances. What is known of each process is in `drift_state`.
    type :: filter_type
       !> Size of the state
       integer :: order = 0
+      !> Processes of a drift filter and white noise; count = 0: the AR(p) filter
+      type(component_model_type) :: drift_model
+      !> Which of them are the drift
+      logical :: slow(most_components) = .false.
+      !> What is known of them
+      type(component_state_type) :: drift_state
+      !> Sum of their gains, as `gain_sum`; the gains that they settle to
+      real(dp) :: drift_gain_sum(most_components) = 0, drift_steady(most_components) = 0
+      !> Two processes: the determinant of their covariance
+      real(dp) :: drift_determinant = 0
+      !> The process that a shift of the level is laid upon: the random walk, or the slowest
+      integer :: drift_shifted = 0
       type(filter_options) :: options
       !> Coefficients, [order]
       real(dp), allocatable :: phi(:)

@@ -1,0 +1,146 @@
+! SPDX-License-Identifier: MIT
+!> The drift filter of any number of processes, sample by sample.
+module gyroakf_filter_drift_step
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_filter_components, only : predict_components, correct_components
+   use gyroakf_filter_measurement, only : is_sample
+   use gyroakf_filter_sage_husa, only : adapt_noise, gate_inflation, longest_run, shift_variance
+   use gyroakf_filter_scalar, only : settle_distance, vanished
+   use gyroakf_filter_types, only : filter_type
+   implicit none (type, external)
+   private
+   public :: run_processes, show_drift, begins_here
+
+contains
+
+   !> The filter over a series, or the next part of one.
+   pure subroutine run_processes(filter, z, x, valid, normalised_innovation)
+      !> Of a drift; its state goes on
+      type(filter_type), intent(inout) :: filter
+      !> Measurements, [n]
+      real(dp), intent(in), contiguous :: z(:)
+      !> Estimates, [n]
+      real(dp), intent(out), contiguous :: x(:)
+      !> 1 where the measurement is present, [n]
+      integer(int8), intent(in), optional :: valid(:)
+      !> Innovations over their standard deviations, [n], 0 where there is none
+      real(dp), intent(out), contiguous, optional :: normalised_innovation(:)
+      integer(int64) :: k
+      logical :: here, first
+
+      do k = 1, size(z, kind=int64)
+         here = is_sample(z(k))
+         if (present(valid)) here = here .and. valid(k) /= 0_int8
+         first = begins_here(filter)
+         if (here) then
+            call step_measured(filter, z(k))
+         else if (.not. first) then
+            call step_missing(filter)
+         end if
+         x(k) = sum(filter%drift_state%x(:filter%drift_model%count), mask=filter%slow(:filter%drift_model%count))
+         if (present(normalised_innovation)) then
+            normalised_innovation(k) = 0.0_dp
+            if (here .and. .not. first) normalised_innovation(k) = filter%innovation/sqrt(filter%innovation_variance)
+         end if
+      end do
+      filter%steps = filter%steps + size(z, kind=int64)
+      call show_drift(filter)
+   end subroutine run_processes
+
+   !> Whether the next measurement is the first of a random walk, which has no innovation.
+   pure logical function begins_here(filter)
+      !> The filter
+      type(filter_type), intent(in) :: filter
+
+      begins_here = .not. filter%drift_state%started
+   end function begins_here
+
+   !> A step without a measurement.
+   pure subroutine step_missing(filter)
+      !> Started
+      type(filter_type), intent(inout) :: filter
+
+      call predict_components(filter%drift_model, filter%drift_state)
+      where (abs(filter%drift_state%x) < vanished) filter%drift_state%x = 0.0_dp
+      where (abs(filter%drift_state%p) < vanished) filter%drift_state%p = 0.0_dp
+      filter%settled = .false.
+   end subroutine step_missing
+
+   !> A step with one.
+   pure subroutine step_measured(filter, z)
+      !> The filter
+      type(filter_type), intent(inout) :: filter
+      !> The measurement
+      real(dp), intent(in) :: z
+      real(dp) :: inflation, prior
+      integer :: n
+
+      n = filter%drift_model%count
+      associate (state => filter%drift_state)
+         if (begins_here(filter)) then
+            call correct_components(n, filter%r, z, state)
+         else if (filter%settled) then
+            state%x(:n) = filter%drift_model%phi(:n)*state%x(:n)
+            filter%innovation = z - sum(state%x(:n))
+            state%x(:n) = state%x(:n) + filter%drift_steady(:n)*filter%innovation
+         else
+            call predict_components(filter%drift_model, state)
+            prior = sum(state%p(:n, :n))
+            filter%innovation = z - sum(state%x(:n))
+            filter%innovation_variance = prior + filter%r
+            inflation = gate_inflation(filter%options%huber, filter%innovation, filter%innovation_variance)
+            call correct_components(n, filter%r*inflation, z, state)
+            call watch_level(filter, inflation)
+            if (filter%adaptive .and. .not. filter%frozen) then
+               call adapt_noise(filter, filter%innovation, filter%innovation_variance, prior)
+            end if
+            if (.not. filter%varying) then
+               filter%settled = maxval(abs(state%gain(:n) - filter%drift_steady(:n))) &
+                                <= settle_distance(maxval(abs(filter%drift_steady(:n))))
+               if (filter%settled) state%gain(:n) = filter%drift_steady(:n)
+            end if
+         end if
+         filter%drift_gain_sum(:n) = filter%drift_gain_sum(:n) + state%gain(:n)
+         filter%gain_sum(1) = filter%gain_sum(1) + sum(state%gain(:n), mask=filter%slow(:n))
+      end associate
+      filter%gain_measurements = filter%gain_measurements + 1
+      filter%measurements = filter%measurements + 1
+   end subroutine step_measured
+
+   !> Counts what the gate did; a run of innovations of one sign beyond it is a level that has shifted.
+   pure subroutine watch_level(filter, inflation)
+      !> Its innovation is set
+      type(filter_type), intent(inout) :: filter
+      !> Factor on R, 1 where the gate did not act
+      real(dp), intent(in) :: inflation
+
+      if (.not. inflation > 1.0_dp) then
+         filter%run = 0
+         return
+      end if
+      filter%gated = filter%gated + 1
+      if (real(filter%run, dp)*filter%innovation < 0.0_dp) filter%run = 0
+      filter%run = filter%run + merge(1, -1, filter%innovation > 0.0_dp)
+      if (abs(filter%run) <= longest_run) return
+      associate (i => filter%drift_shifted)
+         filter%drift_state%p(i, i) = filter%drift_state%p(i, i) + shift_variance*filter%r
+      end associate
+      filter%run = 0
+   end subroutine watch_level
+
+   !> The drift out of its processes: x(1), p(1,1), gain(1).
+   pure subroutine show_drift(filter)
+      !> The filter
+      type(filter_type), intent(inout) :: filter
+      integer :: i, n
+
+      n = filter%drift_model%count
+      filter%x(1) = sum(filter%drift_state%x(:n), mask=filter%slow(:n))
+      filter%gain(1) = sum(filter%drift_state%gain(:n), mask=filter%slow(:n))
+      filter%p(1, 1) = 0.0_dp
+      do i = 1, n
+         if (filter%slow(i)) filter%p(1, 1) = filter%p(1, 1) + sum(filter%drift_state%p(:n, i), mask=filter%slow(:n))
+      end do
+      if (begins_here(filter)) filter%p(1, 1) = huge(1.0_dp)
+   end subroutine show_drift
+end module gyroakf_filter_drift_step
