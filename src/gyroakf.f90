@@ -73,6 +73,7 @@ module gyroakf
    use gyroakf_filter_identification, only : drift_model_type, identify_drift
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_likelihood, only : component_likelihood
+   use gyroakf_filter_score, only : score_estimate, score_times, score_type
    use gyroakf_filter_smoother, only : smooth_drift
    use gyroakf_filter_drift_filter, only : new_drift_filter
    use gyroakf_filter_two_pass, only : smooth_adaptive

@@ -40,6 +40,7 @@ program test_main
    use test_filter_series, only : collect_filter_series
    use test_identification, only : collect_identification
    use test_likelihood, only : collect_likelihood
+   use test_score, only : collect_score
    use test_smoother, only : collect_smoother
    use test_drift_fit, only : collect_drift_fit
    use test_json, only : collect_json
@@ -131,6 +132,7 @@ program test_main
    call add("filter_series", collect_filter_series)
    call add("identification", collect_identification)
    call add("likelihood", collect_likelihood)
+   call add("score", collect_score)
    call add("smoother", collect_smoother)
    call add("drift_fit", collect_drift_fit)
    call add("json", collect_json)
