@@ -49,8 +49,10 @@ module gyroakf_filter_drift_fit
       integer :: best = 0
       !> Samples that were used, the first of them, and those present
       integer(int64) :: samples = 0, first = 1, measurements = 0
-      !> Subtracted before: the mean of those present, u
-      real(dp) :: mean = 0.0_dp
+      !> Subtracted before: the mean of those present, u; their variance about it, u^2
+      real(dp) :: mean = 0.0_dp, variance = 0.0_dp
+      !> AIC of white noise alone, of mean and variance
+      real(dp) :: white_aic = 0.0_dp
    end type drift_fit_type
 
    !> Likelihood of the scaled series by transformed parameters
@@ -70,6 +72,7 @@ module gyroakf_filter_drift_fit
    !> Slope of the log-likelihood of a sample that is flat: a parameter is then nearer to the maximum than 1e-4 of its error; steps
    real(dp), parameter :: flat = 1.0e-7_dp
    integer, parameter :: most_iterations = 100
+   real(dp), parameter :: log_two_pi = 1.8378770664093454835606594728112_dp
    !> Step of the differences of the gradient
    real(dp), parameter :: difference = 1.0e-4_dp
    character(8), parameter :: names(3) = [character(8) :: "walk", "ar1", "walk+ar1"]
@@ -160,6 +163,8 @@ contains
          call fatal_error(error, status%constant_input, "a series without variance has no drift")
       else
          objective%z = objective%z/scale
+         fit%variance = scale**2
+         fit%white_aic = real(fit%measurements, dp)*(log_two_pi + 1.0_dp + log(fit%variance)) + 4.0_dp
       end if
    end subroutine take_part
 
