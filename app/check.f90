@@ -97,13 +97,13 @@ contains
       character(:), allocatable :: path
 
       if (config%force) return
-      path = ""
+      path = existing(config%options_file)
       select type (config)
       class is (reading_config)
-         path = existing(config%json)
+         if (path == "") path = existing(config%json)
          if (path == "" .and. allocated(config%out) .and. .not. has_many_files(config)) path = existing_result(config%out)
       type is (simulate_config)
-         path = existing(config%output)
+         if (path == "") path = existing(config%output)
       end select
       select type (config)
       type is (analysis_config)

@@ -11,6 +11,7 @@ module gyroakf_app_cli
    use gyroakf_simulate_record, only : paper_preset
    use gyroakf_app_check, only : check_job
    use gyroakf_app_config, only : cli_config, text_config, reading_config, analysis_config, simulate_config, new_config
+   use gyroakf_app_config_file, only : add_config, config_text
    use gyroakf_app_completion, only : completion_text
    use gyroakf_app_help, only : program_help, command_help, version_text, citation_text
    use gyroakf_app_manual, only : manual_text
@@ -19,7 +20,7 @@ module gyroakf_app_cli
    use gyroakf_app_setting_method, only : set_method
    use gyroakf_app_setting_record, only : set_record
    use gyroakf_app_value, only : value_type, convert_value
-   use gyroakf_app_words, only : given_type, words_type, sort_words, usage_error
+   use gyroakf_app_words, only : given_type, words_type, sort_words, is_given, value_of, usage_error
    implicit none (type, external)
    private
    public :: get_config
@@ -40,12 +41,25 @@ contains
 
       call sort_words(arguments, words, error)
       if (allocated(error)) return
+      call take_config(words, error)
+      if (allocated(error)) return
       call find_command(words, command, first, error)
       if (allocated(error)) return
       call make_text(words, config, error)
       if (allocated(config) .or. allocated(error)) return
       call make_job(words, command, first, config, error)
    end subroutine get_config
+
+   !> The options of the file of --config.
+   subroutine take_config(words, error)
+      type(words_type), intent(inout) :: words
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: path
+
+      if (.not. is_given(words, "--config")) return
+      path = value_of(words, "--config")
+      call add_config(path, words, error)
+   end subroutine take_config
 
    !> The command among the words that are no options, and the first file.
    subroutine find_command(words, command, first, error)
@@ -136,14 +150,17 @@ contains
             config%paths(i)%text = words%word(first + i - 1)%text
          end do
       end select
-      do i = 1, words%used
-         call apply_option(words%given(i), config, .true., error)
-         if (allocated(error)) return
-      end do
-      do i = 1, words%used
-         call apply_option(words%given(i), config, .false., error)
-         if (allocated(error)) return
-      end do
+      call apply_options(words, config, .true., error)
+      if (allocated(error)) return
+      call apply_options(words, config, .false., error)
+      if (allocated(error)) return
+      if (is_given(words, "--write-config")) then
+         if (path == "" .and. command /= "simulate" .and. .not. is_given(words, "--list")) then
+            call move_to_text(config)                               ! no recording: nothing but that file
+         end if
+         config%options_file = value_of(words, "--write-config")
+         config%options_text = config_text(words, command, first)
+      end if
       call check_job(words, config, error)
       if (allocated(error)) return
       select type (config)
@@ -186,6 +203,33 @@ contains
       end do
       if (verify(text, plain) > 0) word = "'"//word//"'"
    end function shell_word
+
+   !> Applies --preset, or all others; an option of a file is told with its line.
+   subroutine apply_options(words, config, preset, error)
+      type(words_type), intent(in) :: words
+      class(cli_config), intent(inout) :: config
+      logical, intent(in) :: preset
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i
+
+      do i = 1, words%used
+         call apply_option(words%given(i), config, preset, error)
+         if (.not. allocated(error)) cycle
+         if (allocated(words%given(i)%place)) error%message = words%given(i)%place//": "//error%message
+         return
+      end do
+   end subroutine apply_options
+
+   !> A job that only writes its options.
+   subroutine move_to_text(config)
+      class(cli_config), allocatable, intent(inout) :: config
+      logical :: force
+
+      force = config%force
+      deallocate (config)
+      allocate (config, source=text_config(command="help", text=""))
+      config%force = force
+   end subroutine move_to_text
 
    !> Applies --preset, or any other option.
    subroutine apply_option(given, config, preset, error)

@@ -23,6 +23,8 @@ module gyroakf_app_config
       character(4) :: progress = "auto"
       !> Files that are there already are overwritten
       logical :: force = .false.
+      !> File that gets the options, and what is written into it; unallocated: none
+      character(:), allocatable :: options_file, options_text
    end type cli_config
 
    !> `--help`, `--version`, `--citation`

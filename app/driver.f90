@@ -58,6 +58,8 @@ contains
       code = 0
       call check_existing(config, error)
       if (allocated(error)) return
+      if (allocated(config%options_file)) call write_text(config%options_file, config%options_text, error)
+      if (allocated(error)) return
       call start_bar(bar, config%progress)
       select type (config)
       class is (reading_config)
@@ -68,7 +70,7 @@ contains
       end select
       if (config%threads > 0) call set_thread_count(config%threads)
       select type (config)
-      type is (text_config); call print_text(config%text, error)
+      type is (text_config); call write_text("-", config%text, error)
       type is (inspect_config); call inspect(config, bar, record, error)
       type is (analysis_config); call analyse(config, bar, record, result, error)
       type is (simulate_config); call simulate(config, bar, error)
@@ -76,17 +78,19 @@ contains
       call clear_bar(bar)
    end subroutine execute
 
-   !> A text on standard output.
-   subroutine print_text(text, error)
+   !> A text into a file.
+   subroutine write_text(path, text, error)
+      !> "-" is standard output
+      character(*), intent(in) :: path
       character(*), intent(in) :: text
       type(error_type), allocatable, intent(out) :: error
       type(writer_type) :: writer
 
-      call open_writer(writer, "-", error)
+      call open_writer(writer, path, error)
       if (allocated(error)) return
       call put(writer, text)
       call commit_writer(writer, error)
-   end subroutine print_text
+   end subroutine write_text
 
    !> simulate: a record as a text file.
    subroutine simulate(config, bar, error)

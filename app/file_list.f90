@@ -7,10 +7,11 @@ module gyroakf_app_file_list
    use gyroakf_record, only : text_type
    implicit none (type, external)
    private
-   public :: read_list
+   public :: read_list, read_text
 
    !> A longer list is a data file by mistake
    integer, parameter :: largest = 100000000
+   character(*), parameter :: no_list = "is no list of files", how_to_write = "write one path a line"
    !> What some editors put before UTF-8
    character(3), parameter :: byte_order_mark = char(239)//char(187)//char(191)
 
@@ -28,7 +29,7 @@ contains
       type(text_type), allocatable :: all_paths(:)
       integer :: i, n, first, last, length
 
-      call read_text(path, text, error)
+      call read_text(path, no_list, how_to_write, text, error)
       if (allocated(error)) return
       n = size(paths) + 1
       do i = 1, len(text)
@@ -40,7 +41,6 @@ contains
          call move_alloc(paths(i)%text, all_paths(i)%text)
       end do
       first = 1
-      if (index(text, byte_order_mark) == 1) first = 4
       do while (first <= len(text))
          length = index(text(first:), new_line("a")) - 1
          if (length < 0) length = len(text) - first + 1
@@ -49,7 +49,7 @@ contains
          first = last + 2
       end do
       if (n == size(paths)) then
-         call fatal_error(error, status%parse, path//": names no file"//new_line("a")//"write one path a line")
+         call fatal_error(error, status%parse, path//": names no file"//new_line("a")//how_to_write)
          return
       end if
       deallocate (paths)
@@ -74,16 +74,21 @@ contains
       paths(n)%text = line(first:verify(line, white, back=.true.))
    end subroutine add_line
 
-   !> The whole file.
-   subroutine read_text(path, text, error)
+   !> A whole file of text.
+   subroutine read_text(path, what, advice, text, error)
+      !> "-" is standard input
       character(*), intent(in) :: path
+      !> Message and advice where it is too long or no text
+      character(*), intent(in) :: what, advice
+      !> Its bytes, a byte-order mark left out
       character(:), allocatable, intent(out) :: text
+      !> io, parse
       type(error_type), allocatable, intent(out) :: error
       integer(int8) :: room(65536)
       type(source_type) :: source
       character(:), allocatable :: longer
       integer(int64) :: got
-      integer :: i, used
+      integer :: at, i, used
 
       call open_source(source, path, error)
       if (allocated(error)) return
@@ -102,12 +107,15 @@ contains
          end do
          used = used + int(got)
          if (used > largest .or. index(text(used - int(got) + 1:used), achar(0)) > 0) then
-            call fatal_error(error, status%parse, path//": is no list of files"//new_line("a")//"write one path a line")
+            call fatal_error(error, status%parse, path//": "//what//new_line("a")//advice)
             exit
          end if
       end do
       call close_source(source)
-      if (.not. allocated(error)) text = text(:used)
+      if (allocated(error)) return
+      at = 1
+      if (index(text(:used), byte_order_mark) == 1) at = 4
+      text = text(at:used)
    end subroutine read_text
 
 end module gyroakf_app_file_list

@@ -212,13 +212,16 @@ module gyroakf_app_option
                   "allan, inspect and filter stream a larger recording, the others refuse it"), &
       option_type("--progress", "auto|on|off", "choice", every, "work", &
                   "how far long work is, on standard error; auto (default): on a terminal, after a second"), &
+      option_type("--config", "FILE", "text", every, "work", &
+                  "take options from FILE, name = value a line; those of the command line come on top"), &
+      option_type("--write-config", "FILE", "text", every, "work", &
+                  "write all options into FILE, those that are not given as comments; without a recording nothing else is done"), &
       option_type("--help", "", "flag", every, "common", "this text, or that of a command"), &
       option_type("--version", "", "flag", every, "common", "the version"), &
       option_type("--citation", "", "flag", every, "common", "what to cite"), &
       option_type("--man", "", "flag", every, "common", "the manual page, for man -l -"), &
       option_type("--completion", "bash|zsh|fish", "choice", every, "common", "a script that completes commands, options and "// &
                   "their words"), &
-      option_type("--config", "FILE", "later", none), &
       option_type("--truth", "FILE", "later", none)]
 
    !> All options

@@ -7,7 +7,7 @@ module gyroakf_app_words
    use gyroakf_app_option, only : option_type, options, find_option, takes_value, suggest_option
    implicit none (type, external)
    private
-   public :: given_type, words_type, sort_words, is_given, usage_error
+   public :: given_type, words_type, sort_words, is_given, value_of, usage_error
 
    !> An option as it was given
    type :: given_type
@@ -15,6 +15,8 @@ module gyroakf_app_words
       integer :: row = 0
       !> Its value, "" of a flag
       character(:), allocatable :: value
+      !> FILE:LINE where it stands in a file of options
+      character(:), allocatable :: place
    end type given_type
 
    !> The sorted command line
@@ -149,6 +151,21 @@ contains
          if (options(words%given(i)%row)%name == name) is_given = .true.
       end do
    end function is_given
+
+   !> The last value that an option was given, "" where it was not.
+   pure function value_of(words, name) result(value)
+      !> The sorted command line
+      type(words_type), intent(in) :: words
+      !> With its dashes
+      character(*), intent(in) :: name
+      character(:), allocatable :: value
+      integer :: i
+
+      value = ""
+      do i = 1, words%used
+         if (options(words%given(i)%row)%name == name) value = words%given(i)%value
+      end do
+   end function value_of
 
    !> An error of the command line.
    subroutine usage_error(error, message)

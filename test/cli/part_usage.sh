@@ -68,7 +68,6 @@ option '--memory SIZE': 'lots' is not a size such as 500MB or 2GB ; x.txt --memo
 option '--memory SIZE': '2XB' is not a size such as 500MB or 2GB ; x.txt --memory 2XB
 option '--memory SIZE': '1MB' is too small, at least 28MB ; allan x.txt --memory 1MB
 'yes' is not one of these ; x.txt --progress=yes
-'--config' is not available in this version ; x.txt --config f
 '--truth' is not available in this version ; x.txt --truth f
 '--forgetting' is not one of 'inspect' ; inspect x.txt --forgetting 0.9
 --order is larger than --max-order ; ar x.txt --order 5 --max-order 3

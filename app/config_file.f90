@@ -1,0 +1,221 @@
+! SPDX-License-Identifier: MIT
+!> Options in a file: `--config FILE` reads it, `--write-config FILE` writes it, so that a run can be repeated.
+!>
+!> A line is `name = value`, the name that of an option without its dashes (or `command`, `files`), the value a number, true or
+!> false, or a text in quotes; # begins a comment. That is a part of TOML.
+module gyroakf_app_config_file
+   use gyroakf_kinds, only : int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_place, only : integer_text
+   use gyroakf_record, only : text_type
+   use gyroakf_release, only : release_string
+   use gyroakf_app_config_value, only : read_value, quoted
+   use gyroakf_app_file_list, only : read_text
+   use gyroakf_app_option, only : options, command_names, find_option, belongs_to, takes_value, suggest_option
+   use gyroakf_app_words, only : given_type, words_type
+   implicit none (type, external)
+   private
+   public :: add_config, config_text
+
+   character(*), parameter :: nl = new_line("a")
+   !> Options that a file cannot have
+   character(14), parameter :: of_the_line(7) = [character(14) :: "--config", "--write-config", "--help", "--version", &
+                                                 "--citation", "--man", "--completion"]
+
+contains
+
+   !> Puts the options of a file before those of the command line, and its command and files where the line names none.
+   subroutine add_config(path, words, error)
+      !> The file, "-" is standard input
+      character(*), intent(in) :: path
+      !> The sorted command line; grows
+      type(words_type), intent(inout) :: words
+      !> io, parse: with the line
+      type(error_type), allocatable, intent(out) :: error
+      type(words_type) :: more
+      character(:), allocatable :: text, command
+      integer :: first, length
+      integer(int64) :: line
+
+      call read_text(path, "is no file of options", "gyroakf --write-config FILE writes one", text, error)
+      if (allocated(error)) return
+      allocate (more%given(count([(text(first:first) == nl, first=1, len(text))]) + 1), more%word(0))
+      command = ""
+      first = 1
+      line = 0
+      do while (first <= len(text))
+         length = index(text(first:), nl) - 1
+         if (length < 0) length = len(text) - first + 1
+         line = line + 1
+         call read_line(text(first:first + length - 1), path//":"//integer_text(line), more, command, error)
+         if (allocated(error)) return
+         first = first + length + 1
+      end do
+      call join(more, command, words)
+   end subroutine add_config
+
+   !> One line.
+   subroutine read_line(line, place, more, command, error)
+      character(*), intent(in) :: line
+      !> FILE:LINE
+      character(*), intent(in) :: place
+      type(words_type), intent(inout) :: more
+      character(:), allocatable, intent(inout) :: command
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: white = " "//achar(9)//achar(13)
+      type(text_type), allocatable :: value(:)
+      character(:), allocatable :: name, problem
+      integer :: first, equals
+
+      first = verify(line, white)
+      if (first == 0) return
+      if (line(first:first) == "#") return
+      equals = index(line, "=")
+      if (equals <= first) then
+         call fatal_error(error, status%parse, place//": no 'name = value'"//nl//line//nl//"# begins a comment")
+         return
+      end if
+      name = line(first:verify(line(:equals - 1), white, back=.true.))
+      call read_value(line(equals + 1:), value, problem)
+      if (problem /= "") then
+         call fatal_error(error, status%parse, place//": "//problem//nl//line)
+         return
+      end if
+      select case (name)
+      case ("files"); more%word = value
+      case ("command")
+         command = value(1)%text
+         if (.not. any(command_names == command)) call fatal_error(error, status%parse, place//": unknown command '"//command//"'")
+      case default
+         call add_option("--"//name, value, place, more, error)
+      end select
+   end subroutine read_line
+
+   !> An option of the file.
+   subroutine add_option(name, value, place, more, error)
+      !> With its dashes
+      character(*), intent(in) :: name
+      type(text_type), intent(in) :: value(:)
+      character(*), intent(in) :: place
+      type(words_type), intent(inout) :: more
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: known
+      integer :: row
+
+      row = find_option(name, "")
+      if (any(of_the_line == name)) row = 0
+      if (row == 0) then
+         known = suggest_option(name)
+         if (known == name) known = ""
+         if (known /= "") known = "; the nearest is '"//known(3:)//"'"
+         call fatal_error(error, status%parse, place//": no option of a file: '"//name(3:)//"'"//known)
+      else if (size(value) /= 1) then
+         call fatal_error(error, status%parse, place//": only 'files' has a list; '"//name(3:)// &
+                          "' has one value, which may hold commas: """//"gx,gy"//"""")
+      else if (.not. takes_value(options(row)) .and. all(value(1)%text /= ["true ", "false"])) then
+         call fatal_error(error, status%parse, place//": '"//name(3:)//"' is true or false")
+      end if
+      if (allocated(error)) return
+      if (.not. takes_value(options(row)) .and. value(1)%text == "false") return
+      more%used = more%used + 1
+      more%given(more%used)%row = row
+      more%given(more%used)%value = value(1)%text
+      if (.not. takes_value(options(row))) more%given(more%used)%value = ""
+      more%given(more%used)%place = place
+   end subroutine add_option
+
+   !> The file's options first; its command and files where the command line has none.
+   subroutine join(more, command, words)
+      type(words_type), intent(in) :: more
+      character(*), intent(in) :: command
+      type(words_type), intent(inout) :: words
+      type(given_type), allocatable :: given(:)
+      type(text_type), allocatable :: word(:)
+      integer :: i, n
+      logical :: named
+
+      allocate (given(more%used + words%used))
+      do i = 1, more%used
+         given(i) = more%given(i)
+      end do
+      do i = 1, words%used
+         given(more%used + i) = words%given(i)
+      end do
+      words%used = size(given)
+      call move_alloc(given, words%given)
+      named = .false.
+      if (words%positional > 0 .and. .not. words%behind_dashes) named = any(command_names == words%word(1)%text)
+      allocate (word(words%positional + size(more%word) + 1))
+      n = 0
+      if (command /= "" .and. .not. named) then
+         n = 1
+         word(1)%text = command
+      end if
+      do i = 1, words%positional
+         n = n + 1
+         word(n)%text = words%word(i)%text
+      end do
+      if (words%positional == merge(1, 0, named)) then
+         do i = 1, size(more%word)
+            n = n + 1
+            word(n)%text = more%word(i)%text
+         end do
+      end if
+      call move_alloc(word, words%word)
+      words%positional = n
+      if (command /= "" .and. .not. named) words%behind_dashes = .false.
+   end subroutine join
+
+   !> The file that repeats a command line: what was given, and all else that the command knows as comments.
+   function config_text(words, command, first) result(text)
+      !> The command line with the options of --config
+      type(words_type), intent(in) :: words
+      character(*), intent(in) :: command
+      !> Word of the first file
+      integer, intent(in) :: first
+      character(:), allocatable :: text
+      integer :: i
+
+      text = "# Options of gyroakf "//release_string//": gyroakf --config FILE runs with them, those of the line come on top."// &
+             nl//"command = "//quoted(command)//nl
+      if (words%positional >= first) then
+         text = text//"files = ["
+         do i = first, words%positional
+            if (i > first) text = text//", "
+            text = text//quoted(words%word(i)%text)
+         end do
+         text = text//"]"//nl
+      else if (command /= "simulate") then
+         text = text//"# files = [""FILE""]"//nl
+      end if
+      do i = 1, size(options)
+         if (options(i)%kind == "later" .or. any(of_the_line == options(i)%name)) cycle
+         if (belongs_to(options(i), command)) text = text//nl//lines_of(i, words)
+      end do
+   end function config_text
+
+   !> An option with its explanation: as it was given last, or as a comment.
+   function lines_of(row, words) result(text)
+      integer, intent(in) :: row
+      type(words_type), intent(in) :: words
+      character(:), allocatable :: text, name
+      integer :: i, last
+
+      last = 0
+      do i = 1, words%used
+         if (options(words%given(i)%row)%name == options(row)%name) last = i
+      end do
+      name = trim(options(row)%name(3:))
+      text = "# "//trim(options(row)%help)//nl
+      if (last == 0 .and. takes_value(options(row))) then
+         text = text//"# "//name//" = "//trim(options(row)%value)//nl
+      else if (last == 0) then
+         text = text//"# "//name//" = true"//nl
+      else if (takes_value(options(row))) then
+         text = text//name//" = "//quoted(words%given(last)%value)//nl
+      else
+         text = text//name//" = true"//nl
+      end if
+   end function lines_of
+
+end module gyroakf_app_config_file
