@@ -28,6 +28,7 @@ contains
          & new_unittest("increments_are_the_recursion", test_increments), &
          & new_unittest("increments_order_three", test_increments_three), &
          & new_unittest("scalar_and_vector_agree", test_scalar_vector), &
+         & new_unittest("step_and_run_agree", test_step_run), &
          & new_unittest("weights", test_weights), &
          & new_unittest("consistency_factor", test_consistency), &
          & new_unittest("guards_over_priors", test_guards), &
@@ -471,6 +472,58 @@ contains
       if (allocated(error)) return
       call check(error, sum(x(2501:))/2500, 0.0_dp, thr=0.1_dp)
    end subroutine test_offset
+
+   !> Step by step and in one run the object goes the same way, to the last bit: whatever is adapted, with gate, burn-in, missing
+   !> samples, outliers, bounds that act, and frozen
+   subroutine test_step_run(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(filter_options) :: options
+      type(filter_type) :: run, step
+      real(dp) :: z(600), x(600), y
+      character(4), parameter :: letters(5) = ["    ", "R   ", "QR  ", "qrQR", "qR  "]
+      integer :: i, k, part
+
+      call make_series(26, 0.5_dp, 1.0_dp, 1.0_dp, z)
+      z(77) = ieee_value(1.0_dp, ieee_quiet_nan)
+      z(90:500:41) = 20
+      do i = 1, 4*size(letters)
+         options = adapting(letters(1 + (i - 1)/4), forms(1 + mod(i - 1, 4)), 0.97_dp)
+         if (mod(i, 2) == 0) options%huber = 2.0_dp
+         options%burn_in = 25
+         options%r_upper = 2.0_dp
+         options%q_lower = 0.5_dp
+         call new_filter(run, [0.5_dp], 0.75_dp, 1.0_dp, options, failure)
+         call check(error,.not. allocated(failure), "the filter is not made")
+         if (allocated(error)) return
+         step = run
+         do part = 0, 400, 200
+            call freeze_filter(run, part == 200)
+            call freeze_filter(step, part == 200)
+            call run_filter(run, z(part + 1:part + 200), x(part + 1:part + 200))
+            do k = part + 1, part + 200
+               call step_filter(step, z(k), y)
+               call check(error, abs(y - x(k)), 0.0_dp)
+               if (allocated(error)) return
+            end do
+            call check(error,.not. any(abs(numbers(run) - numbers(step)) > 0), "the objects differ")
+            if (allocated(error)) return
+         end do
+         call check(error, run%gain_sum(1), step%gain_sum(1), thr=1.0e-12_dp, rel=.true.)
+         if (allocated(error)) return
+      end do
+   end subroutine test_step_run
+
+   !> What changes in a filter of order 1, but for the sum of the gains, which a run adds up before
+   pure function numbers(filter)
+      type(filter_type), intent(in) :: filter
+      real(dp) :: numbers(21)
+
+      numbers = [filter%x(1), filter%p(1, 1), filter%gain(1), filter%q, filter%r, filter%q_mean, filter%r_mean, &
+         & filter%innovation, filter%innovation_variance, filter%weight, &
+         & real([filter%steps, filter%clamped, filter%gated, filter%measurements, filter%q_at_floor, filter%r_at_floor, &
+         & filter%gain_measurements], dp), real([filter%wait, filter%weight_updates, filter%run, merge(1, 0, filter%settled)], dp)]
+   end function numbers
 
    !> A million steps of the paper's form: finite, within the bounds
    subroutine test_million(error)

@@ -4,7 +4,10 @@ module gyroakf_filter_measurement
    use gyroakf_kinds, only : dp, int64
    implicit none (type, external)
    private
-   public :: is_sample
+   public :: is_sample, exponent_mask, exponent_limit
+
+   !> The bits of the exponent, shifted to the right, and the exponent from which on a square may overflow
+   integer(int64), parameter :: exponent_mask = 2047_int64, exponent_limit = 1023_int64 + 495_int64
 
 contains
 
@@ -14,7 +17,6 @@ contains
    elemental logical function is_sample(z)
       !> The value
       real(dp), intent(in) :: z
-      integer(int64), parameter :: exponent_mask = 2047_int64, exponent_limit = 1023_int64 + 495_int64
 
       is_sample = iand(shiftr(transfer(z, 0_int64), 52), exponent_mask) < exponent_limit
    end function is_sample

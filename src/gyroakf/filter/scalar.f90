@@ -5,12 +5,12 @@
 !> because a step of a few nanoseconds is wanted: the numbers of both agree to rounding, and a test says so.
 module gyroakf_filter_scalar
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_filter_measurement, only : is_sample
+   use gyroakf_filter_measurement, only : is_sample, exponent_mask, exponent_limit
    use gyroakf_filter_types, only : filter_type
    use gyroakf_filter_sage_husa, only : longest_run, shift_variance
    implicit none (type, external)
    private
-   public :: run_scalar, is_sample, settle_distance, vanished
+   public :: step_scalar, run_scalar, is_sample, settle_distance, vanished
 
    !> Relative distance from the steady gain at which the gain is taken as settled ...
    real(dp), parameter :: settle_tolerance = 1.0e-13_dp
@@ -28,10 +28,19 @@ module gyroakf_filter_scalar
       real(dp) :: gate, inverse_consistency, q_low, q_high, r_low, r_high, gain_sum, steady_gain, pole
       integer(int64) :: used, clamped, gated, q_floor, r_floor
       integer :: wait, updates, run
-      logical :: adapt, adapt_q_mean, adapt_r_mean, adapt_q, adapt_r, by_residual, by_posterior, has_gate, settled, started
+      logical :: adapt, adapt_q_mean, adapt_r_mean, adapt_q, adapt_r, by_residual, by_posterior, has_gate, varying, settled, &
+         & started
    end type lane_type
 
 contains
+
+   !> What `is_sample` says, private here so that it is inlined in position-independent code too.
+   elemental logical function is_number(z)
+      !> The value
+      real(dp), intent(in) :: z
+
+      is_number = iand(shiftr(transfer(z, 0_int64), 52), exponent_mask) < exponent_limit
+   end function is_number
 
    !> Distance from the steady gain K at which the gain has settled: at most 1e-12 of the innovations is then seen in the
    !> output.
@@ -41,6 +50,22 @@ contains
 
       settle_distance = max(settle_tolerance*steady_gain, min(settle_rounding, settle_limit*steady_gain))
    end function settle_distance
+
+   !> One sample. The same numbers as in a run, to the last bit: it is the same step.
+   pure subroutine step_scalar(filter, z, x)
+      !> Of order 1; its state goes on
+      type(filter_type), intent(inout) :: filter
+      !> Measurement
+      real(dp), intent(in) :: z
+      !> Estimate
+      real(dp), intent(out) :: x
+      type(lane_type) :: lane
+
+      call load(filter, lane)
+      call advance(lane, z, is_number(z))
+      x = lane%state
+      call store(lane, 1_int64, filter)
+   end subroutine step_scalar
 
    !> The filter over a series, or the next part of one.
    pure subroutine run_scalar(filter, z, x, valid, normalised_innovation)
@@ -56,37 +81,44 @@ contains
       real(dp), intent(out), contiguous, optional :: normalised_innovation(:)
       type(lane_type) :: lane
       integer(int64) :: k
-      logical :: here, varying
+      logical :: here
 
       call load(filter, lane)
-      varying = filter%varying
       do k = 1, size(z, kind=int64)
-         here = is_sample(z(k))
+         here = is_number(z(k))
          if (present(valid)) here = here .and. valid(k) /= 0_int8
-         if (.not. lane%started) then
-            if (here) call begin_walk(lane, z(k))
-            x(k) = lane%state
-            if (present(normalised_innovation)) normalised_innovation(k) = 0.0_dp
-            cycle
-         else if (.not. here) then
-            call predict(lane)
-            call skip(lane)
-         else if (varying) then
-            call predict(lane)
-            call weigh(lane)
-            call correct(lane, z(k))
-         else
-            call correct_fixed(lane, z(k))
-         end if
+         call advance(lane, z(k), here)
          x(k) = lane%state
          if (present(normalised_innovation)) then
             normalised_innovation(k) = 0.0_dp
-            if (here) normalised_innovation(k) = lane%innovation/sqrt(lane%s)
+            if (here .and. lane%s > 0.0_dp) normalised_innovation(k) = lane%innovation/sqrt(lane%s)
          end if
-         if (here .and. lane%adapt) call adapt(lane)
       end do
       call store(lane, size(z, kind=int64), filter)
    end subroutine run_scalar
+
+   !> One step.
+   pure subroutine advance(lane, z, here)
+      type(lane_type), intent(inout) :: lane
+      !> The measurement
+      real(dp), intent(in) :: z
+      !> Whether there is one
+      logical, intent(in) :: here
+
+      if (.not. lane%started) then
+         if (here) call begin_walk(lane, z)
+      else if (.not. here) then
+         call predict(lane)
+         call skip(lane)
+      else if (lane%varying) then
+         call predict(lane)
+         call weigh(lane)
+         call correct(lane, z)
+         if (lane%adapt) call adapt(lane)
+      else
+         call correct_fixed(lane, z)
+      end if
+   end subroutine advance
 
    !> The first measurement of a random walk that may have begun anywhere: it is the estimate, and has no innovation.
    pure subroutine begin_walk(lane, z)
@@ -235,7 +267,7 @@ contains
       if (held) lane%clamped = lane%clamped + 1
    end subroutine adapt
 
-   !> The numbers of a filter of order 1.
+   !> The numbers of a filter of order 1; those of gate and adaptation only where there is one.
    pure subroutine load(filter, lane)
       type(filter_type), intent(in) :: filter
       type(lane_type), intent(out) :: lane
@@ -247,12 +279,30 @@ contains
       lane%q = filter%q
       lane%r = filter%r
       lane%q_mean = filter%q_mean
-      lane%r_mean = filter%r_mean
-      lane%weight = filter%weight
-      lane%forgetting = filter%options%forgetting
       lane%s = filter%innovation_variance
       lane%gain = filter%gain(1)
       lane%innovation = filter%innovation
+      lane%varying = filter%varying
+      lane%settled = filter%settled
+      lane%started = filter%drift_state%started
+      lane%gain_sum = 0.0_dp
+      lane%used = 0
+      if (lane%varying) then
+         call load_adaptation(filter, lane)
+      else
+         lane%steady_gain = filter%steady_gain(1)
+         lane%pole = lane%phi*(1.0_dp - lane%steady_gain)
+      end if
+   end subroutine load
+
+   !> The numbers of gate and adaptation.
+   pure subroutine load_adaptation(filter, lane)
+      type(filter_type), intent(in) :: filter
+      type(lane_type), intent(inout) :: lane
+
+      lane%r_mean = filter%r_mean
+      lane%weight = filter%weight
+      lane%forgetting = filter%options%forgetting
       lane%gate = filter%options%huber**2
       lane%has_gate = filter%options%huber > 0.0_dp
       lane%inverse_consistency = 1.0_dp/filter%consistency
@@ -260,12 +310,6 @@ contains
       lane%q_high = filter%q_bounds(2)
       lane%r_low = filter%r_bounds(1)
       lane%r_high = filter%r_bounds(2)
-      lane%settled = filter%settled
-      lane%started = filter%drift_state%started
-      lane%steady_gain = filter%steady_gain(1)
-      lane%pole = lane%phi*(1.0_dp - lane%steady_gain)
-      lane%gain_sum = 0.0_dp
-      lane%used = 0
       lane%clamped = 0
       lane%gated = 0
       lane%q_floor = 0
@@ -280,7 +324,7 @@ contains
       lane%adapt_r = filter%options%estimate_measurement_variance
       lane%by_residual = filter%by_residual
       lane%by_posterior = filter%by_posterior
-   end subroutine load
+   end subroutine load_adaptation
 
    !> The numbers back into the filter after so many steps.
    pure subroutine store(lane, steps, filter)
@@ -291,28 +335,38 @@ contains
       filter%x(1) = lane%state
       filter%p(1, 1) = lane%p
       filter%gain(1) = lane%gain
-      filter%q = lane%q
-      filter%r = lane%r
-      filter%q_mean = lane%q_mean
-      filter%r_mean = lane%r_mean
-      filter%weight = lane%weight
-      filter%weight_updates = lane%updates
-      filter%wait = lane%wait
       filter%settled = lane%settled
-      filter%drift_state%started = lane%started
-      filter%drift_state%x(1) = lane%state
-      filter%drift_state%p(1, 1) = lane%p
-      filter%drift_state%gain(1) = lane%gain
-      filter%run = lane%run
       filter%innovation = lane%innovation
       filter%innovation_variance = lane%s
       filter%gain_sum(1) = filter%gain_sum(1) + lane%gain_sum
       filter%gain_measurements = filter%gain_measurements + lane%used
       filter%measurements = filter%measurements + lane%used
       filter%steps = filter%steps + steps
+      if (filter%drift_model%count > 0) call store_drift(lane, filter)
+      if (.not. lane%varying) return
+      ! one by one: stored together they would be loaded together first, before the arithmetic has left the processor
+      if (lane%adapt_q) filter%q = lane%q
+      if (lane%adapt_r) filter%r = lane%r
+      if (lane%adapt_q_mean) filter%q_mean = lane%q_mean
+      if (lane%adapt_r_mean) filter%r_mean = lane%r_mean
+      filter%weight = lane%weight
+      filter%weight_updates = lane%updates
+      filter%wait = lane%wait
+      filter%run = lane%run
       filter%clamped = filter%clamped + lane%clamped
       filter%gated = filter%gated + lane%gated
       filter%q_at_floor = filter%q_at_floor + lane%q_floor
       filter%r_at_floor = filter%r_at_floor + lane%r_floor
    end subroutine store
+
+   !> The same as the only process of a drift.
+   pure subroutine store_drift(lane, filter)
+      type(lane_type), intent(in) :: lane
+      type(filter_type), intent(inout) :: filter
+
+      filter%drift_state%started = lane%started
+      filter%drift_state%x(1) = lane%state
+      filter%drift_state%p(1, 1) = lane%p
+      filter%drift_state%gain(1) = lane%gain
+   end subroutine store_drift
 end module gyroakf_filter_scalar
