@@ -6,8 +6,8 @@
  *
  * - A function that can fail returns GYROAKF_OK (0) or another value of enum gyroakf_status. Its last argument may be
  *   NULL; otherwise it is filled in either case: code, and a message in UTF-8 that says what is wrong (empty if nothing).
- * - Nothing prints, stops the program, throws, locks, or keeps state of its own. Different handles may be used by
- *   different threads at the same time; one handle by one thread at a time.
+ * - Nothing prints, stops the program, throws, locks, or keeps state of its own. Every function may be called by several
+ *   threads at the same time; a handle is for one thread at a time, but where it is const in all of them.
  * - const double * arrays hold evenly spaced samples; NaN marks a missing sample, an infinite value is an error unless
  *   its function says otherwise. No pointer of the caller is kept after the return, and nothing is changed behind a const.
  * - NULL for options means their defaults. Otherwise call the _init function of the struct first: it also writes
@@ -111,7 +111,6 @@ GYROAKF_API void gyroakf_reader_options_init(gyroakf_reader_options *opt);
  *   out   the recording; free it with gyroakf_record_free
  * What the file says about rate, unit and columns is honoured, an option overrides it. GYROAKF_IO: the file cannot be
  * read; GYROAKF_PARSE: the message begins with FILE:LINE:COLUMN. Nothing but the file is touched.
- * By exception, one recording is read at a time: two threads must not be in gyroakf_record_read or _parse at once.
  */
 GYROAKF_API int gyroakf_record_read(const char *path, const gyroakf_reader_options *opt, gyroakf_record **out,
                                     gyroakf_error *err);

@@ -6,6 +6,7 @@
 #if defined(__linux__) && !defined(_GNU_SOURCE)
 #define _GNU_SOURCE /* feenableexcept */
 #endif
+#include "check.h"
 #include "gyroakf.h"
 
 #include <fenv.h>
@@ -16,8 +17,7 @@
 
 static int passed, failed;
 
-/* One test: prints only what fails. */
-static void check(int good, const char *what) {
+void check(int good, const char *what) {
   if (good) {
     passed++;
   } else {
@@ -29,38 +29,37 @@ static void check(int good, const char *what) {
 /* |a - b| <= tolerance |b|; false for NaN */
 static int close_to(double a, double b, double tolerance) { return fabs(a - b) <= tolerance * fabs(b); }
 
-static gyroakf_error err;
+gyroakf_error err;
 
-/* The call failed with this status, err agrees, and the message says something. */
-static void check_failure(int status, int expected, const char *what) {
+void check_failure(int status, int expected, const char *what) {
   check(status == expected, what);
   check(err.code == status && strlen(err.message) > 5, what);
   if (status != expected) printf("  status %d: %s\n", status, err.message);
   memset(&err, 0x55, sizeof err);
 }
 
-/* The call failed in one of several sensible ways. */
-static void check_any_failure(int status, const char *what) {
+void check_any_failure(int status, const char *what) {
   check(status != GYROAKF_OK && err.code == status && strlen(err.message) > 5, what);
   memset(&err, 0x55, sizeof err);
 }
 
-/* The call succeeded and cleared err. */
-static void check_success(int status, const char *what) {
+void check_success(int status, const char *what) {
   check(status == GYROAKF_OK && err.code == GYROAKF_OK && err.message[0] == '\0', what);
   if (status != GYROAKF_OK) printf("  status %d: %s\n", status, err.message);
   memset(&err, 0x55, sizeof err);
 }
 
-/* The values of the NBS test set (W. Riley, NIST SP 1065): n_1 = 1234567890, n = 16807 n mod 2147483647. */
-static void nbs(double *x, int n) {
-  int64_t s = 1234567890;
+void uniform(double *x, int n, int64_t seed) {
+  int64_t s = seed;
   int i;
   for (i = 0; i < n; i++) {
     x[i] = (double)s / 2147483647.0;
     s = 16807 * s % 2147483647;
   }
 }
+
+/* The values of the NBS test set (W. Riley, NIST SP 1065). */
+static void nbs(double *x, int n) { uniform(x, n, 1234567890); }
 
 /* AR(1) of unit innovations, made from sums of twelve of those values; deterministic. */
 static void autoregressive(double *x, int n, double phi) {
@@ -1054,6 +1053,7 @@ int main(void) {
   test_filter_null();
   test_long_message();
   test_environment();
+  test_threads();
   printf("%d passed, %d failed\n", passed, failed);
   return failed > 0;
 }

@@ -75,6 +75,8 @@ module gyroakf_error
       & "internal error", &
       & "wrong usage"]
 
+   character(*), parameter :: unknown_status = "unknown status"
+
 contains
 
    !> Fills the error.
@@ -91,14 +93,29 @@ contains
       error%message = message
    end subroutine fatal_error
 
+   !> A component of [[status]].
+   pure logical function is_status(code)
+      integer, intent(in) :: code
+
+      is_status = code >= lbound(status_texts, 1) .and. code <= ubound(status_texts, 1)
+   end function is_status
+
+   !> The length of [[status_text]].
+   pure integer function text_length(code)
+      integer, intent(in) :: code
+
+      text_length = len(unknown_status)
+      if (is_status(code)) text_length = len_trim(status_texts(code))
+   end function text_length
+
    !> A short text for a code, "unknown status" for a number that is none.
    pure function status_text(code) result(text)
       !> A component of [[status]]
       integer, intent(in) :: code
-      character(:), allocatable :: text
+      character(text_length(code)) :: text
 
-      text = "unknown status"
-      if (code >= lbound(status_texts, 1) .and. code <= ubound(status_texts, 1)) text = trim(status_texts(code))
+      text = unknown_status
+      if (is_status(code)) text = status_texts(code)
    end function status_text
 
    !> The exit code of a program that stops with this error: 1 usage, 2 data or file, 3 numerical.

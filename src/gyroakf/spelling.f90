@@ -21,10 +21,10 @@ contains
       end do
    end function lower
 
-   !> The text with every occurrence of `old` replaced by `new`, from left to right.
-   pure function replace_all(text, old, new) result(changed)
+   !> Replaces every occurrence of `old` in a text by `new`, from left to right.
+   pure subroutine replace_all(text, old, new)
       !> Any text
-      character(*), intent(in) :: text
+      character(:), allocatable, intent(inout) :: text
       !> What is looked for, not empty
       character(*), intent(in) :: old
       !> What stands there afterwards
@@ -40,8 +40,8 @@ contains
          changed = changed//text(from:from + at - 2)//new
          from = from + at - 1 + len(old)
       end do
-      changed = changed//text(from:)
-   end function replace_all
+      text = changed//text(from:)
+   end subroutine replace_all
 
    !> Index of the known word that is nearest to a misspelt one, 0 where none is near.
    !>

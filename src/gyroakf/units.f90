@@ -95,6 +95,11 @@ module gyroakf_units
       "deg/s", "deg/h", "deg/min", "mdps", "dps", "rad/s", "rad/h", "mrad/s", "urad/s", "arcsec/s", "rev/s", "rpm", &
       "m/s^2", "g", "mg", "ug", "mgal", "deg", "rad", "mrad", "urad", "arcsec", "arcmin"]
 
+   !> What the five coefficients are coefficients of
+   character(40), parameter :: definitions(5) = [character(40) :: &
+      "sigma^2 = 3 Q^2/tau^2", "sigma^2 = N^2/tau, two-sided density N^2", "sigma^2 = (2 ln 2/pi) B^2 = (0.664 B)^2", &
+      "sigma^2 = K^2 tau/3", "sigma^2 = R^2 tau^2/2"]
+
 contains
 
    !> The unit that a text names. Case, blanks and brackets do not matter; `dps`, `deg/s`, `deg s^-1`,
@@ -106,10 +111,12 @@ contains
       type(unit_type), intent(out) :: unit
       !> Allocated where the text names no known unit: invalid_argument, with the nearest known one
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: plain, message
+      character(:), allocatable :: word, plain, message
       integer :: i, slash
 
-      plain = meant(plain_text(text))
+      word = text
+      call make_plain(word)
+      plain = meant(word)
       slash = index(plain, "/")
       do i = 1, size(accelerations)
          if (plain /= trim(accelerations(i))) cycle
@@ -157,56 +164,71 @@ contains
    end subroutine parse_units
 
    !> The text in lower case without blanks, brackets and signs that are not ASCII, with `/s` for `per s` and `s^-1`.
-   pure function plain_text(text) result(plain)
-      character(*), intent(in) :: text
-      character(:), allocatable :: plain
+   pure subroutine make_plain(plain)
+      character(:), allocatable, intent(inout) :: plain
       character(1), parameter :: dropped(7) = [" ", "_", "[", "]", "(", ")", achar(9)]
       integer :: i
 
-      plain = lower(text)
-      plain = replace_all(plain, char(194)//char(176), "deg")
-      plain = replace_all(plain, char(194)//char(186), "deg")
-      plain = replace_all(plain, char(194)//char(178), "^2")
-      plain = replace_all(plain, char(194)//char(181), "u")
-      plain = replace_all(plain, char(206)//char(188), "u")
-      plain = replace_all(plain, char(194)//char(183), "")
-      plain = replace_all(plain, char(226)//char(129)//char(187)//char(194)//char(185), "^-1")
-      plain = replace_all(plain, char(226)//char(129)//char(187)//"^2", "^-2")
-      plain = replace_all(replace_all(replace_all(plain, char(176), "deg"), char(178), "^2"), char(181), "u")
-      plain = replace_all(plain, "**", "^")
-      plain = replace_all(plain, "*", "")
+      plain = lower(plain)
+      call replace_all(plain, char(194)//char(176), "deg")
+      call replace_all(plain, char(194)//char(186), "deg")
+      call replace_all(plain, char(194)//char(178), "^2")
+      call replace_all(plain, char(194)//char(181), "u")
+      call replace_all(plain, char(206)//char(188), "u")
+      call replace_all(plain, char(194)//char(183), "")
+      call replace_all(plain, char(226)//char(129)//char(187)//char(194)//char(185), "^-1")
+      call replace_all(plain, char(226)//char(129)//char(187)//"^2", "^-2")
+      call replace_all(plain, char(176), "deg")
+      call replace_all(plain, char(178), "^2")
+      call replace_all(plain, char(181), "u")
+      call replace_all(plain, "**", "^")
+      call replace_all(plain, "*", "")
       do i = 1, size(dropped)
-         plain = replace_all(plain, dropped(i), "")
+         call replace_all(plain, dropped(i), "")
       end do
-      plain = replace_all(plain, "per", "/")
-      plain = inverse_power(inverse_power(plain, "-1", ""), "-2", "^2")
-   end function plain_text
+      call replace_all(plain, "per", "/")
+      call invert_power(plain, "-1", "")
+      call invert_power(plain, "-2", "^2")
+   end subroutine make_plain
 
    !> `rads^-1` and `rads-1` become `rad/s`.
-   pure function inverse_power(text, power, positive) result(changed)
-      character(*), intent(in) :: text, power, positive
-      character(:), allocatable :: changed
+   pure subroutine invert_power(text, power, positive)
+      character(:), allocatable, intent(inout) :: text
+      character(*), intent(in) :: power, positive
       integer :: n
 
-      changed = text
       n = len(text) - len(power)
       if (n < 2) return
       if (text(n + 1:) /= power) return
       if (text(n:n) == "^") n = n - 1
       if (n < 2) return
-      if (index("sh", text(n:n)) > 0) changed = text(:n - 1)//"/"//text(n:n)//positive
-   end function inverse_power
+      if (index("sh", text(n:n)) > 0) text = text(:n - 1)//"/"//text(n:n)//positive
+   end subroutine invert_power
+
+   !> Which spelling a text is; 0: none.
+   pure integer function spelling_of(text) result(at)
+      character(*), intent(in) :: text
+
+      do at = size(spellings, 2), 1, -1
+         if (text == spellings(1, at)) return
+      end do
+   end function spelling_of
+
+   !> The length of [[meant]].
+   pure integer function meant_length(text)
+      character(*), intent(in) :: text
+
+      meant_length = len(text)
+      if (spelling_of(text) > 0) meant_length = len_trim(spellings(2, spelling_of(text)))
+   end function meant_length
 
    !> What a spelling means; the text itself where it is none.
    pure function meant(text) result(name)
       character(*), intent(in) :: text
-      character(:), allocatable :: name
-      integer :: i
+      character(meant_length(text)) :: name
 
       name = text
-      do i = 1, size(spellings, 2)
-         if (text == trim(spellings(1, i))) name = trim(spellings(2, i))
-      end do
+      if (spelling_of(text) > 0) name = spellings(2, spelling_of(text))
    end function meant
 
    !> Fills the unit where `angle` is a known angle and `time` is "" or a known time.
@@ -286,15 +308,9 @@ contains
    pure function coefficient_definition(term) result(text)
       !> 1 to 5 for Q N B K R
       integer, intent(in) :: term
-      character(:), allocatable :: text
+      character(len_trim(definitions(max(1, min(term, 5))))) :: text
 
-      select case (term)
-      case (1); text = "sigma^2 = 3 Q^2/tau^2"
-      case (2); text = "sigma^2 = N^2/tau, two-sided density N^2"
-      case (3); text = "sigma^2 = (2 ln 2/pi) B^2 = (0.664 B)^2"
-      case (4); text = "sigma^2 = K^2 tau/3"
-      case default; text = "sigma^2 = R^2 tau^2/2"
-      end select
+      text = definitions(max(1, min(term, 5)))
    end function coefficient_definition
 
    !> What a coefficient is stated in, of a record in `unit`.

@@ -178,7 +178,7 @@ contains
          return
       end if
       if (binary%rounded > 0) call add_text(table%warnings, integer_text(binary%rounded)//" of the "// &
-         element_name(binary%element)//" values are beyond 2^53 and were rounded to 16 digits")
+         trim(element_name(binary%element))//" values are beyond 2^53 and were rounded to 16 digits")
       if (binary%descriptor >= 0 .or. binary%rows < 0) return
       call take_bytes(binary, source, more, got, error)
       if (allocated(error) .or. got == 0) return

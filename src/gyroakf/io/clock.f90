@@ -14,7 +14,7 @@ module gyroakf_io_clock
    use gyroakf_record, only : add_text, record_type
    implicit none (type, external)
    private
-   public :: find_scale, is_clock, drop_absurd, set_rate, may_be_time, least_rows, time_warning
+   public :: find_scale, is_clock, drop_absurd, set_rate, may_be_time, least_rows, make_time_warning
 
 contains
 
@@ -97,7 +97,7 @@ contains
    !> The word for a unit of time.
    pure function unit_word(scale) result(word)
       real(dp), intent(in) :: scale
-      character(:), allocatable :: word
+      character(merge(2, 1, scale < 0.5_dp)) :: word
 
       word = "s"
       if (scale < 0.5_dp) word = "ms"
@@ -163,10 +163,11 @@ contains
    end function least_rows
 
    !> What is said of it.
-   function time_warning(table) result(text)
+   subroutine make_time_warning(table, text)
       !> Of any format
       type(table_type), intent(in) :: table
-      character(:), allocatable :: text
+      !> A sentence
+      character(:), allocatable, intent(out) :: text
       character(:), allocatable :: number
 
       number = integer_text(int(table%chosen(1), int64))
@@ -176,6 +177,6 @@ contains
       else
          text = text//"time; it is read as a channel, --time-column "//number//" takes it for the time"
       end if
-   end function time_warning
+   end subroutine make_time_warning
 
 end module gyroakf_io_clock

@@ -4,14 +4,14 @@ module gyroakf_io_columns
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_number, only : number, parse_number
-   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_place, only : integer_text, integer_length
    use gyroakf_io_text, only : bytes_text, fields_type, split, split_line
    use gyroakf_record, only : text_type
    use gyroakf_spelling, only : lower, nearest_word
    use gyroakf_utf8, only : make_readable
    implicit none (type, external)
    private
-   public :: column_names_type, read_names, without_brackets, names_way, name_of, label_of, find_column, choose_columns
+   public :: column_names_type, read_names, take_brackets_off, names_way, name_of, label_of, find_column, choose_columns
    public :: most_columns
 
    !> A file with more of them has lost its line ends
@@ -57,7 +57,8 @@ contains
          word = bytes_text(bytes, fields%first(i), fields%last(i))
          call make_readable(word)
          if (way == split%mixed .and. count > 0 .and. scan(word, "[(") == 1) then
-            names%unit(count)%text = without_brackets(word)
+            names%unit(count)%text = word
+            call take_brackets_off(names%unit(count)%text)
          else
             count = count + 1
             call take_name(word, names%name(count)%text, names%unit(count)%text)
@@ -101,23 +102,52 @@ contains
       bracket = scan(word, "[(")
       if (bracket > 1 .and. scan(word, "])") == len(word)) then
          name = trim(word(:bracket - 1))
-         unit = without_brackets(word(bracket:))
+         unit = word(bracket:)
+         call take_brackets_off(unit)
       else
          name = word
          unit = ""
       end if
    end subroutine take_name
 
-   !> "[deg/s]" as "deg/s".
-   pure function without_brackets(word) result(inner)
-      character(*), intent(in) :: word
-      character(:), allocatable :: inner
+   !> "[deg/s]" becomes "deg/s".
+   pure subroutine take_brackets_off(word)
+      !> Begins with a bracket
+      character(:), allocatable, intent(inout) :: word
       integer :: last
 
       last = len(word)
       if (last > 1 .and. scan(word, "])", back=.true.) == last) last = last - 1
-      inner = trim(adjustl(word(2:last)))
-   end function without_brackets
+      word = trim(adjustl(word(2:last)))
+   end subroutine take_brackets_off
+
+   !> The length of the name that a column has in the file; 0: none.
+   pure integer function own_length(names, column)
+      type(column_names_type), intent(in) :: names
+      integer, intent(in) :: column
+
+      own_length = 0
+      if (names%known) own_length = len(names%name(column)%text)
+   end function own_length
+
+   !> The length of [[name_of]].
+   pure integer function name_length(names, column)
+      type(column_names_type), intent(in) :: names
+      integer, intent(in) :: column
+
+      name_length = own_length(names, column)
+      if (name_length == 0) name_length = len("column") + integer_length(int(column, int64))
+   end function name_length
+
+   !> The length of [[label_of]].
+   pure integer function label_length(names, column)
+      type(column_names_type), intent(in) :: names
+      integer, intent(in) :: column
+
+      label_length = own_length(names, column)
+      if (label_length > 0) label_length = len("column ''") + label_length
+      if (label_length == 0) label_length = len("column ") + integer_length(int(column, int64))
+   end function label_length
 
    !> The name of a column, "column3" where it has none.
    pure function name_of(names, column) result(name)
@@ -125,11 +155,13 @@ contains
       type(column_names_type), intent(in) :: names
       !> Counted from 1
       integer, intent(in) :: column
-      character(:), allocatable :: name
+      character(name_length(names, column)) :: name
 
-      name = ""
-      if (names%known) name = names%name(column)%text
-      if (len(name) == 0) name = "column"//integer_text(int(column, int64))
+      if (own_length(names, column) > 0) then
+         name = names%name(column)%text
+      else
+         name = "column"//integer_text(int(column, int64))
+      end if
    end function name_of
 
    !> The same for messages: "column 3" or "column 'gx'".
@@ -137,11 +169,13 @@ contains
       !> As those of [[name_of]]
       type(column_names_type), intent(in) :: names
       integer, intent(in) :: column
-      character(:), allocatable :: label
+      character(label_length(names, column)) :: label
 
-      label = "column "//integer_text(int(column, int64))
-      if (.not. names%known) return
-      if (len(names%name(column)%text) > 0) label = "column '"//names%name(column)%text//"'"
+      if (own_length(names, column) > 0) then
+         label = "column '"//names%name(column)%text//"'"
+      else
+         label = "column "//integer_text(int(column, int64))
+      end if
    end function label_of
 
    !> The column that a number or a name means.
@@ -177,21 +211,23 @@ contains
          call fatal_error(error, status%invalid_argument, "there is no column "//word//": the file has columns 1 to "// &
                           integer_text(int(columns, int64)))
       else
-         call fatal_error(error, status%invalid_argument, unknown_name(word, names))
+         call refuse_name(word, names, error)
       end if
    end subroutine find_column
 
-   !> The message for a name that no column has.
-   function unknown_name(word, names) result(message)
+   !> The error for a name that no column has.
+   subroutine refuse_name(word, names, error)
       character(*), intent(in) :: word
       type(column_names_type), intent(in) :: names
+      type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: message
       character(80), allocatable :: known(:)
       integer :: i, near
 
       message = "there is no column '"//word//"'"
       if (.not. names%known) then
-         message = message//": the file does not name its columns; give numbers, counted from 1"
+         call fatal_error(error, status%invalid_argument, &
+                          message//": the file does not name its columns; give numbers, counted from 1")
          return
       end if
       allocate (known(size(names%name)))
@@ -205,7 +241,8 @@ contains
          message = message//" '"//names%name(i)%text//"'"
       end do
       if (size(known) > 40) message = message//" ..."
-   end function unknown_name
+      call fatal_error(error, status%invalid_argument, message)
+   end subroutine refuse_name
 
    !> The columns of a comma list.
    subroutine choose_columns(list, names, columns, chosen, error)

@@ -16,7 +16,7 @@ module gyroakf_io_columns_writer
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_io_decimal, only : longest_real, real_to_text
-   use gyroakf_io_npy, only : npy_header
+   use gyroakf_io_npy, only : make_npy_header
    use gyroakf_io_writer, only : put, put_reals, writer_type
    implicit none (type, external)
    private
@@ -96,8 +96,11 @@ contains
       integer(int64), intent(in) :: rows
       !> Its form
       type(row_layout_type), intent(in) :: layout
+      character(:), allocatable :: header
 
-      if (layout%form == "npy") call put(writer, npy_header(rows, merge(int(columns, int64), 0_int64, columns > 1), .false.))
+      if (layout%form /= "npy") return
+      call make_npy_header(rows, merge(int(columns, int64), 0_int64, columns > 1), .false., header)
+      call put(writer, header)
    end subroutine begin_rows
 
    !> Writes rows.

@@ -58,23 +58,31 @@ contains
       end select
    end subroutine parse_element
 
+   !> The length of [[element_word]].
+   pure integer function word_length(element)
+      type(element_type), intent(in) :: element
+
+      word_length = len(element%kind) + merge(1, 2, element%bytes == 1)
+      if (element%bytes > 1) word_length = word_length + 2
+   end function word_length
+
    !> The word for it: "i16le"; without an order where it is one byte.
    pure function element_word(element) result(word)
       !> Any
       type(element_type), intent(in) :: element
-      character(:), allocatable :: word
+      character(word_length(element)) :: word
       character(2) :: bits
 
       write (bits, "(i0)") 8*element%bytes
       word = element%kind//trim(bits)
-      if (element%bytes > 1) word = word//merge("be", "le", element%big_endian)
+      if (element%bytes > 1) word(len(word) - 1:) = merge("be", "le", element%big_endian)
    end function element_word
 
-   !> Its name: "float32", "uint8", "bool"; big endian is said.
+   !> Its name, filled with blanks: "float32", "uint8", "bool"; big endian is said.
    pure function element_name(element) result(name)
       !> Any
       type(element_type), intent(in) :: element
-      character(:), allocatable :: name
+      character(18) :: name
       character(2) :: bits
 
       write (bits, "(i0)") 8*element%bytes
@@ -82,7 +90,7 @@ contains
       if (element%kind == "f") name = "float"//trim(bits)
       if (element%kind == "i") name = "int"//trim(bits)
       if (element%kind == "u") name = "uint"//trim(bits)
-      if (element%big_endian .and. element%bytes > 1) name = name//" big endian"
+      if (element%big_endian .and. element%bytes > 1) name = trim(name)//" big endian"
    end function element_name
 
    !> True on machines that store the most significant byte first.

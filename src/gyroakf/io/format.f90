@@ -5,7 +5,7 @@
 module gyroakf_io_format
    use gyroakf_kinds, only : int8, int64
    use gyroakf_io_element, only : element_type, parse_element
-   use gyroakf_io_magic, only : find_magic, magics, with_name
+   use gyroakf_io_magic, only : find_magic, magics, name_file
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_text, only : bytes_text, first_visible, last_visible
    use gyroakf_spelling, only : lower
@@ -111,14 +111,14 @@ contains
 
       count = size(bytes, kind=int64)
       content%kind = "text"
-      content%ending = ending_of(name)
+      call find_ending(name, content%ending)
       call parse_element(content%ending, content%element, by_name)
       call find_magic(bytes, content%kind, found)
       if (found > 0) then
          if (.not. (by_name .and. magics(found)%length < 4)) then
             content%kind = "foreign"
             content%what = trim(magics(found)%what)
-            content%advice = with_name(trim(magics(found)%advice), name)
+            call name_file(trim(magics(found)%advice), name, content%advice)
          end if
       end if
       if (content%kind /= "text") return
@@ -144,15 +144,15 @@ contains
    end subroutine recognise
 
    !> What lies behind the last point of the name, in lower case.
-   pure function ending_of(name) result(ending)
+   pure subroutine find_ending(name, ending)
       character(*), intent(in) :: name
-      character(:), allocatable :: ending
+      character(:), allocatable, intent(out) :: ending
       integer :: point_at
 
       ending = ""
       point_at = index(name, ".", back=.true.)
       if (point_at > 0 .and. point_at > index(name, "/", back=.true.)) ending = lower(name(point_at + 1:))
-   end function ending_of
+   end subroutine find_ending
 
    !> True for what a text without accents consists of.
    elemental logical function is_plain(byte)
@@ -179,12 +179,11 @@ contains
       if (any(bytes < 0) .or. 4*digits < count - nulls) return
       if (5*nulls > 2*count .and. (20*even < nulls .or. 20*(nulls - even) < nulls)) then
          content%what = "text in UTF-16 without a byte-order mark"
-         content%advice = with_name("turn it into UTF-8: iconv -f UTF-16"//merge("LE", "BE", 20*even < nulls)// &
-                                    " -t UTF-8 FILE | gyroakf run -", name)
+         call name_file("turn it into UTF-8: iconv -f UTF-16"//merge("LE", "BE", 20*even < nulls)// &
+                        " -t UTF-8 FILE | gyroakf run -", name, content%advice)
       else if (any(bytes == 10) .or. any(bytes == 13)) then
          content%what = "text with "//integer_text(nulls)//" NUL bytes, as a logger leaves them that lost its power"
-         content%advice = "leave them out: tr -d '\000' < "//trim(merge("FILE", "    ", .false.))
-         content%advice = with_name("leave them out: tr -d '\000' < FILE | gyroakf run -", name)
+         call name_file("leave them out: tr -d '\000' < FILE | gyroakf run -", name, content%advice)
       end if
    end subroutine explain_nulls
 

@@ -3,7 +3,7 @@
 module gyroakf_io_heading
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
-   use gyroakf_io_columns, only : column_names_type, names_way, read_names, without_brackets
+   use gyroakf_io_columns, only : column_names_type, names_way, read_names, take_brackets_off
    use gyroakf_io_header, only : time_scale
    use gyroakf_io_lines, only : lines_type
    use gyroakf_io_number, only : is_missing_word
@@ -75,7 +75,7 @@ contains
       if (.not. taken) return
       taken = .false.
       do i = 1, size(words%name)
-         if (scan(words%name(i)%text, "[(") == 1) words%name(i)%text = without_brackets(words%name(i)%text)
+         if (scan(words%name(i)%text, "[(") == 1) call take_brackets_off(words%name(i)%text)
          call parse_unit(words%name(i)%text, unit, failed)
          taken = taken .or. .not. allocated(failed) .or. time_scale(lower(words%name(i)%text)) > 0.0_dp
       end do

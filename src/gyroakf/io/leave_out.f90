@@ -12,7 +12,7 @@ module gyroakf_io_leave_out
    use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
-   public :: find_texts, leave_out, number_columns
+   public :: find_texts, leave_out, list_number_columns
 
    !> So many lines at the start are looked at for text
    integer, parameter :: looked_at = 64
@@ -139,11 +139,12 @@ contains
    end function is_temperature
 
    !> The columns that hold numbers in a line, as a list for --column: "4,6,8"; "" where there are none.
-   function number_columns(bytes, first, last) result(list)
+   subroutine list_number_columns(bytes, first, last, list)
       !> Holds the line at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
-      character(:), allocatable :: list, word
+      character(:), allocatable, intent(out) :: list
+      character(:), allocatable :: word
       type(fields_type) :: fields
       integer :: i
 
@@ -156,6 +157,6 @@ contains
          list = list//","//integer_text(int(i, int64))
       end do
       if (len(list) > 0) list = list(2:)
-   end function number_columns
+   end subroutine list_number_columns
 
 end module gyroakf_io_leave_out

@@ -6,7 +6,7 @@ module gyroakf_io_magic
    use gyroakf_io_text, only : bytes_text
    implicit none (type, external)
    private
-   public :: magic_type, magics, find_magic, with_name
+   public :: magic_type, magics, find_magic, name_file
 
    !> How a kind of file begins
    type :: magic_type
@@ -97,11 +97,12 @@ contains
    end function begins
 
    !> A command with the file's name in it; "COMMAND FILE" is "COMMAND" alone on standard input.
-   pure function with_name(advice, name) result(text)
+   pure subroutine name_file(advice, name, text)
       character(*), intent(in) :: advice
       !> As in messages
       character(*), intent(in) :: name
-      character(:), allocatable :: text
+      !> The command
+      character(:), allocatable, intent(out) :: text
       integer :: at
 
       text = advice
@@ -112,6 +113,6 @@ contains
       else
          text = advice(:at)//name//advice(at + 5:)
       end if
-   end function with_name
+   end subroutine name_file
 
 end module gyroakf_io_magic

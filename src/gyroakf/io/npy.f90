@@ -13,7 +13,7 @@ module gyroakf_io_npy
    use gyroakf_io_text, only : bytes_text
    implicit none (type, external)
    private
-   public :: npy_magic, npy_alignment, npy_header, npy_header_type, read_npy_header
+   public :: npy_magic, npy_alignment, make_npy_header, npy_header_type, read_npy_header
 
    !> The first six bytes
    character(6), parameter :: npy_magic = char(147)//"NUMPY"
@@ -47,14 +47,15 @@ module gyroakf_io_npy
 contains
 
    !> Magic, version 1.0 and header of an array of doubles, as many bytes as come before the numbers.
-   pure function npy_header(rows, columns, by_columns) result(header)
+   pure subroutine make_npy_header(rows, columns, by_columns, header)
       !> Its shape
       integer(int64), intent(in) :: rows
       !> 0: one dimension
       integer(int64), intent(in) :: columns
       !> Columns are stored one after the other
       logical, intent(in) :: by_columns
-      character(:), allocatable :: header
+      !> Its bytes
+      character(:), allocatable, intent(out) :: header
       character(:), allocatable :: text, shape
       integer :: length
 
@@ -67,7 +68,7 @@ contains
       length = length + modulo(-(length + len(npy_magic) + 4), npy_alignment)
       text = text//repeat(" ", length - len(text) - 1)//achar(10)
       header = npy_magic//achar(1)//achar(0)//achar(modulo(length, 256))//achar(length/256)//text
-   end function npy_header
+   end subroutine make_npy_header
 
    !> Reads magic, version and header.
    subroutine read_npy_header(bytes, name, header, error)
@@ -332,7 +333,7 @@ contains
    !> A text for a message, without control characters, cut where it is long.
    pure function shown(text) result(clean)
       character(*), intent(in) :: text
-      character(:), allocatable :: clean
+      character(min(len(text), 40)) :: clean
       integer :: i
 
       clean = text(:min(len(text), 40))

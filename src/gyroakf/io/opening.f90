@@ -58,8 +58,9 @@ contains
          if (rest > 0) then
             call fatal_error(error, status%parse, source%name//": byte "//integer_text(source%length - rest)//": "// &
                              integer_text(rest)//" bytes are left after "//integer_text(binary%rows)//" rows of "// &
-                             integer_text(row_bytes)//" bytes ("//integer_text(channels)//" x "//element_name(element)//")"// &
-                             new_line("a")//"check type, --channels and --skip, or whether the file was cut off")
+                             integer_text(row_bytes)//" bytes ("//integer_text(channels)//" x "// &
+                             trim(element_name(element))//")"//new_line("a")// &
+                             "check type, --channels and --skip, or whether the file was cut off")
             return
          end if
       end if
@@ -88,6 +89,7 @@ contains
       !> Allocated on failure: io, parse, invalid_argument, not_supported
       type(error_type), allocatable, intent(out) :: error
       type(npy_header_type) :: header
+      character(:), allocatable :: shape
       integer(int64) :: count
       logical :: turned
 
@@ -103,7 +105,8 @@ contains
       call begin_numbers(lines%source%name, binary%columns, options, table, error)
       if (allocated(error)) return
       call tell_integer(header%element, table)
-      if (turned) call add_text(table%warnings, "the array's shape is "//shape_text(header)// &
+      call make_shape_text(header, shape)
+      if (turned) call add_text(table%warnings, "the array's shape is "//shape// &
          ": the longer side is taken for the "// &
                                 "time, its "//integer_text(binary%columns)// &
                                    " rows for the channels; save array.T to have it "// &
@@ -148,13 +151,14 @@ contains
       type(npy_header_type), intent(in) :: header
       type(error_type), allocatable, intent(out) :: error
       integer(int64) :: bytes
-      character(:), allocatable :: promise
+      character(:), allocatable :: promise, shape
 
+      call make_shape_text(header, shape)
       if (any(header%shape < 1)) then
-         call fatal_error(error, status%too_few_samples, source%name//": the array is empty, shape "//shape_text(header))
+         call fatal_error(error, status%too_few_samples, source%name//": the array is empty, shape "//shape)
          return
       end if
-      promise = "the header's shape "//shape_text(header)//" of "//element_name(header%element)
+      promise = "the header's shape "//shape//" of "//trim(element_name(header%element))
       if (header%shape(1) > (huge(1_int64) - header%first)/header%shape(2)/header%element%bytes) then
          call fatal_error(error, status%parse, source%name//": "//promise//" is larger than any file"//new_line("a")// &
                           "save it anew with numpy.save")
@@ -175,14 +179,14 @@ contains
    end subroutine check_size
 
    !> "(1000, 3)".
-   pure function shape_text(header) result(text)
+   pure subroutine make_shape_text(header, text)
       type(npy_header_type), intent(in) :: header
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
 
       text = "("//integer_text(header%shape(1))//","
       if (header%rank > 1) text = text//" "//integer_text(header%shape(2))
       text = text//")"
-   end function shape_text
+   end subroutine make_shape_text
 
    !> Notes the integer type that is stored: counters wrap at its ends.
    pure subroutine tell_integer(element, table)

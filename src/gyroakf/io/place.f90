@@ -5,7 +5,7 @@ module gyroakf_io_place
    use gyroakf_error, only : error_type, fatal_error, status
    implicit none (type, external)
    private
-   public :: place_error, place_message, shown_bytes, integer_text
+   public :: place_error, make_place_message, shown_bytes, integer_text, integer_length
 
    !> So many characters of a long line are shown
    integer, parameter :: width = 96
@@ -29,17 +29,20 @@ contains
       character(*), intent(in) :: what
       !> What to do
       character(*), intent(in) :: advice
+      character(:), allocatable :: message
 
-      call fatal_error(error, status%parse, place_message(name, line, bytes, first, last, at, what, advice))
+      call make_place_message(name, line, bytes, first, last, at, what, advice, message)
+      call fatal_error(error, status%parse, message)
    end subroutine place_error
 
    !> The message alone; columns are counted in characters (UTF-8), from 1.
-   pure function place_message(name, line, bytes, first, last, at, what, advice) result(message)
+   pure subroutine make_place_message(name, line, bytes, first, last, at, what, advice, message)
       !> As those of [[place_error]]
       character(*), intent(in) :: name, what, advice
       integer(int64), intent(in) :: line, first, last, at
       integer(int8), intent(in), contiguous :: bytes(:)
-      character(:), allocatable :: message
+      !> Four lines
+      character(:), allocatable, intent(out) :: message
       character(1), parameter :: nl = new_line("a")
       character(:), allocatable :: shown, head, tail
       integer :: place, from, to
@@ -58,7 +61,7 @@ contains
       end if
       message = name//":"//integer_text(line)//":"//integer_text(int(characters(shown(:place - 1)) + 1, int64))//": "//what//nl// &
                 head//shown(from:to)//tail//nl//repeat(" ", len(head) + characters(shown(from:place - 1)))//"^"//nl//advice
-   end function place_message
+   end subroutine make_place_message
 
    !> Characters of a text; the continuation bytes 10xxxxxx of UTF-8 do not count.
    pure integer function characters(text)
@@ -99,11 +102,10 @@ contains
       !> The text at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
-      character(:), allocatable :: text
+      character(max(0_int64, last - first + 1)) :: text
       integer(int64) :: i, j
       integer :: code, more
 
-      allocate (character(max(0_int64, last - first + 1)) :: text)
       more = 0
       do i = first, last
          j = i - first + 1
@@ -139,15 +141,23 @@ contains
       end if
    end function following
 
+   !> The length of [[integer_text]].
+   pure integer function integer_length(i)
+      !> Any value
+      integer(int64), intent(in) :: i
+      character(20) :: room
+
+      write (room, "(i0)") i
+      integer_length = len_trim(room)
+   end function integer_length
+
    !> An integer without blanks.
    pure function integer_text(i) result(text)
       !> Any value
       integer(int64), intent(in) :: i
-      character(:), allocatable :: text
-      character(20) :: room
+      character(integer_length(i)) :: text
 
-      write (room, "(i0)") i
-      text = trim(room)
+      write (text, "(i0)") i
    end function integer_text
 
 end module gyroakf_io_place

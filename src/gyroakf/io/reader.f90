@@ -9,7 +9,7 @@ module gyroakf_io_reader
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_audit, only : audit_stamps, audit_values, gap_type
    use gyroakf_io_channel_units, only : set_units
-   use gyroakf_io_clock, only : find_scale, is_clock, least_rows, may_be_time, set_rate, time_warning
+   use gyroakf_io_clock, only : find_scale, is_clock, least_rows, may_be_time, set_rate, make_time_warning
    use gyroakf_io_columns, only : label_of, name_of
    use gyroakf_io_findings, only : tell
    use gyroakf_io_lines, only : line_of
@@ -18,8 +18,8 @@ module gyroakf_io_reader
    use gyroakf_io_resample, only : resample
    use gyroakf_io_shape, only : cut, fill_gaps, largest_value, make_rates, mark_missing, warn_of_wraps, wrap_of
    use gyroakf_io_store, only : take_columns
-   use gyroakf_io_recording, only : close_recording, hold_rows, memory_advice, open_recording, reader_options, &
-      recording_type, too_large
+   use gyroakf_io_recording, only : close_recording, hold_rows, advise_memory, open_recording, reader_options, &
+      recording_type, say_too_large
    use gyroakf_io_table, only : table_type
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : add_text, record_type
@@ -43,12 +43,15 @@ contains
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(recording_type) :: recording
+      character(:), allocatable :: large, advice
 
       call open_recording(path, options, recording, error)
       if (.not. allocated(error)) call hold_rows(recording, error, progress)
       call close_recording(recording)
       if (.not. allocated(error) .and. .not. recording%table%whole) then
-         call fatal_error(error, status%no_memory, too_large(recording)//new_line("a")//memory_advice(recording))
+         call say_too_large(recording, large)
+         call advise_memory(recording, advice)
+         call fatal_error(error, status%no_memory, large//new_line("a")//advice)
       end if
       if (.not. allocated(error)) call complete_record(recording, record, error)
    end subroutine read_record
@@ -158,6 +161,7 @@ contains
       type(record_type), intent(inout) :: record
       integer(int64) :: i, n
       logical :: rises
+      character(:), allocatable :: text
 
       if (.not. may_be_time(options, table)) return
       n = size(record%value, 1, kind=int64)
@@ -167,7 +171,10 @@ contains
          rises = .not. (ieee_is_nan(record%value(i, 1)) .or. ieee_is_nan(record%value(i - 1, 1)))
          if (rises) rises = record%value(i, 1) > record%value(i - 1, 1)
       end do
-      if (rises) call add_text(record%warnings, time_warning(table))
+      if (rises) then
+         call make_time_warning(table, text)
+         call add_text(record%warnings, text)
+      end if
    end subroutine warn_of_time
 
    !> Turns the stamps into seconds from the first and audits them.

@@ -5,7 +5,7 @@ module gyroakf_io_recording
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_io_binary, only : binary_type, read_binary_rows
-   use gyroakf_io_decimal, only : format_real
+   use gyroakf_io_decimal, only : format_real, real_length
    use gyroakf_io_element, only : element_name, element_type, element_word, parse_element
    use gyroakf_io_format, only : content_type, recognise
    use gyroakf_io_hdf5, only : close_hdf5, hdf5_type
@@ -20,7 +20,7 @@ module gyroakf_io_recording
    implicit none (type, external)
    private
    public :: reader_options, recording_type, open_recording, next_rows, hold_rows, close_recording
-   public :: bytes_needed, bytes_text, too_large, memory_advice, base_bytes
+   public :: bytes_needed, bytes_text, say_too_large, advise_memory, base_bytes
 
    !> An open recording
    type :: recording_type
@@ -42,6 +42,9 @@ module gyroakf_io_recording
 
    !> The program itself, its libraries and buffers
    integer(int64), parameter :: base_bytes = 24000000
+
+   !> From here on sizes are said in GB
+   integer(int64), parameter :: gigabyte = 1000000000
    !> The record: 8 bytes a value, 1 for its mark where something is missing
    integer(int64), parameter :: value_bytes = 9, stamp_bytes = 8
 
@@ -202,7 +205,7 @@ contains
       type(recording_type), intent(inout) :: recording
 
       recording%format = format
-      recording%stored_type = element_name(element)
+      recording%stored_type = trim(element_name(element))
    end subroutine note_format
 
    !> Reads all rows, or as many as the memory allows: `table%whole` tells. None where the file's size alone forbids it.
@@ -284,10 +287,11 @@ contains
    end function bytes_needed
 
    !> "FILE: about 12000000 rows need 276 MB (276000000 bytes), --memory allows 100 MB".
-   function too_large(recording) result(text)
+   subroutine say_too_large(recording, text)
       !> Not whole
       type(recording_type), intent(in) :: recording
-      character(:), allocatable :: text
+      !> The first line of a message
+      character(:), allocatable, intent(out) :: text
       integer(int64) :: rows
 
       rows = max(recording%expected_rows, recording%table%rows)
@@ -303,31 +307,35 @@ contains
       else
          text = text//"--memory allows "//bytes_text(recording%options%memory)
       end if
-   end function too_large
+   end subroutine say_too_large
 
    !> What to do about it, for a command that needs the whole record.
-   function memory_advice(recording) result(text)
+   subroutine advise_memory(recording, text)
       !> Not whole
       type(recording_type), intent(in) :: recording
-      character(:), allocatable :: text
+      !> A line
+      character(:), allocatable, intent(out) :: text
 
       text = "give more memory"
       if (recording%options%memory_found) text = "use a machine with more memory, or insist with --memory SIZE"
       if (size(recording%table%chosen) > 1) text = text//"; take one channel at a time with --column"
       text = text//"; gyroakf allan, inspect and filter stream a recording of any length"
-   end function memory_advice
+   end subroutine advise_memory
+
+   !> A size in GB or MB, as [[bytes_text]] says it.
+   pure real(dp) function in_unit(bytes)
+      integer(int64), intent(in) :: bytes
+
+      in_unit = real(bytes, dp)*merge(1.0e-9_dp, 1.0e-6_dp, bytes >= gigabyte)
+   end function in_unit
 
    !> "276 MB".
    pure function bytes_text(bytes) result(text)
       !> How many
       integer(int64), intent(in) :: bytes
-      character(:), allocatable :: text
+      character(real_length(in_unit(bytes), 3) + 3) :: text
 
-      if (bytes >= 1000000000_int64) then
-         text = format_real(real(bytes, dp)*1.0e-9_dp, 3)//" GB"
-      else
-         text = format_real(real(bytes, dp)*1.0e-6_dp, 3)//" MB"
-      end if
+      text = format_real(in_unit(bytes), 3)//merge(" GB", " MB", bytes >= gigabyte)
    end function bytes_text
 
 end module gyroakf_io_recording

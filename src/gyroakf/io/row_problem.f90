@@ -91,23 +91,29 @@ contains
       has_groups = comma_at > 1 .and. whole == comma_at + 3 .and. verify(text, "+-.,0123456789") == 0
    end function has_groups
 
+   !> The last byte of a field that [[excerpt]] shows: no character is cut.
+   pure integer(int64) function excerpt_end(bytes, first, last) result(to)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+
+      to = last
+      if (last - first < 40) return
+      to = first + 36
+      do while (bytes(to + 1) < -64 .and. to > first + 32)
+         to = to - 1
+      end do
+   end function excerpt_end
+
    !> The start of a field, for a message.
    pure function excerpt(bytes, first, last) result(text)
       !> The field in first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
-      character(:), allocatable :: text
-      integer(int64) :: to
+      character(max(excerpt_end(bytes, first, last) - first + 1, 0_int64) + &
+         & merge(3, 0, excerpt_end(bytes, first, last) < last)) :: text
 
-      to = last
-      if (last - first >= 40) then
-         to = first + 36
-         do while (bytes(to + 1) < -64 .and. to > first + 32)
-            to = to - 1
-         end do
-      end if
-      text = shown_bytes(bytes, first, to)
-      if (to < last) text = text//"..."
+      text = shown_bytes(bytes, first, excerpt_end(bytes, first, last))
+      if (excerpt_end(bytes, first, last) < last) text(len(text) - 2:) = "..."
    end function excerpt
 
    !> The problem of a row with another number of columns, at the first field that is too much or at the end.

@@ -21,7 +21,7 @@ contains
          "stamp", "stamps", "tstamp", "elapsed", "elapsed_time", "sec", "secs", "seconds", "millis", "milliseconds", "micros", &
          "microseconds", "seconds_elapsed", "zeit", "uhrzeit"]
 
-      base = base_name(name)
+      call find_base_name(name, base)
       is_time_name = any(known == base) .or. ends_with(base, "timestamp") .or. ends_with(base, "_time") &
                      .or. ends_with(base, "_stamp") .or. ends_with(base, ".stamp")
    end function is_time_name
@@ -60,16 +60,16 @@ contains
    end subroutine fraction_of
 
    !> The name in lower case without the unit behind it: "Time_ms" as "time".
-   pure function base_name(name) result(base)
+   pure subroutine find_base_name(name, base)
       character(*), intent(in) :: name
-      character(:), allocatable :: base
+      character(:), allocatable, intent(out) :: base
       integer :: mark
 
       base = trim(adjustl(lower(name)))
       mark = scan(base, "_-. ", back=.true.)
       if (mark < 2 .or. mark == len(base)) return
       if (time_scale(base(mark + 1:)) > 0.0_dp) base = trim(base(:mark - 1))
-   end function base_name
+   end subroutine find_base_name
 
    !> True where the text ends so.
    pure logical function ends_with(text, tail)

@@ -5,7 +5,7 @@ module gyroakf_io_stream_end
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_bursts, only : end_bursts
    use gyroakf_io_channel_units, only : set_units
-   use gyroakf_io_clock, only : set_rate, least_rows, time_warning
+   use gyroakf_io_clock, only : set_rate, least_rows, make_time_warning
    use gyroakf_io_columns, only : label_of
    use gyroakf_io_findings, only : tell
    use gyroakf_io_lines, only : line_of
@@ -31,7 +31,7 @@ contains
       !> parse (no number), invalid_argument, too_few_samples
       type(error_type), allocatable, intent(out) :: error
       type(text_type), allocatable :: found(:)
-      character(:), allocatable :: unit
+      character(:), allocatable :: unit, text
 
       call end_bursts(stream%burst, stream%summary%audit)
       record = stream%summary
@@ -44,7 +44,10 @@ contains
          call add_list(table%warnings, record%warnings)
          call check_numbers(recording, stream, record, error)
          if (allocated(error)) return
-         if (stream%rises .and. stream%counted > least_rows(table)) call add_text(record%warnings, time_warning(table))
+         if (stream%rises .and. stream%counted > least_rows(table)) then
+            call make_time_warning(table, text)
+            call add_text(record%warnings, text)
+         end if
          call add_list(found, record%warnings)
          record%audit%bad_lines = table%bad_lines
          record%audit%samples = stream%delivered

@@ -209,10 +209,9 @@ contains
       !> The text at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
-      character(:), allocatable :: text
+      character(max(0_int64, last - first + 1)) :: text
       integer(int64) :: i
 
-      allocate (character(max(0_int64, last - first + 1)) :: text)
       do i = first, last
          text(i - first + 1:i - first + 1) = achar(iand(int(bytes(i)), 255))
       end do

@@ -7,7 +7,7 @@
 module gyroakf_io_text_rows
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_leave_out, only : number_columns
+   use gyroakf_io_leave_out, only : list_number_columns
    use gyroakf_io_lines, only : check_length, end_last_line, line_end, lines_type, make_room, map_row, turn_returns
    use gyroakf_io_number, only : digits_ahead
    use gyroakf_io_place, only : integer_text, place_error
@@ -362,7 +362,7 @@ contains
       character(:), allocatable :: list
 
       if (index(problem%advice, "--column chooses") == 0) return
-      list = number_columns(bytes, first, last)
+      call list_number_columns(bytes, first, last, list)
       if (len(list) > 0) problem%advice = problem%advice//", numbers stand in "//list//" here: --column "//list
    end subroutine advise_columns
 

@@ -48,6 +48,7 @@ contains
       !> Allocated where nothing can be written there: io, no_memory
       type(error_type), allocatable, intent(out) :: error
       character(12) :: process
+      character(:), allocatable :: reason
       integer :: failed
 
       writer%path = path
@@ -68,7 +69,9 @@ contains
       write (process, "(i0)") c_getpid()
       if (.not. is_special(path)) writer%aside = path//".part"//trim(process)
       writer%unit = c_creat(writer%aside//c_null_char, int(o'666', c_int))
-      if (writer%unit < 0) call fatal_error(error, status%io, path//": cannot be written: "//reason(writer%aside))
+      if (writer%unit >= 0) return
+      call find_reason(writer%aside, reason)
+      call fatal_error(error, status%io, path//": cannot be written: "//reason)
    end subroutine open_writer
 
    !> True for a device or a FIFO, which must not be replaced by a file.
@@ -83,9 +86,9 @@ contains
    end function is_special
 
    !> Why a file cannot be created, in the words of the system.
-   function reason(path) result(text)
+   subroutine find_reason(path, text)
       character(*), intent(in) :: path
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
       character(256) :: message
       integer :: unit, failed
 
@@ -98,7 +101,7 @@ contains
          text = trim(message(index(message, ": ", back=.true.) + 1:))
       end if
       text = trim(adjustl(text))
-   end function reason
+   end subroutine find_reason
 
    !> Writes a text; a failure is kept for [[commit_writer]].
    subroutine put(writer, text)

@@ -5,7 +5,7 @@ module gyroakf_pipeline_streamed
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : add_text, record_type, view_channel
-   use gyroakf_io_recording, only : base_bytes, bytes_text, recording_type, too_large
+   use gyroakf_io_recording, only : base_bytes, bytes_text, recording_type, say_too_large
    use gyroakf_io_record_stream, only : begin_record_stream, end_record_stream, next_record_block, record_stream_type
    use gyroakf_io_record_summary, only : find_interval
    use gyroakf_series_moments, only : compute_moments, join_moments, moments_type
@@ -66,9 +66,10 @@ contains
       type(pipeline_options), intent(in) :: options
       !> not_supported, no_memory
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: what
+      character(:), allocatable :: what, large
       integer(int64) :: least
 
+      call say_too_large(recording, large)
       what = ""
       if (options%clean%method /= "none") what = "--outliers"
       if (options%clean%degree >= 0) what = "--detrend"
@@ -78,12 +79,12 @@ contains
          if (options%allan%taus == "all") what = "--taus all"
       end if
       if (what /= "") then
-         call fatal_error(error, status%no_memory, too_large(recording)//new_line("a")//"without "//what//" the recording is "// &
+         call fatal_error(error, status%no_memory, large//new_line("a")//"without "//what//" the recording is "// &
                           "streamed; or give more memory")
          return
       end if
       least = base_bytes + channel_bytes*size(recording%table%chosen)
-      if (recording%options%memory < least) call fatal_error(error, status%no_memory, too_large(recording)//new_line("a")// &
+      if (recording%options%memory < least) call fatal_error(error, status%no_memory, large//new_line("a")// &
          "to stream it takes "//bytes_text(least))
    end subroutine check_streamable
 

@@ -9,7 +9,7 @@ module gyroakf_pipeline_streamed_filter
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
-   use gyroakf_io_recording, only : base_bytes, bytes_text, close_recording, open_recording, recording_type, too_large
+   use gyroakf_io_recording, only : base_bytes, bytes_text, close_recording, open_recording, recording_type, say_too_large
    use gyroakf_io_record_stream, only : begin_record_stream, end_record_stream, next_record_block, record_stream_type
    use gyroakf_io_record_summary, only : find_interval
    use gyroakf_series_differences, only : difference_stream_type, feed_differences, variance_of_differences
@@ -74,23 +74,24 @@ contains
       type(pipeline_options), intent(in) :: options
       !> no_memory
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: what
+      character(:), allocatable :: what, large
       integer(int64) :: least
 
+      call say_too_large(recording, large)
       what = ""
       if (options%clean%method /= "none") what = "--outliers"
       if (options%clean%degree >= 0) what = "--detrend"
       if (options%ar%method /= "yw") what = "--ar-method "//trim(options%ar%method)
       least = base_bytes + channel_bytes*size(recording%table%chosen)
       if (what /= "") then
-         call fatal_error(error, status%no_memory, too_large(recording)//new_line("a")//"without "//what//" the recording is "// &
+         call fatal_error(error, status%no_memory, large//new_line("a")//"without "//what//" the recording is "// &
                           "filtered as it is read; or give more memory")
       else if (recording%expected_rows == 0) then
-         call fatal_error(error, status%no_memory, too_large(recording)//new_line("a")//"a recording as large as this is "// &
+         call fatal_error(error, status%no_memory, large//new_line("a")//"a recording as large as this is "// &
                           "filtered in two passes, and standard input or a pipe comes only once: write it to a file first, "// &
                           "or give more memory")
       else if (recording%options%memory < least) then
-         call fatal_error(error, status%no_memory, too_large(recording)//new_line("a")//"to stream it takes "//bytes_text(least))
+         call fatal_error(error, status%no_memory, large//new_line("a")//"to stream it takes "//bytes_text(least))
       end if
    end subroutine check_filter
 

@@ -4,7 +4,8 @@ module gyroakf_pipeline_warnings
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, status
    use gyroakf_record, only : add_text
-   use gyroakf_io_writer, only : format_real
+   use gyroakf_io_decimal, only : format_real, real_length
+   use gyroakf_io_place, only : integer_text, integer_length
    use gyroakf_pipeline_result, only : channel_result_type, stage
    implicit none (type, external)
    private
@@ -57,7 +58,7 @@ contains
       integer(int64) :: i, last
 
       if (.not. channel%clean%converged .and. channel%clean%passes > 1) call add_text(channel%warnings, &
-         "the search for outliers did not settle within "//decimal(int(channel%clean%passes, int64))//" rounds")
+         "the search for outliers did not settle within "//integer_text(int(channel%clean%passes, int64))//" rounds")
       if (channel%clean%fraction <= outlier_share) return
       times = ""
       if (allocated(channel%clean%outlier)) then
@@ -73,7 +74,7 @@ contains
          times = "samples "//times(:max(len(times) - 2, 0))
       end if
       call add_text(channel%warnings, format_real(100*channel%clean%fraction, 3)//" % of the samples ("// &
-                       decimal(channel%clean%removed)//") were removed as outliers, "//times// &
+                       integer_text(channel%clean%removed)//") were removed as outliers, "//times// &
                        ": look at the recording there")
    end subroutine warn_outliers
 
@@ -98,11 +99,11 @@ contains
          "the unit root is not rejected: an AR model of this series is not justified; remove a trend, or look for drift")
       if (.not. channel%available%ar) return
       if (channel%ar%largest_order_chosen) call add_text(channel%warnings, "the largest order compared, "// &
-         decimal(int(channel%ar%order, int64))//", was chosen: the series is not a short AR process; "// &
+         integer_text(int(channel%ar%order, int64))//", was chosen: the series is not a short AR process; "// &
          "compare BIC, raise --max-order, or expect a drift under white noise")
       associate (test => channel%ar%residual_ljung_box)
          if (test%lags > 0 .and. test%p_value < significant .and. test%largest_rho > coloured) then
-            call add_text(channel%warnings, "the residuals of AR("//decimal(int(channel%ar%order, int64))// &
+            call add_text(channel%warnings, "the residuals of AR("//integer_text(int(channel%ar%order, int64))// &
                           ") are not white (an autocorrelation of "//format_real(test%largest_rho, 2)// &
                           "): the model is incomplete")
          end if
@@ -118,7 +119,8 @@ contains
 
       associate (noise => channel%allan(stage%input)%noise)
          if (noise%left_out > 0) call add_text(channel%warnings, "a filter in the sensor, or correlated noise, "// &
-            "bends the Allan curve at its first "//decimal(int(noise%left_out, int64))//" points: they were left out of the fit")
+            "bends the Allan curve at its first "//integer_text(int(noise%left_out, int64))// &
+            " points: they were left out of the fit")
       end associate
       misfit = max(channel%allan(stage%input)%noise%misfit, channel%allan(stage%cleaned)%noise%misfit)
       if (misfit > 0.0_dp) call add_text(channel%warnings, "the Allan deviation is not a sum of Q, N, B, K and R: "// &
@@ -135,28 +137,31 @@ contains
                     format_real(channel%cleaned%mean, 5)//"; their outputs are without it")
    end subroutine warn_centred
 
+   !> The length of [[moment]].
+   pure integer function moment_length(index, step, rate_known)
+      integer(int64), intent(in) :: index
+      real(dp), intent(in) :: step
+      logical, intent(in) :: rate_known
+
+      if (rate_known) then
+         moment_length = real_length(real(index - 1, dp)*step, 7)
+      else
+         moment_length = integer_length(index)
+      end if
+   end function moment_length
+
    !> Time of a sample in s, or its number.
    pure function moment(index, step, rate_known) result(text)
       integer(int64), intent(in) :: index
       real(dp), intent(in) :: step
       logical, intent(in) :: rate_known
-      character(:), allocatable :: text
+      character(moment_length(index, step, rate_known)) :: text
 
       if (rate_known) then
          text = format_real(real(index - 1, dp)*step, 7)
       else
-         text = decimal(index)
+         text = integer_text(index)
       end if
    end function moment
-
-   !> An integer without blanks.
-   pure function decimal(value) result(text)
-      integer(int64), intent(in) :: value
-      character(:), allocatable :: text
-      character(24) :: digits
-
-      write (digits, "(i0)") value
-      text = trim(digits)
-   end function decimal
 
 end module gyroakf_pipeline_warnings

@@ -12,14 +12,15 @@
 !> written as null. Text is written as valid UTF-8: control characters are escaped, bytes that are not UTF-8 become U+FFFD.
 module gyroakf_report_json
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_io_writer, only : writer_type, put, format_real
+   use gyroakf_io_decimal, only : format_real, real_length
+   use gyroakf_io_writer, only : writer_type, put
    use gyroakf_record, only : text_type
    use gyroakf_utf8, only : sequence_length
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
    private
    public :: json_type, open_object, close_object, open_array, close_array, put_member, put_null, put_json
-   public :: json_text, flush_json, json_string
+   public :: json_text, flush_json, quote_json
 
    !> Objects and arrays may be nested this deep
    integer, parameter :: max_depth = 32
@@ -103,9 +104,8 @@ contains
    pure function json_text(json) result(text)
       !> The document
       type(json_type), intent(in) :: json
-      character(:), allocatable :: text
+      character(json%used) :: text
 
-      text = ""
       if (allocated(json%buffer)) text = json%buffer(:json%used)
    end function json_text
 
@@ -157,8 +157,10 @@ contains
    subroutine put_text(json, key, value)
       type(json_type), intent(inout) :: json
       character(*), intent(in) :: key, value
+      character(:), allocatable :: quoted
 
-      call put_raw(json, key, json_string(value))
+      call quote_json(value, quoted)
+      call put_raw(json, key, quoted)
    end subroutine put_text
 
    subroutine put_reals(json, key, value)
@@ -195,33 +197,41 @@ contains
       type(json_type), intent(inout) :: json
       character(*), intent(in) :: key
       type(text_type), intent(in) :: value(:)
+      character(:), allocatable :: quoted
       integer :: i
 
       call put_raw(json, key, "[")
       do i = 1, size(value)
          if (i > 1) call append(json, ", ")
-         call append(json, json_string(value(i)%text))
+         call quote_json(value(i)%text, quoted)
+         call append(json, quoted)
       end do
       call append(json, "]")
    end subroutine put_texts
 
+   !> The length of [[json_number]].
+   pure integer function number_length(value)
+      real(dp), intent(in) :: value
+
+      number_length = len("null")
+      if (ieee_is_finite(value)) number_length = real_length(value, 17)
+   end function number_length
+
    !> A number at 17 significant digits, null where it is not finite.
    pure function json_number(value) result(text)
       real(dp), intent(in) :: value
-      character(:), allocatable :: text
+      character(number_length(value)) :: text
 
-      if (ieee_is_finite(value)) then
-         text = format_real(value, 17)
-      else
-         text = "null"
-      end if
+      text = "null"
+      if (ieee_is_finite(value)) text = format_real(value, 17)
    end function json_number
 
    !> A string in quotes, escaped.
-   pure function json_string(text) result(quoted)
+   pure subroutine quote_json(text, quoted)
       !> Bytes, usually UTF-8
       character(*), intent(in) :: text
-      character(:), allocatable :: quoted
+      !> With its quotes
+      character(:), allocatable, intent(out) :: quoted
       character(*), parameter :: hexadecimal = "0123456789abcdef"
       character(6) :: escape
       integer :: i, length, code
@@ -245,7 +255,7 @@ contains
          i = i + length
       end do
       quoted = quoted//'"'
-   end function json_string
+   end subroutine quote_json
 
    subroutine open_bracket(json, bracket, key)
       type(json_type), intent(inout) :: json
@@ -277,11 +287,15 @@ contains
    subroutine put_raw(json, key, text)
       type(json_type), intent(inout) :: json
       character(*), intent(in) :: key, text
+      character(:), allocatable :: quoted
 
       if (.not. json%empty(json%depth)) call append(json, ",")
       if (json%depth > 0) call new_line_indented(json)
       json%empty(json%depth) = .false.
-      if (len(key) > 0) call append(json, json_string(key)//": ")
+      if (len(key) > 0) then
+         call quote_json(key, quoted)
+         call append(json, quoted//": ")
+      end if
       call append(json, text)
    end subroutine put_raw
 

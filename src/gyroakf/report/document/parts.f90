@@ -10,7 +10,7 @@ module gyroakf_report_document_parts
    use gyroakf_allan_halves, only : halves_type
    use gyroakf_allan_dynamic, only : dynamic_type
    use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stated_read_off_type, stage, stage_names
-   use gyroakf_report_ar_details, only : put_ar_members
+   use gyroakf_report_document_ar, only : put_ar_members
    use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, flush_json
    use gyroakf_report_document_distribution, only : put_distribution
    use gyroakf_report_document_periodicity, only : put_fisher, put_lines, put_welch
