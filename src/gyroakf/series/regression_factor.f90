@@ -77,12 +77,15 @@ contains
       !> Told for every block
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: n, first, last
+      real(dp) :: mean(size(r, 1)), lost
       integer :: i, k
 
       n = size(x, kind=int64)
       k = size(r, 1)
+      mean = 0.0_dp
       do i = 1, k
          scale(i) = sqrt(max(gram%matrix(order(i), order(i)), 0.0_dp))
+         if (gram%terms > 0 .and. i > gram%terms) mean(i) = gram%matrix(1, order(i))/gram%matrix(1, 1)
       end do
       if (.not. all(scale > 0.0_dp) .or. real(n, dp)*real(k, dp)**2 > most_work) then
          call refuse(error)
@@ -93,15 +96,19 @@ contains
          call tell_progress("unit-root test", first, n, error, progress)
          if (allocated(error)) return
          last = min(first + max(256, 2*k) - 1, n - 1)
-         call join_rows(x, trend, gram, order, first, last, scale, r, error, valid)
+         call join_rows(x, trend, gram, order, first, last, scale, mean, r, error, valid)
          if (allocated(error)) return
       end do
+      ! the columns less their means were factored; the constant, the first of them, takes these back
+      r(1, 2:) = r(1, 2:) + r(1, 1)*scale(1)*mean(2:)/scale(2:)
       do i = 1, k
          if (r(i, i) < 0.0_dp) r(i, i:) = -r(i, i:)
          if (i < k .and. r(i, i) < no_pivot) call refuse(error)
          if (allocated(error)) return
       end do
-      if (r(k, k)*scale(k) <= rounding_factor*rounding*sqrt(real(gram%rows, dp))) call refuse(error)
+      ! what the rounding of the samples leaves of the last column, or that of the transformations
+      lost = max(rounding, epsilon(1.0_dp)*scale(k))
+      if (r(k, k)*scale(k) <= rounding_factor*lost*sqrt(real(gram%rows, dp))) call refuse(error)
    end subroutine factor_rows
 
    !> The error for a regression that has no solution.
@@ -114,7 +121,7 @@ contains
    end subroutine refuse
 
    !> The factor of some rows below a factor.
-   subroutine join_rows(x, trend, gram, order, first, last, scale, r, error, valid)
+   subroutine join_rows(x, trend, gram, order, first, last, scale, mean, r, error, valid)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> Subtracted from it
@@ -127,6 +134,8 @@ contains
       integer(int64), intent(in) :: first, last
       !> Lengths of the columns
       real(dp), intent(in) :: scale(:)
+      !> Taken out of the columns, so that a common part costs no digits
+      real(dp), intent(in) :: mean(:)
       !> The factor so far, and with the rows
       real(dp), intent(inout) :: r(:, :)
       !> no_memory
@@ -161,7 +170,7 @@ contains
          row(base + 1:) = [(y(t - j) - y(t - j - 1), j=1, p), y(t) - y(t - 1)]
          m = m + 1
          do i = 1, k
-            a(m, i) = row(order(i))/scale(i)
+            a(m, i) = (row(order(i)) - mean(i))/scale(i)
          end do
       end do
       call dgeqrf(m, k, a, size(a, 1), tau, work, size(work), info)
