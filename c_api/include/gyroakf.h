@@ -17,8 +17,10 @@
  *   GYROAKF_INVALID_ARGUMENT.
  * - Handles come from _new (recordings from _read and _parse) and go to _free, which accepts NULL. *out is NULL where
  *   these fail.
- * - Floating-point traps that the program has switched on are off inside the library and on again after it, except
- *   in gyroakf_filter_step, which causes none. Exception flags of the program are left as they were.
+ * - The floating-point environment of the program - traps, direction of rounding, flushing of tiny numbers to zero, exception
+ *   flags - is set aside on entry and is there again after the return: results do not depend on it. (Where it is the usual one
+ *   gyroakf_filter_step leaves it in place, and may raise FE_INEXACT and FE_UNDERFLOW.) Threads of OpenMP that the program itself
+ *   has started and changed are not looked after.
  * - The library works in the unit u of its input; times are in seconds.
  */
 #ifndef GYROAKF_H

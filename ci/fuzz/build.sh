@@ -54,7 +54,7 @@ small() {
   sed -i "s/$1/$2/" "$3"
 }
 
-stamp=${GYROAKF_FUZZ_WHOLE-}$(cat "${order[@]}" "$0" ci/fuzz/reader.c c_api/include/gyroakf.h | cksum)
+stamp=${GYROAKF_FUZZ_WHOLE-}$(cat "${order[@]}" "$0" ci/fuzz/reader.c src/gyroakf/c_api/*.c c_api/include/gyroakf.h | cksum)
 if [ -x "$out/reader" ] && [ "$(cat "$out/stamp" 2>/dev/null)" = "$stamp" ]; then exit 0; fi
 rm -rf "$out/objects"
 mkdir -p "$out/objects"
@@ -72,6 +72,6 @@ for object in "$out"/objects/*.o; do
   objcopy --redefine-sym __sanitizer_cov_trace_pc=gyroakf_trace_pc "$object"
 done
 "$clang" -g -O1 -std=c99 -Wall -Wextra -fsanitize=address,undefined,fuzzer -fno-sanitize-recover=all -Ic_api/include \
-  ci/fuzz/reader.c "$out"/objects/*.o -L"$(dirname "$(gfortran -print-file-name=libgfortran.so)")" -lgfortran -lgomp -lm \
+  ci/fuzz/reader.c src/gyroakf/c_api/*.c "$out"/objects/*.o -L"$(dirname "$(gfortran -print-file-name=libgfortran.so)")" -lgfortran -lgomp -lm \
   -o "$out/reader"
 echo "$stamp" >"$out/stamp"

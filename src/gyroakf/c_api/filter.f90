@@ -6,7 +6,8 @@ module gyroakf_c_api_filter
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
-   use gyroakf_c_api_support, only : error_c, host_type, enter_library, leave_library, check_struct_size, take_text, max_samples
+   use gyroakf_c_api_support, only : error_c, host_type, enter_library, leave_library, begin_step, end_step, &
+      & check_struct_size, take_text, max_samples
    implicit none (type, external)
    private
    public :: gyroakf_filter_options_init, gyroakf_filter_new, gyroakf_filter_step, gyroakf_filter_freeze, &
@@ -88,13 +89,17 @@ contains
       type(c_ptr), intent(in), value :: f
       real(c_double), intent(in), value :: z
       real(c_double), intent(out), optional :: x
+      type(host_type) :: host
       type(filter_type), pointer :: filter
+      integer(c_int) :: changed
 
       gyroakf_filter_step = status%invalid_argument
       if (.not. c_associated(f) .or. .not. present(x)) return
       call c_f_pointer(f, filter)
-      call step_filter(filter, z, x)
       gyroakf_filter_step = status%ok
+      changed = begin_step(host%environment)
+      call step_filter(filter, z, x)
+      if (changed /= 0) call end_step(host%environment)
    end function gyroakf_filter_step
 
    !> `gyroakf_filter_freeze`

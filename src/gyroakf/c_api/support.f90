@@ -16,8 +16,8 @@ module gyroakf_c_api_support
    use gyroakf_error, only : error_type, fatal_error, status
    implicit none (type, external)
    private
-   public :: error_c, host_type, series_type, enter_library, leave_library, check_struct_size, copy_c_text, take_text, &
-      & open_series, close_series, max_samples
+   public :: error_c, host_type, series_type, enter_library, leave_library, begin_step, end_step, check_struct_size, &
+      & copy_c_text, take_text, open_series, close_series, max_samples
 
    !> More samples than any machine can hold: counts beyond it are mistakes
    integer(int64), parameter :: max_samples = 2_int64**44
@@ -47,19 +47,33 @@ module gyroakf_c_api_support
    end type series_type
 
    interface
-      !> Saves the environment, clears the flags, switches the traps off (C99, <fenv.h>)
-      integer(c_int) function feholdexcept(environment) bind(C, name="feholdexcept")
+      !> Keeps the environment of the program and sets the default one (host.c)
+      subroutine set_aside(environment) bind(C, name="gyroakf_host_set_aside")
+         import :: c_int64_t
+         implicit none (type, external)
+         integer(c_int64_t), intent(out) :: environment(64)
+      end subroutine set_aside
+
+      !> The kept environment again
+      subroutine restore(environment) bind(C, name="gyroakf_host_restore")
+         import :: c_int64_t
+         implicit none (type, external)
+         integer(c_int64_t), intent(in) :: environment(64)
+      end subroutine restore
+
+      !> The same for a step of a filter; 0 where nothing had to be done
+      integer(c_int) function begin_step(environment) bind(C, name="gyroakf_host_begin_step")
          import :: c_int, c_int64_t
          implicit none (type, external)
          integer(c_int64_t), intent(out) :: environment(64)
-      end function feholdexcept
+      end function begin_step
 
-      !> Restores the environment
-      integer(c_int) function fesetenv(environment) bind(C, name="fesetenv")
-         import :: c_int, c_int64_t
+      !> Ends it where begin_step was not 0
+      subroutine end_step(environment) bind(C, name="gyroakf_host_end_step")
+         import :: c_int64_t
          implicit none (type, external)
          integer(c_int64_t), intent(in) :: environment(64)
-      end function fesetenv
+      end subroutine end_step
 
       !> Length of a C string
       integer(c_size_t) function strnlen(text, longest) bind(C, name="strnlen")
@@ -72,14 +86,12 @@ module gyroakf_c_api_support
 
 contains
 
-   !> Keeps the caller's floating-point environment and switches its traps off.
+   !> Keeps the caller's floating-point environment and sets the default one.
    subroutine enter_library(host)
       !> What [[leave_library]] restores
       type(host_type), intent(out) :: host
-      integer(c_int) :: ignored
 
-      host%environment(:) = 0
-      ignored = feholdexcept(host%environment)
+      call set_aside(host%environment)
    end subroutine enter_library
 
    !> Restores the caller's floating-point environment, fills its error struct and returns the status.
@@ -90,7 +102,6 @@ contains
       type(error_type), allocatable, intent(in) :: error
       !> The caller's struct; absent for NULL
       type(error_c), intent(out), optional :: err
-      integer(c_int) :: ignored
 
       leave_library = status%ok
       if (allocated(error)) leave_library = error%code
@@ -99,7 +110,7 @@ contains
          err%message(:) = c_null_char
          if (allocated(error)) call copy_text(error%message, err%message)
       end if
-      ignored = fesetenv(host%environment)
+      call restore(host%environment)
    end function leave_library
 
    !> Copies a text of UTF-8, cut at a whole character where it is too long for the array and its final NUL.
