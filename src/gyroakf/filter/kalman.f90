@@ -19,7 +19,7 @@ module gyroakf_filter_kalman
    use gyroakf_filter_drift_step, only : run_processes
    use gyroakf_filter_sage_husa, only : adapt_noise, gate_inflation, longest_run, shift_variance
    use gyroakf_filter_measurement, only : is_sample
-   use gyroakf_filter_scalar, only : step_scalar, run_scalar, settle_distance
+   use gyroakf_filter_scalar, only : run_scalar, settle_distance
    implicit none (type, external)
    private
    public :: filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
@@ -41,7 +41,9 @@ contains
          call run_processes(filter, zs, xs)
          x = xs(1)
       else if (filter%order == 1) then
-         call step_scalar(filter, z, x)
+         zs(1) = z
+         call run_scalar(filter, zs, xs)
+         x = xs(1)
       else
          call step_vector(filter, z, is_sample(z))
          x = filter%x(1)

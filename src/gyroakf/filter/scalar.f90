@@ -10,7 +10,7 @@ module gyroakf_filter_scalar
    use gyroakf_filter_sage_husa, only : longest_run, shift_variance
    implicit none (type, external)
    private
-   public :: step_scalar, run_scalar, is_sample, settle_distance, vanished
+   public :: run_scalar, is_sample, settle_distance, vanished
 
    !> Relative distance from the steady gain at which the gain is taken as settled ...
    real(dp), parameter :: settle_tolerance = 1.0e-13_dp
@@ -21,9 +21,10 @@ module gyroakf_filter_scalar
    real(dp), parameter :: vanished = 1.0e-290_dp
 
    !> What changes from step to step, and what a step needs to know: plain numbers only, so that the
-   !> compiler keeps a local of this type in registers
+   !> compiler keeps a local of this type in registers. What adaptation changes has no neighbour here that is its
+   !> neighbour in the filter: loaded as a pair, just after it was stored one by one, it would hold up the next step
    type :: lane_type
-      real(dp) :: phi, phi2, state, p, q, r, q_mean, r_mean, weight, forgetting
+      real(dp) :: phi, phi2, state, p, r_mean, q, weight, r, forgetting, q_mean
       real(dp) :: prior, s, gain, share, innovation, square, clipped
       real(dp) :: gate, inverse_consistency, q_low, q_high, r_low, r_high, gain_sum, steady_gain, pole
       integer(int64) :: used, clamped, gated, q_floor, r_floor
@@ -50,22 +51,6 @@ contains
 
       settle_distance = max(settle_tolerance*steady_gain, min(settle_rounding, settle_limit*steady_gain))
    end function settle_distance
-
-   !> One sample. The same numbers as in a run, to the last bit: it is the same step.
-   pure subroutine step_scalar(filter, z, x)
-      !> Of order 1; its state goes on
-      type(filter_type), intent(inout) :: filter
-      !> Measurement
-      real(dp), intent(in) :: z
-      !> Estimate
-      real(dp), intent(out) :: x
-      type(lane_type) :: lane
-
-      call load(filter, lane)
-      call advance(lane, z, is_number(z))
-      x = lane%state
-      call store(lane, 1_int64, filter)
-   end subroutine step_scalar
 
    !> The filter over a series, or the next part of one.
    pure subroutine run_scalar(filter, z, x, valid, normalised_innovation)
@@ -344,7 +329,7 @@ contains
       filter%steps = filter%steps + steps
       if (filter%drift_model%count > 0) call store_drift(lane, filter)
       if (.not. lane%varying) return
-      ! one by one: stored together they would be loaded together first, before the arithmetic has left the processor
+      ! only what is adapted, and so one by one: see lane_type
       if (lane%adapt_q) filter%q = lane%q
       if (lane%adapt_r) filter%r = lane%r
       if (lane%adapt_q_mean) filter%q_mean = lane%q_mean
