@@ -10,6 +10,9 @@ module test_pipeline
    use gyroakf_units, only : parse_unit
    use gyroakf_simulate_record, only : simulate_options, simulate_record, paper_preset, paper_seed
    use gyroakf_series_differences, only : difference_variance
+   use gyroakf_ar_model, only : ar_model_type
+   use gyroakf_filter_design, only : design_kf, design_akf
+   use gyroakf_filter_kalman, only : filter_type
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, channel_result_type, stage, apply_preset, run_pipeline
    implicit none (type, external)
    private
@@ -151,16 +154,17 @@ contains
       call check(error, allocated(failed))
    end subroutine test_paper_preset
 
+   !> Every setting of the paper by its name, whatever the options were before
    subroutine test_paper_chain(error)
       type(error_type), allocatable, intent(out) :: error
-
-      ! every step of the paper, whatever the options were before
       type(pipeline_options) :: o
       type(gyro_error), allocatable :: failed
 
       o%clean%method = "mad"
       o%clean%threshold = 9.0_dp
       o%clean%degree = 1
+      o%clean%max_passes = 1
+      o%ar%method = "burg"
       o%ar%criterion = "bic"
       o%ar%max_order = 7
       o%ar%order = 5
@@ -168,14 +172,51 @@ contains
       o%design%r_factor = 9.84_dp
       o%design%forgetting = 0.9_dp
       o%design%estimate = "R"
+      o%design%huber = 2.5_dp
       call apply_preset("paper", o, failed)
-      call check(error, o%clean%method//o%ar%method//o%ar%criterion//o%design%akf//o%design%estimate, &
-                 "pauta    "//"yw  "//"aic "//"paper   "//"QR  ")
-      if (allocated(error)) return
-      call check(error, all([o%clean%degree, o%ar%max_order, o%ar%order] == [3, 3, -1]), "degree and orders")
-      if (allocated(error)) return
-      call check(error, norm2([o%clean%threshold, o%design%r_factor, o%design%forgetting] - [3.0_dp, 1.0_dp, 0.98_dp]) <= 0.0_dp)
+      call check(error, o%clean%method, "pauta", "rule of the outliers")
+      if (.not. allocated(error)) call check(error, o%clean%threshold, 3.0_dp, "3 sigma")
+      if (.not. allocated(error)) call check(error, o%clean%max_passes, 20, "rounds")
+      if (.not. allocated(error)) call check(error, o%clean%degree, 3, "cubic trend")
+      if (.not. allocated(error)) call check(error, o%ar%method, "yw", "method of the AR model")
+      if (.not. allocated(error)) call check(error, o%ar%criterion, "aic", "criterion of the order")
+      if (.not. allocated(error)) call check(error, o%ar%max_order, 3, "largest order")
+      if (.not. allocated(error)) call check(error, o%ar%order, -1, "the order is chosen")
+      if (.not. allocated(error)) call check(error, o%design%r_factor, 1.0_dp, "R = Var(z)")
+      if (.not. allocated(error)) call check(error, o%design%akf, "paper", "form of the adaptive filter")
+      if (.not. allocated(error)) call check(error, o%design%estimate, "QR", "Q and R are adapted")
+      if (.not. allocated(error)) call check(error, o%design%forgetting, 0.98_dp, "b")
+      if (.not. allocated(error)) call check(error, o%design%huber, 0.0_dp, "no gate")
+      if (.not. allocated(error)) call check_paper_start(o, error)
    end subroutine test_paper_chain
+
+   !> The filters that these options give start from Q = sigma_a^2, R = P = Var(z), x = 0
+   subroutine check_paper_start(o, error)
+      type(pipeline_options), intent(in) :: o
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: model
+      type(filter_type) :: kf, akf
+      type(gyro_error), allocatable :: failed
+      real(dp), parameter :: phi = 0.409975_dp, variance = 5.24e-4_dp
+
+      model%order = 1
+      model%coefficient = [phi]
+      model%variance = variance
+      model%noise_variance = variance*(1 - phi**2)
+      call design_kf(model, o%design, kf, failed)
+      if (.not. allocated(failed)) call design_akf(model, 2*variance*(1 - phi), o%design, akf, failed)
+      call check(error, .not. allocated(failed), "the filters are not made")
+      if (.not. allocated(error)) call check(error, kf%q, model%noise_variance, "Q of the fixed filter")
+      if (.not. allocated(error)) call check(error, kf%r, variance, "R of the fixed filter")
+      if (.not. allocated(error)) call check(error, kf%p(1, 1), variance, "P of the fixed filter", thr=1.0e-14_dp, rel=.true.)
+      if (.not. allocated(error)) call check(error, akf%q, model%noise_variance, "Q0")
+      if (.not. allocated(error)) call check(error, akf%r, variance, "R0")
+      if (.not. allocated(error)) call check(error, akf%p(1, 1), variance, "P0")
+      if (.not. allocated(error)) call check(error, abs(akf%x(1)) + abs(kf%x(1)), 0.0_dp, "x0")
+      if (.not. allocated(error)) call check(error, abs(akf%q_mean) + abs(akf%r_mean), 0.0_dp, "q and r")
+      if (.not. allocated(error)) call check(error, akf%wait, 0, "no burn-in")
+      if (.not. allocated(error)) call check(error, akf%options%measurement_form, "paper", "the posterior of (22)")
+   end subroutine check_paper_start
 
    !> Two threads give the same numbers as one.
    subroutine test_threads(error)

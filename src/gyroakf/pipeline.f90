@@ -34,8 +34,9 @@ contains
 
    !> Sets the chain of a preset; the user's own options are put in after it.
    !>
-   !> "default" leaves the options as they are; "paper" is Yi et al.: Pauta's 3 sigma, a cubic trend, AIC over AR(1..3),
-   !> Sage-Husa on Q and R with b = 0.98.
+   !> "default" leaves the options as they are; "paper" is Yi et al.: Pauta's 3 sigma until nothing is beyond it, a cubic trend, AIC
+   !> over AR(1..3) by Yule-Walker (order 0, a white series, is compared too), a Kalman filter with R = Var(z), Sage-Husa on Q and R
+   !> with b = 0.98 and no gate. Both filters start from Q = sigma_a^2, R = P = Var(z), x = 0 (see [[gyroakf_filter_design]]).
    subroutine apply_preset(name, options, error)
       !> "default" or "paper"
       character(*), intent(in) :: name
@@ -50,6 +51,7 @@ contains
          options%clean%method = "pauta"
          options%clean%threshold = 3.0_dp
          options%clean%degree = 3
+         options%clean%max_passes = 20
          options%ar%method = "yw"
          options%ar%criterion = "aic"
          options%ar%max_order = 3
@@ -58,6 +60,7 @@ contains
          options%design%r_factor = 1.0_dp
          options%design%forgetting = 0.98_dp
          options%design%estimate = "QR"
+         options%design%huber = 0.0_dp
       case default
          call fatal_error(error, status%invalid_argument, 'there is no preset "'//name//'"; there are default and paper')
          return
