@@ -60,6 +60,8 @@ module gyroakf_app_config
       type(pipeline_options) :: pipeline
       !> How the series are written into `out`
       type(series_output_type) :: series
+      !> Format of the figures; unallocated: none are drawn
+      character(:), allocatable :: plot
       !> File of Kalibr's imu.yaml; unallocated: none
       character(:), allocatable :: kalibr
    end type analysis_config

@@ -196,6 +196,8 @@ module gyroakf_app_option
       option_type("--kalibr", "FILE", "text", "run allan", "output", &
                   "write N and K as Kalibr's imu.yaml: SI, of each sensor the largest axis; needs rate and unit; of many "// &
                   "files into the folder of each"), &
+      option_type("--plot", "png|svg|pdf", "choice", analysing, "output", &
+                  "draw figures with gnuplot into DIR/plots of --out DIR, beside the scripts that draw them"), &
       option_type("--series-format", "csv|npy|f64", "choice", "run filter", "output", &
                   "how --out writes the series: series.csv (default), series.npy or series.f64 (float64, a row per sample: "// &
                   "time, and of each channel raw, cleaned, kf, akf)"), &

@@ -185,6 +185,11 @@ contains
       case ("--threads")
          config%threads = int(min(value%count, most_threads))
          if (value%count > most_threads) call value_error(option, "'"//value%text//"' is more than 4096", error)
+      case ("--plot")
+         select type (config)
+         type is (analysis_config)
+            config%plot = value%text
+         end select
       case ("--json")
          select type (config)
          class is (reading_config)

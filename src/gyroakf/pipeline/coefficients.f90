@@ -71,7 +71,6 @@ contains
       !> no_memory, cancelled, internal; everything else is noted in the channel
       type(error_type), allocatable, intent(out) :: error
 
-      type(read_off_type) :: read
       type(noise_options) :: noise_of_stage
       integer :: i
 
@@ -89,8 +88,8 @@ contains
       end if
       call state_noise(channel%allan(which)%noise, rate_known, unit, channel%allan(which)%stated)
       if (which == stage%input) call state_visible(channel%allan(which))
-      call read_off(channel%allan(which)%curve, read_off_options(), read, error)
-      if (.not. allocated(error)) call state_read_off(read, rate_known, unit, channel%allan(which)%read_off)
+      call read_off(channel%allan(which)%curve, read_off_options(), channel%allan(which)%read, error)
+      if (.not. allocated(error)) call state_read_off(channel%allan(which)%read, rate_known, unit, channel%allan(which)%read_off)
    end subroutine fit_curve
 
    !> Computes the curves of the further kinds. A failure is noted in the channel.

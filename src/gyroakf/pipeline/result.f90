@@ -28,6 +28,7 @@ module gyroakf_pipeline_result
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type
    use gyroakf_allan_noise_fit, only : noise_options, noise_type
    use gyroakf_allan_dynamic, only : dynamic_type
+   use gyroakf_allan_read_off, only : read_off_type
    use gyroakf_allan_halves, only : halves_type
    implicit none (type, external)
    private
@@ -172,6 +173,8 @@ module gyroakf_pipeline_result
       type(allan_curve_type), allocatable :: other(:)
       type(noise_type) :: noise
       type(stated_noise_type) :: stated
+      !> What is read off the curve, in the unit of the input and s, and the same in the units of the coefficients
+      type(read_off_type) :: read
       type(stated_read_off_type) :: read_off
    end type allan_result_type
 
