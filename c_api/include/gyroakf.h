@@ -70,6 +70,17 @@ typedef struct gyroakf_error {
   char message[256]; /* always terminated; cut at a whole character where it would be longer */
 } gyroakf_error;
 
+/*
+ * Told how far a long call is, several times a second, by the thread that made the call and while it waits; never by two at once.
+ *   user   progress_user of the options
+ *   stage  what is being done, as "reading"; valid during the call
+ *   done   so much of total: bytes or samples
+ *   total  0 where it is not known
+ * Returns 0 to go on. Otherwise the long call frees what it holds and returns GYROAKF_CANCELLED; *out is then NULL, and other results
+ * are not written. It may call the library, not with a handle that the long call works on; it must not longjmp or throw.
+ */
+typedef int32_t (*gyroakf_progress_fn)(void *user, const char *stage, int64_t done, int64_t total);
+
 /* 10000*major + 100*minor + patch of the library that is linked; compare with GYROAKF_VERSION. */
 GYROAKF_API int gyroakf_version(void);
 
@@ -103,6 +114,8 @@ typedef struct gyroakf_reader_options {
   const char *dataset;       /* HDF5: path of the dataset; NULL (default): the only one of numbers */
   int64_t channels;          /* raw numbers: columns, interleaved, >= 0; 0 (default): 1 */
   int32_t decimal_comma;     /* 1: every comma in the file is a decimal comma; 0 */
+  gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
+  void *progress_user;          /* handed to it; NULL */
 } gyroakf_reader_options;
 
 GYROAKF_API void gyroakf_reader_options_init(gyroakf_reader_options *opt);
@@ -194,6 +207,8 @@ typedef struct gyroakf_allan_options {
   const char *taus;    /* "octave" (default), "decade", "log:N" (N per decade), "all", or "0.5,1,2" in s */
   double confidence;   /* probability between the limits, 0 < c < 1; 0.683 */
   double min_coverage; /* share of a window that must be present, 0 < s <= 1; 0.9 */
+  gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
+  void *progress_user;          /* handed to it; NULL */
 } gyroakf_allan_options;
 
 GYROAKF_API void gyroakf_allan_options_init(gyroakf_allan_options *opt);
@@ -313,6 +328,8 @@ typedef struct gyroakf_adf_options {
   int32_t lags;           /* -1 (default): chosen by the criterion */
   int32_t max_lags;       /* -1 (default): ceil(12 (n/100)^(1/4)) */
   const char *criterion;  /* "aic" (default), "bic", "t" */
+  gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
+  void *progress_user;          /* handed to it; NULL */
 } gyroakf_adf_options;
 
 GYROAKF_API void gyroakf_adf_options_init(gyroakf_adf_options *opt);
@@ -538,6 +555,8 @@ typedef struct gyroakf_arma_options {
   int32_t max_p, max_q;  /* largest orders compared, 0 .. 3; 3 */
   int64_t max_samples;   /* of a longer series the middle so many are used, >= 1000; 131072. Orders are compared on a quarter of
                             them; where there is more than one gap in 256 samples both are a quarter */
+  gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
+  void *progress_user;          /* handed to it; NULL */
 } gyroakf_arma_options;
 
 GYROAKF_API void gyroakf_arma_options_init(gyroakf_arma_options *opt);
@@ -616,7 +635,8 @@ GYROAKF_API int gyroakf_filter_step(gyroakf_filter *f, double z, double *x);
 /* frozen != 0: no adaptation from here on (while the sensor rotates); 0: again. The state goes on either way. */
 GYROAKF_API int gyroakf_filter_freeze(gyroakf_filter *f, int32_t frozen);
 
-/* n steps: z [n] to x [n], the same numbers as step by step. x may be z itself; otherwise they do not overlap. */
+/* n steps: z [n] to x [n], the same numbers as step by step. x may be z itself; otherwise they do not overlap. A long series may be
+ * given in parts, as the filter goes on where it was. */
 GYROAKF_API int gyroakf_filter_run(gyroakf_filter *f, const double *z, int64_t n, double *x, gyroakf_error *err);
 
 typedef struct gyroakf_filter_state {

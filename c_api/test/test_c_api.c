@@ -1053,6 +1053,7 @@ int main(void) {
   test_filter_null();
   test_long_message();
   test_environment();
+  test_progress();
   test_host();
   test_threads();
   printf("%d passed, %d failed\n", passed, failed);

@@ -76,6 +76,8 @@ contains
             if (optimum(last + 1)%p + optimum(last + 1)%q > optimum(first)%p + optimum(first)%q) exit
             last = last + 1
          end do
+         call tell_progress("ARMA orders", model%length*first/(4*lines), model%length, error, progress)
+         if (allocated(error)) return
          !$omp parallel do default(shared) schedule(dynamic) if (samples > 1.0e3_dp)
          do i = first, last
             call learn_from_smaller(part%series, optimum(:first - 1), optimum(i))

@@ -1,10 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> C: the Allan deviation. What each function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_allan
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int64_t, c_double, c_size_t, c_null_ptr, c_associated, &
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int64_t, c_double, c_size_t, c_null_ptr, c_funptr, &
+      & c_null_funptr, c_associated, &
       & c_f_pointer, c_loc, c_sizeof
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type, compute_allan
+   use gyroakf_c_api_progress, only : callback_type
    use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
       & copy_c_text, take_text, open_series, close_series
    implicit none (type, external)
@@ -17,6 +19,8 @@ module gyroakf_c_api_allan
       integer(c_size_t) :: struct_size
       type(c_ptr) :: kind, taus
       real(c_double) :: confidence, min_coverage
+      type(c_funptr) :: progress
+      type(c_ptr) :: progress_user
    end type allan_options_c
 
    !> What `gyroakf_allan *` points at
@@ -37,6 +41,8 @@ contains
       opt%taus = c_null_ptr
       opt%confidence = defaults%confidence
       opt%min_coverage = defaults%min_coverage
+      opt%progress = c_null_funptr
+      opt%progress_user = c_null_ptr
    end subroutine gyroakf_allan_options_init
 
    !> `gyroakf_allan_new`
@@ -50,14 +56,15 @@ contains
       type(host_type) :: host
       type(series_type) :: series
       type(allan_options) :: options
+      type(callback_type) :: callback
       type(allan_handle), pointer :: handle
       type(error_type), allocatable :: error
 
       call enter_library(host)
       call new_handle(handle, error, out)
-      if (.not. allocated(error)) call read_options(options, error, opt)
+      if (.not. allocated(error)) call read_options(options, callback, error, opt)
       if (.not. allocated(error)) call open_series(rate, n, series, error)
-      if (.not. allocated(error)) call compute_allan(series%x, dt, options, handle%curve, error, series%valid)
+      if (.not. allocated(error)) call compute_allan(series%x, dt, options, handle%curve, error, series%valid, callback)
       call close_series(series)
       call hand_over(handle, error, out)
       gyroakf_allan_new = leave_library(host, error, err)
@@ -168,8 +175,9 @@ contains
    end subroutine hand_over
 
    !> Options of C into options of the library; the defaults where they are absent.
-   subroutine read_options(options, error, opt)
+   subroutine read_options(options, callback, error, opt)
       type(allan_options), intent(out) :: options
+      type(callback_type), intent(out) :: callback
       type(error_type), allocatable, intent(out) :: error
       type(allan_options_c), intent(in), optional :: opt
 
@@ -180,6 +188,7 @@ contains
       call copy_c_text(opt%taus, "octave", options%taus)
       options%confidence = opt%confidence
       options%min_coverage = opt%min_coverage
+      callback = callback_type(opt%progress, opt%progress_user)
    end subroutine read_options
 
 end module gyroakf_c_api_allan

@@ -1,10 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> C: the ARMA model. What the function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_arma
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, c_size_t, c_null_ptr, c_sizeof
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, c_size_t, c_null_ptr, c_funptr, &
+      & c_null_funptr, c_sizeof
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_ar_arma_result, only : arma_options, arma_model_type
    use gyroakf_ar_arma_model, only : fit_arma
+   use gyroakf_c_api_progress, only : callback_type
    use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
       & take_text, open_series, close_series
    implicit none (type, external)
@@ -17,6 +19,8 @@ module gyroakf_c_api_arma
       type(c_ptr) :: criterion
       integer(c_int32_t) :: p, q, max_p, max_q
       integer(c_int64_t) :: max_samples
+      type(c_funptr) :: progress
+      type(c_ptr) :: progress_user
    end type arma_options_c
 
    !> `gyroakf_arma`
@@ -43,6 +47,8 @@ contains
       opt%max_p = int(defaults%max_p, c_int32_t)
       opt%max_q = int(defaults%max_q, c_int32_t)
       opt%max_samples = defaults%max_samples
+      opt%progress = c_null_funptr
+      opt%progress_user = c_null_ptr
    end subroutine gyroakf_arma_options_init
 
    !> `gyroakf_arma_fit`
@@ -55,22 +61,24 @@ contains
       type(host_type) :: host
       type(series_type) :: series
       type(arma_options) :: options
+      type(callback_type) :: callback
       type(arma_model_type) :: model
       type(error_type), allocatable :: error
 
       call enter_library(host)
       if (.not. present(out)) call fatal_error(error, status%invalid_argument, "the place for the model must not be NULL")
-      if (.not. allocated(error)) call read_options(options, error, opt)
+      if (.not. allocated(error)) call read_options(options, callback, error, opt)
       if (.not. allocated(error)) call open_series(x, n, series, error)
-      if (.not. allocated(error)) call fit_arma(series%x, options, model, error, series%valid)
+      if (.not. allocated(error)) call fit_arma(series%x, options, model, error, series%valid, callback)
       call close_series(series)
       if (.not. allocated(error)) call write_model(model, out)
       gyroakf_arma_fit = leave_library(host, error, err)
    end function gyroakf_arma_fit
 
    !> Options of C into options of the library; the defaults where they are absent.
-   subroutine read_options(options, error, opt)
+   subroutine read_options(options, callback, error, opt)
       type(arma_options), intent(out) :: options
+      type(callback_type), intent(out) :: callback
       type(error_type), allocatable, intent(out) :: error
       type(arma_options_c), intent(in), optional :: opt
 
@@ -83,6 +91,7 @@ contains
       options%max_p = opt%max_p
       options%max_q = opt%max_q
       options%max_samples = opt%max_samples
+      callback = callback_type(opt%progress, opt%progress_user)
    end subroutine read_options
 
    !> The model in C's struct.

@@ -3,12 +3,14 @@
 module gyroakf_c_api_record
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int8_t, c_int32_t, c_int64_t, c_double, c_size_t, c_null_char, &
-      & c_null_ptr, c_associated, c_f_pointer, c_loc, c_sizeof
+      & c_null_ptr, c_funptr, &
+      & c_null_funptr, c_associated, c_f_pointer, c_loc, c_sizeof
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_reader, only : read_record, reader_options
    use gyroakf_record, only : record_type, text_type
    use gyroakf_units, only : unit_type
+   use gyroakf_c_api_progress, only : callback_type
    use gyroakf_c_api_support, only : error_c, host_type, enter_library, leave_library, check_struct_size, copy_c_text, max_samples
    implicit none (type, external)
    private
@@ -29,6 +31,8 @@ module gyroakf_c_api_record
       type(c_ptr) :: resample, wrap, dataset
       integer(c_int64_t) :: channels
       integer(c_int32_t) :: decimal_comma
+      type(c_funptr) :: progress
+      type(c_ptr) :: progress_user
    end type reader_options_c
 
    !> `gyroakf_audit`
@@ -74,6 +78,8 @@ contains
       opt%dataset = c_null_ptr
       opt%channels = defaults%channels
       opt%decimal_comma = merge(1_c_int32_t, 0_c_int32_t, defaults%decimal_comma)
+      opt%progress = c_null_funptr
+      opt%progress_user = c_null_ptr
    end subroutine gyroakf_reader_options_init
 
    !> `gyroakf_record_read`
@@ -85,14 +91,15 @@ contains
       type(host_type) :: host
       type(record_handle), pointer :: handle
       type(reader_options) :: options
+      type(callback_type) :: callback
       type(error_type), allocatable :: error
       character(:), allocatable :: name
 
       call enter_library(host)
       call new_handle(handle, c_associated(path), error, out)
-      if (.not. allocated(error)) call read_options(options, error, opt)
+      if (.not. allocated(error)) call read_options(options, callback, error, opt)
       call copy_c_text(path, "", name)
-      if (.not. allocated(error)) call read_record(name, options, handle%record, error)
+      if (.not. allocated(error)) call read_record(name, options, handle%record, error, callback)
       call hand_over(handle, error, out)
       gyroakf_record_read = leave_library(host, error, err)
    end function gyroakf_record_read
@@ -107,14 +114,15 @@ contains
       type(host_type) :: host
       type(record_handle), pointer :: handle
       type(reader_options) :: options
+      type(callback_type) :: callback
       type(error_type), allocatable :: error
 
       call enter_library(host)
       call new_handle(handle, c_associated(bytes) .and. n > 0 .and. n <= 8*max_samples, error, out)
-      if (.not. allocated(error)) call read_options(options, error, opt)
+      if (.not. allocated(error)) call read_options(options, callback, error, opt)
       if (.not. allocated(error)) then
          call c_f_pointer(bytes, options%bytes, [n])
-         call read_record("<memory>", options, handle%record, error)
+         call read_record("<memory>", options, handle%record, error, callback)
       end if
       call hand_over(handle, error, out)
       gyroakf_record_parse = leave_library(host, error, err)
@@ -375,8 +383,9 @@ contains
    end subroutine unit_of
 
    !> Options of C into options of the library; the defaults where they are absent.
-   subroutine read_options(options, error, opt)
+   subroutine read_options(options, callback, error, opt)
       type(reader_options), intent(out) :: options
+      type(callback_type), intent(out) :: callback
       type(error_type), allocatable, intent(out) :: error
       type(reader_options_c), intent(in), optional :: opt
 
@@ -400,6 +409,7 @@ contains
       if (c_associated(opt%dataset)) call copy_c_text(opt%dataset, "", options%dataset)
       options%channels = opt%channels
       options%decimal_comma = opt%decimal_comma /= 0
+      callback = callback_type(opt%progress, opt%progress_user)
    end subroutine read_options
 
 end module gyroakf_c_api_record

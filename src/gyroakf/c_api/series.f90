@@ -1,10 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> C: the test of stationarity. What the function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_series
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, c_size_t, c_null_ptr, c_sizeof, &
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, c_size_t, c_null_ptr, c_funptr, &
+      & c_null_funptr, c_sizeof, &
       & c_char, c_null_char, c_associated, c_f_pointer
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_series_stationarity, only : adf_options, adf_type, test_adf
+   use gyroakf_c_api_progress, only : callback_type
    use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
       & take_text, open_series, close_series
    implicit none (type, external)
@@ -17,6 +19,8 @@ module gyroakf_c_api_series
       type(c_ptr) :: regression
       integer(c_int32_t) :: lags, max_lags
       type(c_ptr) :: criterion
+      type(c_funptr) :: progress
+      type(c_ptr) :: progress_user
    end type adf_options_c
 
    !> `gyroakf_adf`
@@ -45,6 +49,8 @@ contains
       opt%lags = int(defaults%lags, c_int32_t)
       opt%max_lags = int(defaults%max_lags, c_int32_t)
       opt%criterion = c_null_ptr
+      opt%progress = c_null_funptr
+      opt%progress_user = c_null_ptr
    end subroutine gyroakf_adf_options_init
 
    !> `gyroakf_adf_test`
@@ -57,14 +63,15 @@ contains
       type(host_type) :: host
       type(series_type) :: series
       type(adf_options) :: options
+      type(callback_type) :: callback
       type(adf_type) :: result
       type(error_type), allocatable :: error
 
       call enter_library(host)
       if (.not. present(out)) call fatal_error(error, status%invalid_argument, "the place for the result must not be NULL")
-      if (.not. allocated(error)) call read_options(options, error, opt)
+      if (.not. allocated(error)) call read_options(options, callback, error, opt)
       if (.not. allocated(error)) call open_series(x, n, series, error)
-      if (.not. allocated(error)) call test_adf(series%x, options, result, error, series%valid)
+      if (.not. allocated(error)) call test_adf(series%x, options, result, error, series%valid, progress=callback)
       call close_series(series)
       if (.not. allocated(error)) call write_adf(result, out)
       gyroakf_adf_test = leave_library(host, error, err)
@@ -82,15 +89,16 @@ contains
       type(host_type) :: host
       type(series_type) :: series
       type(adf_options) :: options
+      type(callback_type) :: callback
       type(adf_type) :: result
       type(error_type), allocatable :: error
 
       call enter_library(host)
       if (.not. present(rows)) call fatal_error(error, status%invalid_argument, "the place for the number must not be NULL")
-      if (.not. allocated(error)) call read_options(options, error, opt)
+      if (.not. allocated(error)) call read_options(options, callback, error, opt)
       options%table = .true.
       if (.not. allocated(error)) call open_series(x, n, series, error)
-      if (.not. allocated(error)) call test_adf(series%x, options, result, error, series%valid)
+      if (.not. allocated(error)) call test_adf(series%x, options, result, error, series%valid, progress=callback)
       call close_series(series)
       if (.not. allocated(error)) call write_table(result, capacity, table, rows)
       gyroakf_adf_coefficients = leave_library(host, error, err)
@@ -120,8 +128,9 @@ contains
    end subroutine write_table
 
    !> Options of C into options of the library; the defaults where they are absent.
-   subroutine read_options(options, error, opt)
+   subroutine read_options(options, callback, error, opt)
       type(adf_options), intent(out) :: options
+      type(callback_type), intent(out) :: callback
       type(error_type), allocatable, intent(out) :: error
       type(adf_options_c), intent(in), optional :: opt
 
@@ -132,6 +141,7 @@ contains
       options%lags = opt%lags
       options%max_lags = opt%max_lags
       call take_text(opt%criterion, options%criterion, error)
+      callback = callback_type(opt%progress, opt%progress_user)
    end subroutine read_options
 
    !> The result in C's struct.
