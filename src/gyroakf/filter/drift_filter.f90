@@ -56,7 +56,8 @@ contains
       filter%q = sum(model%q(:model%count), mask=slow)
       filter%r = model%r
       filter%options = options
-      if (.not. options%r_scale > 0.0_dp) filter%options%r_scale = difference_scale(model)
+      filter%drift_unit = difference_scale(model)
+      if (.not. options%r_scale > 0.0_dp) filter%options%r_scale = filter%drift_unit
       filter%gain_sum = 0.0_dp
       filter%work = 0.0_dp
       call set_adaptation(filter)
@@ -67,6 +68,7 @@ contains
          end do
          filter%drift_state%started = .true.
       end if
+      if (model%count == 2) filter%drift_determinant = (filter%drift_state%p(1, 1)/filter%drift_unit)*filter%drift_state%p(2, 2)
       call show_drift(filter)
       call find_steady(filter, error)
    end subroutine new_drift_filter

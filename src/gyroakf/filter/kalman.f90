@@ -16,6 +16,7 @@ module gyroakf_filter_kalman
    use gyroakf_filter_types, only : filter_options, filter_type
    use gyroakf_filter_creation, only : new_filter
    use gyroakf_filter_state_space, only : predict_covariance, correct_covariance
+   use gyroakf_filter_drift_pair, only : run_pair
    use gyroakf_filter_drift_step, only : run_processes
    use gyroakf_filter_sage_husa, only : adapt_noise, gate_inflation, longest_run, shift_variance
    use gyroakf_filter_measurement, only : is_sample
@@ -36,18 +37,21 @@ contains
       real(dp), intent(out) :: x
       real(dp) :: zs(1), xs(1)
 
-      if (filter%drift_model%count > 1) then
-         zs(1) = z
-         call run_processes(filter, zs, xs)
-         x = xs(1)
-      else if (filter%order == 1) then
-         zs(1) = z
-         call run_scalar(filter, zs, xs)
-         x = xs(1)
-      else
+      if (filter%drift_model%count == 0 .and. filter%order > 1) then
          call step_vector(filter, z, is_sample(z))
          x = filter%x(1)
+         return
       end if
+      zs(1) = z
+      select case (filter%drift_model%count)
+      case (2)
+         call run_pair(filter, zs, xs)
+      case (3:)
+         call run_processes(filter, zs, xs)
+      case default
+         call run_scalar(filter, zs, xs)
+      end select
+      x = xs(1)
    end subroutine step_filter
 
    !> A whole series, or the next part of one: the same numbers as step by step.
@@ -62,43 +66,27 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Innovations over their standard deviations, [n], 0 where missing
       real(dp), intent(out), contiguous, optional :: normalised_innovation(:)
-      integer(int64) :: k
-      logical :: here
+      procedure(run_vector), pointer :: run
 
+      select case (filter%drift_model%count)
+      case (2)
+         run => run_pair
+      case (3:)
+         run => run_processes
+      case default
+         run => run_vector
+         if (filter%order == 1) run => run_scalar
+      end select
       ! an absent optional is not passed on: the undefined-behaviour sanitizer of gfortran 12 stops there
-      if (filter%drift_model%count > 1) then
-         if (present(valid) .and. present(normalised_innovation)) then
-            call run_processes(filter, z, x, valid, normalised_innovation)
-         else if (present(valid)) then
-            call run_processes(filter, z, x, valid)
-         else if (present(normalised_innovation)) then
-            call run_processes(filter, z, x, normalised_innovation=normalised_innovation)
-         else
-            call run_processes(filter, z, x)
-         end if
-         return
-      else if (filter%order == 1) then
-         if (present(valid) .and. present(normalised_innovation)) then
-            call run_scalar(filter, z, x, valid, normalised_innovation)
-         else if (present(valid)) then
-            call run_scalar(filter, z, x, valid)
-         else if (present(normalised_innovation)) then
-            call run_scalar(filter, z, x, normalised_innovation=normalised_innovation)
-         else
-            call run_scalar(filter, z, x)
-         end if
-         return
+      if (present(valid) .and. present(normalised_innovation)) then
+         call run(filter, z, x, valid, normalised_innovation)
+      else if (present(valid)) then
+         call run(filter, z, x, valid)
+      else if (present(normalised_innovation)) then
+         call run(filter, z, x, normalised_innovation=normalised_innovation)
+      else
+         call run(filter, z, x)
       end if
-      do k = 1, size(z, kind=int64)
-         here = is_sample(z(k))
-         if (present(valid)) here = here .and. valid(k) /= 0_int8
-         call step_vector(filter, z(k), here)
-         x(k) = filter%x(1)
-         if (present(normalised_innovation)) then
-            normalised_innovation(k) = 0.0_dp
-            if (here) normalised_innovation(k) = filter%innovation/sqrt(filter%innovation_variance)
-         end if
-      end do
    end subroutine run_filter
 
    !> No adaptation of q, r, Q, R from here on, or adaptation again; the state goes on either way.
@@ -112,6 +100,29 @@ contains
 
       filter%frozen = frozen
    end subroutine freeze_filter
+
+   !> The filter of any order over a series.
+   pure subroutine run_vector(filter, z, x, valid, normalised_innovation)
+      !> As run_filter
+      type(filter_type), intent(inout) :: filter
+      real(dp), intent(in), contiguous :: z(:)
+      real(dp), intent(out), contiguous :: x(:)
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp), intent(out), contiguous, optional :: normalised_innovation(:)
+      integer(int64) :: k
+      logical :: here
+
+      do k = 1, size(z, kind=int64)
+         here = is_sample(z(k))
+         if (present(valid)) here = here .and. valid(k) /= 0_int8
+         call step_vector(filter, z(k), here)
+         x(k) = filter%x(1)
+         if (present(normalised_innovation)) then
+            normalised_innovation(k) = 0.0_dp
+            if (here) normalised_innovation(k) = filter%innovation/sqrt(filter%innovation_variance)
+         end if
+      end do
+   end subroutine run_vector
 
    !> One step of any order.
    pure subroutine step_vector(filter, z, here)
