@@ -37,6 +37,8 @@ program test_main
    use test_error, only : collect_error
    use test_fft, only : collect_fft
    use test_fisher, only : collect_fisher
+   use test_drift_filter, only : collect_drift_filter
+   use test_two_pass, only : collect_two_pass
    use test_filter_series, only : collect_filter_series
    use test_identification, only : collect_identification
    use test_likelihood, only : collect_likelihood
@@ -131,6 +133,8 @@ program test_main
    call add("fft", collect_fft)
    call add("fisher", collect_fisher)
    call add("filter_series", collect_filter_series)
+   call add("drift_filter", collect_drift_filter)
+   call add("two_pass", collect_two_pass)
    call add("identification", collect_identification)
    call add("likelihood", collect_likelihood)
    call add("score", collect_score)

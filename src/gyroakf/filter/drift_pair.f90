@@ -10,7 +10,6 @@
 !> These follow from P = P- - K S K'; a test compares them with the form of any number of processes (gyroakf_filter_drift_step).
 module gyroakf_filter_drift_pair
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_filter_drift_step, only : show_drift
    use gyroakf_filter_measurement, only : exponent_mask, exponent_limit
    use gyroakf_filter_sage_husa, only : longest_run, shift_variance
    use gyroakf_filter_scalar, only : settle_distance, vanished
@@ -302,9 +301,29 @@ contains
       pair%r = filter%r
       pair%s = filter%innovation_variance
       pair%innovation = filter%innovation
-      pair%steady1 = filter%drift_steady(1)
-      pair%steady2 = filter%drift_steady(2)
-      pair%near = settle_distance(max(abs(pair%steady1), abs(pair%steady2)))
+      pair%sum1 = 0.0_dp
+      pair%sum2 = 0.0_dp
+      pair%used = 0
+      pair%slow1 = filter%slow(1)
+      pair%slow2 = filter%slow(2)
+      pair%has_gate = .false.
+      pair%adapt = .false.
+      pair%varying = filter%varying
+      pair%settled = filter%settled
+      if (pair%varying) then
+         call load_adaptation(filter, pair)
+      else
+         pair%steady1 = filter%drift_steady(1)
+         pair%steady2 = filter%drift_steady(2)
+         pair%near = settle_distance(max(abs(pair%steady1), abs(pair%steady2)))
+      end if
+   end subroutine load
+
+   !> The numbers of gate and adaptation.
+   pure subroutine load_adaptation(filter, pair)
+      type(filter_type), intent(in) :: filter
+      type(pair_type), intent(inout) :: pair
+
       pair%gate = filter%options%huber**2
       pair%has_gate = filter%options%huber > 0.0_dp
       pair%inverse_consistency = 1.0_dp/filter%consistency
@@ -312,9 +331,6 @@ contains
       pair%forgetting = filter%options%forgetting
       pair%r_low = filter%r_bounds(1)
       pair%r_high = filter%r_bounds(2)
-      pair%sum1 = 0.0_dp
-      pair%sum2 = 0.0_dp
-      pair%used = 0
       pair%clamped = 0
       pair%gated = 0
       pair%floor = 0
@@ -322,14 +338,10 @@ contains
       pair%updates = filter%weight_updates
       pair%run = filter%run
       pair%shifted = filter%drift_shifted
-      pair%slow1 = filter%slow(1)
-      pair%slow2 = filter%slow(2)
       pair%adapt = filter%adaptive .and. .not. filter%frozen
       pair%by_residual = filter%by_residual
       pair%by_posterior = filter%by_posterior
-      pair%varying = filter%varying
-      pair%settled = filter%settled
-   end subroutine load
+   end subroutine load_adaptation
 
    !> The numbers back into the filter after so many steps.
    pure subroutine store(pair, steps, filter)
@@ -349,10 +361,8 @@ contains
          state%started = pair%started
       end associate
       filter%drift_determinant = pair%det
-      filter%r = pair%r
       filter%innovation_variance = pair%s
       filter%innovation = pair%innovation
-      filter%weight = pair%weight
       filter%drift_gain_sum(1) = filter%drift_gain_sum(1) + pair%sum1
       filter%drift_gain_sum(2) = filter%drift_gain_sum(2) + pair%sum2
       if (pair%slow1) filter%gain_sum(1) = filter%gain_sum(1) + pair%sum1
@@ -360,13 +370,35 @@ contains
       filter%gain_measurements = filter%gain_measurements + pair%used
       filter%measurements = filter%measurements + pair%used
       filter%steps = filter%steps + steps
+      filter%settled = pair%settled
+      call show(pair, filter)
+      if (.not. pair%varying) return
+      filter%r = pair%r
+      filter%weight = pair%weight
       filter%clamped = filter%clamped + pair%clamped
       filter%gated = filter%gated + pair%gated
       filter%r_at_floor = filter%r_at_floor + pair%floor
       filter%wait = pair%wait
       filter%weight_updates = pair%updates
       filter%run = pair%run
-      filter%settled = pair%settled
-      call show_drift(filter)
    end subroutine store
+
+   !> The drift out of the processes: x(1), p(1,1), gain(1).
+   pure subroutine show(pair, filter)
+      type(pair_type), intent(in) :: pair
+      type(filter_type), intent(inout) :: filter
+
+      filter%x(1) = drift_of(pair)
+      if (pair%slow1 .and. pair%slow2) then
+         filter%gain(1) = pair%gain1 + pair%gain2
+         filter%p(1, 1) = (pair%p11 + pair%p12) + (pair%p22 + pair%p12)
+      else if (pair%slow1) then
+         filter%gain(1) = pair%gain1
+         filter%p(1, 1) = pair%p11
+      else
+         filter%gain(1) = pair%gain2
+         filter%p(1, 1) = pair%p22
+      end if
+      if (.not. pair%started) filter%p(1, 1) = huge(1.0_dp)
+   end subroutine show
 end module gyroakf_filter_drift_pair

@@ -1,0 +1,944 @@
+! SPDX-License-Identifier: MIT
+!> Tests of the drift filter of random walk and AR(1) processes.
+module test_drift_filter
+   use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_filter_components, only : component_model_type
+   use gyroakf_filter_drift_filter, only : new_drift_filter
+   use gyroakf_filter_drift_steady, only : drift_dc_gain, steady_drift_gain
+   use gyroakf_filter_kalman, only : filter_options, filter_type, step_filter, run_filter, freeze_filter
+   use gyroakf_filter_series, only : filter_result_type, filter_series
+   use gyroakf_lapack, only : dpotrf, dpotrs
+   use filter_library, only : fill_noise, make_series
+   use testdrive, only : check, error_type, new_unittest, unittest_type
+   implicit none (type, external)
+   private
+   public :: collect_drift_filter
+
+   !> The same numbers in another order of operations
+   real(dp), parameter :: rounding = 1.0e-12_dp
+
+contains
+
+   !> The tests of this suite.
+   subroutine collect_drift_filter(testsuite)
+      !> The tests
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         & new_unittest("steady_gain_of_a_walk", test_steady_walk), &
+         & new_unittest("steady_gain_of_more", test_steady_more), &
+         & new_unittest("conditional_mean", test_dense), &
+         & new_unittest("steps_run_and_parts", test_parts), &
+         & new_unittest("two_are_as_three", test_pair), &
+         & new_unittest("one_is_as_three", test_single), &
+         & new_unittest("settled_is_as_unsettled", test_settled), &
+         & new_unittest("gap", test_gap), &
+         & new_unittest("diffuse_start", test_start), &
+         & new_unittest("given_start", test_given_start), &
+         & new_unittest("units_and_offset", test_invariance), &
+         & new_unittest("extreme_units", test_extremes), &
+         & new_unittest("outlier", test_outlier), &
+         & new_unittest("gate_is_consistent", test_consistency), &
+         & new_unittest("level_shift", test_shift), &
+         & new_unittest("frozen", test_frozen), &
+         & new_unittest("bounds", test_bounds), &
+         & new_unittest("wrong_start_of_R", test_wrong_start), &
+         & new_unittest("burn_in", test_burn_in), &
+         & new_unittest("dc_gain", test_dc_gain), &
+         & new_unittest("diagnostics", test_diagnostics), &
+         & new_unittest("refused", test_refused)]
+   end subroutine collect_drift_filter
+
+   !> So many processes of a model with a walk, an AR(1) process and a faster one.
+   pure function some_model(processes) result(model)
+      integer, intent(in) :: processes
+      type(component_model_type) :: model
+
+      model%count = processes
+      model%phi = [0.98_dp, 1.0_dp, 0.5_dp]
+      model%q = [0.04_dp, 1.0e-3_dp, 0.3_dp]
+      model%r = 2.0_dp
+   end function some_model
+
+   !> What adapts in most tests: R, gated.
+   pure function adaptive() result(options)
+      type(filter_options) :: options
+
+      options%estimate_measurement_variance = .true.
+      options%forgetting = 0.99_dp
+      options%huber = 2.5_dp
+      options%burn_in = 20
+   end function adaptive
+
+   !> A filter that must come about.
+   subroutine make(filter, model, slow, options, error)
+      type(filter_type), intent(out) :: filter
+      type(component_model_type), intent(in) :: model
+      logical, intent(in) :: slow(:)
+      type(filter_options), intent(in) :: options
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+
+      call new_drift_filter(filter, model, slow, options, failure)
+      if (allocated(failure)) call check(error, .false., failure%message)
+   end subroutine make
+
+   !> A series of the model, with a level.
+   subroutine make_data(seed, model, z, drift)
+      integer, intent(in) :: seed
+      type(component_model_type), intent(in) :: model
+      real(dp), intent(out), contiguous :: z(:)
+      real(dp), intent(out), optional :: drift(:)
+      real(dp) :: w(size(z)), state
+      integer :: i, k
+
+      call fill_noise(seed, z)
+      z = sqrt(model%r)*z
+      if (present(drift)) drift = 0
+      do i = 1, model%count
+         call fill_noise(1000*i + seed, w)
+         state = 0
+         if (model%phi(i) < 1) state = w(1)*sqrt(model%q(i)/(1 - model%phi(i)**2))
+         do k = 1, size(z)
+            if (k > 1) state = model%phi(i)*state + sqrt(model%q(i))*w(k)
+            z(k) = z(k) + state
+            if (present(drift)) drift(k) = drift(k) + state
+         end do
+      end do
+   end subroutine make_data
+
+   !> Local level: K from q/r in closed form
+   subroutine test_steady_walk(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model
+      type(filter_type) :: filter
+      real(dp) :: z(20000), x(20000), expected
+      integer :: i
+
+      call fill_noise(3, z)
+      model%count = 1
+      model%phi = 1
+      model%r = 3
+      do i = -6, 3
+         model%q(1) = 3*10.0_dp**i
+         expected = 0.5_dp*(sqrt(model%q(1)/3*(4 + model%q(1)/3)) - model%q(1)/3)
+         call make(filter, model, [.true.], filter_options(), error)
+         if (allocated(error)) return
+         call check(error, filter%steady_gain(1), expected, thr=rounding, rel=.true.)
+         if (allocated(error)) return
+         call run_filter(filter, z, x)
+         call check(error, filter%gain(1), expected, thr=merge(rounding, 1.0e-9_dp, i > -6), rel=.true.)
+         if (allocated(error)) return
+         call check(error, filter%p(1, 1), 3*expected, thr=1.0e-9_dp, rel=.true.)
+         if (allocated(error)) return
+      end do
+   end subroutine test_steady_walk
+
+   !> Riccati solution of two and three processes against the recursion, and processes without driving noise
+   subroutine test_steady_more(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(component_model_type) :: model
+      type(filter_options) :: never
+      type(filter_type) :: filter
+      real(dp) :: z(30000), x(30000), gain(3), alone(3)
+      integer :: processes
+
+      call fill_noise(4, z)
+      never%huber = 1.0e6_dp                    ! a gate that does not act: the filter cannot know that its gain is constant
+      do processes = 2, 3
+         model = some_model(processes)
+         call make(filter, model, spread(.true., 1, processes), never, error)
+         if (allocated(error)) return
+         call run_filter(filter, z, x)
+         call check(error, maxval(abs(filter%drift_state%gain - filter%drift_steady)) <= rounding, "not the steady gain")
+         if (allocated(error)) return
+      end do
+      model%q(2) = 0
+      call steady_drift_gain(model, gain, failure)
+      model%count = 2
+      model%phi(2) = model%phi(3)
+      model%q(2) = model%q(3)
+      call steady_drift_gain(model, alone, failure)
+      call check(error, all(abs(gain - [alone(1), 0.0_dp, alone(2)]) <= rounding), "an idle process has a gain")
+      if (allocated(error)) return
+      model%r = 0
+      call steady_drift_gain(model, gain, failure)
+      call check(error, .not. allocated(failure) .and. all(abs(gain) <= 0), "r = 0 is not left open")
+   end subroutine test_steady_more
+
+   !> Estimate and variance at every sample against the Gaussian vector of the samples up to it
+   subroutine test_dense(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: n = 50
+      type(component_model_type) :: model
+      type(filter_type) :: filter
+      real(dp) :: z(n), x, mean, variance
+      logical :: here(n), slow(3)
+      integer :: i, k, case
+
+      slow = [.true., .true., .false.]
+      do case = 1, 5
+         model = some_model(min(case, 3))
+         if (case == 4) model%phi(2) = 0.3_dp   ! no walk
+         if (case == 5) then                    ! a walk alone
+            model%count = 1
+            model%phi(1) = 1
+         end if
+         call make_data(10 + case, model, z)
+         z = z + 5
+         here = [(mod(k, 7) /= 3 .and. k > 2, k=1, n)]
+         where (.not. here) z = ieee_value(z(1), ieee_quiet_nan)
+         call make(filter, model, slow(:model%count), filter_options(), error)
+         if (allocated(error)) return
+         do k = 1, n
+            call step_filter(filter, z(k), x)
+            if (count(here(:k)) < 1) cycle
+            call condition(model, slow, pack([(i, i=1, k)], here(:k)), pack(z(:k), here(:k)), k, mean, variance)
+            call check(error, x, mean, thr=1.0e-10_dp)
+            if (allocated(error)) return
+            call check(error, filter%p(1, 1), variance, thr=1.0e-10_dp, rel=.true.)
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_dense
+
+   !> Mean and variance of the drift at a sample, given measurements; the level of a walk has a flat prior.
+   subroutine condition(model, slow, time, z, at, mean, variance)
+      type(component_model_type), intent(in) :: model
+      logical, intent(in) :: slow(:)
+      !> Samples of the measurements, and the sample that is asked for
+      integer, intent(in) :: time(:), at
+      real(dp), intent(in) :: z(:)
+      real(dp), intent(out) :: mean, variance
+      real(dp) :: c(size(z), size(z)), s(size(z), 3), with(size(z)), level, left
+      integer :: i, j, l, n, info
+
+      n = size(z)
+      c = 0
+      with = 0
+      variance = 0
+      left = 0
+      do l = 1, model%count
+         do j = 1, n
+            do i = 1, n
+               c(i, j) = c(i, j) + shared(model, l, time(i), time(j))
+            end do
+            if (slow(l)) with(j) = with(j) + shared(model, l, time(j), at)
+         end do
+         if (slow(l)) variance = variance + shared(model, l, at, at)
+         if (model%phi(l) >= 1 .and. slow(l)) left = 1
+      end do
+      do i = 1, n
+         c(i, i) = c(i, i) + model%r
+      end do
+      s(:, 1) = z
+      s(:, 2) = 1
+      s(:, 3) = with
+      call dpotrf("L", n, c, n, info)
+      call dpotrs("L", n, 3, c, n, s, n, info)
+      mean = dot_product(with, s(:, 1))
+      variance = variance - dot_product(with, s(:, 3))
+      if (all(model%phi(:model%count) < 1)) return
+      level = sum(s(:, 1))/sum(s(:, 2))
+      left = left - sum(s(:, 3))
+      mean = mean + level*left
+      variance = variance + left**2/sum(s(:, 2))
+   end subroutine condition
+
+   !> Covariance of a process at two samples; a walk is counted from sample 0.
+   pure real(dp) function shared(model, l, i, j)
+      type(component_model_type), intent(in) :: model
+      integer, intent(in) :: l, i, j
+
+      if (model%phi(l) >= 1) then
+         shared = min(i, j)*model%q(l)
+      else
+         shared = model%q(l)/(1 - model%phi(l)**2)*model%phi(l)**abs(i - j)
+      end if
+   end function shared
+
+   !> Bit for bit: sample by sample, at once, in parts, with a mask or with NaN
+   subroutine test_parts(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: n = 3000
+      type(component_model_type) :: model
+      type(filter_type) :: fresh, filter
+      real(dp) :: z(n), gaps(n), x(n), y(n), v(n), w(n)
+      integer(int8) :: valid(n)
+      integer :: first, k, last, processes, round
+
+      do processes = 1, 3
+         model = some_model(processes)
+         call make_data(20, model, z)
+         z(500:510) = z(500:510) + 40
+         z(700) = 1000
+         valid = 1
+         valid(1:3) = 0
+         valid(100:130) = 0
+         valid(1000::17) = 0
+         gaps = z
+         where (valid == 0) gaps = ieee_value(z(1), ieee_quiet_nan)
+         do round = 1, 2
+            if (round == 1) call make(fresh, model, spread(.true., 1, processes), adaptive(), error)
+            if (round == 2) call make(fresh, model, spread(.true., 1, processes), filter_options(), error)
+            if (allocated(error)) return
+            filter = fresh
+            call run_filter(filter, z, x, valid, v)
+            filter = fresh
+            do k = 1, n
+               call step_filter(filter, gaps(k), y(k))
+            end do
+            call check(error, all(abs(x - y) <= 0), "steps differ from the run")
+            if (allocated(error)) return
+            filter = fresh
+            last = 0
+            do while (last < n)
+               first = last + 1
+               last = min(n, first + mod(13*first, 101))
+               call run_filter(filter, gaps(first:last), y(first:last), normalised_innovation=w(first:last))
+            end do
+            call check(error, all(abs(x - y) <= 0) .and. all(abs(v - w) <= 0), "parts differ from the run")
+            if (allocated(error)) return
+            call check(error, filter%steps == n .and. filter%measurements == count(valid /= 0), "the counts are wrong")
+            if (allocated(error)) return
+            call check(error, abs(filter%x(1) - y(n)) <= 0 .and. filter%p(1, 1) > 0 .and. filter%gain(1) > 0, "no state is shown")
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_parts
+
+   !> Runs two filters over a series with everything in it; they must do the same.
+   subroutine compare(model, other, slow, options, error)
+      type(component_model_type), intent(in) :: model, other
+      logical, intent(in) :: slow(:)
+      type(filter_options), intent(in) :: options
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: n = 4000
+      type(filter_type) :: filter, three
+      real(dp) :: z(n), x(n), y(n)
+
+      call make_data(30, model, z)
+      z(:4) = ieee_value(z(1), ieee_quiet_nan)
+      z(500:530) = z(500:530) + 40
+      z(700:720:3) = 1000
+      z(1500:1900) = ieee_value(z(1), ieee_quiet_nan)
+      call make(filter, model, slow(:model%count), options, error)
+      if (.not. allocated(error)) call make(three, other, slow(:other%count), options, error)
+      if (allocated(error)) return
+      call run_filter(filter, z, x)
+      call run_filter(three, z, y)
+      call check(error, maxval(abs(x - y)) <= rounding*maxval(abs(y)), "the estimates differ")
+      if (allocated(error)) return
+      call check(error, filter%p(1, 1), three%p(1, 1), thr=rounding, rel=.true.)
+      if (allocated(error)) return
+      call check(error, filter%gain(1), three%gain(1), thr=rounding, rel=.true.)
+      if (allocated(error)) return
+      call check(error, filter%gain_sum(1), three%gain_sum(1), thr=rounding, rel=.true.)
+      if (allocated(error)) return
+      call check(error, filter%r, three%r, thr=rounding, rel=.true.)
+      if (allocated(error)) return
+      call check(error, filter%innovation_variance, three%innovation_variance, thr=rounding, rel=.true.)
+      if (allocated(error)) return
+      call check(error, filter%gated == three%gated .and. filter%clamped == three%clamped .and. filter%wait == three%wait &
+                 .and. filter%r_at_floor == three%r_at_floor, "the counts differ")
+   end subroutine compare
+
+   !> Two processes in registers against the form of any number, in all its ways
+   subroutine test_pair(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model, other
+      type(filter_options) :: options
+      character(8), parameter :: forms(3) = [character(8) :: "residual", "exact", "biased"]
+      integer :: i, order
+
+      do order = 1, 2
+         model = some_model(2)
+         if (order == 2) model%phi(:2) = model%phi([2, 1])       ! the walk first
+         other = model
+         other%count = 3
+         other%phi(3) = 0
+         other%q(3) = 0
+         call compare(model, other, [.true., .true., .false.], filter_options(), error)
+         if (.not. allocated(error)) call compare(model, other, [.true., .false., .false.], filter_options(), error)
+         if (.not. allocated(error)) call compare(model, other, [.false., .true., .false.], filter_options(), error)
+         do i = 1, 3
+            if (allocated(error)) return
+            options = adaptive()
+            options%measurement_form = forms(i)
+            options%burn_in = merge(-1, 50, i == 1)
+            options%r_upper = 2
+            call compare(model, other, [.true., .true., .false.], options, error)
+         end do
+         if (allocated(error)) return
+         options%initial_variance = 4
+         call compare(model, other, [.true., .true., .false.], options, error)
+         if (allocated(error)) return
+      end do
+   end subroutine test_pair
+
+   !> One process against the form of any number
+   subroutine test_single(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model, other
+      type(filter_options) :: options
+      integer :: i
+
+      do i = 1, 2
+         model = some_model(1)
+         if (i == 2) model%phi(1) = 1
+         other = model
+         other%count = 3
+         other%phi(2:) = 0
+         other%q(2:) = 0
+         call compare(model, other, [.true., .false., .false.], filter_options(), error)
+         if (.not. allocated(error)) call compare(model, other, [.true., .false., .false.], adaptive(), error)
+         options = adaptive()
+         options%measurement_form = "exact"
+         options%burn_in = -1
+         if (.not. allocated(error)) call compare(model, other, [.true., .false., .false.], options, error)
+         if (allocated(error)) return
+      end do
+   end subroutine test_single
+
+   !> The gain that has settled is used where nothing is adapted, and nobody sees it
+   subroutine test_settled(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: n = 20000
+      type(component_model_type) :: model
+      type(filter_options) :: never
+      type(filter_type) :: filter, other
+      real(dp) :: z(n), x(n), y(n)
+      integer :: processes
+
+      never%huber = 1.0e6_dp
+      do processes = 1, 3
+         model = some_model(processes)
+         call make_data(40, model, z)
+         z(15000:15100) = ieee_value(z(1), ieee_quiet_nan)
+         call make(filter, model, spread(.true., 1, processes), filter_options(), error)
+         if (.not. allocated(error)) call make(other, model, spread(.true., 1, processes), never, error)
+         if (allocated(error)) return
+         call run_filter(filter, z, x)
+         call run_filter(other, z, y)
+         call check(error, filter%settled .and. .not. other%settled, "the gain has not settled")
+         if (allocated(error)) return
+         call check(error, maxval(abs(x - y)) <= rounding*maxval(abs(y)), "the settled filter does something else")
+         if (allocated(error)) return
+         call step_filter(filter, ieee_value(x(1), ieee_quiet_nan), x(1))
+         call step_filter(other, ieee_value(x(1), ieee_quiet_nan), y(1))
+         call check(error, filter%p(1, 1), other%p(1, 1), thr=rounding, rel=.true.)
+         if (allocated(error)) return
+      end do
+   end subroutine test_settled
+
+   !> In a gap the drift is predicted, its variance grows as the model says, R stays
+   subroutine test_gap(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model
+      type(filter_type) :: filter
+      real(dp) :: z(2000), x(2000), before(2), p(2), r, expected
+      integer :: k
+
+      model = some_model(2)
+      call make_data(50, model, z)
+      call make(filter, model, [.true., .true.], adaptive(), error)
+      if (allocated(error)) return
+      call run_filter(filter, z, x)
+      before = filter%drift_state%x(:2)
+      p = [filter%drift_state%p(1, 1), filter%drift_state%p(2, 2)]
+      expected = filter%drift_state%p(1, 2)
+      r = filter%r
+      do k = 1, 200
+         call step_filter(filter, ieee_value(r, ieee_quiet_nan), x(k))
+         p = model%phi(:2)**2*p + model%q(:2)
+      end do
+      call check(error, x(200), before(1)*0.98_dp**200 + before(2), thr=rounding)
+      if (allocated(error)) return
+      call check(error, filter%p(1, 1), sum(p) + 2*0.98_dp**200*expected, thr=rounding, rel=.true.)
+      if (allocated(error)) return
+      call check(error, abs(filter%r - r) <= 0, "R changed in a gap")
+      if (allocated(error)) return
+      do k = 1, 100000                                           ! without subnormal numbers
+         call step_filter(filter, ieee_value(r, ieee_quiet_nan), x(1))
+      end do
+      call check(error, abs(x(1) - before(2)) <= 0 .and. abs(filter%drift_state%p(1, 2)) <= 0, "the AR(1) part is not gone")
+   end subroutine test_gap
+
+   !> A walk begins with its first measurement, which has no innovation
+   subroutine test_start(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model
+      type(filter_type) :: filter
+      real(dp) :: x(4), v(4)
+      integer :: processes
+
+      do processes = 1, 3
+         model = some_model(processes)
+         if (processes == 1) model%phi(1) = 1
+         call make(filter, model, spread(.true., 1, processes), adaptive(), error)
+         if (allocated(error)) return
+         call run_filter(filter, [ieee_value(x(1), ieee_quiet_nan), 7.0_dp], x(:2), normalised_innovation=v(:2))
+         call check(error, abs(x(1)) <= 0 .and. abs(v(1)) <= 0 .and. abs(v(2)) <= 0, "there is an innovation at the start")
+         if (allocated(error)) return
+         call check(error, x(2), 7.0_dp, thr=rounding)
+         if (allocated(error)) return
+         call check(error, filter%wait == 20 .and. filter%measurements == 1, "the adaptation counts the first measurement")
+         if (allocated(error)) return
+         if (processes < 3) call check(error, filter%p(1, 1), 2.0_dp, thr=rounding)
+         if (allocated(error)) return
+         call run_filter(filter, [8.0_dp, 9.0_dp], x(:2), normalised_innovation=v(:2))
+         call check(error, v(1) > 0 .and. filter%wait == 18, "the second measurement has no innovation")
+         if (allocated(error)) return
+      end do
+      call make(filter, some_model(2), [.true., .true.], filter_options(), error)
+      if (allocated(error)) return
+      call check(error, filter%p(1, 1) >= huge(1.0_dp), "what is not known has a variance")
+   end subroutine test_start
+
+   !> With a variance at the start nothing is diffuse
+   subroutine test_given_start(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model
+      type(filter_options) :: options
+      type(filter_type) :: filter
+      real(dp) :: x
+
+      model = some_model(1)
+      model%phi(1) = 1
+      options%initial_variance = 5
+      call make(filter, model, [.true.], options, error)
+      if (allocated(error)) return
+      call step_filter(filter, 1.0_dp, x)
+      call check(error, x, 5.04_dp/7.04_dp, thr=rounding)
+      if (allocated(error)) return
+      call make(filter, some_model(2), [.true., .true.], options, error)
+      if (allocated(error)) return
+      call step_filter(filter, 1.0_dp, x)
+      call check(error, x, (5*0.98_dp**2 + 5.041_dp)/(5*0.98_dp**2 + 7.041_dp), thr=rounding)
+   end subroutine test_given_start
+
+   !> Another unit changes nothing but the unit; an offset only the walk's level
+   subroutine test_invariance(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: n = 3000
+      type(component_model_type) :: model, scaled
+      type(filter_type) :: filter, other
+      real(dp) :: z(n), x(n), y(n)
+      integer :: processes
+
+      do processes = 2, 3
+         model = some_model(processes)
+         call make_data(60, model, z)
+         z(1000) = 500
+         scaled = model
+         scaled%q = model%q*2.0_dp**(-40)
+         scaled%r = model%r*2.0_dp**(-40)
+         call make(filter, model, spread(.true., 1, processes), adaptive(), error)
+         if (.not. allocated(error)) call make(other, scaled, spread(.true., 1, processes), adaptive(), error)
+         if (allocated(error)) return
+         call run_filter(filter, z, x)
+         call run_filter(other, z*2.0_dp**(-20), y)
+         call check(error, all(abs(x - y*2.0_dp**20) <= 0), "the unit matters")
+         if (allocated(error)) return
+         call make(other, model, spread(.true., 1, processes), adaptive(), error)
+         if (allocated(error)) return
+         call run_filter(other, z + 1024, y)
+         call check(error, maxval(abs(x + 1024 - y)) <= 1.0e-9_dp, "the offset matters")
+         if (allocated(error)) return
+      end do
+   end subroutine test_invariance
+
+   !> Variances whose products neither overflow nor vanish
+   subroutine test_extremes(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: n = 500
+      type(component_model_type) :: model, scaled
+      type(filter_type) :: filter
+      real(dp) :: z(n), x(n), y(n), scale
+      integer :: i, processes
+
+      do processes = 1, 3
+         model = some_model(processes)
+         call make_data(70, model, z)
+         call make(filter, model, spread(.true., 1, processes), adaptive(), error)
+         if (allocated(error)) return
+         call run_filter(filter, z, x)
+         do i = -1, 1, 2
+            scale = 2.0_dp**(240*i)
+            scaled = model
+            scaled%q = model%q*scale**2
+            scaled%r = model%r*scale**2
+            call make(filter, scaled, spread(.true., 1, processes), adaptive(), error)
+            if (allocated(error)) return
+            call run_filter(filter, z*scale, y)
+            call check(error, maxval(abs(y/scale - x)) <= rounding, "an extreme unit spoils the estimates")
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_extremes
+
+   !> One outlier moves the drift by no more than the gate lets it
+   subroutine test_outlier(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model
+      type(filter_type) :: filter, other
+      real(dp) :: z(2000), x(2000), y, without, r
+      integer :: processes
+
+      do processes = 1, 3
+         model = some_model(processes)
+         call make_data(80, model, z)
+         call make(filter, model, spread(.true., 1, processes), adaptive(), error)
+         if (allocated(error)) return
+         call run_filter(filter, z, x)
+         other = filter
+         call step_filter(other, ieee_value(y, ieee_quiet_nan), without)
+         r = filter%r
+         call step_filter(filter, without + 1.0e6_dp, y)
+         call check(error, abs(y - without) <= 2.5_dp*sqrt(filter%innovation_variance), "an outlier gets through")
+         if (allocated(error)) return
+         call check(error, filter%p(1, 1) > 0.99_dp*other%p(1, 1), "an outlier makes the filter sure")
+         if (allocated(error)) return
+         call check(error, filter%r < 1.1_dp*r .and. filter%r > r, "R follows an outlier")
+         if (allocated(error)) return
+      end do
+   end subroutine test_outlier
+
+   !> On normal data the gate does not bias R
+   subroutine test_consistency(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: n = 100000
+      type(component_model_type) :: model
+      type(filter_options) :: options
+      type(filter_type) :: filter
+      real(dp), allocatable :: z(:), x(:)
+
+      allocate (z(n), x(n))
+      model = some_model(2)
+      call make_data(90, model, z)
+      options = adaptive()
+      options%forgetting = 1
+      options%huber = 1.5_dp
+      call make(filter, model, [.true., .true.], options, error)
+      if (allocated(error)) return
+      call run_filter(filter, z, x)
+      call check(error, filter%r, model%r, thr=0.02_dp, rel=.true.)
+      if (allocated(error)) return
+      call check(error, real(filter%gated, dp)/n, 0.13361_dp, thr=0.004_dp)     ! 2 Phi(-1.5), five standard deviations
+   end subroutine test_consistency
+
+   !> A level that has shifted is followed after ten gated innovations of one sign
+   subroutine test_shift(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: n = 1000
+      type(component_model_type) :: model
+      type(filter_type) :: filter
+      real(dp) :: z(n), x(n), drift(n), r
+      integer :: processes
+
+      do processes = 1, 3
+         model = some_model(processes)
+         if (processes == 1) model%phi(1) = 1
+         if (processes == 1) model%q(1) = 1.0e-3_dp
+         call make_data(100, model, z, drift)
+         z(501:) = z(501:) + 200
+         call make(filter, model, spread(.true., 1, processes), adaptive(), error)
+         if (allocated(error)) return
+         call run_filter(filter, z(:500), x(:500))
+         r = filter%r
+         call run_filter(filter, z(501:510), x(501:510))
+         call check(error, x(510) - drift(510) < 100, "a shift is believed at once")
+         if (allocated(error)) return
+         call run_filter(filter, z(511:515), x(511:515))
+         call check(error, abs(x(515) - drift(515) - 200) < 6, "a shift is not believed")
+         if (allocated(error)) return
+         call check(error, filter%r < 2*r, "R follows a shift")
+         if (allocated(error)) return
+      end do
+   end subroutine test_shift
+
+   !> Frozen, R stays and the state goes on
+   subroutine test_frozen(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model
+      type(filter_type) :: filter
+      real(dp) :: z(2000), x(2000), r
+      integer :: processes
+
+      do processes = 1, 3
+         model = some_model(processes)
+         call make_data(110, model, z)
+         call make(filter, model, spread(.true., 1, processes), adaptive(), error)
+         if (allocated(error)) return
+         call run_filter(filter, z(:1000), x(:1000))
+         r = filter%r
+         call freeze_filter(filter, .true.)
+         call run_filter(filter, z(1001:1500), x(1001:1500))
+         call check(error, abs(filter%r - r) <= 0 .and. filter%steps == 1500 .and. abs(x(1500) - x(1000)) > 0, "not frozen")
+         if (allocated(error)) return
+         call freeze_filter(filter, .false.)
+         call run_filter(filter, z(1501:), x(1501:))
+         call check(error, abs(filter%r - r) > 0, "still frozen")
+         if (allocated(error)) return
+      end do
+   end subroutine test_frozen
+
+   !> R within its bounds, which hang on the scale
+   subroutine test_bounds(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model
+      type(filter_options) :: options
+      type(filter_type) :: filter
+      real(dp) :: z(2000), x(2000)
+      integer :: processes
+
+      options = adaptive()
+      options%huber = 0
+      options%r_scale = 3
+      options%r_lower = 0.5_dp
+      options%r_upper = 2
+      do processes = 1, 3
+         model = some_model(processes)
+         model%r = 1.0e4_dp
+         call make_data(120, some_model(processes), z)
+         call make(filter, model, spread(.true., 1, processes), options, error)
+         if (allocated(error)) return
+         call check(error, filter%r, 6.0_dp)
+         if (allocated(error)) return
+         call run_filter(filter, 1000*z, x)
+         call check(error, filter%r, 6.0_dp)
+         if (allocated(error)) return
+         call check(error, filter%clamped > 1900 .and. filter%r_at_floor == 0, "the upper bound is not counted")
+         if (allocated(error)) return
+         call run_filter(filter, 0*z, x)
+         call check(error, filter%r, 1.5_dp)
+         if (allocated(error)) return
+         call check(error, filter%r_at_floor > 0, "the lower bound is not counted")
+         if (allocated(error)) return
+      end do
+   end subroutine test_bounds
+
+   !> R from 10^(-3) to 10^3 times the true one: within 1.05 of the filter that knows it (AR(1) 0.98 of 1e-4, white 4.2e-4)
+   subroutine test_wrong_start(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: n = 12000
+      type(component_model_type) :: model, wrong
+      type(filter_options) :: options
+      type(filter_type) :: filter
+      real(dp), allocatable :: z(:), x(:), drift(:)
+      real(dp) :: oracle
+      integer :: i, seed
+
+      allocate (z(n), x(n), drift(n))
+      model%count = 1
+      model%phi(1) = 0.98_dp
+      model%q(1) = 1.0e-4_dp*(1 - 0.98_dp**2)
+      model%r = 4.2e-4_dp
+      do seed = 1, 3
+         call make_series(seed, 0.98_dp, 1.0e-4_dp, 4.2e-4_dp, z, drift)
+         call make(filter, model, [.true.], filter_options(), error)
+         if (allocated(error)) return
+         call run_filter(filter, z, x)
+         oracle = norm2(x - drift)
+         options = adaptive()
+         options%forgetting = 0.995_dp
+         options%burn_in = -1
+         options%r_scale = 0.5_dp*sum((z(2:) - z(:n - 1))**2)/(n - 1)
+         do i = -3, 3, 3
+            wrong = model
+            wrong%r = model%r*10.0_dp**i
+            call make(filter, wrong, [.true.], options, error)
+            if (allocated(error)) return
+            call run_filter(filter, z, x)
+            call check(error, norm2(x - drift) <= 1.05_dp*oracle, "a wrong R is not forgotten")
+            if (allocated(error)) return
+            call check(error, filter%r, model%r, thr=0.3_dp, rel=.true.)
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_wrong_start
+
+   !> Automatic burn-in: until the gain is the steady one, 20 at least
+   subroutine test_burn_in(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model
+      type(filter_options) :: never, options
+      type(filter_type) :: filter, other
+      real(dp) :: expected, x(5000), z(5000)
+
+      never%huber = 1.0e6_dp
+      options = adaptive()
+      options%burn_in = -1
+      model%count = 1
+      model%phi(1) = 1
+      model%q(1) = 1.0e-3_dp
+      model%r = 1
+      call make(filter, model, [.true.], options, error)
+      if (allocated(error)) return
+      expected = log(1.0e-6_dp)/(2*log(1 - filter%steady_gain(1)))           ! K - K_inf falls as (1 - K)^2k
+      call check(error, real(filter%wait, dp), expected, thr=0.15_dp, rel=.true.)
+      if (allocated(error)) return
+      model%q(1) = 10
+      call make(filter, model, [.true.], options, error)
+      if (allocated(error)) return
+      call check(error, filter%wait, 20)
+      if (allocated(error)) return
+      call make(filter, some_model(3), [.true., .true., .false.], options, error)
+      if (allocated(error)) return
+      model = some_model(3)
+      model%r = filter%options%r_scale                                       ! the R that the bounds suggest
+      call make(other, model, [.true., .true., .false.], never, error)
+      if (allocated(error)) return
+      z = 0
+      call run_filter(other, z(:filter%wait - 100), x(:filter%wait - 100))
+      call check(error, distance(other) > 1.0e-6_dp, "the burn-in is longer than the gain needs")
+      if (allocated(error)) return
+      call run_filter(other, z(:100), x(:100))
+      call check(error, distance(other) <= 1.0e-6_dp, "the burn-in ends before the gain has settled")
+   end subroutine test_burn_in
+
+   !> How far the gains are from the steady ones, in units of the largest
+   pure real(dp) function distance(filter)
+      type(filter_type), intent(in) :: filter
+
+      distance = maxval(abs(filter%drift_state%gain - filter%drift_steady))/maxval(filter%drift_steady)
+   end function distance
+
+   !> A constant through the frozen filter
+   subroutine test_dc_gain(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: n = 20000
+      type(component_model_type) :: model
+      type(filter_type) :: filter
+      real(dp) :: one(n), x(n), expected
+      logical :: slow(3)
+      integer :: case
+
+      one = 1
+      do case = 1, 6
+         slow = [.true., .true., .false.]
+         model = some_model(min(case, 3))
+         if (case == 4) model%phi(2) = 0.9_dp                                ! no walk
+         if (case == 5) slow = [.true., .false., .false.]                    ! a walk that is no drift
+         if (case == 6) then
+            model%phi(2) = 0.9_dp
+            slow = [.false., .true., .false.]
+         end if
+         call make(filter, model, slow(:model%count), filter_options(), error)
+         if (allocated(error)) return
+         call run_filter(filter, one, x)
+         call freeze_filter(filter, .true.)
+         call run_filter(filter, one, x)
+         expected = drift_dc_gain(model, slow(:model%count), filter%drift_steady(:model%count))
+         call check(error, x(n), expected, thr=1.0e-10_dp)
+         if (allocated(error)) return
+         if (case == 2 .or. case == 3) call check(error, expected, 1.0_dp, thr=rounding)
+         if (case == 5) call check(error, expected, 0.0_dp, thr=rounding)
+         if (case == 6) call check(error, expected > 0 .and. expected < 0.9_dp, "an AR(1) process takes everything")
+         if (allocated(error)) return
+      end do
+   end subroutine test_dc_gain
+
+   !> Numbers and warnings of a series of the model
+   subroutine test_diagnostics(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: n = 10000
+      type(component_model_type) :: model
+      type(gyro_error), allocatable :: failure
+      type(filter_result_type) :: result
+      type(filter_type) :: filter
+      real(dp) :: z(n), x(n), v(n)
+      integer :: processes
+
+      do processes = 1, 3
+         model = some_model(processes)
+         if (processes == 1) model%phi(1) = 1
+         call make_data(130, model, z)
+         call make(filter, model, spread(.true., 1, processes), filter_options(), error)
+         if (allocated(error)) return
+         call run_filter(filter, z, x, normalised_innovation=v)
+         call make(filter, model, spread(.true., 1, processes), filter_options(), error)
+         if (allocated(error)) return
+         call filter_series(filter, z, x, result, failure)
+         call check(error, .not. allocated(failure), "the series is not filtered")
+         if (allocated(error)) return
+         call check(error, result%nis_mean, sum(v**2)/(n - 1), thr=rounding, rel=.true.)
+         if (allocated(error)) return
+         call check(error, result%nis_low, 1 - 1.96_dp*sqrt(2.0_dp/n), thr=1.0e-3_dp)
+         if (allocated(error)) return
+         call check(error, result%nis_high, 1 + 1.96_dp*sqrt(2.0_dp/n), thr=1.0e-3_dp)
+         if (allocated(error)) return
+         call check(error, result%nis_low < result%nis_mean .and. result%nis_mean < result%nis_high, "the right model is wrong")
+         if (allocated(error)) return
+         call check(error, result%dc_gain, 1.0_dp, thr=rounding)
+         if (allocated(error)) return
+         call check(error, result%gain, filter%steady_gain(1), thr=1.0e-9_dp, rel=.true.)
+         if (allocated(error)) return
+         call check(error, result%q, sum(model%q(:processes)), thr=rounding, rel=.true.)
+         if (allocated(error)) return
+         call check(error, size(result%warnings) == 0 .and. size(result%estimate) == 0, "the right model is warned of")
+         if (allocated(error)) return
+      end do
+      call make(filter, model, [.true., .true., .true.], adaptive(), error)
+      if (allocated(error)) return
+      call filter_series(filter, z, x, result, failure)
+      call check(error, size(result%estimate) == 1 .and. result%forgetting > 0, "the adaptation is not named")
+   end subroutine test_diagnostics
+
+   !> What a drift filter is not made of
+   subroutine test_refused(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model
+      type(filter_options) :: options(7)
+      logical, allocatable :: none(:)
+      integer :: i
+
+      call expect([.true.], some_model(2), filter_options(), status%invalid_argument, error)
+      if (.not. allocated(error)) call expect([.false., .false.], some_model(2), filter_options(), status%invalid_argument, error)
+      if (allocated(error)) return
+      allocate (none(0))
+      model = some_model(0)
+      call expect(none, model, filter_options(), status%invalid_argument, error)
+      if (allocated(error)) return
+      model = some_model(2)
+      model%phi(1) = 1
+      call expect([.true., .true.], model, filter_options(), status%invalid_argument, error)
+      if (allocated(error)) return
+      model%phi(1) = 1.5_dp
+      call expect([.true., .true.], model, filter_options(), status%unstable, error)
+      if (allocated(error)) return
+      model%phi(1) = ieee_value(1.0_dp, ieee_quiet_nan)
+      call expect([.true., .true.], model, filter_options(), status%non_finite, error)
+      if (allocated(error)) return
+      options(1)%estimate_process_variance = .true.
+      options(2)%estimate_process_mean = .true.
+      options(3)%estimate_measurement_mean = .true.
+      options(4)%measurement_form = "paper"
+      options(5)%forgetting = 0
+      options(6)%huber = -1
+      options(7)%r_lower = 0
+      do i = 1, 7
+         call expect([.true., .true.], some_model(2), options(i), status%invalid_argument, error)
+         if (allocated(error)) return
+      end do
+   end subroutine test_refused
+
+   !> A filter that must not come about.
+   subroutine expect(slow, model, options, code, error)
+      logical, intent(in) :: slow(:)
+      type(component_model_type), intent(in) :: model
+      type(filter_options), intent(in) :: options
+      integer, intent(in) :: code
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(filter_type) :: filter
+
+      call new_drift_filter(filter, model, slow, options, failure)
+      call check(error, allocated(failure), "bad input was accepted")
+      if (allocated(error)) return
+      call check(error, failure%code == code .and. len_trim(failure%message) > 0, "the error is another one: "//failure%message)
+   end subroutine expect
+end module test_drift_filter

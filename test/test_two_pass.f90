@@ -1,0 +1,280 @@
+! SPDX-License-Identifier: MIT
+!> Tests of the smoother whose white noise is found from both sides.
+module test_two_pass
+   use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_progress, only : progress_type
+   use gyroakf_filter_components, only : component_model_type
+   use gyroakf_filter_kalman, only : filter_options
+   use gyroakf_filter_smoother, only : smooth_drift
+   use gyroakf_filter_two_pass, only : smooth_adaptive
+   use filter_library, only : fill_noise, make_series
+   use testdrive, only : check, error_type, new_unittest, unittest_type
+   implicit none (type, external)
+   private
+   public :: collect_two_pass
+
+   !> Samples of the series
+   integer, parameter :: n = 12000
+
+   !> Keeps where it was, and ends the call there
+   type, extends(progress_type) :: counting_type
+      integer(int64) :: ends = huge(1_int64), last = 0, total = 0
+      logical :: ordered = .true.
+   contains
+      procedure :: advance => count_calls
+   end type counting_type
+
+contains
+
+   !> The tests of this suite.
+   subroutine collect_two_pass(testsuite)
+      !> The tests
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         & new_unittest("louder_in_the_middle", test_louder), &
+         & new_unittest("constant_noise", test_constant), &
+         & new_unittest("outliers_do_not_leak", test_outliers), &
+         & new_unittest("missing_samples", test_missing), &
+         & new_unittest("both_directions_alike", test_reversed), &
+         & new_unittest("random_walk_with_steps", test_steps), &
+         & new_unittest("told_and_cancelled", test_progress), &
+         & new_unittest("refused", test_refused)]
+   end subroutine collect_two_pass
+
+   !> AR(1) 0.98 of 1e-4, white 4.2e-4.
+   pure function usual_model() result(model)
+      type(component_model_type) :: model
+
+      model%count = 1
+      model%phi(1) = 0.98_dp
+      model%q(1) = 1.0e-4_dp*(1 - 0.98_dp**2)
+      model%r = 4.2e-4_dp
+   end function usual_model
+
+   !> Forgetting, gate, burn-in as the adaptive drift filter has them.
+   pure function usual_options(z) result(options)
+      real(dp), intent(in) :: z(:)
+      type(filter_options) :: options
+
+      options%forgetting = 0.995_dp
+      options%huber = 2.5_dp
+      options%burn_in = -1
+      options%r_scale = 0.5_dp*sum((z(2:) - z(:size(z) - 1))**2)/(size(z) - 1)
+   end function usual_options
+
+   !> The usual series, its noise loud by this factor (in variance) in the middle third.
+   subroutine make_loud(seed, factor, z, drift, white)
+      integer, intent(in) :: seed
+      real(dp), intent(in) :: factor
+      real(dp), intent(out), contiguous :: z(:), drift(:), white(:)
+
+      call make_series(seed, 0.98_dp, 1.0e-4_dp, 4.2e-4_dp, z, drift)
+      white = 4.2e-4_dp
+      white(n/3 + 1:2*n/3) = factor*4.2e-4_dp
+      z = drift + (z - drift)*sqrt(white/4.2e-4_dp)
+   end subroutine make_loud
+
+   !> White noise nine times as strong in the middle third: within 1.03 of the smoother that knows it, the median of five series
+   subroutine test_louder(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      real(dp), allocatable :: z(:), drift(:), white(:), x(:), y(:), v(:), r(:)
+      real(dp) :: ratio(5), plain(5)
+      integer :: seed
+
+      allocate (z(n), drift(n), white(n), x(n), y(n), v(n), r(n))
+      do seed = 1, 5
+         call make_loud(seed, 9.0_dp, z, drift, white)
+         call smooth_drift(usual_model(), [.true.], z, y, failure, white=white)
+         call smooth_drift(usual_model(), [.true.], z, x, failure)
+         plain(seed) = norm2(x - drift)/norm2(y - drift)
+         call smooth_adaptive(usual_model(), [.true.], usual_options(z), z, x, failure, variance=v, white=r)
+         call check(error, .not. allocated(failure), "the smoother failed")
+         if (allocated(error)) return
+         ratio(seed) = norm2(x - drift)/norm2(y - drift)
+         call check(error, sum((x - drift)**2/v)/n, 1.0_dp, thr=0.15_dp)      ! its variance is that of its errors
+         if (allocated(error)) return
+         call check(error, sum(log(r/white))/n, 0.0_dp, thr=0.15_dp)
+         if (allocated(error)) return
+      end do
+      call check(error, count(ratio <= 1.03_dp) >= 3, "the noise is not found")
+      if (allocated(error)) return
+      call check(error, all(plain > 1.1_dp), "the noise does not matter in this test")
+   end subroutine test_louder
+
+   !> Where the noise does not change little is lost
+   subroutine test_constant(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      real(dp), allocatable :: z(:), drift(:), x(:), y(:)
+
+      allocate (z(n), drift(n), x(n), y(n))
+      call make_series(7, 0.98_dp, 1.0e-4_dp, 4.2e-4_dp, z, drift)
+      call smooth_drift(usual_model(), [.true.], z, y, failure)
+      call smooth_adaptive(usual_model(), [.true.], usual_options(z), z, x, failure)
+      call check(error, norm2(x - drift) <= 1.01_dp*norm2(y - drift), "a constant noise is spoilt")
+   end subroutine test_constant
+
+   !> One sample in a hundred 4 to 20 standard deviations off, one very far
+   subroutine test_outliers(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      real(dp), allocatable :: z(:), drift(:), clean(:), x(:), y(:), r(:), u(:)
+      integer :: k
+
+      allocate (z(n), drift(n), x(n), y(n), r(n), u(n))
+      call make_series(8, 0.98_dp, 1.0e-4_dp, 4.2e-4_dp, z, drift)
+      clean = z
+      call fill_noise(9, u)
+      do k = 50, n, 100
+         z(k) = z(k) + sign(4 + 16*modulo(abs(u(k)), 1.0_dp), u(k))*sqrt(4.2e-4_dp)
+      end do
+      call smooth_drift(usual_model(), [.true.], clean, y, failure)
+      call smooth_adaptive(usual_model(), [.true.], usual_options(z), z, x, failure, white=r)
+      call check(error, norm2(x - drift) <= 1.03_dp*norm2(y - drift), "outliers leak into the drift")
+      if (allocated(error)) return
+      z(6000) = 1.0e3_dp
+      call smooth_adaptive(usual_model(), [.true.], usual_options(clean), z, x, failure, white=r)
+      call check(error, norm2(x - drift) <= 1.04_dp*norm2(y - drift), "one sample spoils everything")
+      if (allocated(error)) return
+      call check(error, r(6000) > 1000*r(5999), "the sample still weighs")
+   end subroutine test_outliers
+
+   !> Missing samples as NaN or masked; the drift is there too
+   subroutine test_missing(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      real(dp), allocatable :: z(:), drift(:), white(:), gaps(:), x(:), y(:), r(:)
+      integer(int8), allocatable :: valid(:)
+
+      allocate (z(n), drift(n), white(n), x(n), y(n), r(n), valid(n))
+      call make_loud(10, 9.0_dp, z, drift, white)
+      valid = 1
+      valid(1:7) = 0
+      valid(3000:3200) = 0
+      valid(5000::3) = 0
+      valid(n) = 0
+      gaps = z
+      where (valid == 0) gaps = ieee_value(gaps, ieee_quiet_nan)
+      call smooth_adaptive(usual_model(), [.true.], usual_options(z), z, x, failure, valid)
+      call smooth_adaptive(usual_model(), [.true.], usual_options(z), gaps, y, failure, white=r)
+      call check(error, all(abs(x - y) <= 0), "a mask and NaN differ")
+      if (allocated(error)) return
+      call smooth_drift(usual_model(), [.true.], gaps, y, failure, white=white)
+      call check(error, norm2(x - drift) <= 1.03_dp*norm2(y - drift), "missing samples spoil the noise")
+      if (allocated(error)) return
+      call check(error, all(r > 0) .and. all(abs(x) < 1), "a gap has no noise")
+   end subroutine test_missing
+
+   !> The reversed series gives the reversed drift
+   subroutine test_reversed(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(component_model_type) :: model
+      real(dp), allocatable :: z(:), drift(:), white(:), back(:), x(:), y(:), r(:), s(:)
+
+      allocate (z(n), drift(n), white(n), x(n), y(n), r(n), s(n))
+      call make_loud(11, 9.0_dp, z, drift, white)
+      model = usual_model()
+      model%count = 2
+      model%phi(2) = 1
+      model%q(2) = 1.0e-9_dp
+      z(100) = 5
+      z(n - 3) = -5
+      back = z(n:1:-1)
+      call smooth_adaptive(model, [.true., .true.], usual_options(z), z, x, failure, white=r)
+      call smooth_adaptive(model, [.true., .true.], usual_options(z), back, y, failure, white=s)
+      call check(error, maxval(abs(r - s(n:1:-1))/r) <= 1.0e-10_dp, "the noise depends on the direction of time")
+      if (allocated(error)) return
+      call check(error, maxval(abs(x - y(n:1:-1))) <= 1.0e-9_dp, "the drift depends on the direction of time")
+   end subroutine test_reversed
+
+   !> A walk with steps is not taken for outliers
+   subroutine test_steps(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(component_model_type) :: model
+      real(dp), allocatable :: z(:), drift(:), x(:), y(:), w(:)
+      integer :: k
+
+      allocate (z(n), drift(n), x(n), y(n), w(n))
+      model%count = 1
+      model%phi(1) = 1
+      model%q(1) = 1.0e-6_dp
+      model%r = 4.2e-4_dp
+      call fill_noise(12, z)
+      call fill_noise(13, w)
+      drift(1) = 0
+      do k = 2, n
+         drift(k) = drift(k - 1) + 1.0e-3_dp*w(k)
+         if (mod(k, 2000) == 1000) drift(k) = drift(k) + sign(0.03_dp, w(k))
+      end do
+      z = drift + sqrt(4.2e-4_dp)*z
+      call smooth_drift(model, [.true.], z, y, failure)
+      call smooth_adaptive(model, [.true.], usual_options(z), z, x, failure)
+      call check(error, norm2(x - drift) <= 1.03_dp*norm2(y - drift), "steps are gated away")
+   end subroutine test_steps
+
+   !> The caller is told, in order, and may end it in either pass
+   subroutine test_progress(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(counting_type) :: caller
+      real(dp), allocatable :: z(:), x(:)
+      integer(int64) :: i
+
+      allocate (z(300000), x(300000))
+      call fill_noise(14, z)
+      z = 0.02_dp*z
+      call smooth_adaptive(usual_model(), [.true.], usual_options(z), z, x, failure, progress=caller)
+      call check(error, .not. allocated(failure) .and. caller%last > 0, "nobody is told")
+      if (allocated(error)) return
+      do i = 1, 3
+         caller = counting_type(ends=i*150000)
+         call smooth_adaptive(usual_model(), [.true.], usual_options(z), z, x, failure, progress=caller)
+         call check(error, allocated(failure) .and. caller%ordered, "the call is not ended")
+         if (allocated(error)) return
+         call check(error, failure%code, status%cancelled)
+         if (allocated(error)) return
+      end do
+   end subroutine test_progress
+
+   !> Ends the first stage at a sample.
+   subroutine count_calls(self, stage, done, total, cancel)
+      class(counting_type), intent(inout) :: self
+      character(*), intent(in) :: stage
+      integer(int64), intent(in) :: done, total
+      logical, intent(out) :: cancel
+
+      if (stage == "weighing the samples") self%ordered = self%ordered .and. done >= self%last .and. done <= total
+      self%last = done
+      cancel = stage == "weighing the samples" .and. done >= self%ends
+   end subroutine count_calls
+
+   !> What the filter and the smoother refuse
+   subroutine test_refused(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(filter_options) :: options
+      real(dp) :: z(10), x(10), nothing(0), y(0)
+
+      z = 1
+      call smooth_adaptive(usual_model(), [.true., .true.], options, z, x, failure)
+      call check(error, allocated(failure), "two words for one process")
+      if (allocated(error)) return
+      call smooth_adaptive(usual_model(), [.true.], options, z, x(:9), failure)
+      call check(error, allocated(failure), "a short output")
+      if (allocated(error)) return
+      call smooth_adaptive(usual_model(), [.true.], options, nothing, y, failure)
+      call check(error, allocated(failure), "no samples at all")
+      if (allocated(error)) return
+      z = ieee_value(z, ieee_quiet_nan)
+      call smooth_adaptive(usual_model(), [.true.], options, z, x, failure)
+      call check(error, allocated(failure), "no measurement")
+      if (allocated(error)) return
+      call check(error, failure%code, status%too_few_samples)
+   end subroutine test_refused
+end module test_two_pass
