@@ -91,7 +91,8 @@ module gyroakf
    use gyroakf_ar_arma_likelihood, only : arma_log_likelihood
    use gyroakf_ar_arma_model, only : fit_arma
    use gyroakf_ar_lag_stream, only : lag_stream_type, begin_lag_stream, feed_lag_stream, finish_lag_stream
-   use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, design_drift_kf, design_drift_akf
+   use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, design_drift_kf, design_drift_akf, &
+      adaptive_drift
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, channel_result_type, available_type, allan_result_type, &
       stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, stage, stage_names, apply_preset, &
       run_pipeline, run_streamed, check_filter, filter_streamed, series_sink_type, tell_memory, minimum_samples

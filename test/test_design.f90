@@ -4,7 +4,9 @@ module test_design
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
-   use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, design_drift_kf, design_drift_akf
+   use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, design_drift_kf, design_drift_akf, &
+      adaptive_drift
+   use gyroakf_filter_drift_identification, only : drift_identification_options, drift_identification_type, identify_drift_model
    use gyroakf_filter_identification, only : drift_model_type, identify_drift
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, run_filter
    use gyroakf_filter_series, only : filter_result_type, filter_series
@@ -31,6 +33,7 @@ contains
          & new_unittest("white_model", test_white), &
          & new_unittest("drift_filters", test_drift), &
          & new_unittest("drift_with_jumping_noise", test_jump), &
+         & new_unittest("identified_by_likelihood", test_identified), &
          & new_unittest("unstable_model", test_unstable), &
          & new_unittest("unstable_by_hand", test_unstable_by_hand), &
          & new_unittest("refused", test_refused)]
@@ -285,6 +288,53 @@ contains
       call run_filter(filter, z, x)
       call check(error, norm2(x - drift) <= 1.05_dp*best, "R is not followed")
    end subroutine test_jump
+
+   !> As test_drift with the model of identify_drift_model, and what the adaptive filter is made of
+   subroutine test_identified(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(drift_identification_type) :: found, wrong
+      type(filter_options) :: options
+      type(filter_type) :: filter
+      real(dp) :: z(6000), x(6000), drift(6000), best, differences
+      integer :: power
+
+      call make_series(101, 0.98_dp, 1.0e-4_dp, 4.2e-4_dp, z, drift)
+      call new_filter(filter, [0.98_dp], 1.0e-4_dp*0.0396_dp, 4.2e-4_dp, filter_options(), failure)
+      call run_filter(filter, z, x)
+      best = norm2(x - drift)
+      call design_drift_kf(found, filter, failure)
+      call check(error, allocated(failure), "a drift that was not found is filtered")
+      if (allocated(error)) return
+      call identify_drift_model(z, drift_identification_options(), found, failure)
+      call check(error, found%found, "the drift is not found")
+      if (allocated(error)) return
+      call design_drift_kf(found, filter, failure)
+      call run_filter(filter, z, x)
+      call check(error, norm2(x - drift) <= 1.03_dp*best, "the fixed filter")
+      if (allocated(error)) return
+      call check(error, filter%drift_model%count == found%model%count .and. .not. filter%adaptive, "another model is filtered")
+      if (allocated(error)) return
+      differences = sum((z(2:) - z(:5999))**2)/5999
+      do power = -3, 3, 3
+         wrong = found
+         wrong%model%r = found%model%r*10.0_dp**power
+         call design_drift_akf(wrong, differences, drift_options(), filter, failure)
+         call check(error, filter%wait >= 20 .and. filter%wait <= 600, "the burn-in takes more than a tenth")
+         if (allocated(error)) return
+         call run_filter(filter, z, x)
+         call check(error, norm2(x - drift) <= 1.08_dp*best, "the adaptive filter")
+         if (allocated(error)) return
+      end do
+      options = adaptive_drift(drift_options(), 0.5_dp*differences)
+      call check(error, filter%r_bounds(1), 0.5_dp*differences*options%r_lower, thr=1.0e-12_dp, rel=.true.)
+      if (allocated(error)) return
+      found%found = .false.
+      call design_drift_akf(found, differences, drift_options(), filter, failure)
+      call check(error, allocated(failure), "a drift that was not found is followed")
+      if (allocated(error)) return
+      call check(error, failure%code, status%invalid_argument)
+   end subroutine test_identified
 
    subroutine test_refused(error)
       type(error_type), allocatable, intent(out) :: error

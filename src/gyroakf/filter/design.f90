@@ -3,18 +3,21 @@
 !>
 !> The paper's family takes the AR(p) model of the series itself as the state and adds measurement noise to
 !> it: `design_kf`, `design_akf`. The recommended family takes drift plus white noise as identified from the
-!> record: `design_drift_kf`, `design_drift_akf`.
+!> record: `design_drift_kf`, `design_drift_akf`, with the model of `identify_drift_model` (random walk, AR(1), both) or, simpler, of
+!> `identify_drift` (one AR(1) process).
 module gyroakf_filter_design
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_ar_model, only : ar_model_type
    use gyroakf_ar_roots, only : largest_modulus
+   use gyroakf_filter_drift_filter, only : new_drift_filter
+   use gyroakf_filter_drift_identification, only : drift_identification_type
    use gyroakf_filter_identification, only : drift_model_type
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter
    implicit none (type, external)
    private
    public :: design_options, design_kf, design_akf
-   public :: drift_options, design_drift_kf, design_drift_akf
+   public :: drift_options, design_drift_kf, design_drift_akf, adaptive_drift
 
    !> Bounds of Q in the paper's form, multiples of sigma_a^2. The form rests near 0.16 sigma_a^2 on an AR(1)
    !> series, so they act only on series of another kind.
@@ -49,6 +52,19 @@ module gyroakf_filter_design
       !> Gate in standard deviations, 0: none
       real(dp) :: huber = 2.5_dp
    end type drift_options
+
+   !> The fixed filter of drift plus white noise, with the identified values
+   interface design_drift_kf
+      module procedure design_kf_of_drift, design_kf_of_ar
+   end interface design_drift_kf
+
+   !> The adaptive filter of drift plus white noise: R only, by residuals, burn-in, Huber's gate.
+   !>
+   !> The bounds of R hang on half the variance of the differences, never on the R it starts from: a wrong
+   !> start is forgotten.
+   interface design_drift_akf
+      module procedure design_akf_of_drift, design_akf_of_ar
+   end interface design_drift_akf
 
 contains
 
@@ -126,8 +142,23 @@ contains
       call shorten_burn_in(filter, model%samples)
    end subroutine design_akf
 
-   !> The fixed filter of drift plus white noise, with the identified values.
-   subroutine design_drift_kf(model, filter, error)
+   !> The fixed filter of an identified drift.
+   subroutine design_kf_of_drift(drift, filter, error)
+      !> As identify_drift_model found it
+      type(drift_identification_type), intent(in) :: drift
+      !> The filter; its output is the sum of the slow processes
+      type(filter_type), intent(out) :: filter
+      !> invalid_argument: no drift was found; those of new_drift_filter
+      type(error_type), allocatable, intent(out) :: error
+      type(filter_options) :: plain
+
+      call check_found(drift%found, error)
+      if (allocated(error)) return
+      call new_drift_filter(filter, drift%model, drift%slow(:drift%model%count), plain, error)
+   end subroutine design_kf_of_drift
+
+   !> The fixed filter of one AR(1) process.
+   subroutine design_kf_of_ar(model, filter, error)
       !> As identify_drift found it
       type(drift_model_type), intent(in) :: model
       !> The filter; its output is the drift
@@ -136,16 +167,33 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(filter_options) :: plain
 
-      call check_drift(model, error)
+      call check_found(model%found, error)
       if (allocated(error)) return
       call new_filter(filter, [model%phi], model%process_variance, model%measurement_variance, plain, error)
-   end subroutine design_drift_kf
+   end subroutine design_kf_of_ar
 
-   !> The adaptive filter of drift plus white noise: R only, by residuals, burn-in, Huber's gate.
-   !>
-   !> The bounds of R hang on half the variance of the differences, never on the R it starts from: a wrong
-   !> start is forgotten.
-   subroutine design_drift_akf(model, difference_variance, options, filter, error)
+   !> The adaptive filter of an identified drift.
+   subroutine design_akf_of_drift(drift, difference_variance, options, filter, error)
+      !> As identify_drift_model found it
+      type(drift_identification_type), intent(in) :: drift
+      !> Variance of the series' differences; 0: that of the model
+      real(dp), intent(in) :: difference_variance
+      !> Forgetting factor and gate
+      type(drift_options), intent(in) :: options
+      !> The filter; its output is the sum of the slow processes
+      type(filter_type), intent(out) :: filter
+      !> invalid_argument: no drift was found; those of new_drift_filter
+      type(error_type), allocatable, intent(out) :: error
+
+      call check_found(drift%found, error)
+      if (allocated(error)) return
+      call new_drift_filter(filter, drift%model, drift%slow(:drift%model%count), &
+                            adaptive_drift(options, 0.5_dp*difference_variance), error)
+      if (.not. allocated(error)) call shorten_burn_in(filter, drift%of_samples)
+   end subroutine design_akf_of_drift
+
+   !> The adaptive filter of one AR(1) process.
+   subroutine design_akf_of_ar(model, difference_variance, options, filter, error)
       !> As identify_drift found it
       type(drift_model_type), intent(in) :: model
       !> Variance of the series' differences; 0: that of the model
@@ -156,23 +204,33 @@ contains
       type(filter_type), intent(out) :: filter
       !> invalid_argument: no drift was found; those of new_filter
       type(error_type), allocatable, intent(out) :: error
+      real(dp) :: scale
+
+      call check_found(model%found, error)
+      if (allocated(error)) return
+      scale = 0.5_dp*difference_variance
+      if (.not. difference_variance > 0.0_dp) scale = model%measurement_variance + model%drift_variance*(1.0_dp - model%phi)
+      call new_filter(filter, [model%phi], model%process_variance, model%measurement_variance, &
+                      adaptive_drift(options, scale), error)
+      if (.not. allocated(error)) call shorten_burn_in(filter, model%samples)
+   end subroutine design_akf_of_ar
+
+   !> What an adaptive drift filter does; the smoother from both sides (`smooth_adaptive`) takes the same.
+   pure function adaptive_drift(options, scale) result(adaptive)
+      !> Forgetting factor and gate
+      type(drift_options), intent(in) :: options
+      !> Half the variance of the differences; 0: that of the model
+      real(dp), intent(in) :: scale
       type(filter_options) :: adaptive
 
-      call check_drift(model, error)
-      if (allocated(error)) return
       adaptive%estimate_measurement_variance = .true.
       adaptive%forgetting = options%forgetting
       adaptive%huber = options%huber
       adaptive%burn_in = -1
-      adaptive%r_scale = 0.5_dp*difference_variance
-      if (.not. difference_variance > 0.0_dp) adaptive%r_scale = model%measurement_variance &
-                                                                 + model%drift_variance*(1.0_dp - model%phi)
+      adaptive%r_scale = scale
       adaptive%r_lower = robust_r_bounds(1)
       adaptive%r_upper = robust_r_bounds(2)
-      call new_filter(filter, [model%phi], model%process_variance, model%measurement_variance, adaptive, error)
-      if (allocated(error)) return
-      call shorten_burn_in(filter, model%samples)
-   end subroutine design_drift_akf
+   end function adaptive_drift
 
    !> Whether a series stands behind the model, and one that is stationary.
    subroutine check_model(model, error)
@@ -203,15 +261,15 @@ contains
    end subroutine check_model
 
    !> Whether a drift was identified.
-   subroutine check_drift(model, error)
-      !> The model
-      type(drift_model_type), intent(in) :: model
+   subroutine check_found(found, error)
+      !> The answer
+      logical, intent(in) :: found
       !> invalid_argument
       type(error_type), allocatable, intent(out) :: error
 
-      if (.not. model%found) call fatal_error(error, status%invalid_argument, &
-                                              "no drift slower than the limit was identified: there is nothing to filter")
-   end subroutine check_drift
+      if (.not. found) call fatal_error(error, status%invalid_argument, &
+                                        "no drift slower than the limit was identified: there is nothing to filter")
+   end subroutine check_found
 
    !> Flags from letters.
    subroutine set_estimate(letters, usual, options, error)
