@@ -1,18 +1,32 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Time of a filter step, here and in filterpy (in a private environment, made on first use): ./run.sh
+# Processor time of a filter step on one core: of the library, from Fortran and from C, and of filterpy and statsmodels (in a private
+# environment, made on first use) in the same run: ./run.sh
 set -eu
 cd "$(dirname "$0")"
+root=$(cd ../.. && pwd)
 venv=${XDG_CACHE_HOME:-$HOME/.cache}/gyroakf/bench-filter
-if [ ! -x "$venv/bin/python" ] || ! "$venv/bin/python" -c "import filterpy" 2>/dev/null; then
+if ! "$venv/bin/python" -c "import filterpy, statsmodels" 2>/dev/null; then
   python3 -m venv "$venv"
-  "$venv/bin/pip" install --quiet numpy scipy matplotlib setuptools wheel
+  "$venv/bin/pip" install --quiet numpy scipy matplotlib setuptools wheel 'statsmodels==0.15.0'
   "$venv/bin/pip" install --quiet --no-build-isolation filterpy==1.4.5
 fi
 mkdir -p build
-echo "                      ns a step   median  fastest"
-../../setup.sh fpm run bench_filter 2>/dev/null | grep -E '[0-9]\.[0-9]' | tee build/lines
-theirs=$("$venv/bin/python" filterpy_step.py)
-ours=$(sed -nE 's/^ *Kalman, scalar +([0-9.]+).*/\1/p' build/lines)
-printf '%28s%9s\n' "filterpy, scalar" "$theirs"
-awk -v a="$theirs" -v b="$ours" 'BEGIN { printf "%28s%9.0f\n", "filterpy over gyroakf", a/b }'
+(cd "$root" && ./setup.sh fpm install --prefix "$root/bench/filter/build/prefix" >/dev/null 2>&1)
+gcc -O2 -I"$root/c_api/include" -c c/step.c -o build/step.o
+gcc -fopenmp build/step.o -Lbuild/prefix/lib -lgyroakf -llapack -lblas -lgfortran -lm -ldl -o build/step
+{
+  echo "ns a step"
+  ../../setup.sh fpm run bench_filter 2>/dev/null | grep -E 'median|[0-9]\.[0-9]'
+  build/step
+  OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 "$venv/bin/python" compare.py
+} | tee build/lines
+awk '
+  /^Fortran/ { from = "run" } /^C, step/ { from = "step" }
+  /^Kalman +[0-9]/ { ours[from] = $2 }
+  /^filterpy/ { theirs["step"] = $5 }
+  /^statsmodels/ { theirs["run"] = $4 }
+  END {
+    printf "filterpy over gyroakf, step by step    %9.0f\n", theirs["step"]/ours["step"]
+    printf "statsmodels over gyroakf, a series     %9.0f\n", theirs["run"]/ours["run"]
+  }' build/lines
