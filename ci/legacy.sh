@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# The FORTRAN 77 names: the example compiled as old code is, its output as c_api/README.md shows it, and the tests of a C caller.
+#
+#   ci/legacy.sh [LIBRARY]        libgyroakf.a; default: fpm's, installed into build/legacy
+#
+# The last line is "N passed, N failed".
+set -u
+cd "$(dirname "$0")/.." || exit 1
+out=build/legacy
+mkdir -p "$out"
+library=${1-}
+if [ -z "$library" ]; then
+  ./setup.sh fpm install --prefix "$out" >/dev/null || exit 1
+  library=$out/lib/libgyroakf.a
+fi
+passed=0
+failed=0
+result() { # NAME CODE
+  if [ "$2" -eq 0 ]; then passed=$((passed + 1)); else failed=$((failed + 1)); echo "FAILED: $1"; fi
+}
+
+gfortran -std=legacy -Wall -Werror -fopenmp c_api/legacy/nav.f "$library" -llapack -lblas -o "$out/nav"
+result "nav.f compiles as FORTRAN 77" $?
+"$out/nav" example/data/mems_gyro_x.txt >"$out/nav.txt"
+result "nav runs" $?
+missing=$(grep -vxFf c_api/README.md "$out/nav.txt")
+[ -s "$out/nav.txt" ] && [ -z "$missing" ]
+result "c_api/README.md shows what nav prints: $missing" $?
+"$out/nav" no-such-file >/dev/null 2>"$out/nav.err"
+grep -q 'cannot be opened' "$out/nav.err"
+result "nav says that a recording is missing" $?
+
+gcc -std=c99 -O2 -Wall -Wextra -pedantic -Werror -Ic_api/include -c c_api/legacy/caller.c -o "$out/caller.o" &&
+  gfortran -fopenmp "$out/caller.o" "$library" -llapack -lblas -o "$out/caller"
+result "caller.c compiles" $?
+# sums of several threads may differ in the last bit
+sums=$(OMP_NUM_THREADS=1 "$out/caller")
+result "caller runs" $?
+grep -v ' passed, ' <<<"$sums"
+read -r more worse < <(sed -nE 's/^([0-9]+) passed, ([0-9]+) failed$/\1 \2/p' <<<"$sums")
+echo "$((passed + ${more:-0})) passed, $((failed + ${worse:-1})) failed"
+[ $((failed + ${worse:-1})) -eq 0 ]
