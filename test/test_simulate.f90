@@ -26,7 +26,7 @@ contains
    subroutine collect_simulate(testsuite)
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
-      allocate (testsuite(18))
+      allocate (testsuite(19))
       testsuite(1) = new_unittest("quantisation-noise", test_q)
       testsuite(2) = new_unittest("angle-random-walk", test_n)
       testsuite(3) = new_unittest("bias-instability", test_b)
@@ -45,6 +45,7 @@ contains
       testsuite(16) = new_unittest("example-file", test_example)
       testsuite(17) = new_unittest("failures", test_failures)
       testsuite(18) = new_unittest("failures-of-lists", test_list_failures)
+      testsuite(19) = new_unittest("truth", test_truth)
    end subroutine collect_simulate
 
    !> 3 Q^2/tau^2, exact at every m
@@ -534,5 +535,41 @@ contains
       end do
       flicker_variance = flicker_variance/(2*real(m, dp)**2*terms)
    end function flicker_variance
+
+   !> The true drift is the record without white noise, quantisation, outliers, rounding and losses.
+   subroutine test_truth(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(simulate_options) :: options
+      type(record_type) :: smooth, record, truth
+      type(gyro_error), allocatable :: failure
+
+      options%samples = 3000
+      options%coefficient(3:5) = [0.01_dp, 1.0e-3_dp, 1.0e-5_dp]
+      options%ar = [0.9_dp]
+      options%ar_variance = 1.0e-4_dp
+      options%trend = [0.1_dp, -1.0e-6_dp]
+      options%offset = 0.3_dp
+      call simulate_record(options, smooth, failure, truth)
+      call check(error, .not. allocated(failure))
+      if (allocated(error)) return
+      call check(error, maxval(abs(smooth%value - truth%value)) <= 0, "nothing but drift")
+      if (allocated(error)) return
+      options%coefficient(:2) = [1.0e-3_dp, 0.02_dp]
+      options%outliers = 20
+      options%outlier_size = 10
+      options%quantisation = 1.0e-3_dp
+      options%missing = 0.1_dp
+      options%unit = "deg/h"
+      call simulate_record(options, record, failure, truth)
+      call check(error, .not. allocated(failure))
+      if (allocated(error)) return
+      call check(error, maxval(abs(smooth%value - truth%value)) <= 0, "what is added is no drift")
+      if (allocated(error)) return
+      call check(error, maxval(abs(record%value - truth%value)) > 0.1_dp, "it was added")
+      if (allocated(error)) return
+      call check(error, .not. allocated(truth%present) .and. allocated(record%present), "known where samples are lost")
+      if (allocated(error)) return
+      call check(error, truth%unit%name == "deg/h" .and. abs(truth%sample_interval - 0.2_dp) <= 0, "its unit and rate")
+   end subroutine test_truth
 
 end module test_simulate

@@ -92,17 +92,41 @@ contains
    end function paper_preset
 
    !> Makes a record of one channel, "gx".
-   subroutine simulate_record(options, record, error)
+   !>
+   !> Its true drift is what moves slowly or stays: 1/f noise B, random walk K, ramp R, the AR process, trend and offset; not
+   !> quantisation noise Q and white noise N, outliers and rounding. It is known where samples are lost, too.
+   subroutine simulate_record(options, record, error, truth)
       !> What to simulate
       type(simulate_options), intent(in) :: options
       !> The record; `format` is "simulated", `present` is allocated where samples were lost
       type(record_type), intent(out) :: record
       !> invalid_argument: an option out of its range or an unknown unit; unstable: the AR model is not stationary; no_memory
       type(error_type), allocatable, intent(out) :: error
-      integer :: stat
+      !> The true drift, on the same grid
+      type(record_type), intent(out), optional :: truth
 
       call check_options(options, error)
       if (allocated(error)) return
+      call begin_record(options, record, error)
+      if (.not. allocated(error)) call add_noise(options, .true., record%value(:, 1), error)
+      if (.not. allocated(error)) call add_disturbances(options, record, error)
+      if (allocated(error)) return
+      call audit_record(record)
+      if (.not. present(truth)) return
+      call begin_record(options, truth, error)
+      if (.not. allocated(error)) call add_noise(options, .false., truth%value(:, 1), error)
+      if (allocated(error)) return
+      call add_deterministic(options, truth%sample_interval, truth%value(:, 1))
+      call audit_record(truth)
+   end subroutine simulate_record
+
+   !> A record of zeros.
+   subroutine begin_record(options, record, error)
+      type(simulate_options), intent(in) :: options
+      type(record_type), intent(out) :: record
+      type(error_type), allocatable, intent(out) :: error
+      integer :: stat
+
       if (allocated(options%unit)) then
          call parse_unit(options%unit, record%unit, error)
       else
@@ -121,14 +145,13 @@ contains
       record%rate_source = "option"
       record%unit_source = "option"
       call add_text(record%channel, "gx")
-      call add_noise(options, record%value(:, 1), error)
-      if (.not. allocated(error)) call add_disturbances(options, record, error)
-      if (.not. allocated(error)) call audit_record(record)
-   end subroutine simulate_record
+   end subroutine begin_record
 
    !> The noise terms that are switched on, each from its stream.
-   subroutine add_noise(options, x, error)
+   subroutine add_noise(options, fast, x, error)
       type(simulate_options), intent(in) :: options
+      !> With what is no drift: Q and N
+      logical, intent(in) :: fast
       real(dp), intent(inout), contiguous :: x(:)
       type(error_type), allocatable, intent(out) :: error
       type(random_type) :: random
@@ -136,11 +159,11 @@ contains
 
       t0 = 1/options%rate_hz
       associate (c => options%coefficient)
-         if (c(1) > 0) then
+         if (fast .and. c(1) > 0) then
             call seed_random(random, options%seed, stream_q)
             call add_quantisation_noise(x, c(1), t0, random)
          end if
-         if (c(2) > 0) then
+         if (fast .and. c(2) > 0) then
             call seed_random(random, options%seed, stream_n)
             call add_white(x, c(2), t0, random)
          end if
@@ -176,9 +199,7 @@ contains
             call add_outliers(x, options%outliers, options%outlier_size, random, error)
             if (allocated(error)) return
          end if
-         if (abs(options%coefficient(5)) > 0) call add_ramp(x, options%coefficient(5), record%sample_interval)
-         if (allocated(options%trend)) call add_polynomial(x, options%trend)
-         if (abs(options%offset) > 0) call add_polynomial(x, [options%offset])
+         call add_deterministic(options, record%sample_interval, x)
          if (options%quantisation > 0) call round_to_step(x, options%quantisation)
          if (options%missing > 0) then
             allocate (record%present(options%samples, 1), stat=stat)
@@ -192,6 +213,18 @@ contains
          end if
       end associate
    end subroutine add_disturbances
+
+   !> Ramp, trend, offset.
+   subroutine add_deterministic(options, t0, x)
+      type(simulate_options), intent(in) :: options
+      !> Sample interval, s
+      real(dp), intent(in) :: t0
+      real(dp), intent(inout), contiguous :: x(:)
+
+      if (abs(options%coefficient(5)) > 0) call add_ramp(x, options%coefficient(5), t0)
+      if (allocated(options%trend)) call add_polynomial(x, options%trend)
+      if (abs(options%offset) > 0) call add_polynomial(x, [options%offset])
+   end subroutine add_deterministic
 
    !> Counts, range and smallest step, as a reader would find them.
    pure subroutine audit_record(record)
