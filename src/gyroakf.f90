@@ -73,6 +73,9 @@ module gyroakf
    use gyroakf_filter_identification, only : drift_model_type, identify_drift
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_likelihood, only : component_likelihood
+   use gyroakf_filter_innovation_window, only : filter_innovation_window, innovation_window_options
+   use gyroakf_filter_variational_bayes, only : filter_variational_bayes, variational_options
+   use gyroakf_filter_moving_average, only : moving_average
    use gyroakf_filter_score, only : score_estimate, score_times, score_type
    use gyroakf_filter_smoother, only : smooth_drift
    use gyroakf_filter_drift_filter, only : new_drift_filter

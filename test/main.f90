@@ -42,6 +42,9 @@ program test_main
    use test_filter_series, only : collect_filter_series
    use test_identification, only : collect_identification
    use test_likelihood, only : collect_likelihood
+   use test_innovation_window, only : collect_innovation_window
+   use test_variational_bayes, only : collect_variational_bayes
+   use test_moving_average, only : collect_moving_average
    use test_score, only : collect_score
    use test_smoother, only : collect_smoother
    use test_drift_fit, only : collect_drift_fit
@@ -138,6 +141,9 @@ program test_main
    call add("identification", collect_identification)
    call add("likelihood", collect_likelihood)
    call add("score", collect_score)
+   call add("moving_average", collect_moving_average)
+   call add("variational_bayes", collect_variational_bayes)
+   call add("innovation_window", collect_innovation_window)
    call add("smoother", collect_smoother)
    call add("drift_fit", collect_drift_fit)
    call add("drift_identification", collect_drift_identification)

@@ -8,8 +8,8 @@
 !>    \vartheta_w = t_0 \sum_{j=1}^{m} (\phi^j \hat x_w - b_{w,j}), \quad \mathrm{attitude} = \sqrt{\overline{\theta_w^2}} $$
 !> Two errors of the angle after the time T follow. Compensated: the rate is corrected by the estimate as it runs; the angle gains
 !> theta_w. Predicted: nothing is measured any more once the window begins (the vehicle turns), the last estimate before it is
-!> carried on by the model, x phi^j (held, where phi = 1), against the true drift b; the angle gains vartheta_w. A window counts where at
-!> least nine tenths of its samples do; its sum is then that of those, over their share.
+!> carried on by the model, x phi^j (held, where phi = 1), against the true drift b; the angle gains vartheta_w. A window counts
+!> where at least nine tenths of its samples do; its sum is then that of those, over their share.
 module gyroakf_filter_score
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
