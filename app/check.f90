@@ -45,6 +45,11 @@ contains
             return
          end if
          call check_record(config%record, error)
+         if (allocated(error) .or. .not. allocated(config%truth)) return
+         if (without_dot(config%truth) == without_dot(config%output)) then
+            call usage_error(error, "--output and --truth name the same file '"//config%truth//"'")
+            return
+         end if
       end select
       if (allocated(error)) return
       select type (config)
@@ -81,6 +86,10 @@ contains
       if (allocated(error)) return
       select type (config)
       type is (analysis_config)
+         if (allocated(config%truth)) then
+            call usage_error(error, "--truth is that of one recording; many files have one each: give them one by one")
+            return
+         end if
          if (.not. allocated(config%kalibr)) return
          if (.not. allocated(config%out)) then
             call usage_error(error, "--kalibr with many files needs --out: it is written into the folder of each")
@@ -108,6 +117,7 @@ contains
          if (path == "" .and. allocated(config%out) .and. .not. has_many_files(config)) path = existing_result(config%out)
       type is (simulate_config)
          if (path == "") path = existing(config%output)
+         if (path == "") path = existing(config%truth)
       end select
       select type (config)
       type is (analysis_config)
@@ -148,6 +158,7 @@ contains
       select type (config)
       type is (analysis_config)
          call check_target(config, "--kalibr", config%kalibr, error)
+         if (.not. allocated(error)) call check_source(config, error)
          if (allocated(error)) return
          if (allocated(config%json) .and. allocated(config%kalibr)) then
             if (without_dot(config%json) == without_dot(config%kalibr)) then
@@ -160,6 +171,20 @@ contains
       if (is_result(config%out, config%path)) call usage_error(error, "--out would overwrite the recording '"// &
                                                                without_dot(config%path)//"'")
    end subroutine check_outputs
+
+   !> The true drift is not overwritten by a result.
+   subroutine check_source(config, error)
+      type(analysis_config), intent(in) :: config
+      type(error_type), allocatable, intent(out) :: error
+      logical :: overwritten
+
+      if (.not. allocated(config%truth)) return
+      overwritten = .false.
+      if (allocated(config%json)) overwritten = without_dot(config%json) == without_dot(config%truth)
+      if (allocated(config%kalibr)) overwritten = overwritten .or. without_dot(config%kalibr) == without_dot(config%truth)
+      if (allocated(config%out)) overwritten = overwritten .or. is_result(config%out, config%truth)
+      if (overwritten) call usage_error(error, "a result would overwrite the true drift '"//config%truth//"'")
+   end subroutine check_source
 
    !> A file that is to be written: not the recording, not one that --out writes.
    subroutine check_target(config, option, target, error)

@@ -176,13 +176,14 @@ contains
       type(words_type), intent(in) :: words
       integer(int64), intent(in) :: seed
       character(:), allocatable :: origin
+      character(8), parameter :: not_of_the_record(3) = [character(8) :: "--output", "--truth", "--seed"]
       character(20) :: digits
       integer :: i
 
       origin = "gyroakf simulate"
       do i = 1, words%used
          associate (option => options(find_option(options(words%given(i)%row)%name, "simulate")))
-            if (option%group /= "record" .or. option%name == "--output" .or. option%name == "--seed") cycle
+            if (option%group /= "record" .or. any(option%name == not_of_the_record)) cycle
             origin = origin//" "//trim(option%name)//" "//shell_word(words%given(i)%value)
          end associate
       end do

@@ -64,6 +64,8 @@ module gyroakf_app_config
       character(:), allocatable :: plot
       !> File of Kalibr's imu.yaml; unallocated: none
       character(:), allocatable :: kalibr
+      !> File of the true drift; unallocated: none
+      character(:), allocatable :: truth
    end type analysis_config
 
    !> simulate
@@ -72,6 +74,8 @@ module gyroakf_app_config
       type(simulate_options) :: record
       !> Its file, "-" is standard output
       character(:), allocatable :: output
+      !> File of the true drift; unallocated: none
+      character(:), allocatable :: truth
       !> Significant digits; 0: as few as read back to the same numbers
       integer :: digits = 0
       !> The command line that makes the same record again, the seed included

@@ -103,16 +103,25 @@ contains
       type(simulate_config), intent(in) :: config
       type(bar_type), intent(inout) :: bar
       type(error_type), allocatable, intent(out) :: error
-      type(record_type) :: record
+      type(record_type) :: record, truth
       type(text_type) :: header(1)
 
-      call simulate_record(config%record, record, error)
+      if (allocated(config%truth)) then
+         call simulate_record(config%record, record, error, truth)
+      else
+         call simulate_record(config%record, record, error)
+      end if
       if (allocated(error)) then
          if (error%code /= status%no_memory) error%code = status%usage
          return
       end if
+      if (config%output /= "-" .or. allocated(config%truth)) call guard_files()
+      if (allocated(config%truth)) then
+         header(1)%text = "the true drift of: "//config%origin
+         call write_record(config%truth, truth, header, config%digits, error, bar)
+         if (allocated(error)) return
+      end if
       header(1)%text = "made by: "//config%origin
-      if (config%output /= "-") call guard_files()
       call write_record(config%output, record, header, config%digits, error, bar)
    end subroutine simulate
 

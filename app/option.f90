@@ -186,7 +186,9 @@ module gyroakf_app_option
       option_type("--rounding", "X", "positive", "simulate", "record", "round the values to multiples of X"), &
       option_type("--missing", "P", "real", "simulate", "record", "share of the samples lost at random, 0 to 0.9"), &
       option_type("--output", "FILE", "text", "simulate", "record", &
-                  "write FILE instead of standard output; FILE.npy and FILE.f64 are binary")]
+                  "write FILE instead of standard output; FILE.npy and FILE.f64 are binary"), &
+      option_type("--truth", "FILE", "text", "simulate", "record", &
+                  "write the true drift too: all but quantisation and white noise (Q, N), outliers, rounding and losses")]
 
    type(option_type), parameter :: common_options(*) = [ &
       option_type("--out", "DIR", "text", reading, "output", &
@@ -203,6 +205,9 @@ module gyroakf_app_option
                   "time, and of each channel raw, cleaned, kf, akf)"), &
       option_type("--digits", "N", "natural", "run filter simulate", "output", &
                   "significant digits of series and records as text (default 0: as few as read back to the same number)"), &
+      option_type("--truth", "FILE", "text", "run filter", "output", &
+                  "the true drift (simulate --truth, a reference sensor) on the record's grid: every filter, and others, "// &
+                  "are scored against it"), &
       option_type("--force", "", "flag", every, "output", "overwrite results that are there already (default: keep them)"), &
       option_type("--quiet", "", "flag", reading, "output", "print no report"), &
       option_type("--list", "FILE", "text", reading, "work", &
@@ -223,8 +228,7 @@ module gyroakf_app_option
       option_type("--citation", "", "flag", every, "common", "what to cite"), &
       option_type("--man", "", "flag", every, "common", "the manual page, for man -l -"), &
       option_type("--completion", "bash|zsh|fish", "choice", every, "common", "a script that completes commands, options and "// &
-                  "their words"), &
-      option_type("--truth", "FILE", "later", none)]
+                  "their words")]
 
    !> All options
    type(option_type), parameter :: options(*) = [input_options, series_options, record_options, common_options]

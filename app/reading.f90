@@ -15,12 +15,15 @@ module gyroakf_app_reading
    use gyroakf_report_series_file, only : open_series_file, series_file_type
    use gyroakf_app_config, only : analysis_config, inspect_config
    use gyroakf_app_interrupt, only : guard_files, release_files
+   use gyroakf_app_truth, only : read_truth
    implicit none (type, external)
    private
    public :: find_bound, read_and_look, read_and_run
 
    !> Share of the memory that can be had which a recording may take
    real(dp), parameter :: usable_share = 0.95_dp
+   !> Bytes a sample that a true drift takes: as read, less the trend, an estimate to compare with, the integral for its length
+   integer(int64), parameter :: truth_bytes = 40
 
 contains
 
@@ -74,12 +77,15 @@ contains
       type(writer_type), intent(inout) :: series
       type(reader_options) :: reader
       type(recording_type) :: recording
+      type(record_type) :: truth
 
       reader = config%reader
       call tell_memory(config%pipeline, reader%work_bytes, reader%channel_bytes, reader%part_bytes, &
                        reader%part_samples)
+      if (allocated(config%truth)) reader%work_bytes = reader%work_bytes + truth_bytes
       call find_bound(reader)
-      if ((config%command == "allan" .or. config%command == "filter") .and. .not. config%shared) then
+      if ((config%command == "allan" .or. config%command == "filter") .and. &
+          .not. (config%shared .or. allocated(config%truth))) then
          call open_recording(config%path, reader, recording, error)
          if (.not. allocated(error)) call hold_rows(recording, error, progress)
          if (allocated(error)) then
@@ -96,7 +102,13 @@ contains
          call read_record(config%path, reader, record, error, progress)
       end if
       if (.not. allocated(error) .and. allocated(config%kalibr)) call check_kalibr(record, error)
-      if (.not. allocated(error) .and. .not. record%streamed) call run_pipeline(record, config%pipeline, result, error, progress)
+      if (allocated(error) .or. record%streamed) return
+      if (allocated(config%truth)) then
+         call read_truth(config, record, truth, error, progress)
+         if (.not. allocated(error)) call run_pipeline(record, config%pipeline, result, error, progress, truth)
+      else
+         call run_pipeline(record, config%pipeline, result, error, progress)
+      end if
    end subroutine read_and_run
 
    !> Filters what is larger than the memory, and writes the series with --out while they go by.

@@ -216,6 +216,12 @@ contains
             config%kalibr = value%text
             if (value%text == "-") call value_error(option, "it needs the name of a file", error)
          end select
+      case ("--truth")
+         select type (config)
+         type is (analysis_config)
+            config%truth = value%text
+            if (value%text == "-") call value_error(option, "it needs the name of a file", error)
+         end select
       case default; call not_wired(option, error)
       end select
    end subroutine set_common

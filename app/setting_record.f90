@@ -35,6 +35,8 @@ contains
          config%record%unit = value%text
       case ("--seed"); config%record%seed = value%count
       case ("--output"); config%output = value%text
+      case ("--truth"); config%truth = value%text
+         if (value%text == "-") call value_error(option, "it needs the name of a file", error)
       case default; call set_term(config%record, option, value, error)
       end select
    end subroutine set_record

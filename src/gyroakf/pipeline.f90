@@ -20,11 +20,13 @@ module gyroakf_pipeline
    use gyroakf_pipeline_channel_progress, only : channel_progress_type
    use gyroakf_pipeline_series_sink, only : series_sink_type
    use gyroakf_pipeline_streamed, only : run_streamed
+   use gyroakf_pipeline_truth, only : check_truth, take_truth
    use gyroakf_pipeline_streamed_filter, only : check_filter, filter_streamed
    implicit none (type, external)
    private
    public :: pipeline_options, pipeline_result_type, channel_result_type, available_type, allan_result_type
    public :: stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, stage, stage_names
+   public :: check_truth
    public :: apply_preset, run_pipeline, run_streamed, check_filter, filter_streamed, series_sink_type, tell_memory, minimum_samples
 
    !> A shorter record is an error
@@ -99,7 +101,7 @@ contains
    end subroutine tell_memory
 
    !> Does the whole job for every channel of a record.
-   subroutine run_pipeline(record, options, result, error, progress)
+   subroutine run_pipeline(record, options, result, error, progress, truth)
       !> As `read_record` or `simulate_record` made it; not modified
       type(record_type), intent(in) :: record
       !> What to do; the defaults are those of the program
@@ -111,6 +113,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional, target :: progress
+      !> The true drift on the same grid, as `simulate_record` gives it: every filter and some others are scored against it
+      type(record_type), intent(in), optional :: truth
       type(channel_progress_type) :: named
       character(24) :: digits
       integer :: channel, channels
@@ -124,12 +128,16 @@ contains
          call fatal_error(error, status%too_few_samples, "the record has "//trim(digits)//" samples; at least 10 are needed")
          return
       end if
+      if (present(truth)) call check_truth(truth, record, error)
+      if (allocated(error)) return
       result%duration = real(size(record%value, 1, kind=int64), dp)*record%sample_interval
       channels = size(record%value, 2)
       allocate (result%channel(channels))
       do channel = 1, channels
          result%channel(channel)%name = "channel"
          if (allocated(record%channel)) result%channel(channel)%name = record%channel(channel)%text
+         if (present(truth) .and. options%do_filter) call take_truth(truth, record, channel, result%channel(channel)%truth, error)
+         if (allocated(error)) return
          if (present(progress) .and. channels > 1) then
             named%listener => progress
             named%name = result%channel(channel)%name

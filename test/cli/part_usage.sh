@@ -68,7 +68,11 @@ option '--memory SIZE': 'lots' is not a size such as 500MB or 2GB ; x.txt --memo
 option '--memory SIZE': '2XB' is not a size such as 500MB or 2GB ; x.txt --memory 2XB
 option '--memory SIZE': '1MB' is too small, at least 28MB ; allan x.txt --memory 1MB
 'yes' is not one of these ; x.txt --progress=yes
-'--truth' is not available in this version ; x.txt --truth f
+it needs the name of a file ; x.txt --truth -
+--output and --truth name the same file ; simulate --output x --truth ./x
+--truth is that of one recording ; filter x.txt y.txt --truth f
+a result would overwrite the true drift ; filter x.txt --truth f --json ./f
+'--truth' is not one of 'allan' ; allan x.txt --truth f
 '--forgetting' is not one of 'inspect' ; inspect x.txt --forgetting 0.9
 --order is larger than --max-order ; ar x.txt --order 5 --max-order 3
 --ma-order goes with --order 0 to 3 ; ar x.txt --order 4 --ma-order 1

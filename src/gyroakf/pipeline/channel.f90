@@ -22,6 +22,7 @@ module gyroakf_pipeline_channel
    use gyroakf_pipeline_filter_model, only : choose_filter_model
    use gyroakf_pipeline_shared_pass, only : plan_pass, run_adf
    use gyroakf_pipeline_periodicity, only : run_periodicity
+   use gyroakf_pipeline_truth, only : reduce_truth
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_outliers, warn_order, warn_model, &
       warn_fit, warn_centred
    implicit none (type, external)
@@ -134,6 +135,7 @@ contains
       if (options%do_filter .and. channel%available%ar) then
          call filter_centred(record, z, options, channel, error, valid, progress)
          if (allocated(error)) return
+         if (allocated(channel%truth%drift)) deallocate (channel%truth%drift)
          call compare_coefficients(channel)
       end if
    end subroutine analyse
@@ -233,6 +235,7 @@ contains
       integer :: failed
 
       if (abs(channel%cleaned%mean) <= negligible_mean*channel%cleaned%std) then
+         call reduce_truth(0.0_dp, channel)
          call run_filters(record, z, options, channel, error, valid, progress)
          return
       end if
@@ -243,6 +246,7 @@ contains
       end if
       centred(:) = z - channel%cleaned%mean
       call warn_centred(channel)
+      call reduce_truth(channel%cleaned%mean, channel)
       call run_filters(record, centred, options, channel, error, valid, progress)
    end subroutine filter_centred
 

@@ -5,13 +5,16 @@ module gyroakf_pipeline_filters
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
+   use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_kalman, only : filter_type
    use gyroakf_filter_series, only : filter_result_type, filter_series
    use gyroakf_filter_design, only : design_kf, design_akf, design_drift_kf, design_drift_akf
    use gyroakf_filter_identification, only : identify_drift
    use gyroakf_series_differences, only : difference_variance
-   use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, filter_figures_type, stage
+   use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, filter_figures_type, stage, stage_names
+   use gyroakf_pipeline_alternatives, only : paper_decay, score_adaptive, score_averages, score_unfiltered
    use gyroakf_pipeline_coefficients, only : run_allan
+   use gyroakf_pipeline_truth, only : score_output
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure
    implicit none (type, external)
    private
@@ -43,11 +46,18 @@ contains
       real(dp), allocatable :: x(:)
       integer :: which
 
+      call score_unfiltered(z, record%sample_interval, channel%truth, error, valid)
+      if (allocated(error)) return
       do which = stage%kf, stage%akf
          call reserve(x, size(z, kind=int64), error)
          if (allocated(error)) return
          call run_paper_filter(which, z, x, options, channel, error, valid, progress)
          if (allocated(error)) return
+         if (merge(channel%available%kf, channel%available%akf, which == stage%kf)) then
+            call score_output(trim(stage_names(which)), x, record%sample_interval, channel%truth, error, valid, &
+                              paper_decay(channel%filter_ar%coefficient))
+            if (allocated(error)) return
+         end if
          if (options%do_allan .and. merge(channel%available%kf, channel%available%akf, which == stage%kf)) then
             call run_allan(x, record%sample_interval, record%rate_known, record%unit, options, which, channel, error, valid, &
                            progress)
@@ -59,7 +69,28 @@ contains
       call reserve(x, size(z, kind=int64), error)
       if (allocated(error)) return
       call run_drift_filters(z, x, record, options, channel, error, valid, progress)
+      if (.not. allocated(error)) call score_others(z, record%sample_interval, channel, error, valid)
    end subroutine run_filters
+
+   !> Where the true drift is known: what the filters are compared with.
+   subroutine score_others(z, interval, channel, error, valid)
+      real(dp), intent(in), contiguous :: z(:)
+      real(dp), intent(in) :: interval
+      type(channel_result_type), intent(inout) :: channel
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8), intent(in), optional :: valid(:)
+      type(component_model_type) :: model
+
+      if (channel%drift%found) then
+         model%count = 1
+         model%phi(1) = channel%drift%phi
+         model%q(1) = channel%drift%process_variance
+         model%r = channel%drift%measurement_variance
+         call score_adaptive(z, interval, model, [.true.], channel%truth, error, valid)
+         if (allocated(error)) return
+      end if
+      call score_averages(z, interval, channel%truth, error, valid)
+   end subroutine score_others
 
    !> One of the paper's two filters.
    subroutine run_paper_filter(which, z, x, options, channel, error, valid, progress)
@@ -109,13 +140,19 @@ contains
       if (is_fatal(error)) return
       channel%available%drift_kf = .not. allocated(error)
       call note_failure(channel, "drift Kalman filter", error)
-      if (channel%available%drift_kf) channel%drift_kf_figures = figures_of(channel%drift_kf, channel)
+      if (channel%available%drift_kf) then
+         channel%drift_kf_figures = figures_of(channel%drift_kf, channel)
+         call score_output("drift_kf", x, record%sample_interval, channel%truth, error, valid, max(0.0_dp, channel%drift%phi))
+         if (allocated(error)) return
+      end if
       call design_drift_akf(channel%drift, difference_variance(z, valid), options%drift, filter, error)
       if (.not. allocated(error)) call filter_series(filter, z, x, channel%drift_akf, error, valid, progress)
       if (is_fatal(error)) return
       channel%available%drift_akf = .not. allocated(error)
       call note_failure(channel, "adaptive drift filter", error)
-      if (channel%available%drift_akf) channel%drift_akf_figures = figures_of(channel%drift_akf, channel)
+      if (.not. channel%available%drift_akf) return
+      channel%drift_akf_figures = figures_of(channel%drift_akf, channel)
+      call score_output("drift_akf", x, record%sample_interval, channel%truth, error, valid, max(0.0_dp, channel%drift%phi))
    end subroutine run_drift_filters
 
    !> Identifies the drift; slower than `drift_tau`, or it counts as noise.

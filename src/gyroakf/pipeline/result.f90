@@ -30,6 +30,7 @@ module gyroakf_pipeline_result
    use gyroakf_allan_dynamic, only : dynamic_type
    use gyroakf_allan_read_off, only : read_off_type
    use gyroakf_allan_halves, only : halves_type
+   use gyroakf_pipeline_truth_result, only : truth_result_type
    implicit none (type, external)
    private
    public :: pipeline_options, pipeline_result_type, channel_result_type, available_type
@@ -243,6 +244,8 @@ module gyroakf_pipeline_result
       real(dp) :: drift_std = 0.0_dp, white_std = 0.0_dp
       type(filter_result_type) :: drift_kf, drift_akf
       type(filter_figures_type) :: drift_kf_figures, drift_akf_figures
+      !> How near the filters come to the true drift, where that was given
+      type(truth_result_type) :: truth
       !> By [[stage]]
       type(allan_result_type) :: allan(4)
       !> Whether the curve of the record as read changed from its first to its second half

@@ -11,6 +11,7 @@ module gyroakf_report_document
    use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, flush_json
    use gyroakf_report_document_arma, only : put_arma
    use gyroakf_report_document_preprocess, only : put_preprocess
+   use gyroakf_report_document_truth, only : put_truth
    use gyroakf_report_document_parts, only : put_tests, put_ar, put_filters, put_allan, put_coefficients
    implicit none (type, external)
    private
@@ -146,6 +147,7 @@ contains
       call put_allan(json, writer, channel)
       call put_coefficients(json, channel)
       call put_arma(json, channel)
+      call put_truth(json, channel)
       call close_object(json)
       call flush_json(json, writer)
    end subroutine put_channel

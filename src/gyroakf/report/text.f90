@@ -12,6 +12,7 @@ module gyroakf_report_text
    use gyroakf_report_arma, only : put_arma
    use gyroakf_report_noise, only : put_curves_of, put_coefficients, put_comparison
    use gyroakf_report_changes, only : put_changes
+   use gyroakf_report_truth, only : put_truth
    use gyroakf_report_periodicity, only : put_periodicity
    use gyroakf_report_advice, only : put_advice, put_warnings
    implicit none (type, external)
@@ -73,6 +74,7 @@ contains
          call put_ar_table(writer, channel)
          call put_filter_table(writer, channel)
          call put_filter_details(writer, channel)
+         call put_truth(writer, record, channel)
       case default
          call put_tests(writer, channel)
          call put_periodicity(writer, record, channel)
@@ -80,6 +82,7 @@ contains
          call put_arma(writer, record, channel)
          call put_filter_table(writer, channel)
          call put_filter_details(writer, channel)
+         call put_truth(writer, record, channel)
          call put_comparison(writer, record, channel)
          call put_changes(writer, record, channel)
          call put_advice(writer, record, channel)

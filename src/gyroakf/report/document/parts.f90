@@ -11,6 +11,8 @@ module gyroakf_report_document_parts
    use gyroakf_allan_dynamic, only : dynamic_type
    use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stated_read_off_type, stage, stage_names
    use gyroakf_report_document_ar, only : put_ar_members
+   use gyroakf_pipeline_truth_result, only : truth_result_type
+   use gyroakf_report_document_truth, only : put_rmse
    use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, flush_json
    use gyroakf_report_document_distribution, only : put_distribution
    use gyroakf_report_document_periodicity, only : put_fisher, put_lines, put_welch
@@ -125,20 +127,22 @@ contains
       type(channel_result_type), intent(in) :: channel
 
       call open_object(json, "filters")
-      call put_filter(json, "kf", channel%kf, channel%available%kf)
-      call put_filter(json, "akf", channel%akf, channel%available%akf)
-      call put_filter(json, "drift_kf", channel%drift_kf, channel%available%drift_kf)
-      call put_filter(json, "drift_akf", channel%drift_akf, channel%available%drift_akf)
+      call put_filter(json, "kf", channel%kf, channel%available%kf, channel%truth)
+      call put_filter(json, "akf", channel%akf, channel%available%akf, channel%truth)
+      call put_filter(json, "drift_kf", channel%drift_kf, channel%available%drift_kf, channel%truth)
+      call put_filter(json, "drift_akf", channel%drift_akf, channel%available%drift_akf, channel%truth)
       call put_null(json, "drift_smoother")
       call close_object(json)
    end subroutine put_filters
 
    !> One filter; "forgetting" is null where nothing is adapted.
-   subroutine put_filter(json, key, filter, available)
+   subroutine put_filter(json, key, filter, available, truth)
       type(json_type), intent(inout) :: json
       character(*), intent(in) :: key
       type(filter_result_type), intent(in) :: filter
       logical, intent(in) :: available
+      !> Scores of the channel
+      type(truth_result_type), intent(in) :: truth
       type(text_type) :: nothing(0)
 
       if (.not. available) then
@@ -163,7 +167,7 @@ contains
       end if
       call put_member(json, "clamped", filter%clamped)
       call put_member(json, "gated", filter%gated)
-      call put_null(json, "rmse")
+      call put_rmse(json, truth, key)
       if (allocated(filter%warnings)) then
          call put_member(json, "warnings", filter%warnings)
       else
