@@ -13,6 +13,8 @@
 #   GYROAKF_LINT=1      install fortitude too (style checks)
 #   GYROAKF_FUZZ=1      install clang too (libFuzzer for ci/fuzz)
 #   GYROAKF_HDF5=1      install the HDF5 library too (ci/hdf5.sh builds with it)
+#   GYROAKF_CMAKE=1     install CMake, Ninja and pkg-config too (ci/cmake.sh)
+#   GYROAKF_VALGRIND=1  install valgrind too (ci/valgrind.sh)
 # shellcheck disable=SC2016,SC2086  # lists of words are split on purpose
 set -eu
 root=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd)
@@ -69,6 +71,8 @@ fi
 [ -z "${GYROAKF_FUZZ:-}" ] || "$root/ci/fuzz/clang.sh" >/dev/null || need="$need clang"
 [ -z "${GYROAKF_HDF5:-}" ] || { have pkg-config && { pkg-config --exists hdf5 || pkg-config --exists hdf5_fortran; }; } ||
   need="$need hdf5"
+[ -z "${GYROAKF_CMAKE:-}" ] || { have cmake && have ninja && have pkg-config; } || need="$need cmake"
+[ -z "${GYROAKF_VALGRIND:-}" ] || have valgrind || need="$need valgrind"
 
 # --- packages of the system ------------------------------------------------------------------
 if [ -n "$need" ]; then
@@ -88,6 +92,8 @@ if [ -n "$need" ]; then
         # where the sanitizers' libraries are a package of their own
         ! apt-cache show libclang-rt-dev >/dev/null 2>&1 || add libclang-rt-dev ;;
       hdf5) add libhdf5-dev pkg-config ;;
+      cmake) add cmake ninja-build pkg-config ;;
+      valgrind) add valgrind libc6-dbg ;;
     esac; done
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $list >&2 ||
       die "not installed; please run as root: apt-get install$list"
@@ -100,17 +106,19 @@ if [ -n "$need" ]; then
       gnuplot) add gnuplot ;;
       clang) add clang compiler-rt ;;
       hdf5) add hdf5-devel pkgconf-pkg-config ;;
+      cmake) add cmake ninja-build pkgconf-pkg-config ;;
     esac; done
     as_root dnf install -y $list >&2 || die "not installed; please run as root: dnf install$list"
   elif have brew; then
     for n in $need; do case $n in
-      compiler) add gcc ;; clang) add llvm ;; hdf5) add hdf5 pkg-config ;; *) add "$n" ;;
+      compiler) add gcc ;; clang) add llvm ;; hdf5) add hdf5 pkg-config ;; cmake) add cmake ninja pkg-config ;; *) add "$n" ;;
     esac; done
     brew install $list >&2
   elif have mamba || have conda; then
     tool=conda; if have mamba; then tool=mamba; fi
     for n in $need; do case $n in
-      compiler) add gfortran gcc binutils ;; lapack) add liblapack libblas ;; clang) add clang compiler-rt ;; *) add "$n" ;;
+      compiler) add gfortran gcc binutils ;; lapack) add liblapack libblas ;; clang) add clang compiler-rt ;; cmake) add cmake ninja pkg-config ;;
+      *) add "$n" ;;
     esac; done
     $tool install -y -c conda-forge $list >&2
   else

@@ -96,7 +96,6 @@ version=$(sed -n 's/^version *= *"\(.*\)"/\1/p' fpm.toml)
   }
   IFS=. read -r major minor patch <<<"$version"
   same src/gyroakf/release.f90 "release_string = \"$version\""
-  same CMakeLists.txt "VERSION $version"
   if [ -f c_api/include/gyroakf.h ]; then
     for part in MAJOR:"$major" MINOR:"$minor" PATCH:"$patch"; do
       grep -qE "GYROAKF_VERSION_${part%:*} +${part#*:}\$" c_api/include/gyroakf.h ||

@@ -820,6 +820,10 @@ static void test_environment(void) {
   feraiseexcept(FE_INEXACT);
   before = fegetexcept() | FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW;
   feenableexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW);
+  if (fegetexcept() != before) { /* valgrind is such a processor */
+    puts("this processor has no floating-point traps: they are not tested");
+    return;
+  }
   gyroakf_record_parse("0 1e308 1\n1 nan 2\n1e308 inf 3\n", 30, NULL, &r, &err);
   gyroakf_record_free(r);
   gyroakf_record_parse("time gx\n0 1e308\nnan 5\n1e308 1\n", 30, NULL, &r, &err);

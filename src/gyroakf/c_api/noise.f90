@@ -28,7 +28,7 @@ module gyroakf_c_api_noise
 
    !> `gyroakf_noise`: q n b k r in the order of the terms
    type, bind(C) :: noise_c
-      type(coefficient_c) :: coefficient(5)
+      type(coefficient_c) :: q, n, b, k, r
       real(c_double) :: chi2_reduced
       integer(c_int32_t) :: points, left_out
       real(c_double) :: tau_first, chi2_probability, misfit
@@ -108,11 +108,12 @@ contains
    pure subroutine write_noise(noise, out)
       type(noise_type), intent(in) :: noise
       type(noise_c), intent(inout) :: out
-      integer :: i
 
-      do i = 1, size(noise%coefficient)
-         out%coefficient(i) = coefficient_of(noise%coefficient(i))
-      end do
+      out%q = coefficient_of(noise%coefficient(1))
+      out%n = coefficient_of(noise%coefficient(2))
+      out%b = coefficient_of(noise%coefficient(3))
+      out%k = coefficient_of(noise%coefficient(4))
+      out%r = coefficient_of(noise%coefficient(5))
       out%chi2_reduced = noise%chi2_reduced
       out%points = noise%points
       out%left_out = noise%left_out

@@ -18,10 +18,10 @@ module gyroakf_c_api_periodicity
    end type fisher_c
 
    !> `gyroakf_spectral_line`
-   type, bind(C) :: line_c
+   type, bind(C) :: spectral_line_c
       real(c_double) :: frequency, frequency_error, amplitude, amplitude_error, share, log_p_value, width
       integer(c_int32_t) :: steady, harmonic
-   end type line_c
+   end type spectral_line_c
 
 contains
 
@@ -123,14 +123,14 @@ contains
       type(periodicity_type), intent(in) :: result
       type(c_ptr), intent(in) :: lines
       integer(c_int32_t), intent(out) :: number
-      type(line_c), pointer :: place(:)
+      type(spectral_line_c), pointer :: place(:)
       integer :: i
 
       number = int(size(result%line), c_int32_t)
       call c_f_pointer(lines, place, [size(result%line)])
       do i = 1, size(result%line)
          associate (line => result%line(i))
-            place(i) = line_c(line%frequency, line%frequency_error, line%amplitude, line%amplitude_error, line%share, &
+            place(i) = spectral_line_c(line%frequency, line%frequency_error, line%amplitude, line%amplitude_error, line%share, &
                               line%log_p_value, line%width, merge(1_c_int32_t, 0_c_int32_t, line%steady), &
                               int(line%harmonic, c_int32_t))
          end associate

@@ -31,10 +31,10 @@ module gyroakf_c_api_series
    end type adf_c
 
    !> `gyroakf_adf_coefficient`
-   type, bind(C) :: coefficient_c
+   type, bind(C) :: adf_coefficient_c
       character(kind=c_char) :: name(16)
       real(c_double) :: value, std_error, t
-   end type coefficient_c
+   end type adf_coefficient_c
 
 contains
 
@@ -110,7 +110,7 @@ contains
       integer(c_int32_t), intent(in) :: capacity
       type(c_ptr), intent(in) :: table
       integer(c_int32_t), intent(out) :: rows
-      type(coefficient_c), pointer :: row(:)
+      type(adf_coefficient_c), pointer :: row(:)
       integer :: i, k
 
       rows = size(result%table)
