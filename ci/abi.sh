@@ -95,7 +95,7 @@ describe() { # the list
   echo "# What programs rely on, x86-64 and every other machine with 64-bit long; ci/abi.sh --write writes it, doc/abi.md has the rules."
   echo "major $major"
   sort "$work/functions"
-  fortran77 | sort | sed 's/^/fortran77 /'
+  fortran77 | sort -u | sed 's/^/fortran77 /'
   tr '\n' ' ' <"$work/header.i" | sed 's/;/;\n/g' | sed -nE 's/^ *(typedef [^{]*[ *](gyroakf_[a-z0-9_]+)[^{]*);$/\1/p' |
     sed -E 's/ +/ /g' | sort -u
   layout "$work/preamble" "$work/members" <"$work/constants" | sort -s -k 2,2
@@ -150,7 +150,7 @@ check_fortran() { # DIRECTORY
 
   # structures: which Fortran type stands for which, by the arguments, or by the name
   { echo 'typedef struct'
-    grep -vE '^(#|extern|}$)|\(.*\);' "$work/prototypes"; } |
+    grep -vE '^(#|extern|}$)|^[a-z].*\(.*\);' "$work/prototypes"; } |
     sed -n '/^typedef struct [a-z]/,/^}/p' | awk '/^typedef/ { keep = !seen[$3]++ } keep' >"$work/types.h"
   members '' <"$work/types.h" >"$work/fortran.members"
   gcc -std=c99 -E -P "$header" | members gyroakf_ >"$work/header.members"

@@ -12,13 +12,15 @@ function(add_link_name list library) # appends a library of find_package: a flag
   if(library MATCHES "\\.framework$")
     string(REGEX REPLACE ".*/(.*)\\.framework$" "\\1" name "${library}")
     set(found "-framework ${name}")
-  elseif(library MATCHES "/lib([^/]*)\\.(so|dylib|tbd)[.0-9]*$" OR
-         (library MATCHES "/lib([^/]*)\\.a$" AND NOT EXISTS "${dir}/lib${CMAKE_MATCH_1}${CMAKE_SHARED_LIBRARY_SUFFIX}"))
-    set(found "-l${CMAKE_MATCH_1}")
-    if(NOT dir IN_LIST CMAKE_C_IMPLICIT_LINK_DIRECTORIES)
+  elseif(library MATCHES "/lib([^/]*)\\.(so|dylib|tbd|a)[.0-9]*$")
+    set(name "${CMAKE_MATCH_1}")
+    set(found "-l${name}")
+    if(library MATCHES "\\.a$" AND EXISTS "${dir}/lib${name}${CMAKE_SHARED_LIBRARY_SUFFIX}")
+      set(found "${library}") # -l would pass over it for the shared library beside it
+    elseif(NOT dir IN_LIST CMAKE_C_IMPLICIT_LINK_DIRECTORIES)
       set(found "-L${dir};${found}")
     endif()
-  else() # a flag, or an archive, which -l would pass over for a shared library beside it
+  else() # a flag
     set(found "${library}")
   endif()
   set(${list} ${${list}} ${found} PARENT_SCOPE)
