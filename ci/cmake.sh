@@ -6,7 +6,7 @@
 #   GYROAKF_CMAKE=1 ci/cmake.sh --only TARGET    builds this, shared, and no more
 #
 # GYROAKF_CMAKE=1 lets setup.sh install CMake, Ninja and pkg-config where they are missing. Builds stay in build/cmake for the
-# next time. The suites that take long run in other steps. The last line is "N passed, N failed".
+# next time. The suites that take long, and FORTRAN 77, run in other steps. The last line is "N passed, N failed".
 set -u
 cd "$(dirname "$0")/.." || exit 1
 root=$PWD
@@ -61,7 +61,7 @@ build() { # FOLDER OPTIONS...
 }
 
 suites() { # the quick ones, by ctest, whose counts are added
-  ctest --test-dir build/cmake/shared --output-on-failure -LE 'slow|cli' -j 2 >"$work/ctest" 2>&1
+  ctest --test-dir build/cmake/shared --output-on-failure -LE 'slow|cli|f77' -j 2 >"$work/ctest" 2>&1
   ctest --test-dir build/cmake/shared --output-on-failure -R '^cli.usage$' >>"$work/ctest" 2>&1
   grep -aE '\*\*\*|FAILED|tests passed' "$work/ctest" | head -n 60
   local bad of
