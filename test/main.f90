@@ -46,6 +46,7 @@ program test_main
    use test_variational_bayes, only : collect_variational_bayes
    use test_moving_average, only : collect_moving_average
    use test_score, only : collect_score
+   use test_truth, only : collect_truth
    use test_smoother, only : collect_smoother
    use test_drift_fit, only : collect_drift_fit
    use test_drift_identification, only : collect_drift_identification
@@ -141,6 +142,7 @@ program test_main
    call add("identification", collect_identification)
    call add("likelihood", collect_likelihood)
    call add("score", collect_score)
+   call add("truth", collect_truth)
    call add("moving_average", collect_moving_average)
    call add("variational_bayes", collect_variational_bayes)
    call add("innovation_window", collect_innovation_window)

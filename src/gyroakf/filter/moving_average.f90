@@ -37,9 +37,7 @@ contains
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
       type(sum_type), allocatable :: tail(:)
-      type(sum_type) :: head
-      integer(int64) :: n, before, behind, width, block, from, k, j, count
-      real(dp) :: reference, average
+      integer(int64) :: n, before, behind
       integer :: stat
       logical :: good
 
@@ -57,12 +55,29 @@ contains
       if (centred) before = min(length/2, n - 1)
       behind = 0
       if (centred) behind = before
-      width = before + 1 + behind
-      allocate (tail(width + 1), stat=stat)
+      allocate (tail(before + behind + 2), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the window of a moving average")
          return
       end if
+      call average_blocks(z, before, tail, x, valid)
+   end subroutine moving_average
+
+   !> The averages, block by block.
+   pure subroutine average_blocks(z, before, tail, x, valid)
+      real(dp), intent(in), contiguous :: z(:)
+      !> Samples of a window before its own
+      integer(int64), intent(in) :: before
+      !> Work space for the sums of the ends of a block: [window + 1]
+      type(sum_type), intent(inout), contiguous :: tail(:)
+      real(dp), intent(out), contiguous :: x(:)
+      integer(int8), intent(in), optional :: valid(:)
+      type(sum_type) :: head
+      integer(int64) :: n, width, block, from, k, j, count
+      real(dp) :: reference, average
+
+      n = size(z, kind=int64)
+      width = size(tail, kind=int64) - 1
       reference = first_sample(z, valid)
       average = 0.0_dp
       do block = 0, (n - 1)/width
@@ -81,7 +96,7 @@ contains
             x(k) = average
          end do
       end do
-   end subroutine moving_average
+   end subroutine average_blocks
 
    !> Adds a sample, where it is in the series and present.
    pure subroutine add(z, i, reference, sums, valid)

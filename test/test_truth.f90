@@ -1,0 +1,182 @@
+! SPDX-License-Identifier: MIT
+!> The main job where the true drift is known.
+module test_truth
+   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_record, only : record_type
+   use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, run_pipeline
+   use gyroakf_pipeline_truth_result, only : score_of
+   use gyroakf_simulate_record, only : simulate_options, simulate_record
+   use gyroakf_units, only : parse_unit
+   implicit none (type, external)
+   private
+   public :: collect_truth
+
+contains
+
+   subroutine collect_truth(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         new_unittest("removed-is-drift", test_removed), &
+         new_unittest("units", test_units), &
+         new_unittest("gaps", test_gaps), &
+         new_unittest("refused", test_refused)]
+   end subroutine collect_truth
+
+   !> A record with drift, trend, outliers and losses, and its truth.
+   subroutine make(record, truth)
+      type(record_type), intent(out) :: record, truth
+      type(simulate_options) :: options
+      type(gyro_error), allocatable :: gyro
+
+      options%samples = 4000
+      options%coefficient(2) = 0.009_dp
+      options%ar = [0.978_dp]
+      options%ar_variance = 1.0e-4_dp
+      options%trend = [0.5_dp, 2.0e-5_dp]
+      options%missing = 0.02_dp
+      call simulate_record(options, record, gyro, truth)
+   end subroutine make
+
+   !> Only the filters, of the record as it is or cleaned.
+   type(pipeline_options) function filters_only(degree) result(options)
+      integer, intent(in) :: degree
+
+      options%do_tests = .false.
+      options%do_allan = .false.
+      options%clean%degree = degree
+      options%clean%method = "none"
+   end function filters_only
+
+   !> Trend and mean that are taken out before the filters are part of the drift: without a filter the error is record - truth, over
+   !> the samples that are there.
+   subroutine test_removed(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record, truth
+      type(pipeline_result_type) :: result
+      type(gyro_error), allocatable :: gyro
+      real(dp) :: expected
+      integer :: degree
+
+      call make(record, truth)
+      expected = sqrt(sum((record%value - truth%value)**2, mask=record%present == 1_int8)/count(record%present == 1_int8))
+      do degree = -1, 3, 4
+         call run_pipeline(record, filters_only(degree), result, gyro, truth=truth)
+         call check(error, .not. allocated(gyro))
+         if (allocated(error)) return
+         associate (scores => result%channel(1)%truth)
+            call check(error, scores%method(score_of(scores, "none"))%score%rmse, expected, thr=1.0e-12_dp)
+            if (allocated(error)) return
+            call check(error, scores%method(score_of(scores, "none"))%score%samples, count(record%present == 1_int8, kind=int64))
+            if (allocated(error)) return
+            call check(error, min(score_of(scores, "kf"), score_of(scores, "drift_kf"), score_of(scores, "moving_average")) > 0)
+            if (allocated(error)) return
+            call check(error, scores%method(score_of(scores, "drift_kf"))%score%rmse < 0.8_dp*expected)
+            if (allocated(error)) return
+            call check(error, .not. allocated(scores%drift))
+         end associate
+         if (allocated(error)) return
+      end do
+      call run_pipeline(record, filters_only(-1), result, gyro)
+      call check(error, .not. result%channel(1)%truth%known)
+   end subroutine test_removed
+
+   !> A truth in another unit is converted; the angle of a gyroscope is in degrees, whatever its unit.
+   subroutine test_units(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record, truth
+      type(pipeline_result_type) :: first, second
+      type(gyro_error), allocatable :: gyro
+
+      call make(record, truth)
+      call run_pipeline(record, filters_only(-1), first, gyro, truth=truth)
+      call parse_unit("deg/h", truth%unit, gyro)
+      truth%value = 3600*truth%value
+      call run_pipeline(record, filters_only(-1), second, gyro, truth=truth)
+      call check(error, .not. allocated(gyro))
+      if (allocated(error)) return
+      call same(1.0_dp)
+      if (allocated(error)) return
+      call parse_unit("deg/h", record%unit, gyro)
+      record%value = 3600*record%value
+      call run_pipeline(record, filters_only(-1), second, gyro, truth=truth)
+      call check(error, .not. allocated(gyro))
+      if (allocated(error)) return
+      call same(3600.0_dp)
+
+   contains
+
+      subroutine same(factor)
+         !> Unit of the first over that of the second
+         real(dp), intent(in) :: factor
+
+         associate (a => first%channel(1)%truth%method(1)%score, b => second%channel(1)%truth%method(1)%score)
+            call check(error, b%rmse, factor*a%rmse, thr=1.0e-9_dp, rel=.true.)
+            if (allocated(error)) return
+            call check(error, maxval(abs(b%attitude_error - a%attitude_error)) < 1.0e-9_dp)
+         end associate
+         if (allocated(error)) return
+         call check(error, trim(second%channel(1)%truth%angle_unit) == "deg")
+      end subroutine same
+   end subroutine test_units
+
+   !> Where the truth is missing nothing is scored.
+   subroutine test_gaps(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record, truth
+      type(pipeline_result_type) :: result
+      type(gyro_error), allocatable :: gyro
+
+      call make(record, truth)
+      allocate (truth%present(4000, 1), source=1_int8)
+      truth%present(1001:2000, 1) = 0_int8
+      truth%value(1001:2000, 1) = 1.0e6_dp
+      call run_pipeline(record, filters_only(0), result, gyro, truth=truth)
+      call check(error, .not. allocated(gyro))
+      if (allocated(error)) return
+      associate (score => result%channel(1)%truth%method(1)%score)
+         call check(error, score%samples, count(record%present*truth%present == 1_int8, kind=int64))
+         if (allocated(error)) return
+         call check(error, score%rmse < 0.03_dp)
+      end associate
+   end subroutine test_gaps
+
+   !> A truth that does not fit.
+   subroutine test_refused(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record, truth, wrong
+      type(pipeline_result_type) :: result
+      type(gyro_error), allocatable :: gyro
+
+      call make(record, truth)
+      wrong = truth
+      wrong%value = truth%value(:3999, :)
+      call run_pipeline(record, filters_only(-1), result, gyro, truth=wrong)
+      call expect("3999 samples, the record 4000")
+      if (allocated(error)) return
+      wrong = truth
+      wrong%sample_interval = 0.1_dp
+      call run_pipeline(record, filters_only(-1), result, gyro, truth=wrong)
+      call expect("samples a second")
+      if (allocated(error)) return
+      wrong = truth
+      call parse_unit("m/s^2", wrong%unit, gyro)
+      call run_pipeline(record, filters_only(-1), result, gyro, truth=wrong)
+      call expect("the record in deg/s")
+
+   contains
+
+      subroutine expect(fragment)
+         character(*), intent(in) :: fragment
+
+         call check(error, allocated(gyro))
+         if (allocated(error)) return
+         call check(error, gyro%code, status%invalid_argument)
+         if (allocated(error)) return
+         call check(error, index(gyro%message, fragment) > 0, gyro%message)
+      end subroutine expect
+   end subroutine test_refused
+
+end module test_truth
