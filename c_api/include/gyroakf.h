@@ -196,6 +196,59 @@ GYROAKF_API int gyroakf_record_audit(const gyroakf_record *r, gyroakf_audit *out
 
 GYROAKF_API void gyroakf_record_free(gyroakf_record *r);
 
+/* -------------------------------------------------------------------------------------------------------- simulation */
+
+/* Units as of the coefficients below, of u; no term, outlier or loss by default. */
+typedef struct gyroakf_simulate_options {
+  size_t struct_size;
+  const char *preset;     /* "paper": 12000 samples at 5 Hz, only the seed is yours; NULL (default): what follows */
+  int64_t samples;        /* >= 1; 12000 */
+  int64_t seed;           /* any; the same seed gives the same numbers on every machine; 1140 */
+  double rate_hz;         /* Hz, > 0; 5 */
+  const char *unit;       /* u; NULL (default): "deg/s" */
+  double q, n, b, k, r;   /* coefficients: u s, u sqrt(s), u, u/sqrt(s), u/s; >= 0, r of either sign */
+  double ar_phi;          /* an AR(1) process of this coefficient, -1 < phi < 1, */
+  double ar_variance;     /* and this stationary variance, u^2, >= 0 */
+  double offset;          /* u */
+  double outlier_size;    /* mean size of the outliers in standard deviations of the noise, >= 0 */
+  int64_t outliers;       /* how many, 0 .. samples */
+  double quantisation;    /* step that values are rounded to, u, >= 0; 0: none */
+  double missing;         /* share of the samples that are lost, 0 <= missing < 1 */
+} gyroakf_simulate_options;
+
+GYROAKF_API void gyroakf_simulate_options_init(gyroakf_simulate_options *opt);
+
+/* A recording of one channel, "gx", with known noise; free it with gyroakf_record_free. opt must not be NULL. */
+GYROAKF_API int gyroakf_simulate(const gyroakf_simulate_options *opt, gyroakf_record **out, gyroakf_error *err);
+
+/* ----------------------------------------------------------------------------------------------------- the whole job */
+
+/* What the program's command run finds out, as the JSON document that its --json writes (doc/schema.json). */
+typedef struct gyroakf_result gyroakf_result;
+
+typedef struct gyroakf_run_options {
+  size_t struct_size;
+  const char *preset;            /* "default" (also NULL), "paper": the paper's chain */
+  int32_t tests, ar, filters, allan; /* 0: without this part; 1 */
+  gyroakf_progress_fn progress;  /* told how far it is, may cancel; NULL (default): nobody */
+  void *progress_user;           /* handed to it; NULL */
+} gyroakf_run_options;
+
+GYROAKF_API void gyroakf_run_options_init(gyroakf_run_options *opt);
+
+/*
+ * Tests, models, filters and Allan deviation of every channel of a recording, which is not changed.
+ *   out  the result; free it with gyroakf_result_free
+ * A part that fails for a channel is null in the document, and "unavailable" says why. Where samples are missing the recording is
+ * copied.
+ */
+GYROAKF_API int gyroakf_run(const gyroakf_record *r, const gyroakf_run_options *opt, gyroakf_result **out, gyroakf_error *err);
+
+/* The document, UTF-8; it lives as long as the result. NULL for NULL. */
+GYROAKF_API const char *gyroakf_result_json(const gyroakf_result *result);
+
+GYROAKF_API void gyroakf_result_free(gyroakf_result *result);
+
 /* --------------------------------------------------------------------------------------------------- Allan deviation */
 
 /* A deviation curve: deviation, confidence limits and degrees of freedom over the averaging time. */

@@ -26,6 +26,7 @@ void uniform(double *x, int n, int64_t seed);
 /* One file each */
 void test_host(void);
 void test_progress(void);
+void test_run(void);
 void test_threads(void);
 
 #endif

@@ -1058,6 +1058,7 @@ int main(void) {
   test_long_message();
   test_environment();
   test_progress();
+  test_run();
   test_host();
   test_threads();
   printf("%d passed, %d failed\n", passed, failed);

@@ -70,6 +70,8 @@ static void analyse(results *r, const double *x, int64_t n) {
   gyroakf_allan *curve = NULL;
   gyroakf_filter *filter = NULL;
   gyroakf_filter_options opt;
+  gyroakf_simulate_options simulation;
+  gyroakf_record *made = NULL;
   gyroakf_adf adf;
   gyroakf_kpss kpss;
   gyroakf_error error;
@@ -91,6 +93,14 @@ static void analyse(results *r, const double *x, int64_t n) {
   r->kpss[1] = kpss.p_value;
   r->status += gyroakf_ar_fit(x, n, NULL, 5, &order, r->phi, &r->variance, &r->mean, &error);
   r->status += gyroakf_arma_fit(x, n, NULL, &r->arma, &error);
+  gyroakf_simulate_options_init(&simulation);
+  simulation.samples = 500;
+  simulation.seed = r->seed;
+  simulation.n = simulation.b = simulation.k = 0.1;
+  simulation.unit = r->seed % 2 ? "degrees per second" : "rad/s";
+  r->status += gyroakf_simulate(&simulation, &made, &error);
+  if (made != NULL) memcpy(r->simulated, gyroakf_record_values(made, 0), sizeof r->simulated);
+  gyroakf_record_free(made);
   gyroakf_filter_options_init(&opt);
   opt.estimate_measurement_variance = 1;
   r->status += gyroakf_filter_new(order, r->phi, r->variance, 0.01, &opt, &filter, &error);

@@ -11,7 +11,7 @@ enum { work_samples = 3000, work_points = 64, work_texts = 4096 };
 typedef struct results {
   int32_t seed; /* of its recording */
   int status;   /* the sum of all statuses that should be 0 */
-  double deviation[work_points], upper[work_points], read[work_samples], filtered[work_samples], stepped[work_samples], phi[5], variance, mean;
+  double deviation[work_points], upper[work_points], read[work_samples], filtered[work_samples], stepped[work_samples], simulated[500], phi[5], variance, mean;
   gyroakf_noise noise;
   double adf[2], kpss[2];
   gyroakf_arma arma;

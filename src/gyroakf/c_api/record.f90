@@ -14,7 +14,8 @@ module gyroakf_c_api_record
    use gyroakf_c_api_support, only : error_c, host_type, enter_library, leave_library, check_struct_size, copy_c_text, max_samples
    implicit none (type, external)
    private
-   public :: record_handle, gyroakf_reader_options_init, gyroakf_record_read, gyroakf_record_parse, gyroakf_record_samples, &
+   public :: record_handle, new_handle, hand_over
+   public :: gyroakf_reader_options_init, gyroakf_record_read, gyroakf_record_parse, gyroakf_record_samples, &
       & gyroakf_record_channels, gyroakf_record_values, gyroakf_record_present, gyroakf_record_name, gyroakf_record_unit, &
       & gyroakf_record_to_si, gyroakf_record_sample_interval, gyroakf_record_rate_source, gyroakf_record_format, &
       & gyroakf_record_warnings, gyroakf_record_warning, gyroakf_record_audit, gyroakf_record_free
@@ -309,7 +310,7 @@ contains
       if (.not. present(out)) then
          call fatal_error(error, status%invalid_argument, "the place for the result (out) must not be NULL")
       else if (.not. good) then
-         call fatal_error(error, status%invalid_argument, "the path or the bytes must not be NULL, "// &
+         call fatal_error(error, status%invalid_argument, "the path, the bytes or the options must not be NULL, "// &
                           "and there must be 1 .. 2**47 bytes")
       else
          allocate (handle, stat=stat)
@@ -339,6 +340,7 @@ contains
       integer :: j
 
       associate (record => handle%record)
+         if (.not. allocated(record%audit%line_of_first)) allocate (record%audit%line_of_first(3), source=0_int64)
          handle%rate_source = record%rate_source//c_null_char
          handle%format = record%format//c_null_char
          allocate (handle%name(size(record%channel)), handle%unit(size(record%channel)))

@@ -15,7 +15,7 @@ module gyroakf_report_document
    use gyroakf_report_document_parts, only : put_tests, put_ar, put_filters, put_allan, put_coefficients
    implicit none (type, external)
    private
-   public :: write_document, gather_warnings, schema_number
+   public :: write_document, put_document, gather_warnings, schema_number
 
    !> Keys are never renamed within a schema
    integer, parameter :: schema_number = 1
@@ -31,6 +31,20 @@ contains
       !> What came out; absent: "channels" is empty
       type(pipeline_result_type), intent(in), optional :: result
       type(json_type) :: json
+
+      call put_document(json, writer, record, result)
+      call flush_json(json, writer)
+   end subroutine write_document
+
+   !> Makes the whole document.
+   subroutine put_document(json, writer, record, result)
+      !> Empty
+      type(json_type), intent(inout) :: json
+      !> Takes parts of it now and then; where it is not open all of it is in `json` in the end
+      type(writer_type), intent(inout) :: writer
+      !> As those of [[write_document]]
+      type(record_type), intent(in) :: record
+      type(pipeline_result_type), intent(in), optional :: result
       type(record_type) :: view
       integer :: c
 
@@ -50,8 +64,7 @@ contains
       end if
       call close_array(json)
       call close_object(json)
-      call flush_json(json, writer)
-   end subroutine write_document
+   end subroutine put_document
 
    !> The member "input".
    subroutine put_input(json, record, result)

@@ -109,13 +109,14 @@ contains
       if (allocated(json%buffer)) text = json%buffer(:json%used)
    end function json_text
 
-   !> Hands the text over to a file and forgets it; nesting goes on.
+   !> Hands the text over to a file and forgets it; nesting goes on. Where the file is not open the text stays.
    subroutine flush_json(json, writer)
       !> The document
       type(json_type), intent(inout) :: json
       !> The file
       type(writer_type), intent(inout) :: writer
 
+      if (writer%unit < 0) return
       if (json%used > 0) call put(writer, json%buffer(:json%used))
       json%used = 0
    end subroutine flush_json
