@@ -244,6 +244,12 @@ contains
       options%estimate_process_mean = .true.
       options%estimate_measurement_mean = .true.
       call new_filter(filter, [paper_phi], 0.83_dp, 1.0_dp, options, failure)
+      call check(error, allocated(failure), "q and r are adapted together though nobody allows it")
+      if (allocated(error)) return
+      call check(error, failure%code, status%invalid_argument)
+      if (allocated(error)) return
+      options%allow_unobservable = .true.
+      call new_filter(filter, [paper_phi], 0.83_dp, 1.0_dp, options, failure)
       call filter_series(filter, z, x, result, failure)
       call check(error, has(result, "Q and R are both") .and. has(result, "q and r are both"), "not identifiable, and not said")
       if (allocated(error)) return

@@ -54,6 +54,7 @@ contains
       options%estimate_measurement_mean = index(letters, "r") > 0
       options%estimate_process_variance = index(letters, "Q") > 0
       options%estimate_measurement_variance = index(letters, "R") > 0
+      options%allow_unobservable = .true.
       options%measurement_form = form
       options%forgetting = forgetting
    end function adapting

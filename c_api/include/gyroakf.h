@@ -665,6 +665,7 @@ typedef struct gyroakf_filter_options {
   double initial_variance;               /* variance of the state at the start; 0 (default): the stationary one */
   double q_lower, q_upper;               /* bounds of Q, multiples of q; 1e-3, 1e3 */
   double r_lower, r_upper;               /* bounds of R, multiples of r_scale; 1e-2, 1e2 */
+  int32_t allow_unobservable;            /* 1: q and r may be adapted both, though a constant offset may be in either; 0: refused */
 } gyroakf_filter_options;
 
 GYROAKF_API void gyroakf_filter_options_init(gyroakf_filter_options *opt);

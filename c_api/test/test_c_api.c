@@ -679,6 +679,7 @@ static gyroakf_filter *filter_of_kind(int kind) {
   if (kind == 1) {
     opt.estimate_process_mean = 1;
     opt.estimate_measurement_mean = 1;
+    opt.allow_unobservable = 1;
     opt.estimate_process_variance = 1;
     opt.estimate_measurement_variance = 1;
     opt.measurement_form = "paper";

@@ -42,6 +42,7 @@ contains
       options%estimate_measurement_mean = index(letters, "r") > 0
       options%estimate_process_variance = index(letters, "Q") > 0
       options%estimate_measurement_variance = index(letters, "R") > 0
+      options%allow_unobservable = .true.
       if (letters /= "R") options%measurement_form = "paper"
       options%huber = huber
       call new_filter(filter, phi(:order), 1.0_dp, 1.2_dp, options, error)

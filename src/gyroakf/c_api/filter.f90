@@ -28,6 +28,7 @@ module gyroakf_c_api_filter
       type(c_ptr) :: measurement_form
       integer(c_int32_t) :: burn_in
       real(c_double) :: huber, r_scale, initial_variance, q_lower, q_upper, r_lower, r_upper
+      integer(c_int32_t) :: allow_unobservable
    end type filter_options_c
 
    !> `gyroakf_filter_state`
@@ -59,6 +60,7 @@ contains
       opt%q_upper = defaults%q_upper
       opt%r_lower = defaults%r_lower
       opt%r_upper = defaults%r_upper
+      opt%allow_unobservable = 0
    end subroutine gyroakf_filter_options_init
 
    !> `gyroakf_filter_new`
@@ -235,6 +237,7 @@ contains
       options%q_upper = opt%q_upper
       options%r_lower = opt%r_lower
       options%r_upper = opt%r_upper
+      options%allow_unobservable = opt%allow_unobservable /= 0
    end subroutine read_options
 
    !> The whole series, block by block: a block is read before its results are written.

@@ -38,6 +38,7 @@ contains
       call enter_library(host)
       options%estimate_process_mean = iadapt(1) /= 0
       options%estimate_measurement_mean = iadapt(2) /= 0
+      options%allow_unobservable = .true.                  ! who asks for q and r by number means both
       options%estimate_process_variance = iadapt(3) /= 0
       options%estimate_measurement_variance = iadapt(4) /= 0
       options%forgetting = b

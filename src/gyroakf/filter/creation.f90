@@ -117,6 +117,9 @@ contains
          call fatal_error(error, status%invalid_argument, "the gate, the initial variance and the scale of R cannot be negative")
       else if (.not. (all_ordered(options%q_lower, options%q_upper) .and. all_ordered(options%r_lower, options%r_upper))) then
          call fatal_error(error, status%invalid_argument, "bounds of a variance must satisfy 0 < lower <= upper")
+      else if (options%estimate_process_mean .and. options%estimate_measurement_mean .and. .not. options%allow_unobservable) then
+         call fatal_error(error, status%invalid_argument, "the means q and r are not identifiable together: a constant offset "// &
+                          "may be in either; adapt one of them, or set allow_unobservable")
       else
          select case (options%measurement_form)
          case ("residual", "exact", "biased", "paper")

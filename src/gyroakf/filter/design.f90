@@ -3,8 +3,8 @@
 !>
 !> The paper's family takes the AR(p) model of the series itself as the state and adds measurement noise to
 !> it: `design_kf`, `design_akf`. The recommended family takes drift plus white noise as identified from the
-!> record: `design_drift_kf`, `design_drift_akf`, with the model of `identify_drift_model` (random walk, AR(1), both) or, simpler, of
-!> `identify_drift` (one AR(1) process).
+!> record: `design_drift_kf`, `design_drift_akf`, with the model of `identify_drift_model` (random walk, AR(1), both)
+!> or, simpler, of `identify_drift` (one AR(1) process).
 module gyroakf_filter_design
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -287,6 +287,7 @@ contains
       chosen = letters
       if (letters == " ") chosen = usual
       if (letters == "none") return
+      options%allow_unobservable = .true.             ! who names q and r wants both; the warnings say what that means
       do i = 1, len_trim(chosen)
          select case (chosen(i:i))
          case ("q"); options%estimate_process_mean = .true.

@@ -5,12 +5,12 @@
 !> because a step of a few nanoseconds is wanted: the numbers of both agree to rounding, and a test says so.
 module gyroakf_filter_scalar
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_filter_measurement, only : is_sample, exponent_mask, exponent_limit
+   use gyroakf_filter_measurement, only : exponent_mask, exponent_limit
    use gyroakf_filter_types, only : filter_type
    use gyroakf_filter_sage_husa, only : longest_run, shift_variance
    implicit none (type, external)
    private
-   public :: run_scalar, is_sample, settle_distance, vanished
+   public :: run_scalar, settle_distance, vanished
 
    !> Relative distance from the steady gain at which the gain is taken as settled ...
    real(dp), parameter :: settle_tolerance = 1.0e-13_dp

@@ -13,7 +13,7 @@
 module gyroakf_filter_score
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_filter_scalar, only : is_sample
+   use gyroakf_filter_measurement, only : is_sample
    implicit none (type, external)
    private
    public :: score_type, score_estimate, score_times

@@ -36,6 +36,8 @@ module gyroakf_filter_types
       real(dp) :: q_lower = 1.0e-3_dp, q_upper = 1.0e3_dp
       !> Bounds of R, multiples of `r_scale`
       real(dp) :: r_lower = 1.0e-2_dp, r_upper = 1.0e2_dp
+      !> q and r may be adapted both: a constant offset may then be in either. Else that is refused.
+      logical :: allow_unobservable = .false.
    end type filter_options
 
    !> A filter for the AR(p) state or for a drift, fixed or adaptive

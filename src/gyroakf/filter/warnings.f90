@@ -52,7 +52,8 @@ contains
       end if
       if (facts%largest_rho > coloured .and. facts%p_value < significant) then
          call add_text(warnings, "the innovations are not white: an autocorrelation of "//trim(decimal(facts%largest_rho)) &
-                       //" within 20 lags (a good model leaves less than 0.10); the model does not describe the series")
+                       //" within 20 lags (p "//trim(probability(facts%p_value)) &
+                       //", a good model leaves less than 0.10); the model does not describe the series")
       end if
       if (facts%nis_mean < lowest_nis .or. facts%nis_mean > highest_nis) then
          call add_text(warnings, "the mean normalised innovation squared is "//trim(decimal(facts%nis_mean)) &
@@ -100,6 +101,16 @@ contains
          end if
       end associate
    end subroutine judge_adaptation
+
+   !> A probability below 0.01, "= 0.004" or "< 0.001".
+   pure function probability(p) result(text)
+      !> 0 ... 0.01
+      real(dp), intent(in) :: p
+      character(24) :: text
+
+      text = "< 0.001"
+      if (p >= 0.001_dp) write (text, "(a, f5.3)") "= ", p
+   end function probability
 
    !> A share as percent, "60.7 %". (Of fixed length, as below: gfortran 12 keeps the length of a deferred-length
    !> result in static memory, which two threads would share.)
