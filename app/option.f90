@@ -140,13 +140,16 @@ module gyroakf_app_option
       option_type("--akf", "paper|robust", "choice", "run filter", "filter", &
                   "the adaptive filter: the paper's Sage-Husa on Q and R (default), or on R only in residual form"), &
       option_type("--forgetting", "B", "share", "run filter", "filter", &
-                  "forgetting factor b of the adaptive filters (default 0.98; 0.995 for that of the drift)"), &
+                  "forgetting factor b of the adaptive filters (default 0.98; 0.995 for those of the drift)"), &
       option_type("--estimate", "q,r,Q,R", "text", "run filter", "filter", &
-                  "what adapts: means q and r, variances Q and R (default Q,R)"), &
+                  "what the adaptive filter of --akf adapts: means q and r, variances Q and R (default Q,R; robust: R)"), &
       option_type("--r-factor", "F", "positive", "run filter", "filter", &
                   "R of the Kalman filter is F times the variance of the series (default 1)"), &
       option_type("--drift-tau", "S", "positive", "run filter", "filter", &
                   "what is slower than this counts as drift (default: the larger of 5 samples and 1 s)"), &
+      option_type("--drift-source", "record|allan", "choice", "run filter", "filter", &
+                  "where the drift's model comes from: the likelihood of the record itself (default), or N, B and K of its "// &
+                  "Allan deviation"), &
       option_type("--kinds", "oadev|adev|mdev|tdev|hdev|ohdev|totdev", "choices", "run allan", "allan", &
                   "further kinds of deviation, separated by commas; the terms are fitted to oadev, which is always there"), &
       option_type("--taus", "octave|decade|log:N|all|LIST", "text", "run allan", "allan", &

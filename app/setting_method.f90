@@ -148,10 +148,10 @@ contains
          pipeline%ar%max_order = max(pipeline%ar%max_order, pipeline%ar%order)
          pipeline%arma%p = pipeline%ar%order
       case ("--akf"); pipeline%design%akf = value%text
-         if (value%text == "robust") pipeline%design%estimate = "R"
       case ("--forgetting"); pipeline%design%forgetting = value%number
          pipeline%drift%forgetting = value%number
       case ("--drift-tau"); pipeline%drift_tau = value%number
+      case ("--drift-source"); pipeline%identification%source = value%text
       case ("--estimate"); call set_estimate(pipeline%design, option, value%text, error)
       case ("--r-factor"); pipeline%design%r_factor = value%number
       case default; call not_wired(option, error)

@@ -97,8 +97,9 @@ module gyroakf
    use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, design_drift_kf, design_drift_akf, &
       adaptive_drift
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, channel_result_type, available_type, allan_result_type, &
-      stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, stage, stage_names, apply_preset, &
-      run_pipeline, run_streamed, check_filter, filter_streamed, series_sink_type, tell_memory, minimum_samples
+      stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, drift_process_type, stage, &
+      stage_names, apply_preset, run_pipeline, run_streamed, check_filter, filter_streamed, series_sink_type, tell_memory, &
+      minimum_samples
    use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_report_files, only : write_results
    use gyroakf_report_csv, only : series_output_type

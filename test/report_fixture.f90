@@ -13,7 +13,7 @@ module report_fixture
    use json_reader, only : file_text
    implicit none (type, external)
    private
-   public :: make_record, make_result, begin_text, end_text
+   public :: make_record, make_result, fill_drift, begin_text, end_text
 
    !> Written and removed by each test
    character(*), parameter, public :: scratch = "test_report_scratch.tmp"
@@ -108,6 +108,71 @@ contains
          call add_text(channel%unavailable, "drift identification: too few samples")
       end associate
    end subroutine make_result
+
+   !> A drift: a random walk, and an AR(1) process that is too fast; filters, smoother, what is left.
+   subroutine fill_drift(record, channel)
+      type(record_type), intent(in) :: record
+      type(channel_result_type), intent(inout) :: channel
+
+      if (allocated(channel%unavailable)) deallocate (channel%unavailable)
+      channel%available%drift = .true.
+      channel%available%drift_kf = .true.
+      channel%available%drift_akf = .true.
+      channel%available%drift_smoother = .true.
+      channel%level%mean = 0.0043_dp
+      channel%level%variance = 5.5e-4_dp
+      channel%drift_tau = 1.0_dp
+      associate (drift => channel%drift)
+         drift%found = .true.
+         drift%name = "walk+ar1"
+         drift%model%count = 2
+         drift%model%phi(:2) = [0.41_dp, 1.0_dp]
+         drift%model%q(:2) = [4.0e-4_dp, 1.0e-10_dp]
+         drift%model%r = 2.5e-5_dp
+         drift%slow(2) = .true.
+         drift%std_error = drift%model
+         drift%errors_known = .true.
+         drift%white_std = 0.005_dp
+         drift%drift_std = 1.0e-5_dp
+         drift%samples = 8
+         drift%of_samples = 12
+         drift%chosen = 2
+         allocate (drift%candidate(2))
+         drift%candidate%name = [character(8) :: "walk", "walk+ar1"]
+         drift%candidate%aic = [-56951.82_dp, -58726.91_dp]
+         drift%candidate%bic = [-56937.04_dp, -58697.34_dp]
+         drift%candidate(2)%model = drift%model
+         drift%allan_known = .true.
+         drift%log_likelihood = 29363.5_dp
+         drift%allan_log_likelihood = 29350.0_dp
+      end associate
+      channel%white_std_error = 0.0021_dp
+      allocate (channel%drift_process(2))
+      channel%drift_process%walk = [.false., .true.]
+      channel%drift_process%slow = [.false., .true.]
+      channel%drift_process%phi = [0.41_dp, 1.0_dp]
+      channel%drift_process(1)%phi_error = 0.02_dp
+      channel%drift_process(1)%time = 0.2243_dp
+      channel%drift_process(1)%time_error = 0.012_dp
+      channel%drift_process%std = [0.0219_dp, 1.0e-5_dp]
+      channel%drift_process(2)%k = channel%allan(stage%input)%stated%term(4)
+      channel%drift_process(2)%k%value = 4.83_dp
+      channel%drift_process(2)%k%std_error = 1.2_dp
+      call fill_filter(channel%drift_kf, 1.0e-5_dp, 1.0_dp)
+      call fill_filter(channel%drift_akf, 1.1e-5_dp, 1.0_dp)
+      call add_text(channel%drift_akf%estimate, "R")
+      call fill_filter(channel%drift_smoother, 1.2e-5_dp, 1.0_dp)
+      channel%drift_smoother%nis_high = 0
+      channel%drift_kf_figures%variance_ratio = 0.018_dp
+      channel%drift_kf_figures%passed_percent = 100.0_dp
+      channel%drift_smoother_figures = channel%drift_kf_figures
+      channel%compensated%mean = 1.0e-6_dp
+      channel%compensated%variance = 5.38e-4_dp
+      channel%compensated_ratio = 0.978_dp
+      call fill_allan(channel, stage%compensated)
+      call state_noise(channel%allan(stage%compensated)%noise, record%rate_known, record%unit, &
+                       channel%allan(stage%compensated)%stated)
+   end subroutine fill_drift
 
    !> A line, its harmonic, which wanders, and a spectrum of three frequencies.
    subroutine fill_periodicity(channel)
@@ -301,6 +366,8 @@ contains
       filter%r = 5.24e-4_dp
       filter%forgetting = 0.98_dp
       filter%steps = 12
+      filter%nis_low = 0.98_dp
+      filter%nis_high = 1.02_dp
       filter%ljung_box%statistic = 700
       filter%ljung_box%p_value = 0
       filter%ljung_box%lags = 20
@@ -311,7 +378,7 @@ contains
    subroutine fill_allan(channel, which)
       type(channel_result_type), intent(inout) :: channel
       integer, intent(in) :: which
-      real(dp), parameter :: shrink(4) = [1.0_dp, 1.0_dp, 0.6_dp, 0.2_dp]
+      real(dp), parameter :: shrink(5) = [1.0_dp, 1.0_dp, 0.6_dp, 0.2_dp, 0.9_dp]
 
       if (which == stage%kf) channel%available%kf = .true.
       if (which == stage%akf) channel%available%akf = .true.

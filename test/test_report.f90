@@ -16,7 +16,7 @@ module test_report
    use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, write_dynamic, &
       series_output_type
    use json_reader, only : json_item, read_json, json_text_at, json_real, check_schema, file_text
-   use report_fixture, only : make_record, make_result, begin_text, end_text
+   use report_fixture, only : make_record, make_result, fill_drift, begin_text, end_text
    implicit none (type, external)
    private
    public :: collect_report
@@ -39,6 +39,7 @@ contains
          new_unittest("periodicity-verdicts", test_periodicity_verdicts), &
          new_unittest("run-nothing-known", test_nothing_known), &
          new_unittest("width", test_width), &
+         new_unittest("drift", test_drift), &
          new_unittest("halves", test_halves), &
          new_unittest("dynamic", test_dynamic), &
          new_unittest("single-commands", test_single_commands), &
@@ -181,13 +182,13 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(100), parameter :: lines(8) = [character(100) :: &
          "  *      1  4.36000e-04  -58801.12  0.00  0.00  0.00  0.00000e+00  -4.900012", &
-         "  KF (paper)   0.0000e+00  1.4908e-04     28.45 %   0.6072     0.750            0.2    not white", &
-         "  AKF (paper)  0.0000e+00  2.0000e-05       3.8 %   0.2100     0.750            0.2    not white", &
-         "  N angle random walk                0.948          0.948         0.5688         0.1896        80 %", &
-         "    deg/sqrt(h)                  +/- 0.012      +/- 0.012     +/- 0.0072     +/- 0.0024", &
-         "  B bias instability                  14.4           14.4 not detectable not detectable      > 85 %", &
-         "    deg/h                          +/- 3.6        +/- 3.6       (< 6.48)       (< 2.16)", &
-         "  R ramp                                 -              -              -              -"]
+         "  KF (paper)   0.000e+00  1.4908e-04  28.45 %  0.477   0.6072  0.750    0.2  < 1e-20  coloured", &
+         "  AKF (paper)  0.000e+00  2.0000e-05    3.8 %  0.477   0.2100  0.750    0.2  < 1e-20  coloured", &
+         "  N angle random walk           0.948        0.948       0.5688       0.1896            -       80 %", &
+         "    deg/sqrt(h)             +/- 0.012    +/- 0.012   +/- 0.0072   +/- 0.0024", &
+         "  B bias instability             14.4         14.4 not detected not detected            -     > 85 %", &
+         "    deg/h                     +/- 3.6      +/- 3.6     (< 6.48)     (< 2.16)", &
+         "  R ramp                            -            -            -            -            -"]
       character(:), allocatable :: text
       integer :: i
 
@@ -426,10 +427,68 @@ contains
       call check_document(error, record, result)
       if (allocated(error)) return
       call make_record(record, .false.)
-      result%channel(1)%available%drift_kf = .true.
-      result%channel(1)%available%drift_akf = .true.
+      call fill_drift(record, result%channel(1))
+      call check_document(error, record, result)
+      if (allocated(error)) return
+      result%channel(1)%drift%found = .false.
+      result%channel(1)%drift%errors_known = .false.
+      result%channel(1)%drift%allan_known = .false.
+      result%channel(1)%available%drift_smoother = .false.
       call check_document(error, record, result)
    end subroutine test_document_schema
+
+   !> The drift in words, beside the paper's filters; found and not found.
+   subroutine test_drift(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(110), parameter :: fragments(19) = [character(110) :: &
+         "no outliers  4.300e-03  5.5000e-04    100 %", &
+         "drift KF     0.000e+00  1.0000e-05    1.8 % 0.477 1.0000  0.750    0.2  < 1e-20  coloured", &
+         "smoother     0.000e+00  1.2000e-05    1.8 %         1.0000", &
+         "compensated  1.000e-06  5.3800e-04   97.8 %         0.0000", &
+         "(95 % of such filters within 0.980 to 1.020)", "a rotation passes into it: estimate it at rest, only predict it", &
+         "In-sample: the drift was taken from the same record", "b = 0.98, adapts R", &
+         "Drift: what is slower than 1 s (--drift-tau) in the record as read without its outliers", &
+         "Model random walk + AR(1) of 0.224 s + white noise Random", &
+         "noise, too fast to be drift: correlation time 0.2243 +/- 0.012 s", &
+         "Random walk drift: K = 4.83 +/- 1.2 deg/h^1.5, steps of 1e-05 deg/s a sample", &
+         "White noise standard deviation 0.005 +/- 0.0021 deg/s", "largest likelihood of the middle 8 of 12 samples", &
+         "* random walk, AR(1) -58726.91 -58697.34", "with a log-likelihood lower by 13.5", &
+         "The record drifts: random walk + AR(1) of 0.224 s + white noise.", "of a constant rotation it takes 100 % for drift", &
+         "that leaves 97.8 % of the variance. It is in-sample"]
+      type(writer_type) :: writer
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      character(:), allocatable :: text, flat
+      integer :: i
+
+      call make_record(record, .true.)
+      call make_result(record, result)
+      call fill_drift(record, result%channel(1))
+      call begin_text(writer)
+      call write_report(writer, "run", record, pipeline_options(), result)
+      call end_text(writer, text)
+      call check(error, longest_line(text) <= report_width)
+      if (allocated(error)) return
+      call check(error, index(text, "+/- 0.012    +/- 0.012   +/- 0.0072   +/- 0.0024    +/- 0.011"//lf) > 0)
+      if (allocated(error)) return
+      call unwrap(text, flat)
+      do i = 1, size(fragments)
+         call unwrap(trim(fragments(i)), text)
+         call check(error, index(flat, trim(text)) > 0, "missing: "//trim(fragments(i)))
+         if (allocated(error)) return
+      end do
+      result%channel(1)%available%drift_kf = .false.
+      result%channel(1)%available%drift_akf = .false.
+      result%channel(1)%available%drift_smoother = .false.
+      result%channel(1)%drift%found = .false.
+      result%channel(1)%drift%chosen = 1
+      call begin_text(writer)
+      call write_report(writer, "run", record, pipeline_options(), result)
+      call end_text(writer, text)
+      call unwrap(text, flat)
+      call check(error, index(flat, "+ white noise: there is no drift") > 0 .and. index(flat, "In-sample") == 0 .and. &
+                 index(flat, "No drift slower than 1 s was identified") > 0 .and. index(flat, "here it does not") > 0)
+   end subroutine test_drift
 
    subroutine test_document_inspect(error)
       type(error_type), allocatable, intent(out) :: error
@@ -590,15 +649,20 @@ contains
          two%channel(c) = one%channel(1)
          two%channel(c)%series_cleaned = 2*record%value(:, c)
          two%channel(c)%series_kf = 3*record%value(:, c)
+         two%channel(c)%series_drift_akf = 4*record%value(:, c)
       end do
+      two%channel(2)%series_drift = 5*record%value(:, 2)
+      two%channel(2)%series_compensated = 6*record%value(:, 2)
+      two%channel(2)%series_drift_kf = 7*record%value(:, 2)
       two%channel(2)%name = "gy"
       two%channel(2)%series_present = record%present(:, 2)
       call begin_text(writer)
       call write_series(writer, record, two, series_output_type(), failed)
       call end_text(writer, text)
-      call check(error, index(text, "time,gx_raw,gx_cleaned,gx_kf,gx_akf,gy_raw,gy_cleaned,gy_kf,gy_akf"//lf// &
-                              "0,0.25,0.5,0.75,nan,-0.25,-0.5,-0.75,nan"//lf// &
-                              "0.2,0.5,1,1.5,nan,nan,nan,-1.5,nan"//lf) == 1)
+      call check(error, index(text, "time,gx_raw,gx_cleaned,gx_kf,gx_akf,gx_drift,gx_compensated,gx_drift_kf,gx_drift_akf,"// &
+                              "gy_raw,gy_cleaned,gy_kf,gy_akf,gy_drift,gy_compensated,gy_drift_kf,gy_drift_akf"//lf// &
+                              "0,0.25,0.5,0.75,nan,nan,nan,nan,1,-0.25,-0.5,-0.75,nan,-1.25,-1.5,-1.75,-1"//lf// &
+                              "0.2,0.5,1,1.5,nan,nan,nan,nan,2,nan,nan,-1.5,nan,-2.5,nan,-3.5,-2"//lf) == 1)
    end subroutine test_csv_channels
 
 end module test_report

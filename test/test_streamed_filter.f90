@@ -188,6 +188,10 @@ contains
             if (.not. now%available%kf) cycle
             call compare_series(whole%series_kf(before + 1:before + n), now%series_kf, self%largest)
             call compare_series(whole%series_akf(before + 1:before + n), now%series_akf, self%largest)
+            self%odd = self%odd .or. (allocated(now%series_drift_kf) .neqv. allocated(whole%series_drift_kf))
+            if (self%odd .or. .not. allocated(now%series_drift_kf)) cycle
+            call compare_series(whole%series_drift_kf(before + 1:before + n), now%series_drift_kf, self%largest)
+            call compare_series(whole%series_drift_akf(before + 1:before + n), now%series_drift_akf, self%largest)
          end associate
       end do
    end subroutine take

@@ -14,7 +14,8 @@ module gyroakf_pipeline
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, available_type, &
-      allan_result_type, stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, stage, stage_names
+      allan_result_type, stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, &
+      drift_process_type, stage, stage_names
    use gyroakf_pipeline_channel, only : run_channel
    use gyroakf_pipeline_periodicity, only : longest_part, longest_segment
    use gyroakf_pipeline_channel_progress, only : channel_progress_type
@@ -25,7 +26,8 @@ module gyroakf_pipeline
    implicit none (type, external)
    private
    public :: pipeline_options, pipeline_result_type, channel_result_type, available_type, allan_result_type
-   public :: stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, stage, stage_names
+   public :: stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type
+   public :: drift_process_type, stage, stage_names
    public :: check_truth
    public :: apply_preset, run_pipeline, run_streamed, check_filter, filter_streamed, series_sink_type, tell_memory, minimum_samples
 
@@ -61,7 +63,7 @@ contains
          options%design%akf = "paper"
          options%design%r_factor = 1.0_dp
          options%design%forgetting = 0.98_dp
-         options%design%estimate = "QR"
+         options%design%estimate = " "
          options%design%huber = 0.0_dp
       case default
          call fatal_error(error, status%invalid_argument, 'there is no preset "'//name//'"; there are default and paper')
@@ -88,7 +90,7 @@ contains
          if (present(part_bytes)) part_bytes = 12                       ! lines: beside what the program itself is allowed
       end if
       work_bytes = 0
-      if (options%do_filter) work_bytes = 8                             ! part of the series, for the drift
+      if (options%do_filter) work_bytes = 8                             ! white noise of each sample, for the smoother
       if (options%do_allan) work_bytes = 12                             ! integral, count of missing samples; not at the same time
       if (options%clean%degree >= 0 .or. options%clean%method /= "none") then
          work_bytes = work_bytes + 9                                    ! the cleaned series, its marks
@@ -97,7 +99,7 @@ contains
       end if
       if (options%do_filter) work_bytes = work_bytes + 8                ! the filtered series
       channel_bytes = 0
-      if (options%keep_series) channel_bytes = 25
+      if (options%keep_series) channel_bytes = 57                       ! seven series and the marks of the cleaned one
    end subroutine tell_memory
 
    !> Does the whole job for every channel of a record.

@@ -48,6 +48,8 @@ is "inspect's JSON, in memory and streamed" "$(diff whole.json streamed_inspect.
 good "filter in memory" filter large.txt --json whole.json --quiet --force
 good "filter streamed with drift" filter large.txt --memory 56MB --json drift.json
 holds "filter with drift says streamed" "streamed, for the recording is larger" out
+holds "a streamed record has no smoother" "drift smoother: it goes through the record from both ends" out
+bad "the drift of the curve, streamed" 2 "without --drift-source allan" filter large.txt --memory 30MB --drift-source allan
 good "filter without drift" filter large.txt --memory 30MB --json streamed.json --force
 holds "what a streamed filter lacks" "drift and its filters: to identify it from a part of the record" out
 if command -v python3 >/dev/null; then
@@ -69,18 +71,22 @@ for key in ("raw", "ar"): compare(a[key], b[key], key)
 for key in ("kf", "akf"): compare(a["filters"][key], b["filters"][key], key)
 assert b["filters"]["drift_kf"] is None and a["filters"]["drift_kf"] is not None
 c = json.load(open("drift.json"))["channels"][0]
-compare(a["filters"], c["filters"], "with drift")
+for key in ("kf", "akf", "drift_kf", "drift_akf"): compare(a["filters"][key], c["filters"][key], key)
+compare(a["drift"]["processes"], c["drift"]["processes"], "drift")
+assert a["filters"]["drift_smoother"] is not None and c["filters"]["drift_smoother"] is None
+assert c["drift"]["samples"] == 131072 and c["drift"]["of_samples"] == 1000000
 PYTHON
    then pass; else fail "filter streamed and in memory: $(tail -n 1 alike)"; fi
 fi
 # the series are written while they go by, the same as in memory but for rounding
-good "series of a streamed filter" filter large.txt --memory 30MB --out filtered_streamed --digits 9 --quiet
+good "series of a streamed filter" filter large.txt --memory 56MB --out filtered_streamed --digits 9 --quiet
 good "series in memory" filter large.txt --out filtered_whole --digits 9 --quiet
 is "result files of a streamed filter" "$(ls filtered_streamed | tr '\n' ' ')" "ar_spectrum.csv report.txt results.json series.csv "
 is "lines of the series" "$(wc -l <filtered_streamed/series.csv)" 1000001
 is "lines that differ beyond rounding" "$(paste -d, filtered_whole/series.csv filtered_streamed/series.csv |
-   awk -F, 'NR == 1 { if ($0 != "time,raw,cleaned,kf,akf,time,raw,cleaned,kf,akf") n++; next }
-   { for (i = 1; i <= 5; i++) { d = $i - $(i + 5); if (d > 1e-7 || d < -1e-7) n++ } } END { print n + 0 }')" 0
+   awk -F, -v head=time,raw,cleaned,kf,akf,drift,compensated,drift_kf,drift_akf 'NR == 1 { if ($0 != head "," head) n++; next }
+   { for (i = 1; i <= 9; i++) if (i < 6 || i > 7) { d = $i - $(i + 9); if (d > 1e-7 || d < -1e-7) n++ }
+     if ($15 != "nan" || $16 != "nan") n++ } END { print n + 0 }')" 0
 good "binary series of a streamed filter" filter large.txt --memory 30MB --out filtered_streamed --series-format npy --force --quiet
 is "the other series is gone" "$(ls filtered_streamed | tr '\n' ' ')" "ar_spectrum.csv report.txt results.json series.npy "
 good "which can be read" inspect filtered_streamed/series.npy --quiet --json npy.json

@@ -185,6 +185,28 @@ bad "no lags" 1 "--lags" tests "$example" --lags 0
 good "filter with options" filter "$example" --akf robust --forgetting 0.99 --r-factor 2 --outliers auto --detrend 3
 good "filter adapts all four" filter "$example" --outliers auto --detrend 3 --estimate q,r,Q,R
 good "filter of a slower drift" filter "$example" --outliers auto --detrend 3 --drift-tau 10
+good "robust, then what adapts" filter "$example" --akf robust --estimate q,R --json first.json --quiet
+good "what adapts, then robust" filter "$example" --estimate q,R --akf robust --json second.json --quiet
+is "their order does not matter" "$(diff first.json second.json)" ""
+is "both are heard" "$(sed -n '/"akf": {/,/"warnings"/p' first.json | grep '"estimate"' | tr -d ' ')" '"estimate":["q","R"],'
+good "robust alone" filter "$example" --akf robust --json robust.json --quiet
+is "adapts R" "$(sed -n '/"akf": {/,/"warnings"/p' robust.json | grep '"estimate"' | tr -d ' ')" '"estimate":["R"],'
+is "no drift: null" "$(grep -cE '"(drift_kf|drift_akf|drift_smoother)": null' robust.json)" 3
+"$gyroakf" simulate --samples 20000 --rate 10 --coefficients N=0.01,K=0.002 --offset 3 --missing 0.01 --output walk.txt
+good "a record that drifts" run walk.txt --out walk --json walk.json
+for text in "Model           random walk + white noise" "In-sample: the drift was taken" "drift AKF " \
+   "compensated     Q and N alone, of the first"; do holds "report: $text" "$text" out; done
+is "report of the drift fits 100 columns" "$(LC_ALL=C.UTF-8 awk 'length > 100' out)" ""
+is "columns of the series" "$(head -n 1 walk/series.csv)" "time,raw,cleaned,kf,akf,drift,compensated,drift_kf,drift_akf"
+is "raw is drift and compensated" "$(awk -F, 'NR > 1 && $2 != "nan" { d = $2 - $6 - $7; if (d > 1e-12 || d < -1e-12) n++ }
+   END { print n + 0 }' walk/series.csv)" 0
+is "the drift goes on where samples are lost" "$(awk -F, 'NR > 1 && ($6 == "nan" || $8 == "nan" || $9 == "nan")' walk/series.csv)" ""
+holds "curve of what is left" ",compensated,oadev," walk/allan.csv
+is "JSON has it too" "$(grep -cE '"compensated": \{' walk.json)" 2
+good "the drift of the curve" filter walk.txt --drift-source allan --json allan_drift.json
+holds "where it comes from" '"source": "allan"' allan_drift.json
+holds "the report says so" "from the coefficients of the Allan deviation" out
+bad "no such source" 1 "--drift-source" filter walk.txt --drift-source truth
 good "the paper's chain" run "$example" --preset paper
 good "a preset changed" run "$example" --outlier-threshold 4 --preset paper --json -
 

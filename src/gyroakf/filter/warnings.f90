@@ -46,7 +46,7 @@ contains
 
       allocate (warnings(0))
       call judge_adaptation(filter, facts, warnings)
-      if (facts%dc_gain < attenuated) then
+      if (facts%dc_gain < attenuated .and. filter%drift_model%count == 0) then     ! a drift filter's output is not the rotation
          call add_text(warnings, "of a constant true rotation the output keeps "//trim(percent(facts%dc_gain)) &
                        //": do not navigate with it")
       end if

@@ -18,6 +18,7 @@ module gyroakf_pipeline_channel
    use gyroakf_pipeline_arma, only : run_arma
    use gyroakf_pipeline_changes, only : run_halves, run_dynamic
    use gyroakf_pipeline_distribution, only : run_distribution
+   use gyroakf_pipeline_drift_filters, only : run_drift_filters
    use gyroakf_pipeline_filters, only : run_filters
    use gyroakf_pipeline_filter_model, only : choose_filter_model
    use gyroakf_pipeline_shared_pass, only : plan_pass, run_adf
@@ -73,6 +74,14 @@ contains
       else
          call analyse(record, x, x, options, channel, error, valid, progress)
       end if
+      if (allocated(error)) return
+      if (allocated(cleaned) .and. .not. options%keep_series) deallocate (cleaned)
+      if (options%do_filter .and. channel%available%preprocess) then
+         call run_drift_filters(record, x, options, channel, error, present_samples, progress)
+      else if (options%do_filter) then
+         call run_drift_filters(record, x, options, channel, error, valid, progress)
+      end if
+      if (allocated(channel%truth%drift)) deallocate (channel%truth%drift)
       if (allocated(error) .or. .not. options%keep_series) return
       if (allocated(cleaned)) call move_alloc(cleaned, channel%series_cleaned)
       if (.not. allocated(channel%series_cleaned)) channel%series_cleaned = x
@@ -135,7 +144,6 @@ contains
       if (options%do_filter .and. channel%available%ar) then
          call filter_centred(record, z, options, channel, error, valid, progress)
          if (allocated(error)) return
-         if (allocated(channel%truth%drift)) deallocate (channel%truth%drift)
          call compare_coefficients(channel)
       end if
    end subroutine analyse

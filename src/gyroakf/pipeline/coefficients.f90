@@ -17,7 +17,7 @@ module gyroakf_pipeline_coefficients
    use gyroakf_pipeline_warnings, only : note_failure, is_fatal
    implicit none (type, external)
    private
-   public :: run_allan, fit_curve, state_noise, state_read_off, compare_coefficients
+   public :: run_allan, fit_curve, state_noise, state_one, state_read_off, compare_coefficients
 
 contains
 
@@ -75,6 +75,7 @@ contains
       integer :: i
 
       noise_of_stage = options%noise                        ! what a filter leaves is a filtered curve, not a further process
+      if (which == stage%compensated) call end_before_smoother(channel, noise_of_stage)
       noise_of_stage%further_terms = any(which == [stage%input, stage%cleaned])
       call fit_noise(channel%allan(which)%curve, noise_of_stage, channel%allan(which)%noise, error)
       if (is_fatal(error)) return
@@ -91,6 +92,21 @@ contains
       call read_off(channel%allan(which)%curve, read_off_options(), channel%allan(which)%read, error)
       if (.not. allocated(error)) call state_read_off(channel%allan(which)%read, rate_known, unit, channel%allan(which)%read_off)
    end subroutine fit_curve
+
+   !> Beyond a quarter of its time constant, the interval over the gain, the smoother takes more than 1 % of the white noise's
+   !> variance along with the drift: the curve falls below that of the noise, and is not fitted there. Q and N are what is left.
+   pure subroutine end_before_smoother(channel, noise)
+      !> Its drift filter is done
+      type(channel_result_type), intent(in) :: channel
+      !> Its longest averaging time is set
+      type(noise_options), intent(inout) :: noise
+      real(dp) :: longest
+
+      if (.not. channel%drift_kf%gain > 0.0_dp) return
+      longest = channel%allan(stage%compensated)%curve%sample_interval/(4.0_dp*channel%drift_kf%gain)
+      noise%tau_max = min(longest, noise%tau_max)
+      if (noise%terms == "auto") noise%terms = "QN"
+   end subroutine end_before_smoother
 
    !> Computes the curves of the further kinds. A failure is noted in the channel.
    subroutine run_other_kinds(x, step, options, which, channel, error, valid, progress)

@@ -3,16 +3,18 @@
 module gyroakf_pipeline_filter_lane
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_record, only : add_text
    use gyroakf_series_moments, only : moments_type
    use gyroakf_series_normality, only : test_jarque_bera
    use gyroakf_series_whiteness, only : ljung_box_of
    use gyroakf_ar_residual_stream, only : begin_residual_stream, feed_residual_stream, finish_residual_stream, &
       residual_stream_type
    use gyroakf_ar_model, only : residual_lags
-   use gyroakf_filter_design, only : design_akf, design_drift_akf, design_drift_kf, design_kf
+   use gyroakf_filter_design, only : design_akf, design_kf
    use gyroakf_filter_kalman, only : filter_type
    use gyroakf_filter_series, only : begin_filter_run, end_filter_run, feed_filter_run, filter_result_type, filter_run_type
    use gyroakf_pipeline_channel, only : negligible_mean
+   use gyroakf_pipeline_drift, only : make_drift_akf, make_drift_kf
    use gyroakf_pipeline_filters, only : figures_of
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_options
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_centred, warn_model, warn_order
@@ -38,8 +40,10 @@ module gyroakf_pipeline_filter_lane
       logical :: tests_residuals = .false.
       !> Something was missing
       logical :: gaps = .false.
-      !> The series without its mean, and an output that nobody wants
-      real(dp), allocatable :: z(:), x(:)
+      !> The series without its mean
+      real(dp), allocatable :: z(:)
+      !> Its level, that of the drift's outputs
+      real(dp) :: level = 0.0_dp
    end type filter_lane_type
 
 contains
@@ -92,11 +96,15 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       if (.not. channel%drift%found) return
-      call design_drift_kf(channel%drift, lane%drift_kf%filter, error)
+      lane%level = channel%level%mean
+      call make_drift_kf(channel, lane%drift_kf%filter, error)
       call begin_worker(lane%drift_kf, samples, channel, "drift Kalman filter", error)
       if (allocated(error)) return
-      call design_drift_akf(channel%drift, difference_variance, options%drift, lane%drift_akf%filter, error)
+      call make_drift_akf(channel, difference_variance, samples, options, lane%drift_akf%filter, error)
       call begin_worker(lane%drift_akf, samples, channel, "adaptive drift filter", error)
+      if (allocated(error)) return
+      call add_text(channel%unavailable, "drift smoother: it goes through the record from both ends, and a streamed record "// &
+                       "comes in one direction; give more memory")
    end subroutine begin_drift_lane
 
    !> Begins the run of a filter that was made.
@@ -147,9 +155,14 @@ contains
       if (lane%kf%works) call work(lane%kf, lane%z, part%series_kf, error, valid)
       if (.not. allocated(error) .and. lane%akf%works) call work(lane%akf, lane%z, part%series_akf, error, valid)
       if (allocated(error)) return
-      call resize(lane%x, n, lane%drift_kf%works .or. lane%drift_akf%works, error)
-      if (.not. allocated(error) .and. lane%drift_kf%works) call work(lane%drift_kf, lane%z, lane%x, error, valid)
-      if (.not. allocated(error) .and. lane%drift_akf%works) call work(lane%drift_akf, lane%z, lane%x, error, valid)
+      lane%z = x - lane%level
+      call resize(part%series_drift_kf, n, lane%drift_kf%works, error)
+      if (.not. allocated(error)) call resize(part%series_drift_akf, n, lane%drift_akf%works, error)
+      if (.not. allocated(error) .and. lane%drift_kf%works) call work(lane%drift_kf, lane%z, part%series_drift_kf, error, valid)
+      if (.not. allocated(error) .and. lane%drift_akf%works) call work(lane%drift_akf, lane%z, part%series_drift_akf, error, valid)
+      if (allocated(error)) return
+      if (lane%drift_kf%works) part%series_drift_kf = part%series_drift_kf + lane%level
+      if (lane%drift_akf%works) part%series_drift_akf = part%series_drift_akf + lane%level
    end subroutine feed_lane
 
    !> Frees what a block took.
@@ -160,11 +173,12 @@ contains
       type(channel_result_type), intent(inout) :: part
 
       if (allocated(lane%z)) deallocate (lane%z)
-      if (allocated(lane%x)) deallocate (lane%x)
       if (allocated(part%series_cleaned)) deallocate (part%series_cleaned)
       if (allocated(part%series_present)) deallocate (part%series_present)
       if (allocated(part%series_kf)) deallocate (part%series_kf)
       if (allocated(part%series_akf)) deallocate (part%series_akf)
+      if (allocated(part%series_drift_kf)) deallocate (part%series_drift_kf)
+      if (allocated(part%series_drift_akf)) deallocate (part%series_drift_akf)
    end subroutine free_block
 
    !> Runs a filter over some samples.
@@ -219,22 +233,24 @@ contains
       if (allocated(error)) return
       channel%available%kf = there
       channel%kf = measured
-      if (there) channel%kf_figures = figures_of(measured, channel)
+      if (there) channel%kf_figures = figures_of(measured, channel%cleaned%variance, channel)
       call measure(lane%akf, "adaptive Kalman filter", measured, channel, there, error)
       if (allocated(error)) return
       channel%available%akf = there
       channel%akf = measured
-      if (there) channel%akf_figures = figures_of(measured, channel)
+      if (there) channel%akf_figures = figures_of(measured, channel%cleaned%variance, channel)
       call measure(lane%drift_kf, "drift Kalman filter", measured, channel, there, error)
       if (allocated(error)) return
       channel%available%drift_kf = there
       channel%drift_kf = measured
-      if (there) channel%drift_kf_figures = figures_of(measured, channel)
+      if (there) channel%drift_kf%mean = measured%mean + channel%level%mean
+      if (there) channel%drift_kf_figures = figures_of(measured, channel%level%variance, channel)
       call measure(lane%drift_akf, "adaptive drift filter", measured, channel, there, error)
       if (allocated(error)) return
       channel%available%drift_akf = there
       channel%drift_akf = measured
-      if (there) channel%drift_akf_figures = figures_of(measured, channel)
+      if (there) channel%drift_akf%mean = measured%mean + channel%level%mean
+      if (there) channel%drift_akf_figures = figures_of(measured, channel%level%variance, channel)
    end subroutine finish_lane
 
    !> Diagnostics of one filter, where it worked.

@@ -24,7 +24,7 @@ module gyroakf_pipeline_result
    use gyroakf_ar_arma_result, only : arma_options, arma_model_type
    use gyroakf_filter_design, only : design_options, drift_options
    use gyroakf_filter_series, only : filter_result_type
-   use gyroakf_filter_identification, only : drift_model_type
+   use gyroakf_filter_drift_identification, only : drift_identification_options, drift_identification_type
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type
    use gyroakf_allan_noise_fit, only : noise_options, noise_type
    use gyroakf_allan_dynamic, only : dynamic_type
@@ -35,7 +35,7 @@ module gyroakf_pipeline_result
    private
    public :: pipeline_options, pipeline_result_type, channel_result_type, available_type
    public :: allan_result_type, stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type
-   public :: stage, stage_names
+   public :: drift_process_type, stage, stage_names
 
    !> The series that an Allan curve is computed of, in the order of `channel%allan`
    type :: stage_enum
@@ -47,13 +47,15 @@ module gyroakf_pipeline_result
       integer :: kf = 3
       !> Output of the adaptive filter of the paper
       integer :: akf = 4
+      !> The record as read less its smoothed drift
+      integer :: compensated = 5
    end type stage_enum
 
    !> Reached as `stage%cleaned`
    type(stage_enum), parameter :: stage = stage_enum()
 
    !> Names of the stages, as in the JSON document
-   character(7), parameter :: stage_names(4) = [character(7) :: "input", "cleaned", "kf", "akf"]
+   character(11), parameter :: stage_names(5) = [character(11) :: "input", "cleaned", "kf", "akf", "compensated"]
 
    !> What the main job does and how
    type :: pipeline_options
@@ -72,8 +74,10 @@ module gyroakf_pipeline_result
       type(arma_options) :: arma
       !> The paper's filters
       type(design_options) :: design
-      !> The adaptive filter of the identified drift
+      !> The adaptive filter of the identified drift, also that of the smoother
       type(drift_options) :: drift
+      !> How the drift is identified; its limit is `drift_tau`
+      type(drift_identification_options) :: identification
       !> Allan curves; the kind that is fitted is oadev
       type(allan_options) :: allan
       !> Further kinds for the series as read and cleaned, separated by commas: "mdev,ohdev"
@@ -108,6 +112,8 @@ module gyroakf_pipeline_result
       logical :: preprocess = .false., adf = .false., jarque_bera = .false., ljung_box = .false., ar = .false.
       logical :: arma = .false.
       logical :: kf = .false., akf = .false., drift = .false., drift_kf = .false., drift_akf = .false.
+      !> The smoothed drift, and with it what is left of the record without it
+      logical :: drift_smoother = .false.
       logical :: halves = .false., dynamic = .false.
       logical :: dagostino = .false., anderson_darling = .false., histogram = .false., quantisation = .false.
       logical :: kpss = .false., phillips_perron = .false., correlation = .false.
@@ -179,9 +185,24 @@ module gyroakf_pipeline_result
       type(stated_read_off_type) :: read_off
    end type allan_result_type
 
+   !> One process of the drift model as it is stated
+   type :: drift_process_type
+      !> A random walk; else an AR(1) process
+      logical :: walk = .false.
+      !> It counts as drift
+      logical :: slow = .false.
+      !> Coefficient, correlation time in s (samples without a rate), their standard errors; 1 and 0 for a random walk
+      real(dp) :: phi = 0.0_dp, phi_error = 0.0_dp, time = 0.0_dp, time_error = 0.0_dp
+      !> Standard deviation in the unit of the record: of the process; of a random walk that of a step, with its standard error
+      real(dp) :: std = 0.0_dp, std_error = 0.0_dp
+      !> A random walk as the coefficient K of Table III, in its unit
+      type(stated_coefficient_type) :: k
+   end type drift_process_type
+
    !> What a filter did to the variance
    type :: filter_figures_type
-      !> Variance of the output over that of the cleaned series
+      !> Variance of the output over that of the filter's input: of the cleaned series; of the drift's filters, of the record as
+      !> read without outliers
       real(dp) :: variance_ratio = 0.0_dp
       !> Variance of the output over that of the record as read
       real(dp) :: raw_variance_ratio = 0.0_dp
@@ -236,18 +257,24 @@ module gyroakf_pipeline_result
       !> The paper's filters
       type(filter_result_type) :: kf, akf
       type(filter_figures_type) :: kf_figures, akf_figures
-      !> Drift identified from the record itself, and its filters
-      type(drift_model_type) :: drift
+      !> Record as read without its outliers: what the drift is identified in
+      type(moments_type) :: level
+      !> Drift identified from it, its processes as stated, and its filters; their outputs and means hold the level
+      type(drift_identification_type) :: drift
+      type(drift_process_type), allocatable :: drift_process(:)
+      !> Standard error of the white noise's standard deviation, 0 where it is not known
+      real(dp) :: white_std_error = 0.0_dp
       !> Correlation time of the drift, and the shortest that counts as drift, both in s (samples without a rate)
       real(dp) :: drift_time = 0.0_dp, drift_tau = 0.0_dp
-      !> Standard deviations of the drift and of the white noise over it, in the unit of the record
-      real(dp) :: drift_std = 0.0_dp, white_std = 0.0_dp
-      type(filter_result_type) :: drift_kf, drift_akf
-      type(filter_figures_type) :: drift_kf_figures, drift_akf_figures
+      type(filter_result_type) :: drift_kf, drift_akf, drift_smoother
+      type(filter_figures_type) :: drift_kf_figures, drift_akf_figures, drift_smoother_figures
+      !> The record as read, without its outliers, less the smoothed drift: in-sample, for the drift was taken from it
+      type(moments_type) :: compensated
+      real(dp) :: compensated_ratio = 0.0_dp
       !> How near the filters come to the true drift, where that was given
       type(truth_result_type) :: truth
       !> By [[stage]]
-      type(allan_result_type) :: allan(4)
+      type(allan_result_type) :: allan(5)
       !> Whether the curve of the record as read changed from its first to its second half
       type(halves_type) :: halves
       !> Deviation of the record as read in segments, where it was asked for
@@ -259,6 +286,8 @@ module gyroakf_pipeline_result
       real(dp) :: reduction_at_least(5) = 0.0_dp
       !> With keep_series: [n]; 0 where missing
       real(dp), allocatable :: series_cleaned(:), series_kf(:), series_akf(:)
+      !> The same of the drift: smoothed, what is left without it, filtered; they hold the level
+      real(dp), allocatable :: series_drift(:), series_compensated(:), series_drift_kf(:), series_drift_akf(:)
       !> Allocated with keep_series where something is missing (in the file, or an outlier): [n] 1 present 0 missing
       integer(int8), allocatable :: series_present(:)
       !> What a reader has to know, and which rooms failed and why

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> The drift of a recording that is larger than the memory, identified from its middle part as [[identify_drift]] does it: a pass
-!> of its own up to the end of that part, where the memory is enough to hold it.
+!> The drift of a recording that is larger than the memory, identified from its middle part as [[identify_drift_model]] does it: a
+!> pass of its own up to the end of that part, where the memory is enough to hold it.
 module gyroakf_pipeline_streamed_drift
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -8,9 +8,8 @@ module gyroakf_pipeline_streamed_drift
    use gyroakf_record, only : add_text, record_type, view_channel
    use gyroakf_io_recording, only : base_bytes, bytes_text, close_recording, open_recording, recording_type
    use gyroakf_io_record_stream, only : begin_record_stream, next_record_block, record_stream_type
-   use gyroakf_filter_identification, only : most_samples
+   use gyroakf_pipeline_drift, only : find_drift
    use gyroakf_pipeline_filter_lane, only : begin_drift_lane, filter_lane_type
-   use gyroakf_pipeline_filters, only : find_drift
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_pipeline_streamed, only : channel_bytes
    implicit none (type, external)
@@ -56,7 +55,7 @@ contains
       integer(int64) :: needed
       integer :: k
 
-      part%samples = min(record%audit%samples, most_samples)
+      part%samples = min(record%audit%samples, options%identification%most)
       part%before = (record%audit%samples - part%samples)/2
       needed = base_bytes + channel_bytes*size(lane) + part%samples*(kept_bytes*size(lane) + work_bytes)
       if (recording%options%memory < needed) then
@@ -146,15 +145,17 @@ contains
       integer(int64) :: i
 
       do i = 1, part%samples
-         part%value(i, k) = part%value(i, k) - lane%centre
+         part%value(i, k) = part%value(i, k) - result%channel(k)%level%mean
       end do
       call view_channel(record, k, view)
       if (allocated(part%present)) then
-         call find_drift(part%value(:, k), view, options, result%channel(k), error, part%present(:, k))
+         call find_drift(part%value(:, k), view%sample_interval, view%rate_known, view%unit, options, result%channel(k), &
+                         error, part%present(:, k))
       else
-         call find_drift(part%value(:, k), view, options, result%channel(k), error)
+         call find_drift(part%value(:, k), view%sample_interval, view%rate_known, view%unit, options, result%channel(k), error)
       end if
       if (allocated(error)) return
+      result%channel(k)%drift%of_samples = record%audit%samples
       call begin_drift_lane(lane, difference_variance, record%audit%samples, options, result%channel(k), error)
    end subroutine identify_channel
 

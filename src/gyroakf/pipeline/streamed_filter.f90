@@ -81,6 +81,7 @@ contains
       what = ""
       if (options%clean%method /= "none") what = "--outliers"
       if (options%clean%degree >= 0) what = "--detrend"
+      if (options%identification%source /= "record") what = "--drift-source "//trim(options%identification%source)
       if (options%ar%method /= "yw") what = "--ar-method "//trim(options%ar%method)
       least = base_bytes + channel_bytes*size(recording%table%chosen)
       if (what /= "") then
@@ -204,6 +205,7 @@ contains
       associate (channel => result%channel(k))
          call scale_moments(sums%moments, factor, channel%raw)
          channel%cleaned = channel%raw
+         channel%level = channel%raw
          channel%clean%mean = channel%raw%mean
          channel%clean%variance = channel%raw%variance
          call finish_lag_stream(sums%lags, mean, r, pairs)

@@ -18,7 +18,7 @@ module gyroakf_pipeline_truth
    use gyroakf_pipeline_truth_result, only : most_methods, truth_result_type
    implicit none (type, external)
    private
-   public :: check_truth, take_truth, reduce_truth, score_output
+   public :: check_truth, take_truth, reduce_truth, restore_truth, score_output
 
    !> Relative difference of two rates that are the same
    real(dp), parameter :: same_rate = 1.0e-6_dp
@@ -152,7 +152,32 @@ contains
          end do
       end if
       if (abs(mean) > 0.0_dp) channel%truth%drift(:) = channel%truth%drift - mean
+      channel%truth%mean = mean
+      channel%truth%reduced = .true.
    end subroutine reduce_truth
+
+   !> Puts back what [[reduce_truth]] took, and takes off the mean of another series: the drift's filters see the trend.
+   subroutine restore_truth(level, channel)
+      !> Mean of the series that is filtered now
+      real(dp), intent(in) :: level
+      !> Its truth changes
+      type(channel_result_type), intent(inout) :: channel
+      integer(int64), parameter :: stretch = 4096
+      integer(int64) :: from, to
+
+      if (.not. channel%truth%known) return
+      if (channel%truth%reduced .and. channel%available%preprocess .and. channel%clean%trend%degree >= 0) then
+         channel%truth%drift(:) = -channel%truth%drift                ! -(-d - t) = d + t
+         do from = 1, size(channel%truth%drift, kind=int64), stretch
+            to = min(from + stretch - 1, size(channel%truth%drift, kind=int64))
+            call subtract_trend(channel%clean%trend, from - 1, channel%truth%drift(from:to))
+         end do
+         channel%truth%drift(:) = -channel%truth%drift
+      end if
+      channel%truth%drift(:) = channel%truth%drift + (channel%truth%mean - level)
+      channel%truth%reduced = .false.
+      channel%truth%mean = 0.0_dp
+   end subroutine restore_truth
 
    !> Scores the output of a filter; nothing happens where the truth is not known.
    subroutine score_output(name, x, sample_interval, truth, error, valid, decay, offline)

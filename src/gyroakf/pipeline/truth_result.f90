@@ -25,6 +25,9 @@ module gyroakf_pipeline_truth_result
    type :: truth_result_type
       !> The true drift was given
       logical :: known = .false.
+      !> The trend and this mean were taken off
+      logical :: reduced = .false.
+      real(dp) :: mean = 0.0_dp
       !> Methods in the order in which they ran: the first `count`
       integer :: count = 0
       type(method_score_type) :: method(most_methods)

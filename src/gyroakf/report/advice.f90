@@ -7,7 +7,8 @@ module gyroakf_report_advice
    use gyroakf_filter_series, only : filter_result_type
    use gyroakf_pipeline_result, only : channel_result_type
    use gyroakf_report_layout, only : put_heading, put_point, put_items, number, count_text
-   use gyroakf_report_input, only : has_unit, unit_name
+   use gyroakf_report_drift, only : model_text, time_unit
+   use gyroakf_report_input, only : has_unit
    implicit none (type, external)
    private
    public :: put_advice, put_warnings
@@ -66,25 +67,27 @@ contains
                         "has to see the vehicle turn.")
    end subroutine put_attenuation
 
-   !> Whether a drift was identified.
+   !> Whether a drift was identified, and what it is good for.
    subroutine put_drift(writer, record, channel)
       type(writer_type), intent(inout) :: writer
       type(record_type), intent(in) :: record
       type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: time
+      character(:), allocatable :: text
 
       if (.not. channel%available%drift) return
-      time = " samples"
-      if (record%rate_known) time = " s"
       if (.not. channel%drift%found) then
-         call put_point(writer, "No drift slower than "//number(channel%drift_tau, 3)//time//" was identified under "// &
-                           "the noise of the cleaned series: there is nothing that a filter could follow and subtract.")
-      else
-         call put_point(writer, "A drift with a correlation time of "//number(channel%drift_time, 3)//time// &
-                           " was identified: standard deviation "//number(channel%drift_std, 3)//" "//unit_name(record)// &
-                           " under white noise of "//number(channel%white_std, 3)//" "//unit_name(record)//". "// &
-                           "This part can be followed and subtracted while the sensor is known to be at rest (drift KF).")
+         call put_point(writer, "No drift slower than "//number(channel%drift_tau, 3)//time_unit(record)//" was identified "// &
+                           "under the noise of the record: there is nothing that a filter could follow and subtract.")
+         return
       end if
+      text = "The record drifts: "//model_text(record, channel)//"."
+      if (channel%available%drift_kf) text = text//" The drift KF can follow this while the sensor is known to be at rest; "// &
+         "of a constant rotation it takes "//number(channel%drift_kf_figures%passed_percent, 3)//" % for drift, so what is "// &
+         "subtracted while the vehicle turns is the turn: at rest estimate, in motion only predict."
+      call put_point(writer, text)
+      if (channel%available%drift_smoother) call put_point(writer, "Off line the smoothed drift can be subtracted: that "// &
+         "leaves "//number(100*channel%compensated_ratio, 4)//" % of the variance. It is in-sample, the best case, not a "// &
+         "promise for the next record.")
    end subroutine put_drift
 
    !> Coefficients that this record cannot resolve.

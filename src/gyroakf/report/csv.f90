@@ -23,16 +23,22 @@ module gyroakf_report_csv
       integer :: digits = 0
    end type series_output_type
 
+   !> Columns of a channel in series.csv
+   character(11), parameter :: series_names(8) = [character(11) :: "raw", "cleaned", "kf", "akf", "drift", "compensated", &
+                                                  "drift_kf", "drift_akf"]
+
    !> Enough for every number of a file that was written with 15 digits
    integer, parameter :: digits = 15
 
 contains
 
-   !> series.csv: time, raw, cleaned, kf, akf, a line per sample; or the same columns as binary rows.
+   !> series.csv: time and the columns of [[series_names]], a line per sample; or the same columns as binary rows.
    !>
-   !> Several channels stand side by side, `gx_raw, gx_cleaned, gx_kf, gx_akf, gy_raw, ...`. Time is in s from the first
+   !> Several channels stand side by side, `gx_raw, gx_cleaned, ..., gx_drift_akf, gy_raw, ...`. Time is in s from the first
    !> sample, the sample's number from 0 where no rate is known. `cleaned` is nan where an outlier was removed; the filters
-   !> bridge what is missing. kf and akf are those of the cleaned series without its mean.
+   !> bridge what is missing. kf and akf are those of the cleaned series without its mean. `drift` is the smoothed drift of the
+   !> record as read, its level included, `compensated` is raw less drift; both, and drift_kf and drift_akf, are nan throughout
+   !> where there is no drift, the first two also where the record is streamed.
    subroutine write_series(writer, record, result, output, error, progress, before, samples)
       !> Open
       type(writer_type), intent(inout) :: writer
@@ -48,7 +54,7 @@ contains
       class(progress_type), intent(inout), optional :: progress
       !> Where record and result are a block of a longer one: samples before it (the head is written where these are 0), and all
       integer(int64), intent(in), optional :: before, samples
-      type(column_type) :: columns(1 + 4*size(result%channel))
+      type(column_type) :: columns(1 + size(series_names)*size(result%channel))
       type(row_layout_type) :: layout
       integer(int64) :: n, all_samples, first
       integer :: c
@@ -61,7 +67,7 @@ contains
       columns%digits = output%digits
       call set_even(columns(1), first, record%sample_interval)
       do c = 1, size(result%channel)
-         call set_columns(columns(4*c - 2:4*c + 1), record, result%channel(c), c)
+         call set_columns(columns(2 + (c - 1)*size(series_names):1 + c*size(series_names)), record, result%channel(c), c)
       end do
       layout%form = "text"
       if (output%form /= "csv") layout%form = output%form
@@ -77,25 +83,24 @@ contains
    subroutine put_heads(writer, result)
       type(writer_type), intent(inout) :: writer
       type(pipeline_result_type), intent(in) :: result
-      integer :: c
+      character(:), allocatable :: prefix
+      integer :: c, i
 
       call put(writer, "time")
       do c = 1, size(result%channel)
-         associate (name => result%channel(c)%name)
-            if (size(result%channel) > 1) then
-               call put(writer, ","//quoted(name//"_raw")//","//quoted(name//"_cleaned")//","//quoted(name//"_kf")//","// &
-                        quoted(name//"_akf"))
-            else
-               call put(writer, ",raw,cleaned,kf,akf")
-            end if
-         end associate
+         prefix = ""
+         if (size(result%channel) > 1) prefix = result%channel(c)%name//"_"
+         do i = 1, size(series_names)
+            call put(writer, ","//quoted(prefix//trim(series_names(i))))
+         end do
       end do
       call put_line(writer, "")
    end subroutine put_heads
 
-   !> One channel's columns: raw, cleaned, kf, akf; what was not computed stays nan.
+   !> One channel's columns; what was not computed stays nan.
    subroutine set_columns(columns, record, channel, c)
-      type(column_type), intent(inout) :: columns(4)
+      !> In the order of the names
+      type(column_type), intent(inout) :: columns(:)
       type(record_type), intent(in), target :: record
       type(channel_result_type), intent(in), target :: channel
       integer, intent(in) :: c
@@ -107,6 +112,11 @@ contains
       if (allocated(channel%series_present)) columns(2)%present => channel%series_present
       if (allocated(channel%series_kf) .and. channel%available%kf) columns(3)%value => channel%series_kf
       if (allocated(channel%series_akf) .and. channel%available%akf) columns(4)%value => channel%series_akf
+      if (allocated(channel%series_drift)) columns(5)%value => channel%series_drift
+      if (allocated(channel%series_compensated)) columns(6)%value => channel%series_compensated
+      columns(6)%present => columns(1)%present
+      if (allocated(channel%series_drift_kf)) columns(7)%value => channel%series_drift_kf
+      if (allocated(channel%series_drift_akf)) columns(8)%value => channel%series_drift_akf
    end subroutine set_columns
 
    subroutine put_value(writer, value, known)
@@ -132,7 +142,7 @@ contains
 
       call put_line(writer, "channel,series,kind,tau,deviation,lower,upper,edf,terms,model")
       do c = 1, size(result%channel)
-         do which = stage%input, stage%akf
+         do which = stage%input, stage%compensated
             associate (allan => result%channel(c)%allan(which))
                if (.not. allan%available) cycle
                do i = 1, size(allan%curve%tau)
@@ -193,7 +203,7 @@ contains
       call put_line(writer, "channel,series,term,value,std_error,upper_limit_95,detected,unit,reduction_percent,read_off,"// &
                     "value_si,std_error_si,upper_limit_95_si,unit_si,definition,parameter,parameter_std_error")
       do c = 1, size(result%channel)
-         do which = stage%input, stage%akf
+         do which = stage%input, stage%compensated
             associate (channel => result%channel(c), allan => result%channel(c)%allan(which))
                if (.not. allan%fitted) cycle
                do term = 1, 5

@@ -11,8 +11,9 @@ module gyroakf_report_document
    use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, flush_json
    use gyroakf_report_document_arma, only : put_arma
    use gyroakf_report_document_preprocess, only : put_preprocess
+   use gyroakf_report_document_parts, only : put_tests, put_ar, put_allan, put_coefficients
+   use gyroakf_report_document_filters, only : put_drift, put_filters
    use gyroakf_report_document_truth, only : put_truth
-   use gyroakf_report_document_parts, only : put_tests, put_ar, put_filters, put_allan, put_coefficients
    implicit none (type, external)
    private
    public :: write_document, put_document, gather_warnings, schema_number
@@ -156,6 +157,7 @@ contains
       call put_tests(json, channel)
       call put_ar(json, channel)
       call put_filters(json, channel)
+      call put_drift(json, channel)
       call flush_json(json, writer)
       call put_allan(json, writer, channel)
       call put_coefficients(json, channel)

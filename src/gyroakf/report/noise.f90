@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Allan curve and Table III (noise coefficients before and after) of a report.
 module gyroakf_report_noise
-   use gyroakf_kinds, only : dp
+   use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : record_type
    use gyroakf_units, only : term_names, quantity
    use gyroakf_io_writer, only : writer_type, put_line
@@ -17,7 +17,7 @@ module gyroakf_report_noise
    public :: put_curves_of, put_coefficients, put_comparison, term_title
 
    !> Widths of Table III
-   integer, parameter :: name_width = 25, value_width = 15, last_width = 12
+   integer, parameter :: name_width = 22, value_width = 13, last_width = 11
 
 contains
 
@@ -159,13 +159,14 @@ contains
       integer :: term, which
 
       call put_heading(writer, "Table III. Noise coefficients from the Allan deviation; one standard error, or the 95 % limit, "// &
-                       "below the value; reduction from cleaned to AKF")
+                       "below the value; reduction from cleaned to AKF; compensated is in-sample")
       call put_line(writer, "  "//repeat(" ", name_width)//pad_left("as read", value_width)//pad_left("cleaned", value_width)// &
-                    pad_left("KF", value_width)//pad_left("AKF", value_width)//pad_left("reduction", last_width))
+                    pad_left("KF", value_width)//pad_left("AKF", value_width)//pad_left("compensated", value_width)// &
+                    pad_left("reduction", last_width))
       do term = 1, 5
          first = "  "//pad_right(term_title(record, term), name_width)
          second = "  "//pad_right("  "//coefficient_unit_name(channel, term), name_width)
-         do which = stage%input, stage%akf
+         do which = stage%input, stage%compensated
             call add_value(channel%allan(which), term, first, second)
          end do
          if (channel%reduction_known(term)) then
@@ -176,6 +177,9 @@ contains
          call put_line(writer, trim(first))
          call put_line(writer, trim(second))
       end do
+      if (channel%allan(stage%compensated)%fitted) call put_item(writer, "compensated", "Q and N alone, of the first "// &
+         count_text(int(channel%allan(stage%compensated)%noise%points, int64))//" averaging times: at longer ones the curve "// &
+         "lacks what the smoother takes of the noise along with the drift")
       call put_fit(writer, record, channel%allan(stage%input))
       call put_visible(writer, record, channel%allan(stage%input))
       call put_conventions(writer, channel%allan(stage%input), "As read")
@@ -206,7 +210,7 @@ contains
       type(stated_coefficient_type), intent(in) :: stated
       character(:), allocatable :: text
 
-      text = "not detectable"
+      text = "not detected"
       if (stated%detected) text = number(stated%value, 4)
    end function value_text
 
@@ -218,7 +222,7 @@ contains
       integer :: which
 
       name = ""
-      do which = stage%akf, stage%input, -1
+      do which = stage%compensated, stage%input, -1
          if (channel%allan(which)%fitted) name = channel%allan(which)%stated%term(term)%unit
       end do
    end function coefficient_unit_name

@@ -8,7 +8,9 @@ module gyroakf_report_text
    use gyroakf_report_input, only : put_title, put_input, report_inspect
    use gyroakf_report_removed, only : put_removed
    use gyroakf_report_sections, only : put_tests
-   use gyroakf_report_models, only : put_ar_table, put_filter_table, put_filter_details
+   use gyroakf_report_models, only : put_ar_table
+   use gyroakf_report_drift, only : put_drift_model
+   use gyroakf_report_filters, only : put_filter_table, put_filter_details
    use gyroakf_report_arma, only : put_arma
    use gyroakf_report_noise, only : put_curves_of, put_coefficients, put_comparison
    use gyroakf_report_changes, only : put_changes
@@ -75,6 +77,7 @@ contains
          call put_filter_table(writer, channel)
          call put_filter_details(writer, channel)
          call put_truth(writer, record, channel)
+         call put_drift_model(writer, record, channel)
       case default
          call put_tests(writer, channel)
          call put_periodicity(writer, record, channel)
@@ -83,6 +86,7 @@ contains
          call put_filter_table(writer, channel)
          call put_filter_details(writer, channel)
          call put_truth(writer, record, channel)
+         call put_drift_model(writer, record, channel)
          call put_comparison(writer, record, channel)
          call put_changes(writer, record, channel)
          call put_advice(writer, record, channel)

@@ -2,17 +2,13 @@
 !> The members of a channel in the JSON document.
 module gyroakf_report_document_parts
    use gyroakf_kinds, only : dp
-   use gyroakf_record, only : text_type
    use gyroakf_units, only : term_names
    use gyroakf_io_writer, only : writer_type
-   use gyroakf_filter_series, only : filter_result_type
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_allan_halves, only : halves_type
    use gyroakf_allan_dynamic, only : dynamic_type
    use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stated_read_off_type, stage, stage_names
    use gyroakf_report_document_ar, only : put_ar_members
-   use gyroakf_pipeline_truth_result, only : truth_result_type
-   use gyroakf_report_document_truth, only : put_rmse
    use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, flush_json
    use gyroakf_report_document_distribution, only : put_distribution
    use gyroakf_report_document_periodicity, only : put_fisher, put_lines, put_welch
@@ -21,7 +17,7 @@ module gyroakf_report_document_parts
    use gyroakf_report_document_correlation, only : put_kpss, put_phillips_perron, put_box_pierce, put_ljung_box
    implicit none (type, external)
    private
-   public :: put_tests, put_ar, put_filters, put_allan, put_coefficients
+   public :: put_tests, put_ar, put_allan, put_coefficients
 
 contains
 
@@ -119,71 +115,6 @@ contains
       call close_object(json)
    end subroutine put_ar
 
-   !> "filters".
-   subroutine put_filters(json, channel)
-      !> The document
-      type(json_type), intent(inout) :: json
-      !> One channel
-      type(channel_result_type), intent(in) :: channel
-
-      call open_object(json, "filters")
-      call put_filter(json, "kf", channel%kf, channel%available%kf, channel%truth)
-      call put_filter(json, "akf", channel%akf, channel%available%akf, channel%truth)
-      call put_filter(json, "drift_kf", channel%drift_kf, channel%available%drift_kf, channel%truth)
-      call put_filter(json, "drift_akf", channel%drift_akf, channel%available%drift_akf, channel%truth)
-      call put_null(json, "drift_smoother")
-      call close_object(json)
-   end subroutine put_filters
-
-   !> One filter; "forgetting" is null where nothing is adapted.
-   subroutine put_filter(json, key, filter, available, truth)
-      type(json_type), intent(inout) :: json
-      character(*), intent(in) :: key
-      type(filter_result_type), intent(in) :: filter
-      logical, intent(in) :: available
-      !> Scores of the channel
-      type(truth_result_type), intent(in) :: truth
-      type(text_type) :: nothing(0)
-
-      if (.not. available) then
-         call put_null(json, key)
-         return
-      end if
-      call open_object(json, key)
-      call put_member(json, "mean", filter%mean)
-      call put_member(json, "variance", filter%variance)
-      call put_member(json, "gain", filter%gain)
-      call put_member(json, "dc_gain", filter%dc_gain)
-      call put_member(json, "q", filter%q)
-      call put_member(json, "r", filter%r)
-      call put_member(json, "nis_mean", filter%nis_mean)
-      call put_ljung_box(json, "ljung_box", filter%ljung_box, filter%ljung_box%lags > 0)
-      if (adapts(filter)) then
-         call put_member(json, "forgetting", filter%forgetting)
-         call put_member(json, "estimate", filter%estimate)
-      else
-         call put_null(json, "forgetting")
-         call put_member(json, "estimate", nothing)
-      end if
-      call put_member(json, "clamped", filter%clamped)
-      call put_member(json, "gated", filter%gated)
-      call put_rmse(json, truth, key)
-      if (allocated(filter%warnings)) then
-         call put_member(json, "warnings", filter%warnings)
-      else
-         call put_member(json, "warnings", nothing)
-      end if
-      call close_object(json)
-   end subroutine put_filter
-
-   !> The filter estimates something.
-   pure logical function adapts(filter)
-      type(filter_result_type), intent(in) :: filter
-
-      adapts = .false.
-      if (allocated(filter%estimate)) adapts = size(filter%estimate) > 0
-   end function adapts
-
    !> "allan".
    subroutine put_allan(json, writer, channel)
       !> The document
@@ -195,7 +126,7 @@ contains
       integer :: which
 
       call open_object(json, "allan")
-      do which = stage%input, stage%akf
+      do which = stage%input, stage%compensated
          associate (allan => channel%allan(which))
             if (.not. allan%available) then
                call put_null(json, trim(stage_names(which)))
@@ -212,7 +143,6 @@ contains
             call flush_json(json, writer)
          end associate
       end do
-      call put_null(json, "compensated")
       if (channel%available%halves) then
          call put_halves(json, channel%halves)
       else
@@ -334,10 +264,9 @@ contains
       integer :: which, term
 
       call open_object(json, "coefficients")
-      do which = stage%input, stage%akf
+      do which = stage%input, stage%compensated
          call put_noise(json, trim(stage_names(which)), channel%allan(which))
       end do
-      call put_null(json, "compensated")
       call open_object(json, "reduction_percent")
       do term = 1, 5
          if (channel%reduction_known(term)) then

@@ -1,0 +1,227 @@
+! SPDX-License-Identifier: MIT
+!> The drift of one channel: identified from the record as read, its processes stated in the units of the report, its filters made.
+module gyroakf_pipeline_drift
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type
+   use gyroakf_units, only : unit_type
+   use gyroakf_allan_noise_fit, only : coefficient_type
+   use gyroakf_filter_components, only : component_model_type
+   use gyroakf_filter_drift_filter, only : new_drift_filter
+   use gyroakf_filter_drift_identification, only : allan_terms_type, drift_identification_options, identify_drift_model
+   use gyroakf_filter_kalman, only : filter_options, filter_type
+   use gyroakf_pipeline_coefficients, only : state_one
+   use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, drift_process_type, pipeline_options, stage
+   use gyroakf_pipeline_warnings, only : is_fatal, note_failure
+   implicit none (type, external)
+   private
+   public :: find_drift, make_drift_kf, make_drift_akf, adaptive_drift_options, smoothed_share
+
+   !> What counts as drift where nobody says: slower than so many samples, and than so many seconds
+   real(dp), parameter :: drift_samples = 5.0_dp, drift_seconds = 1.0_dp
+   !> Bounds of R of the adaptive filter, multiples of half the variance of the differences
+   real(dp), parameter :: r_bounds(2) = [0.01_dp, 100.0_dp]
+   !> The burn-in takes at most one in so many samples
+   integer, parameter :: burn_in_share = 10
+
+contains
+
+   !> Identifies the drift; what is not slower than `drift_tau` is noise. A failure is noted in the channel.
+   subroutine find_drift(z, step, rate_known, unit, options, channel, error, valid, progress)
+      !> Record as read without its outliers, less its mean: [n]
+      real(dp), intent(in), contiguous :: z(:)
+      !> Sample interval in s, 1 where no rate is known
+      real(dp), intent(in) :: step
+      !> The interval is in seconds
+      logical, intent(in) :: rate_known
+      !> Unit of the series
+      type(unit_type), intent(in) :: unit
+      !> Of the main job
+      type(pipeline_options), intent(in) :: options
+      !> The coefficients of the record as read are used where they are there; `drift` and what is stated of it are filled
+      type(channel_result_type), intent(inout) :: channel
+      !> no_memory, cancelled and the like
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
+      type(drift_identification_options) :: how
+
+      channel%drift_tau = options%drift_tau
+      if (channel%drift_tau <= 0.0_dp) channel%drift_tau = max(drift_samples*step, merge(drift_seconds, 0.0_dp, rate_known))
+      how = options%identification
+      how%drift_samples = channel%drift_tau/step
+      if (channel%allan(stage%input)%fitted) then
+         call identify_drift_model(z, how, channel%drift, error, valid, terms_of(channel%allan(stage%input), step), progress)
+      else if (how%source == "allan") then
+         call fatal_error(error, status%not_converged, "the Allan deviation of the record gives no coefficients")
+      else
+         call identify_drift_model(z, how, channel%drift, error, valid, progress=progress)
+      end if
+      if (is_fatal(error)) return
+      channel%available%drift = .not. allocated(error)
+      call note_failure(channel, "drift identification", error)
+      if (.not. channel%available%drift) channel%drift%found = .false.
+      if (channel%available%drift) call state_drift(step, rate_known, unit, channel)
+   end subroutine find_drift
+
+   !> What the Allan deviation says of the noise, a sample being the unit of time; what it does not detect is not there.
+   pure type(allan_terms_type) function terms_of(allan, step) result(terms)
+      !> Fitted
+      type(allan_result_type), intent(in) :: allan
+      !> Sample interval
+      real(dp), intent(in) :: step
+
+      associate (of => allan%noise%coefficient)
+         if (of(2)%detected) terms%n = of(2)%value/sqrt(step)
+         if (of(3)%detected) terms%b = of(3)%value
+         if (of(4)%detected) terms%k = of(4)%value*sqrt(step)
+      end associate
+      terms%longest = maxval(allan%curve%tau)/step
+   end function terms_of
+
+   !> States the model: times in s, standard deviations, the random walk as a coefficient K.
+   subroutine state_drift(step, rate_known, unit, channel)
+      !> As of find_drift
+      real(dp), intent(in) :: step
+      logical, intent(in) :: rate_known
+      type(unit_type), intent(in) :: unit
+      !> `drift` is filled
+      type(channel_result_type), intent(inout) :: channel
+      integer :: i
+
+      if (allocated(channel%drift_process)) deallocate (channel%drift_process)
+      associate (drift => channel%drift)
+         channel%drift_time = drift%correlation_samples*step
+         if (drift%errors_known .and. drift%white_std > 0.0_dp) channel%white_std_error = &
+            0.5_dp*drift%std_error%r/drift%white_std
+         allocate (channel%drift_process(drift%model%count))
+         do i = 1, drift%model%count
+            call state_process(drift%model, drift%std_error, i, step, channel%drift_process(i))
+            channel%drift_process(i)%slow = drift%slow(i)
+            if (channel%drift_process(i)%walk) call state_walk(step, rate_known, unit, channel%drift_process(i))
+         end do
+      end associate
+   end subroutine state_drift
+
+   !> One process: $$ T = -\frac{t_0}{\ln\phi}, \quad \mathrm{d}T = \frac{T^2}{t_0\,\phi}\,\mathrm{d}\phi, \quad
+   !> \sigma^2 = \frac{q}{1 - \phi^2} $$
+   pure subroutine state_process(model, std_error, i, step, process)
+      !> The model and its standard errors, 0 where they are not known
+      type(component_model_type), intent(in) :: model, std_error
+      !> Which of its processes
+      integer, intent(in) :: i
+      !> Sample interval
+      real(dp), intent(in) :: step
+      !> Stated
+      type(drift_process_type), intent(inout) :: process
+
+      associate (phi => model%phi(i), q => model%q(i))
+         process%phi = phi
+         process%walk = phi >= 1.0_dp
+         if (process%walk) then
+            process%std = sqrt(q)
+            if (q > 0.0_dp) process%std_error = 0.5_dp*std_error%q(i)/sqrt(q)
+            return
+         end if
+         process%phi_error = std_error%phi(i)
+         process%std = sqrt(q/((1.0_dp - phi)*(1.0_dp + phi)))
+         if (.not. phi > 0.0_dp) return
+         process%time = -step/log(phi)
+         process%time_error = process%time**2/(step*phi)*std_error%phi(i)
+      end associate
+   end subroutine state_process
+
+   !> The random walk as the coefficient K, $ K = \sqrt{q/t_0} $, in the unit of Table III.
+   subroutine state_walk(step, rate_known, unit, process)
+      !> As of find_drift
+      real(dp), intent(in) :: step
+      logical, intent(in) :: rate_known
+      type(unit_type), intent(in) :: unit
+      !> Its k is set
+      type(drift_process_type), intent(inout) :: process
+      type(coefficient_type) :: k
+
+      k%value = process%std/sqrt(step)
+      k%std_error = process%std_error/sqrt(step)
+      k%fitted = .true.
+      k%detected = .true.
+      call state_one(k, 4, rate_known, unit, process%k)
+   end subroutine state_walk
+
+   !> The drift's Kalman filter, with constant variances.
+   subroutine make_drift_kf(channel, filter, error)
+      !> A drift is found
+      type(channel_result_type), intent(in) :: channel
+      !> Its output is the drift
+      type(filter_type), intent(out) :: filter
+      !> As new_drift_filter
+      type(error_type), allocatable, intent(out) :: error
+
+      associate (drift => channel%drift)
+         call new_drift_filter(filter, drift%model, drift%slow(:drift%model%count), filter_options(), error)
+      end associate
+   end subroutine make_drift_kf
+
+   !> The drift's adaptive filter: R by residuals, within bounds, a gate, and a time without adaptation at the start.
+   subroutine make_drift_akf(channel, difference_variance, samples, options, filter, error)
+      !> A drift is found
+      type(channel_result_type), intent(in) :: channel
+      !> Variance of the series' differences
+      real(dp), intent(in) :: difference_variance
+      !> Of the series
+      integer(int64), intent(in) :: samples
+      !> Of the main job
+      type(pipeline_options), intent(in) :: options
+      !> Its output is the drift
+      type(filter_type), intent(out) :: filter
+      !> As new_drift_filter
+      type(error_type), allocatable, intent(out) :: error
+
+      associate (drift => channel%drift)
+         call new_drift_filter(filter, drift%model, drift%slow(:drift%model%count), &
+                               adaptive_drift_options(difference_variance, options), error)
+      end associate
+      if (.not. allocated(error)) filter%wait = int(min(int(filter%wait, int64), samples/burn_in_share))
+   end subroutine make_drift_akf
+
+   !> How the drift's adaptive filter adapts.
+   pure type(filter_options) function adaptive_drift_options(difference_variance, options) result(adaptive)
+      !> Variance of the series' differences; half of it is the scale of R's bounds
+      real(dp), intent(in) :: difference_variance
+      !> Of the main job
+      type(pipeline_options), intent(in) :: options
+
+      adaptive%estimate_measurement_variance = .true.
+      adaptive%forgetting = options%drift%forgetting
+      adaptive%huber = options%drift%huber
+      adaptive%burn_in = -1
+      adaptive%r_scale = 0.5_dp*difference_variance
+      adaptive%r_lower = r_bounds(1)
+      adaptive%r_upper = r_bounds(2)
+   end function adaptive_drift_options
+
+   !> Share of a constant rotation that the smoothed drift takes up: all of it with a random walk, else that of the drift in the
+   !> spectrum of the model at frequency 0.
+   pure real(dp) function smoothed_share(channel) result(share)
+      !> A drift is found
+      type(channel_result_type), intent(in) :: channel
+      real(dp) :: density, all_density
+      integer :: i
+
+      share = 1.0_dp
+      density = 0.0_dp
+      all_density = channel%drift%model%r
+      do i = 1, channel%drift%model%count
+         associate (phi => channel%drift%model%phi(i), q => channel%drift%model%q(i))
+            if (phi >= 1.0_dp .and. channel%drift%slow(i)) return
+            if (phi >= 1.0_dp) cycle
+            all_density = all_density + q/(1.0_dp - phi)**2
+            if (channel%drift%slow(i)) density = density + q/(1.0_dp - phi)**2
+         end associate
+      end do
+      if (all_density > 0.0_dp) share = density/all_density
+   end function smoothed_share
+
+end module gyroakf_pipeline_drift
