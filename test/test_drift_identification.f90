@@ -2,13 +2,27 @@
 !> The drift of a record: what is found, what is not, and how well.
 module test_drift_identification
    use testdrive, only : new_unittest, unittest_type, error_type, check
-   use gyroakf_kinds, only : dp, int64
+   use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_filter_drift_identification, only : drift_identification_options, drift_identification_type, identify_drift_model
-   use filter_library, only : fill_noise, make_series
+   use gyroakf_progress, only : progress_type
+   use gyroakf_filter_allan_model, only : make_allan_model
+   use gyroakf_filter_components, only : component_model_type
+   use gyroakf_filter_drift_blocks, only : model_of_means, process_of_samples
+   use gyroakf_filter_drift_identification, only : allan_terms_type, drift_identification_options, drift_identification_type, &
+      identify_drift_model
+   use filter_library, only : fill_noise, make_series, paper_phi
    implicit none (type, external)
    private
    public :: collect_drift_identification
+
+   !> Has enough after so many calls
+   type, extends(progress_type) :: patience_type
+      integer :: calls = 0, enough = 0
+      integer(int64) :: last = 0
+      logical :: fell = .false.
+   contains
+      procedure :: advance
+   end type patience_type
 
 contains
 
@@ -17,8 +31,38 @@ contains
 
       testsuite = [ &
          new_unittest("ar1", test_ar1), &
-         new_unittest("white", test_white)]
+         new_unittest("within-errors", test_within_errors), &
+         new_unittest("walk-errors", test_walk_errors), &
+         new_unittest("white", test_white), &
+         new_unittest("fast-noise", test_fast_noise), &
+         new_unittest("limit", test_limit), &
+         new_unittest("gaps", test_gaps), &
+         new_unittest("invariance", test_invariance), &
+         new_unittest("beyond-part", test_beyond_part), &
+         new_unittest("means", test_means), &
+         new_unittest("allan-terms", test_allan_terms), &
+         new_unittest("allan-likelihood", test_allan_likelihood), &
+         new_unittest("cancelled", test_cancelled), &
+         new_unittest("refused", test_refused)]
    end subroutine collect_drift_identification
+
+   !> A random walk is added to a series.
+   subroutine add_walk(seed, step, z)
+      integer, intent(in) :: seed
+      real(dp), intent(in) :: step
+      real(dp), intent(inout), contiguous :: z(:)
+      real(dp), allocatable :: w(:)
+      real(dp) :: level
+      integer :: i
+
+      allocate (w(size(z)))
+      call fill_noise(seed + 50000, w)
+      level = 0.0_dp
+      do i = 1, size(z)
+         level = level + step*w(i)
+         z(i) = z(i) + level
+      end do
+   end subroutine add_walk
 
    !> Case C1 of the comparison.
    subroutine test_ar1(error)
@@ -33,7 +77,9 @@ contains
       if (allocated(error)) return
       call check(error, found%found .and. found%slow(1) .and. found%name == "ar1" .and. found%errors_known)
       if (allocated(error)) return
-      call check(error, abs(found%model%phi(1) - 0.98_dp) <= 4*found%std_error%phi(1))
+      call check(error, found%source == "likelihood" .and. found%block == 1 .and. size(found%candidate) == 3)
+      if (allocated(error)) return
+      call check(error, found%correlation_samples, -1/log(found%model%phi(1)), thr=1.0e-12_dp, rel=.true.)
       if (allocated(error)) return
       call check(error, found%white_std**2, 4.2e-4_dp, thr=4*found%std_error%r)
       if (allocated(error)) return
@@ -42,18 +88,371 @@ contains
       call check(error, found%samples == 12000_int64 .and. found%of_samples == 12000_int64)
    end subroutine test_ar1
 
+   !> Walk, AR(1), both: every number within four of its errors, for three seeds each.
+   subroutine test_within_errors(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(drift_identification_type) :: found
+      type(component_model_type) :: truth
+      type(gyro_error), allocatable :: failed
+      character(8), parameter :: names(3) = [character(8) :: "walk", "ar1", "walk+ar1"]
+      real(dp) :: z(8000)
+      integer :: kind, seed, n
+
+      do kind = 1, 3
+         do seed = 1, 3
+            truth = component_model_type(r=1.0_dp)
+            call make_series(100*kind + seed, 0.9_dp, merge(0.0_dp, 0.6_dp, kind == 1), 1.0_dp, z)
+            if (kind /= 2) call add_walk(100*kind + seed, 0.03_dp, z)
+            call identify_drift_model(z, drift_identification_options(), found, failed)
+            call check(error, .not. allocated(failed) .and. found%found .and. found%errors_known)
+            if (allocated(error)) return
+            n = found%model%count
+            associate (fit => found%candidate(kind))
+               call check(error, fit%name, names(kind))
+               if (allocated(error)) return
+               n = fit%model%count
+               if (kind /= 1) truth%phi(1) = 0.9_dp
+               if (kind /= 1) truth%q(1) = 0.6_dp*0.19_dp
+               if (kind /= 2) truth%phi(n) = 1.0_dp
+               if (kind /= 2) truth%q(n) = 9.0e-4_dp
+               call check(error, all(abs(fit%model%phi(:n) - truth%phi(:n)) <= 4*fit%std_error%phi(:n)))
+               if (allocated(error)) return
+               call check(error, all(abs(fit%model%q(:n) - truth%q(:n)) <= 4*fit%std_error%q(:n)))
+               if (allocated(error)) return
+               call check(error, abs(fit%model%r - truth%r) <= 4*fit%std_error%r)
+            end associate
+            if (allocated(error)) return
+            call check(error, found%chosen == kind .or. found%candidate(found%chosen)%aic < found%candidate(kind)%aic)
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_within_errors
+
+   !> Twenty random walks: squared deviations over squared errors are chi-square of 20 degrees, within four deviations, in ln q.
+   subroutine test_walk_errors(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(drift_identification_type) :: found
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(1500), total(2)
+      integer :: seed
+
+      total = 0.0_dp
+      do seed = 1, 20
+         call fill_noise(500 + seed, z)
+         call add_walk(500 + seed, 0.1_dp, z)
+         call identify_drift_model(z, drift_identification_options(), found, failed)
+         call check(error, .not. allocated(failed) .and. found%found .and. found%slow(found%model%count))
+         if (allocated(error)) return
+         associate (fit => found%candidate(1))
+            total(1) = total(1) + (log(fit%model%q(1)/0.01_dp)*fit%model%q(1)/fit%std_error%q(1))**2
+            total(2) = total(2) + ((fit%model%r - 1)/fit%std_error%r)**2
+         end associate
+      end do
+      call check(error, all(abs(total - 20) <= 4*sqrt(40.0_dp)))
+   end subroutine test_walk_errors
+
+   !> Thirty records of white noise: nothing is found (one alarm in three hundred is usual).
    subroutine test_white(error)
       type(error_type), allocatable, intent(out) :: error
       type(drift_identification_type) :: found
       type(gyro_error), allocatable :: failed
-      real(dp) :: z(3000)
+      real(dp) :: z(1000)
+      integer :: seed
 
-      call fill_noise(5, z)
+      do seed = 1, 30
+         call fill_noise(3000 + seed, z)
+         call identify_drift_model(z, drift_identification_options(), found, failed)
+         call check(error, .not. (allocated(failed) .or. found%found .or. any(found%slow)))
+         if (allocated(error)) return
+         call check(error, found%drift_std <= 0.0_dp .and. abs(found%white_std - 1) < 0.3_dp)
+         if (allocated(error)) return
+      end do
+   end subroutine test_white
+
+   !> The paper's noise is fast: no drift. With a cubic in it (C0 of the comparison) the walk follows that, the noise stays noise.
+   subroutine test_fast_noise(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(drift_identification_type) :: found
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(12000), t
+      integer :: i
+
+      call make_series(61, paper_phi, 5.2e-4_dp, 0.0_dp, z)
       call identify_drift_model(z, drift_identification_options(), found, failed)
       call check(error, .not. allocated(failed) .and. .not. found%found)
       if (allocated(error)) return
+      do i = 1, size(z)
+         t = (i - 6000)/6000.0_dp
+         z(i) = z(i) + 0.02_dp*(t**3 - 0.5_dp*t)
+      end do
+      call identify_drift_model(z, drift_identification_options(), found, failed)
+      call check(error, .not. allocated(failed) .and. found%found)
+      if (allocated(error)) return
+      call check(error, found%name, "walk+ar1")
+      if (allocated(error)) return
+      call check(error, found%slow(2) .and. .not. found%slow(1))
+      if (allocated(error)) return
+      call check(error, found%model%phi(1), paper_phi, thr=0.1_dp)
+   end subroutine test_fast_noise
+
+   !> A process of 5.6 samples is drift for a limit of 5, none for one of 8; a walk is at any.
+   subroutine test_limit(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(drift_identification_type) :: found
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(20000)
+
+      call make_series(71, exp(-1/5.6_dp), 2.0_dp, 1.0_dp, z)
+      call identify_drift_model(z, drift_identification_options(drift_samples=5.0_dp), found, failed)
+      call check(error, found%found .and. found%slow(1))
+      if (allocated(error)) return
+      call identify_drift_model(z, drift_identification_options(drift_samples=8.0_dp), found, failed)
+      call check(error, .not. found%found .and. found%model%count == 1)
+      if (allocated(error)) return
+      call check(error, abs(found%model%phi(1) - exp(-1/5.6_dp)) <= 4*found%std_error%phi(1))
+      if (allocated(error)) return
+      call add_walk(71, 0.05_dp, z)
+      call identify_drift_model(z, drift_identification_options(drift_samples=1.0e6_dp), found, failed)
+      call check(error, found%found .and. found%name == "walk+ar1" .and. all(found%slow(:2) .eqv. [.false., .true.]))
+      if (allocated(error)) return
+      call check(error, found%drift_std, sqrt(found%model%q(2)), thr=1.0e-12_dp, rel=.true.)
+   end subroutine test_limit
+
+   !> A tenth of the samples is missing.
+   subroutine test_gaps(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(drift_identification_type) :: found
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(8000), u(8000)
+      integer(int8) :: here(8000)
+
+      call make_series(37, 0.95_dp, 1.0_dp, 1.0_dp, z)
+      call fill_noise(38, u)
+      here = 1_int8
+      where (u > 1.28_dp)
+         here = 0_int8
+         z = 1.0e9_dp
+      end where
+      call identify_drift_model(z, drift_identification_options(), found, failed, here)
+      call check(error, .not. allocated(failed) .and. found%found)
+      if (allocated(error)) return
+      associate (fit => found%candidate(2))
+         call check(error, abs(fit%model%phi(1) - 0.95_dp) <= 4*fit%std_error%phi(1))
+         if (allocated(error)) return
+         call check(error, abs(fit%model%r - 1) <= 4*fit%std_error%r)
+      end associate
+   end subroutine test_gaps
+
+   !> Scale and offset.
+   subroutine test_invariance(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(drift_identification_type) :: found, other
+      type(gyro_error), allocatable :: failed
+      real(dp), parameter :: scale = 3.0e-5_dp
+      real(dp) :: z(4000)
+
+      call make_series(36, 0.97_dp, 1.0_dp, 1.0_dp, z)
+      call identify_drift_model(z, drift_identification_options(), found, failed)
+      z = scale*z - 1.0e-4_dp
+      call identify_drift_model(z, drift_identification_options(), other, failed)
+      call check(error, other%name, found%name)
+      if (allocated(error)) return
+      call check(error, other%model%phi(1), found%model%phi(1), thr=1.0e-7_dp, rel=.true.)
+      if (allocated(error)) return
+      call check(error, other%model%q(1), scale**2*found%model%q(1), thr=1.0e-7_dp, rel=.true.)
+      if (allocated(error)) return
+      call check(error, other%model%r, scale**2*found%model%r, thr=1.0e-7_dp, rel=.true.)
+      if (allocated(error)) return
+      call check(error, other%std_error%q(1), scale**2*found%std_error%q(1), thr=1.0e-6_dp, rel=.true.)
+   end subroutine test_invariance
+
+   !> A drift of 4,000 samples' correlation in white noise that a part of 2,000 cannot tell from a constant, beside one of 10.
+   subroutine test_beyond_part(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(drift_identification_type) :: found
+      type(gyro_error), allocatable :: failed
+      real(dp), allocatable :: z(:), slow(:)
+
+      allocate (z(150000), slow(150000))
+      call make_series(81, exp(-0.1_dp), 0.5_dp, 1.0_dp, z)
+      call make_series(82, exp(-1/4000.0_dp), 0.05_dp, 0.0_dp, slow)
+      z = z + slow
+      call identify_drift_model(z, drift_identification_options(most=2000_int64), found, failed)
+      call check(error, .not. allocated(failed) .and. found%found .and. found%samples == 2000_int64)
+      if (allocated(error)) return
+      call check(error, found%block == 16_int64 .and. all(found%slow(:found%model%count)))
+      if (allocated(error)) return
+      associate (model => found%model, last => found%model%count)
+         call check(error, abs(model%q(last) - 0.05_dp*(1 - exp(-0.5e-3_dp))) <= 4*found%std_error%q(last))
+         if (allocated(error)) return
+         call check(error, abs(model%phi(1) - exp(-0.1_dp)) <= 4*found%std_error%phi(1))
+         if (allocated(error)) return
+         call check(error, abs(model%r - 1) <= 4*found%std_error%r)
+      end associate
+   end subroutine test_beyond_part
+
+   !> Covariances of means, summed over the samples of two blocks, are those of the model of the means; and back.
+   subroutine test_means(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model, means
+      integer(int64), parameter :: m = 16
+      real(dp) :: sums(0:2), phi, q
+      integer :: i, j, lag
+
+      model%count = 1
+      model%phi(1) = 0.95_dp
+      model%q(1) = 0.0975_dp
+      model%r = 30.0_dp
+      sums = 0.0_dp
+      do lag = 0, 2
+         do j = 1, int(m)
+            do i = 1, int(m)
+               sums(lag) = sums(lag) + model%phi(1)**abs(lag*int(m) + i - j)/real(m, dp)**2
+            end do
+         end do
+      end do
+      call model_of_means(model, m, means)
+      associate (variance => means%q(1)/(1 - means%phi(1)**2))
+         call check(error, variance + means%r, sums(0) + model%r/m, thr=1.0e-12_dp, rel=.true.)
+         if (allocated(error)) return
+         call check(error, variance*means%phi(1), sums(1), thr=1.0e-12_dp, rel=.true.)
+         if (allocated(error)) return
+         call check(error, variance*means%phi(1)**2, sums(2), thr=1.0e-12_dp, rel=.true.)
+         if (allocated(error)) return
+      end associate
+      call process_of_samples(means%phi(1), means%q(1), m, phi, q)
+      call check(error, phi, model%phi(1), thr=1.0e-12_dp, rel=.true.)
+      if (allocated(error)) return
+      call check(error, q, model%q(1), thr=1.0e-12_dp, rel=.true.)
+      if (allocated(error)) return
+      ! steps of a walk from mean to mean: variance m q (2 + 1/m^2)/3 + 2 r/m, covariance with the next m q (1 - 1/m^2)/6 - r/m
+      model%phi(1) = 1.0_dp
+      model%q(1) = 0.5_dp
+      call model_of_means(model, m, means)
+      call check(error, means%q(1) + 2*means%r, 8*(2 + 1/256.0_dp)/3 + 60.0_dp/16, thr=1.0e-12_dp, rel=.true.)
+      if (allocated(error)) return
+      call check(error, -means%r, 8*(1 - 1/256.0_dp)/6 - 30.0_dp/16, thr=1.0e-12_dp, rel=.true.)
+   end subroutine test_means
+
+   !> N and K exactly; the process for B is highest where the curve is flat, as high as the floor.
+   subroutine test_allan_terms(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model
+      type(gyro_error), allocatable :: failed
+      real(dp) :: floor, time, x, highest
+
+      call make_allan_model(allan_terms_type(n=2.0_dp, b=0.05_dp, k=1.0e-4_dp, longest=1.0e6_dp), model, failed)
+      call check(error, .not. allocated(failed) .and. model%count == 2)
+      if (allocated(error)) return
+      call check(error, abs(model%r - 4) + abs(model%q(2) - 1.0e-8_dp) + abs(model%phi(2) - 1) < 1.0e-14_dp)
+      if (allocated(error)) return
+      time = -1/log(model%phi(1))
+      x = sqrt(3.0_dp)*2.0_dp/1.0e-4_dp/time           ! the middle of the floor in correlation times
+      call check(error, x, 1.8926_dp, thr=1.0e-4_dp)
+      if (allocated(error)) return
+      floor = sqrt(2*log(2.0_dp)/acos(-1.0_dp))*0.05_dp
+      highest = sqrt(2*model%q(1)/(1 - model%phi(1)**2)/x*(1 - (3 - 4*exp(-x) + exp(-2*x))/(2*x)))
+      call check(error, highest, floor, thr=1.0e-6_dp, rel=.true.)
+      if (allocated(error)) return
+      call make_allan_model(allan_terms_type(n=1.0_dp), model, failed)
+      call check(error, .not. allocated(failed) .and. model%count == 0)
+      if (allocated(error)) return
+      call make_allan_model(allan_terms_type(n=-1.0_dp), model, failed)
+      call check(error, code_of(failed), status%invalid_argument)
+   end subroutine test_allan_terms
+
+   !> The true N and K are below the maximum, by what chance makes; wrong ones by more; asked for, they are the model.
+   subroutine test_allan_likelihood(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(drift_identification_type) :: found
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(6000), fall(2)
+      integer :: k
+
+      call fill_noise(91, z)
+      call add_walk(91, 0.02_dp, z)
+      do k = 1, 2
+         call identify_drift_model(z, drift_identification_options(), found, failed, &
+                                   noise=allan_terms_type(n=1.0_dp, k=0.02_dp*k**2, longest=600.0_dp))
+         call check(error, .not. allocated(failed) .and. found%allan_known)
+         if (allocated(error)) return
+         fall(k) = found%log_likelihood - found%allan_log_likelihood
+      end do
+      call check(error, fall(1) > 0 .and. fall(1) < 9 .and. fall(2) > fall(1) + 20)
+      if (allocated(error)) return
+      call identify_drift_model(z, drift_identification_options(source="allan"), found, failed, &
+                                noise=allan_terms_type(n=1.0_dp, k=0.02_dp, longest=600.0_dp))
+      call check(error, found%source == "allan" .and. found%found .and. found%slow(1) .and. found%name == "walk")
+      if (allocated(error)) return
+      call check(error, found%drift_std, 0.02_dp, thr=1.0e-12_dp, rel=.true.)
+   end subroutine test_allan_likelihood
+
+   !> Whoever has enough is heard at the next evaluation.
+   subroutine test_cancelled(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(drift_identification_type) :: found
+      type(gyro_error), allocatable :: failed
+      type(patience_type) :: patience
+      real(dp) :: z(2000)
+
+      call make_series(95, 0.9_dp, 1.0_dp, 1.0_dp, z)
+      patience%enough = 30
+      call identify_drift_model(z, drift_identification_options(), found, failed, progress=patience)
+      call check(error, code_of(failed), status%cancelled)
+      if (allocated(error)) return
+      call check(error, patience%calls, 30)
+      if (allocated(error)) return
+      patience = patience_type(enough=1000000)
+      call identify_drift_model(z, drift_identification_options(), found, failed, progress=patience)
+      call check(error, .not. (allocated(failed) .or. patience%fell))
+   end subroutine test_cancelled
+
+   subroutine test_refused(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(drift_identification_type) :: found
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(60)
+
+      call fill_noise(5, z)
       call identify_drift_model(z(:40), drift_identification_options(), found, failed)
-      call check(error, failed%code, status%too_few_samples)
-   end subroutine test_white
+      call check(error, code_of(failed), status%too_few_samples)
+      if (allocated(error)) return
+      call identify_drift_model(z, drift_identification_options(drift_samples=0.0_dp), found, failed)
+      call check(error, code_of(failed), status%invalid_argument)
+      if (allocated(error)) return
+      call identify_drift_model(z, drift_identification_options(most=49_int64), found, failed)
+      call check(error, code_of(failed), status%invalid_argument)
+      if (allocated(error)) return
+      call identify_drift_model(z, drift_identification_options(source="guess"), found, failed)
+      call check(error, code_of(failed), status%invalid_argument)
+      if (allocated(error)) return
+      call identify_drift_model(z, drift_identification_options(source="allan"), found, failed)
+      call check(error, code_of(failed), status%invalid_argument)
+      if (allocated(error)) return
+      z = 3.0_dp
+      call identify_drift_model(z, drift_identification_options(), found, failed)
+      call check(error, code_of(failed), status%constant_input)
+   end subroutine test_refused
+
+   !> Counts, and ends it.
+   subroutine advance(self, stage, done, total, cancel)
+      class(patience_type), intent(inout) :: self
+      character(*), intent(in) :: stage
+      integer(int64), intent(in) :: done, total
+      logical, intent(out) :: cancel
+
+      self%calls = self%calls + 1
+      self%fell = self%fell .or. done < self%last .or. done > total .or. stage /= "identifying"
+      self%last = done
+      cancel = self%calls >= self%enough
+   end subroutine advance
+
+   !> 0 where there is no error.
+   integer function code_of(failed)
+      type(gyro_error), allocatable, intent(in) :: failed
+
+      code_of = 0
+      if (allocated(failed)) code_of = failed%code
+   end function code_of
 
 end module test_drift_identification

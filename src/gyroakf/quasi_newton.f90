@@ -27,7 +27,7 @@ module gyroakf_quasi_newton
    real(dp), parameter :: decrease = 1.0e-4_dp, flattening = 0.9_dp, slope_share = 0.1_dp
    !> Differences of values below this share of the value are rounding
    real(dp), parameter :: rounding = 1.0e-14_dp
-   !> So many steps that change the value by no more than its rounding are the end
+   !> So many steps that change the value by no more than its rounding, or by less than is worth a step, are the end
    integer, parameter :: most_still = 5
    !> Most evaluations along a line
    integer, parameter :: most_trials = 40
@@ -65,6 +65,9 @@ module gyroakf_quasi_newton
       integer :: max_iterations = 200
       !> Expected decrease of the value, half of gradient' inverse Hessian gradient, that is not worth a step, >= 0
       real(dp) :: decrease_tolerance = 0.0_dp
+      !> Decrease of the value that is not worth a step, >= 0: five such steps in succession are the end, as where the value falls
+      !> for ever to a limit that it never reaches
+      real(dp) :: least_decrease = 0.0_dp
    end type minimise_options
 
    !> What was found
@@ -134,7 +137,7 @@ contains
             call update(h, next%parameter - here%parameter, next%gradient - here%gradient, unit)
             minimum%iterations = minimum%iterations + 1
             still = still + 1
-            if (here%value - next%value > rounding*max(abs(here%value), 1.0_dp)) still = 0
+            if (here%value - next%value > max(rounding*max(abs(here%value), 1.0_dp), options%least_decrease)) still = 0
             here = next
          else
             minimum%converged = -here%slope <= rounding*max(abs(here%value), 1.0_dp)
@@ -158,7 +161,8 @@ contains
       if (n < 1) then
          call fatal_error(error, status%invalid_argument, "there is no variable to minimise over")
       else if (.not. (options%gradient_tolerance > 0.0_dp .and. &
-                      options%max_iterations >= 0 .and. options%decrease_tolerance >= 0.0_dp)) then
+                      options%max_iterations >= 0 .and. options%decrease_tolerance >= 0.0_dp .and. &
+                      options%least_decrease >= 0.0_dp)) then
          call fatal_error(error, status%invalid_argument, "the gradient tolerance of a minimisation must be positive, &
             &the others not negative")
       else if (present(inverse_hessian)) then

@@ -3,7 +3,8 @@
 !>
 !> Three candidates, all with white noise: a random walk, an AR(1) process, and both. Each is fitted by the BFGS method to the exact
 !> Gaussian likelihood ([[gyroakf_filter_likelihood]]) in the logarithms of the variances (of the AR(1) process itself, not of its
-!> driving noise) and artanh(phi), from several starts; standard errors come from the curvature there.
+!> driving noise) and artanh(phi), from several starts, the model of least squares on the autocovariances among them; the curvature at
+!> the best of their ends gives the last steps and the standard errors.
 !> $$ \mathrm{AIC} = -2 \ln L + 2 k, \quad \mathrm{BIC} = -2 \ln L + k \ln n $$
 !> with k variances and coefficients, and the mean where no random walk takes its place. What counts as drift is not theirs to say:
 !> it is what is slower than a limit that the user sets.
@@ -13,10 +14,11 @@
 module gyroakf_filter_drift_fit
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_lapack, only : dpotrf, dpotri
-   use gyroakf_quasi_newton, only : minimise, minimise_options, minimum_type, objective_type
+   use gyroakf_progress, only : progress_type
+   use gyroakf_quasi_newton, only : minimise, minimise_options, minimum_type
    use gyroakf_filter_components, only : component_model_type
-   use gyroakf_filter_likelihood, only : component_likelihood
+   use gyroakf_filter_drift_objective, only : likelihood_objective, give_errors, invert_curvature, model_of, parameters_of, value_at
+   use gyroakf_filter_drift_starts, only : known_type, list_starts, look_at_autocovariances
    implicit none (type, external)
    private
    public :: drift_fit_type, drift_candidate_type, fit_drift, is_slow
@@ -55,44 +57,39 @@ module gyroakf_filter_drift_fit
       real(dp) :: white_aic = 0.0_dp
    end type drift_fit_type
 
-   !> Likelihood of the scaled series by transformed parameters
-   type, extends(objective_type) :: likelihood_objective
-      real(dp), allocatable :: z(:)
-      integer(int8), allocatable :: here(:)
-      logical :: walk = .false., ar = .false.
-      integer(int64) :: measurements = 0
-   contains
-      procedure :: evaluate => evaluate_likelihood
-   end type likelihood_objective
-
-   !> Samples used of a huge record (some 2 s), and fewest
+   !> Samples used of a huge record (half a second), and fewest
    integer(int64), parameter :: most_samples = 131072, fewest_samples = 50
-   !> Logarithms of variances beyond it are nothing or everything
-   real(dp), parameter :: widest = 60.0_dp
-   !> Slope of the log-likelihood of a sample that is flat: a parameter is then nearer to the maximum than 1e-4 of its error; steps
-   real(dp), parameter :: flat = 1.0e-7_dp
-   integer, parameter :: most_iterations = 100
+   !> Slope of the log-likelihood of a sample that is flat; most steps of a search, and of its end: two or three
+   !> are enough, more would follow the long ridges of models that the series does not tell apart
+   real(dp), parameter :: flat = 1.0e-8_dp
+   integer, parameter :: most_iterations = 40, last_steps = 6
+   !> Log-likelihood that is not worth a step: of a search (the parameters are then
+   !> within 5 % of their errors), of the last steps (5e-4)
+   real(dp), parameter :: nearly = 1.0e-3_dp, exactly = 1.0e-7_dp
+   !> Starts that are followed to their end
+   integer, parameter :: followed = 2
    real(dp), parameter :: log_two_pi = 1.8378770664093454835606594728112_dp
-   !> Step of the differences of the gradient
-   real(dp), parameter :: difference = 1.0e-4_dp
    character(8), parameter :: names(3) = [character(8) :: "walk", "ar1", "walk+ar1"]
 
 contains
 
    !> Fits the candidates.
-   subroutine fit_drift(x, fit, error, valid, most)
+   subroutine fit_drift(x, fit, error, valid, most, progress)
       !> Series, [n], n >= 50; of a huge one the middle is used
       real(dp), intent(in), contiguous :: x(:)
       !> What was found
       type(drift_fit_type), intent(out) :: fit
-      !> too_few_samples, constant_input, no_memory, not_converged (no candidate has a maximum)
+      !> too_few_samples, constant_input, no_memory, not_converged (no candidate has a maximum), cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
       !> Samples that are used at most, >= 50; 131,072 if absent
       integer(int64), intent(in), optional :: most
+      !> Told how far it is, at every evaluation of a likelihood; may cancel
+      class(progress_type), intent(inout), optional, target :: progress
       type(likelihood_objective) :: objective
       type(drift_candidate_type) :: found
+      type(known_type) :: known
       type(error_type), allocatable :: failed
       real(dp) :: scale
       integer :: k
@@ -102,16 +99,26 @@ contains
       call take_part(x, objective, scale, fit, error, valid)
       if (allocated(error)) return
       allocate (fit%candidate(0))
+      if (present(progress)) objective%progress => progress
+      objective%candidates = size(names)
+      call look_at_autocovariances(objective, known)
       do k = 1, size(names)
          objective%walk = k /= 2
          objective%ar = k /= 1
-         call fit_candidate(objective, names(k), scale, found, failed)
+         objective%done = k - 1
+         objective%evaluations = 0
+         call fit_candidate(objective, names(k), scale, known, found, failed)
+         if (allocated(objective%stopped)) exit
          if (allocated(failed)) cycle
          call append(fit%candidate, found)
          if (fit%best == 0) fit%best = size(fit%candidate)
          if (found%aic < fit%candidate(fit%best)%aic) fit%best = size(fit%candidate)
       end do
-      if (fit%best == 0) call fatal_error(error, status%not_converged, "no drift model has a largest likelihood for this series")
+      if (allocated(objective%stopped)) then
+         call move_alloc(objective%stopped, error)
+      else if (fit%best == 0) then
+         call fatal_error(error, status%not_converged, "no drift model has a largest likelihood for this series")
+      end if
    end subroutine fit_drift
 
    !> Adds a candidate.
@@ -142,23 +149,25 @@ contains
       n = fit%samples
       fit%first = (size(x, kind=int64) - n)/2 + 1
       allocate (objective%z(n), stat=stat)
-      if (stat == 0) allocate (objective%here(n), stat=stat)
+      if (stat == 0 .and. present(valid)) allocate (objective%here(n), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the part of a series that a drift is identified from")
          return
       end if
       objective%z(:) = x(fit%first:fit%first + n - 1)
-      objective%here = 1_int8
-      if (present(valid)) objective%here(:) = valid(fit%first:fit%first + n - 1)
-      fit%measurements = count(objective%here /= 0_int8, kind=int64)
+      fit%measurements = n
+      if (present(valid)) then
+         objective%here(:) = valid(fit%first:fit%first + n - 1)
+         fit%measurements = count(objective%here /= 0_int8, kind=int64)
+         if (fit%measurements == n) deallocate (objective%here)
+         where (valid(fit%first:fit%first + n - 1) == 0_int8) objective%z = 0.0_dp
+      end if
       objective%measurements = fit%measurements
       if (fit%measurements < fewest_samples) then
          call fatal_error(error, status%too_few_samples, "a drift is identified from at least 50 present samples")
          return
       end if
-      fit%mean = sum(objective%z - objective%z(1), mask=objective%here /= 0_int8)/real(fit%measurements, dp) + objective%z(1)
-      objective%z = objective%z - fit%mean
-      scale = sqrt(sum(objective%z**2, mask=objective%here /= 0_int8)/real(fit%measurements, dp))
+      call centre(objective, fit%mean, scale)
       if (.not. scale > 0.0_dp) then
          call fatal_error(error, status%constant_input, "a series without variance has no drift")
       else
@@ -168,214 +177,117 @@ contains
       end if
    end subroutine take_part
 
+   !> Takes the mean of the samples from them.
+   pure subroutine centre(objective, mean, deviation)
+      type(likelihood_objective), intent(inout) :: objective
+      !> The mean, and the standard deviation about it
+      real(dp), intent(out) :: mean, deviation
+      real(dp) :: offset
+      integer(int64) :: k
+
+      if (.not. allocated(objective%here)) then
+         offset = objective%z(1)
+         mean = sum(objective%z - offset)/real(objective%measurements, dp) + offset
+         objective%z = objective%z - mean
+         deviation = sqrt(sum(objective%z**2)/real(objective%measurements, dp))
+         return
+      end if
+      offset = objective%z(findloc(objective%here /= 0_int8, .true., dim=1))
+      mean = sum(objective%z - offset, mask=objective%here /= 0_int8)/real(objective%measurements, dp) + offset
+      do k = 1, size(objective%z, kind=int64)
+         if (objective%here(k) /= 0_int8) objective%z(k) = objective%z(k) - mean
+      end do
+      deviation = sqrt(sum(objective%z**2)/real(objective%measurements, dp))
+   end subroutine centre
+
    !> Fits one of them from its best starts.
-   subroutine fit_candidate(objective, name, scale, found, error)
+   subroutine fit_candidate(objective, name, scale, known, found, error)
       type(likelihood_objective), intent(inout) :: objective
       character(*), intent(in) :: name
       !> Standard deviation of the series
       real(dp), intent(in) :: scale
+      !> What is known; gets the walk and the AR(1) process
+      type(known_type), intent(inout) :: known
       type(drift_candidate_type), intent(out) :: found
       !> not_converged and the like
       type(error_type), allocatable, intent(out) :: error
-      type(minimum_type) :: minimum, other
-      type(error_type), allocatable :: failed
-      real(dp), allocatable :: start(:, :), value(:), inverse(:, :)
+      type(minimum_type) :: minimum
+      type(component_model_type) :: model
+      real(dp), allocatable :: inverse(:, :)
       real(dp) :: deviance
-      logical :: known
-      integer :: k, first, n
 
-      call make_starts(objective, start)
-      n = size(start, 1)
-      allocate (value(size(start, 2)))
-      do k = 1, size(value)
-         value(k) = value_at(objective, start(:, k))
-      end do
-      do k = 1, min(2, size(value))
-         first = minloc(value, dim=1)
-         value(first) = huge(1.0_dp)
-         call minimise(objective, start(:, first), minimise_options(flat, most_iterations), other, failed)
-         if (allocated(failed)) cycle
-         if (.not. allocated(minimum%parameter) .or. other%value < minimum%value) minimum = other
-      end do
+      call search(objective, known, minimum)
       if (.not. allocated(minimum%parameter)) then
          call fatal_error(error, status%not_converged, "the likelihood of the drift model '"//trim(name)//"' has no maximum")
          return
       end if
+      allocate (inverse(size(minimum%parameter), size(minimum%parameter)))
+      call finish(objective, minimum, inverse, found%errors_known)
+      call model_of(objective, minimum%parameter, model)
+      if (.not. objective%ar) known%walk = model
+      if (.not. objective%walk) known%ar = model
       found%name = name
       found%converged = minimum%converged
-      found%parameters = n + merge(0, 1, objective%walk)
+      found%parameters = parameters_of(objective) + merge(0, 1, objective%walk)
       found%log_likelihood = -minimum%value*real(objective%measurements, dp) - &
                              real(objective%measurements - merge(1, 0, objective%walk), dp)*log(scale)
       deviance = 2.0_dp*real(objective%measurements, dp)*(minimum%value + log(scale))
       found%aic = deviance + 2.0_dp*found%parameters
       found%bic = deviance + log(real(objective%measurements, dp))*found%parameters
-      call model_of(objective, minimum%parameter, found%model)
-      allocate (inverse(n, n))
-      call invert_curvature(objective, minimum%parameter, inverse, known)
-      if (known) call set_errors(objective, minimum%parameter, inverse, scale, found)
-      found%model%q = scale**2*found%model%q
-      found%model%r = scale**2*found%model%r
+      if (found%errors_known) call give_errors(objective, minimum%parameter, inverse, scale, model, found%std_error)
+      found%model = model
+      found%model%q = scale**2*model%q
+      found%model%r = scale**2*model%r
    end subroutine fit_candidate
 
-   !> Where the search begins: [parameter, start], for a series of variance 1. Drifts from fast to slow, small and large.
-   pure subroutine make_starts(objective, start)
-      type(likelihood_objective), intent(in) :: objective
-      real(dp), allocatable, intent(out) :: start(:, :)
-      real(dp), parameter :: times(5) = [1.0_dp, 4.0_dp, 30.0_dp, 300.0_dp, 3000.0_dp], walks(4) = [1.0e-2_dp, 1.0e-4_dp, &
-                                                                                                  1.0e-6_dp, 1.0e-8_dp]
-      real(dp), parameter :: shares(2) = [0.3_dp, 0.03_dp]
-      integer :: i, j, k, s
-
-      if (.not. objective%ar) then
-         allocate (start(2, size(walks)))
-         start(1, :) = log(walks)
-         start(2, :) = log(0.5_dp)
-         return
-      end if
-      k = merge(size(walks), 1, objective%walk)
-      allocate (start(merge(4, 3, objective%walk), size(times)*size(shares)*k))
-      s = 0
-      do k = 1, merge(size(walks), 1, objective%walk)
-         do j = 1, size(shares)
-            do i = 1, size(times)
-               s = s + 1
-               start(1, s) = atanh(exp(-1.0_dp/times(i)))
-               start(2, s) = log(shares(j))
-               if (objective%walk) start(3, s) = log(walks(k))
-               start(size(start, 1), s) = log(1.0_dp - shares(j))
-            end do
-         end do
-      end do
-   end subroutine make_starts
-
-   !> The model of transformed parameters: artanh phi and ln D of the AR(1) process, ln q of the random walk, ln r.
-   pure subroutine model_of(objective, parameter, model)
-      type(likelihood_objective), intent(in) :: objective
-      real(dp), intent(in) :: parameter(:)
-      type(component_model_type), intent(out) :: model
-      integer :: next
-
-      next = 1
-      if (objective%ar) then
-         model%count = 1
-         model%phi(1) = tanh(parameter(1))
-         model%q(1) = exp(parameter(2))/cosh(parameter(1))**2
-         next = 3
-      end if
-      if (objective%walk) then
-         model%count = model%count + 1
-         model%phi(model%count) = 1.0_dp
-         model%q(model%count) = exp(parameter(next))
-         next = next + 1
-      end if
-      model%r = exp(parameter(next))
-   end subroutine model_of
-
-   !> Minus the log-likelihood of a sample on average.
-   subroutine evaluate_likelihood(self, parameter, value, gradient, feasible)
-      class(likelihood_objective), intent(inout) :: self
-      real(dp), intent(in) :: parameter(:)
-      real(dp), intent(out) :: value, gradient(:)
-      logical, intent(out) :: feasible
-      type(component_model_type) :: model
-      type(error_type), allocatable :: failed
-      real(dp) :: slope(7), share
-      integer :: n, next
-
-      value = 0.0_dp
-      gradient = 0.0_dp
-      feasible = all(abs(parameter) < widest)
-      if (feasible .and. self%ar) feasible = abs(parameter(1)) < 9.0_dp           ! phi is 1 there
-      if (.not. feasible) return
-      call model_of(self, parameter, model)
-      n = model%count
-      call component_likelihood(model, self%z, value, failed, self%here, slope(:2*n + 1))
-      feasible = .not. allocated(failed)
-      if (.not. feasible) return
-      share = -1.0_dp/real(self%measurements, dp)
-      value = share*value
-      next = 1
-      if (self%ar) then
-         gradient(1) = share*(slope(1)/cosh(parameter(1))**2 - 2.0_dp*model%phi(1)*model%q(1)*slope(n + 1))
-         gradient(2) = share*slope(n + 1)*model%q(1)
-         next = 3
-      end if
-      if (self%walk) then
-         gradient(next) = share*slope(2*n)*model%q(n)
-         next = next + 1
-      end if
-      gradient(next) = share*slope(2*n + 1)*model%r
-   end subroutine evaluate_likelihood
-
-   !> Minus the log-likelihood without its gradient, huge where there is none.
-   real(dp) function value_at(objective, parameter) result(value)
-      type(likelihood_objective), intent(in) :: objective
-      real(dp), intent(in) :: parameter(:)
-      type(component_model_type) :: model
-      type(error_type), allocatable :: failed
-
-      call model_of(objective, parameter, model)
-      call component_likelihood(model, objective%z, value, failed, objective%here)
-      value = -value
-      if (allocated(failed)) value = huge(1.0_dp)
-   end function value_at
-
-   !> Covariance of the transformed parameters: inverse of the curvature of the log-likelihood.
-   subroutine invert_curvature(objective, parameter, inverse, known)
+   !> The best of the ends of the best starts, nearly.
+   subroutine search(objective, known, minimum)
       type(likelihood_objective), intent(inout) :: objective
-      real(dp), intent(in) :: parameter(:)
-      real(dp), intent(out) :: inverse(:, :)
-      !> False where it is not that of a maximum: a variance that is nothing
-      logical, intent(out) :: known
-      real(dp), dimension(size(parameter)) :: near, above, below
-      real(dp) :: value
-      integer :: k, n, info
+      type(known_type), intent(in) :: known
+      !> Without parameters where there is none
+      type(minimum_type), intent(out) :: minimum
+      type(minimum_type) :: other
+      type(error_type), allocatable :: failed
+      real(dp), allocatable :: start(:, :), value(:)
+      real(dp) :: worth
+      integer :: k, first
 
-      n = size(parameter)
-      do k = 1, n
-         near = parameter
-         near(k) = near(k) + difference
-         call objective%evaluate(near, value, above, known)
-         if (known) near(k) = parameter(k) - difference
-         if (known) call objective%evaluate(near, value, below, known)
-         if (.not. known) return
-         inverse(:, k) = (above - below)/(2.0_dp*difference)*real(objective%measurements, dp)
+      worth = nearly/real(objective%measurements, dp)
+      call list_starts(objective, known, start)
+      allocate (value(size(start, 2)))
+      do k = 1, size(value)
+         value(k) = value_at(objective, start(:, k))
       end do
-      inverse = 0.5_dp*(inverse + transpose(inverse))
-      call dpotrf("L", n, inverse, n, info)
-      if (info == 0) call dpotri("L", n, inverse, n, info)
-      known = info == 0
-   end subroutine invert_curvature
+      do k = 1, min(followed, size(value))
+         first = minloc(value, dim=1)
+         value(first) = huge(1.0_dp)
+         call minimise(objective, start(:, first), minimise_options(flat, most_iterations, worth, worth), other, failed)
+         if (allocated(failed)) cycle
+         if (.not. allocated(minimum%parameter)) minimum = other
+         if (other%value < minimum%value) minimum = other
+      end do
+   end subroutine search
 
-   !> Standard errors of phi, q and r.
-   pure subroutine set_errors(objective, parameter, inverse, scale, found)
-      type(likelihood_objective), intent(in) :: objective
-      real(dp), intent(in) :: parameter(:)
-      !> Lower triangle
-      real(dp), intent(in) :: inverse(:, :)
-      real(dp), intent(in) :: scale
-      !> Its model is that of the scaled series
-      type(drift_candidate_type), intent(inout) :: found
-      real(dp) :: tangent
-      integer :: next, n
+   !> The last steps, with the curvature; none where that has no inverse (a variance that is nothing: the top is an edge).
+   subroutine finish(objective, minimum, inverse, known)
+      type(likelihood_objective), intent(inout) :: objective
+      !> Nearly a minimum; that minimum afterwards
+      type(minimum_type), intent(inout) :: minimum
+      !> Covariance of the parameters
+      real(dp), intent(out) :: inverse(:, :)
+      !> False where the curvature is not that of a maximum of the likelihood: a variance that is nothing
+      logical, intent(out) :: known
+      type(minimum_type) :: other
+      type(error_type), allocatable :: failed
+      real(dp) :: n
 
-      n = found%model%count
-      found%errors_known = .true.
-      found%std_error%count = n
-      next = 1
-      if (objective%ar) then
-         tangent = -2.0_dp*found%model%phi(1)
-         found%std_error%phi(1) = sqrt(inverse(1, 1))/cosh(parameter(1))**2
-         found%std_error%q(1) = scale**2*found%model%q(1)*sqrt(max(0.0_dp, tangent**2*inverse(1, 1) + inverse(2, 2) &
-                                                                   + 2.0_dp*tangent*inverse(2, 1)))
-         next = 3
-      end if
-      if (objective%walk) then
-         found%std_error%q(n) = scale**2*found%model%q(n)*sqrt(inverse(next, next))
-         next = next + 1
-      end if
-      found%std_error%r = scale**2*found%model%r*sqrt(inverse(next, next))
-   end subroutine set_errors
+      call invert_curvature(objective, minimum%parameter, minimum%gradient, inverse, known)
+      if (.not. known) return
+      n = real(objective%measurements, dp)
+      call minimise(objective, minimum%parameter, minimise_options(flat, last_steps, exactly/n, exactly/n), other, failed, n*inverse)
+      if (allocated(failed)) return
+      if (other%value <= minimum%value) minimum = other
+   end subroutine finish
 
    !> Which processes of a model are slower than a limit: a random walk is.
    pure subroutine is_slow(model, limit, slow)

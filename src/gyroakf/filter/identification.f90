@@ -12,7 +12,7 @@ module gyroakf_filter_identification
    use gyroakf_filter_exponential_fit, only : exponential_type, fit_exponential
    implicit none (type, external)
    private
-   public :: drift_model_type, identify_drift, most_samples
+   public :: drift_model_type, identify_drift, most_samples, block_means
 
    !> Lags fitted
    integer, parameter :: most_lags = 96

@@ -66,15 +66,15 @@ contains
       call check_components(model, error)
       if (allocated(error)) return
       call begin(model, present(gradient), lane)
-      do k = 1, size(z, kind=int64)
+      k = 1
+      do while (k <= size(z, kind=int64))
+         if (lane%settling%settled) call run_settled(lane, z, k, valid)
+         if (k > size(z, kind=int64)) exit
          here = is_sample(z(k))
          if (present(valid)) here = here .and. valid(k) /= 0_int8
-         if (lane%settling%settled .and. here) then
-            call step_settled(lane, z(k))
-         else
-            call step(lane, z(k), here)
-            if (.not. (lane%state%variance > 0.0_dp .or. lane%measurements == 0)) exit
-         end if
+         call step(lane, z(k), here)
+         if (.not. (lane%state%variance > 0.0_dp .or. lane%measurements == 0)) exit
+         k = k + 1
       end do
       if (lane%measurements < 1) then
          call fatal_error(error, status%too_few_samples, "the likelihood of a drift model needs more samples")
@@ -115,6 +115,7 @@ contains
       real(dp), intent(in) :: z
       !> There is a measurement
       logical, intent(in) :: here
+      real(dp) :: share
       logical :: counts
 
       if (lane%derive) call derive_prediction(lane%model, lane%state, lane%dx, lane%dcov)
@@ -135,9 +136,10 @@ contains
       lane%measurements = lane%measurements + 1
       associate (s => lane%state%variance, e => lane%state%innovation)
          if (.not. s > 0.0_dp) return
+         share = e/s
          lane%logarithms = lane%logarithms + log(s)
-         lane%squares = lane%squares + e*e/s
-         if (lane%derive) lane%slope = lane%slope + (lane%ds*(1.0_dp - e*e/s) + 2.0_dp*e*lane%de)/s
+         lane%squares = lane%squares + e*share
+         if (lane%derive) lane%slope = lane%slope + lane%ds*((1.0_dp - e*share)/s) + (2.0_dp*share)*lane%de
       end associate
       lane%look = lane%look + 1
       if (lane%look == look_every) call look(lane)
@@ -171,7 +173,7 @@ contains
       !> The measurement
       real(dp), intent(in) :: z
       type(lane_type), intent(inout) :: lane
-      real(dp) :: c(most_components), gain(most_components), dc(room, most_components), e, s
+      real(dp) :: c(most_components), gain(most_components), dc(room, most_components), e, s, share
       integer :: i, j, n
 
       n = model%count
@@ -192,9 +194,10 @@ contains
          lane%de = lane%de - lane%dx(:, i)
       end do
       if (.not. s > 0.0_dp) return
+      share = 1.0_dp/s
       do j = 1, n
-         gain(j) = c(j)/s
-         lane%dgain(:, j) = (dc(:, j) - gain(j)*lane%ds)/s
+         gain(j) = c(j)*share
+         lane%dgain(:, j) = (dc(:, j) - gain(j)*lane%ds)*share
          lane%dx(:, j) = lane%dx(:, j) + lane%dgain(:, j)*e + gain(j)*lane%de
          do i = 1, j
             lane%dcov(:, i, j) = lane%dcov(:, i, j) - lane%dgain(:, i)*c(j) - gain(i)*dc(:, j)
@@ -245,35 +248,108 @@ contains
       lane%look = 0
    end subroutine look
 
-   !> A step with the steady gain.
-   pure subroutine step_settled(lane, z)
+   !> Steps with the steady gain, up to the next missing sample.
+   pure subroutine run_settled(lane, z, k, valid)
       type(lane_type), intent(inout) :: lane
-      real(dp), intent(in) :: z
-      real(dp) :: e, before
+      !> The series, [n]
+      real(dp), intent(in), contiguous :: z(:)
+      !> The next sample; the first one behind these steps afterwards
+      integer(int64), intent(inout) :: k
+      integer(int8), intent(in), optional :: valid(:)
+      integer(int64) :: first, last
+
+      first = k
+      last = first - 1
+      do while (last < size(z, kind=int64))
+         if (.not. is_sample(z(last + 1))) exit
+         if (present(valid)) then
+            if (valid(last + 1) == 0_int8) exit
+         end if
+         last = last + 1
+      end do
+      k = last + 1
+      if (last < first) return
+      if (lane%derive) then
+         call derive_settled(lane, z(first:last))
+      else
+         call filter_settled(lane, z(first:last))
+      end if
+   end subroutine run_settled
+
+   !> Steps with the steady gain, without derivatives.
+   pure subroutine filter_settled(lane, z)
+      type(lane_type), intent(inout) :: lane
+      !> Measurements, [n]
+      real(dp), intent(in), contiguous :: z(:)
+      real(dp) :: x(most_components), phi(most_components), gain(most_components), e, squares
+      integer(int64) :: k
+      integer :: n
+
+      n = lane%model%count
+      x = lane%state%x
+      phi = lane%model%phi
+      gain = lane%state%gain
+      x(n + 1:) = 0.0_dp
+      gain(n + 1:) = 0.0_dp
+      squares = 0.0_dp
+      do k = 1, size(z, kind=int64)
+         x = phi*x
+         e = z(k) - (x(1) + x(2) + x(3))
+         x = x + gain*e
+         squares = squares + e*e
+      end do
+      lane%state%x = x
+      call add_settled(lane, size(z, kind=int64), squares)
+   end subroutine filter_settled
+
+   !> Steps with the steady gain, with the derivatives.
+   pure subroutine derive_settled(lane, z)
+      type(lane_type), intent(inout) :: lane
+      !> Measurements, [n]
+      real(dp), intent(in), contiguous :: z(:)
+      real(dp) :: e, before, squares, de(room), products(room), dx(room, most_components)
+      integer(int64) :: k
       integer :: j, n
 
       n = lane%model%count
+      squares = 0.0_dp
+      products = 0.0_dp
+      dx = lane%dx
       associate (x => lane%state%x, phi => lane%model%phi, gain => lane%state%gain, s => lane%state%variance)
-         e = z
-         lane%de = 0.0_dp
-         do j = 1, n
-            before = x(j)
-            x(j) = phi(j)*before
-            e = e - x(j)
-            if (.not. lane%derive) cycle
-            lane%dx(:, j) = phi(j)*lane%dx(:, j)
-            lane%dx(j, j) = lane%dx(j, j) + before
-            lane%de = lane%de - lane%dx(:, j)
+         do k = 1, size(z, kind=int64)
+            e = z(k)
+            de = 0.0_dp
+            do j = 1, n
+               before = x(j)
+               x(j) = phi(j)*before
+               e = e - x(j)
+               dx(:, j) = phi(j)*dx(:, j)
+               dx(j, j) = dx(j, j) + before
+               de = de - dx(:, j)
+            end do
+            do j = 1, n
+               x(j) = x(j) + gain(j)*e
+               dx(:, j) = dx(:, j) + lane%dgain(:, j)*e + gain(j)*de
+            end do
+            squares = squares + e*e
+            products = products + e*de
          end do
-         do j = 1, n
-            x(j) = x(j) + gain(j)*e
-            if (lane%derive) lane%dx(:, j) = lane%dx(:, j) + lane%dgain(:, j)*e + gain(j)*lane%de
-         end do
-         lane%logarithms = lane%logarithms + log(s)
-         lane%squares = lane%squares + e*e/s
-         if (lane%derive) lane%slope = lane%slope + (lane%ds*(1.0_dp - e*e/s) + 2.0_dp*e*lane%de)/s
-         lane%measurements = lane%measurements + 1
+         lane%dx = dx
+         lane%slope = lane%slope + (lane%ds*(real(size(z, kind=int64), dp) - squares/s) + 2.0_dp*products)/s
       end associate
-   end subroutine step_settled
+      call add_settled(lane, size(z, kind=int64), squares)
+   end subroutine derive_settled
+
+   !> Sums of steps with the steady gain.
+   pure subroutine add_settled(lane, measurements, squares)
+      type(lane_type), intent(inout) :: lane
+      integer(int64), intent(in) :: measurements
+      !> Of the innovations
+      real(dp), intent(in) :: squares
+
+      lane%logarithms = lane%logarithms + real(measurements, dp)*log(lane%state%variance)
+      lane%squares = lane%squares + squares/lane%state%variance
+      lane%measurements = lane%measurements + measurements
+   end subroutine add_settled
 
 end module gyroakf_filter_likelihood

@@ -1,0 +1,220 @@
+! SPDX-License-Identifier: MIT
+!> The exact likelihood of a drift model as a function to be minimised, and what its curvature tells.
+!>
+!> The parameters are artanh(phi) and ln D of the AR(1) process (its own variance, not that of its driving noise), ln q of the random
+!> walk, ln r, for a series of variance 1. The value is minus the log-likelihood of a sample on average.
+module gyroakf_filter_drift_objective
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type
+   use gyroakf_lapack, only : dpotrf, dpotri
+   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_quasi_newton, only : objective_type
+   use gyroakf_filter_components, only : component_model_type
+   use gyroakf_filter_likelihood, only : component_likelihood
+   implicit none (type, external)
+   private
+   public :: likelihood_objective, parameters_of, value_at, model_of, starting_point, invert_curvature, give_errors
+
+   !> Likelihood of the scaled series by transformed parameters
+   type, extends(objective_type) :: likelihood_objective
+      !> Less its mean, over its standard deviation
+      real(dp), allocatable :: z(:)
+      !> Which samples there are; not allocated where all are
+      integer(int8), allocatable :: here(:)
+      !> The processes of the model
+      logical :: walk = .false., ar = .false.
+      integer(int64) :: measurements = 0
+      !> Told how far it is; valid while the fit is made
+      class(progress_type), pointer :: progress => null()
+      !> Candidates done and all of them, evaluations for this one; cancelled where the caller wants no more
+      integer :: done = 0, candidates = 1, evaluations = 0
+      type(error_type), allocatable :: stopped
+   contains
+      procedure :: evaluate => evaluate_likelihood
+   end type likelihood_objective
+
+   !> Logarithms of variances beyond it are nothing or everything; artanh(phi) beyond which phi is 1
+   real(dp), parameter :: widest = 60.0_dp, steepest = 9.0_dp
+   !> Step of the differences of the gradient
+   real(dp), parameter :: difference = 1.0e-4_dp
+   !> Evaluations after which half of a candidate's work is said to be done
+   integer, parameter :: usual_evaluations = 20
+
+contains
+
+   !> Fitted parameters.
+   pure integer function parameters_of(objective) result(n)
+      type(likelihood_objective), intent(in) :: objective
+
+      n = 1 + merge(2, 0, objective%ar) + merge(1, 0, objective%walk)
+   end function parameters_of
+
+   !> Transformed parameters of a model of variance 1: correlation time in samples, variances.
+   pure function starting_point(objective, time, share, step, white) result(parameter)
+      type(likelihood_objective), intent(in) :: objective
+      !> Of the AR(1) process: correlation time in samples, variance
+      real(dp), intent(in) :: time, share
+      !> q of the random walk, r
+      real(dp), intent(in) :: step, white
+      real(dp) :: parameter(1 + merge(2, 0, objective%ar) + merge(1, 0, objective%walk))
+
+      if (objective%ar) parameter(1) = min(atanh(exp(-1.0_dp/time)), 0.9_dp*steepest)
+      if (objective%ar) parameter(2) = log(share)
+      if (objective%walk) parameter(size(parameter) - 1) = log(step)
+      parameter(size(parameter)) = log(white)
+   end function starting_point
+
+   !> The model of transformed parameters: artanh phi and ln D of the AR(1) process, ln q of the random walk, ln r.
+   pure subroutine model_of(objective, parameter, model)
+      type(likelihood_objective), intent(in) :: objective
+      real(dp), intent(in) :: parameter(:)
+      type(component_model_type), intent(out) :: model
+      integer :: next
+
+      next = 1
+      if (objective%ar) then
+         model%count = 1
+         model%phi(1) = tanh(parameter(1))
+         model%q(1) = exp(parameter(2))/cosh(parameter(1))**2
+         next = 3
+      end if
+      if (objective%walk) then
+         model%count = model%count + 1
+         model%phi(model%count) = 1.0_dp
+         model%q(model%count) = exp(parameter(next))
+         next = next + 1
+      end if
+      model%r = exp(parameter(next))
+   end subroutine model_of
+
+   !> Minus the log-likelihood of a sample on average.
+   subroutine evaluate_likelihood(self, parameter, value, gradient, feasible)
+      class(likelihood_objective), intent(inout) :: self
+      real(dp), intent(in) :: parameter(:)
+      real(dp), intent(out) :: value, gradient(:)
+      logical, intent(out) :: feasible
+      type(component_model_type) :: model
+      type(error_type), allocatable :: failed
+      real(dp) :: slope(7), share
+      integer :: n, next
+
+      value = 0.0_dp
+      gradient = 0.0_dp
+      feasible = all(abs(parameter) < widest) .and. .not. allocated(self%stopped)
+      if (feasible .and. self%ar) feasible = abs(parameter(1)) < steepest
+      if (feasible) call tell(self)
+      if (allocated(self%stopped)) feasible = .false.
+      if (.not. feasible) return
+      call model_of(self, parameter, model)
+      n = model%count
+      call component_likelihood(model, self%z, value, failed, self%here, slope(:2*n + 1))
+      feasible = .not. allocated(failed)
+      if (.not. feasible) return
+      share = -1.0_dp/real(self%measurements, dp)
+      value = share*value
+      next = 1
+      if (self%ar) then
+         gradient(1) = share*(slope(1)/cosh(parameter(1))**2 - 2.0_dp*model%phi(1)*model%q(1)*slope(n + 1))
+         gradient(2) = share*slope(n + 1)*model%q(1)
+         next = 3
+      end if
+      if (self%walk) then
+         gradient(next) = share*slope(2*n)*model%q(n)
+         next = next + 1
+      end if
+      gradient(next) = share*slope(2*n + 1)*model%r
+   end subroutine evaluate_likelihood
+
+   !> Tells how far the fit is: half of what is left of a candidate is done after so many evaluations.
+   subroutine tell(self)
+      type(likelihood_objective), intent(inout) :: self
+      integer(int64) :: n, part
+
+      self%evaluations = self%evaluations + 1
+      if (.not. associated(self%progress)) return
+      n = size(self%z, kind=int64)
+      part = int(real(n, dp)*self%evaluations/real(self%evaluations + usual_evaluations, dp), int64)
+      call tell_progress("identifying", self%done*n + part, self%candidates*n, self%stopped, self%progress)
+   end subroutine tell
+
+   !> Minus the log-likelihood without its gradient, huge where there is none.
+   real(dp) function value_at(objective, parameter) result(value)
+      type(likelihood_objective), intent(inout) :: objective
+      real(dp), intent(in) :: parameter(:)
+      type(component_model_type) :: model
+      type(error_type), allocatable :: failed
+
+      value = huge(1.0_dp)
+      if (allocated(objective%stopped)) return
+      call tell(objective)
+      if (allocated(objective%stopped)) return
+      call model_of(objective, parameter, model)
+      call component_likelihood(model, objective%z, value, failed, objective%here)
+      value = -value/real(objective%measurements, dp)
+      if (allocated(failed)) value = huge(1.0_dp)
+   end function value_at
+
+   !> Covariance of the transformed parameters: inverse of the curvature of the log-likelihood.
+   subroutine invert_curvature(objective, parameter, gradient, inverse, known)
+      type(likelihood_objective), intent(inout) :: objective
+      !> Where it is wanted, and the gradient there
+      real(dp), intent(in) :: parameter(:), gradient(:)
+      real(dp), intent(out) :: inverse(:, :)
+      !> False where it is not that of a maximum: a variance that is nothing
+      logical, intent(out) :: known
+      real(dp), dimension(size(parameter)) :: near, there
+      real(dp) :: value
+      integer :: i, k, n, info
+
+      n = size(parameter)
+      inverse = 0.0_dp
+      do k = 1, n
+         near = parameter
+         near(k) = near(k) + difference
+         call objective%evaluate(near, value, there, known)
+         if (.not. known) return
+         inverse(:, k) = (there - gradient)/difference*real(objective%measurements, dp)
+      end do
+      inverse = 0.5_dp*(inverse + transpose(inverse))
+      call dpotrf("L", n, inverse, n, info)
+      if (info == 0) call dpotri("L", n, inverse, n, info)
+      known = info == 0
+      do k = 2, n
+         do i = 1, k - 1
+            inverse(i, k) = inverse(k, i)
+         end do
+      end do
+   end subroutine invert_curvature
+
+   !> Standard errors of phi, q and r.
+   pure subroutine give_errors(objective, parameter, inverse, scale, model, std_error)
+      type(likelihood_objective), intent(in) :: objective
+      real(dp), intent(in) :: parameter(:)
+      !> Lower triangle
+      real(dp), intent(in) :: inverse(:, :)
+      real(dp), intent(in) :: scale
+      !> That of the scaled series
+      type(component_model_type), intent(in) :: model
+      !> Of the series itself
+      type(component_model_type), intent(out) :: std_error
+      real(dp) :: tangent
+      integer :: next, n
+
+      n = model%count
+      std_error%count = n
+      next = 1
+      if (objective%ar) then
+         tangent = -2.0_dp*model%phi(1)
+         std_error%phi(1) = sqrt(inverse(1, 1))/cosh(parameter(1))**2
+         std_error%q(1) = scale**2*model%q(1)*sqrt(max(0.0_dp, tangent**2*inverse(1, 1) + inverse(2, 2) &
+                                                                   + 2.0_dp*tangent*inverse(2, 1)))
+         next = 3
+      end if
+      if (objective%walk) then
+         std_error%q(n) = scale**2*model%q(n)*sqrt(inverse(next, next))
+         next = next + 1
+      end if
+      std_error%r = scale**2*model%r*sqrt(inverse(next, next))
+   end subroutine give_errors
+
+end module gyroakf_filter_drift_objective
