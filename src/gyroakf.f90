@@ -81,6 +81,7 @@ module gyroakf
    use gyroakf_filter_drift_filter, only : new_drift_filter
    use gyroakf_filter_two_pass, only : smooth_adaptive
    use gyroakf_filter_drift_fit, only : drift_fit_type, drift_candidate_type, fit_drift, is_slow
+   use gyroakf_filter_saving, only : save_filter, restore_filter, reset_filter
    use gyroakf_filter_allan_model, only : allan_terms_type, make_allan_model
    use gyroakf_filter_drift_identification, only : drift_identification_options, drift_identification_type, identify_drift_model
    use gyroakf_preprocess_trend, only : trend_type, fit_trend, remove_trend, evaluate_trend

@@ -50,6 +50,7 @@ program test_main
    use test_smoother, only : collect_smoother
    use test_drift_fit, only : collect_drift_fit
    use test_drift_identification, only : collect_drift_identification
+   use test_filter_saving, only : collect_filter_saving
    use test_json, only : collect_json
    use test_kalman, only : collect_kalman
    use test_least_squares, only : collect_least_squares
@@ -149,6 +150,7 @@ program test_main
    call add("smoother", collect_smoother)
    call add("drift_fit", collect_drift_fit)
    call add("drift_identification", collect_drift_identification)
+   call add("filter_saving", collect_filter_saving)
    call add("json", collect_json)
    call add("kalman", collect_kalman)
    call add("least_squares", collect_least_squares)

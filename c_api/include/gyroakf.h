@@ -709,6 +709,87 @@ GYROAKF_API int gyroakf_filter_get(const gyroakf_filter *f, gyroakf_filter_state
 
 GYROAKF_API void gyroakf_filter_free(gyroakf_filter *f);
 
+/* The filter as it was made: no step, not frozen. Real-time threads keep away meanwhile: it allocates. */
+GYROAKF_API int gyroakf_filter_reset(gyroakf_filter *f, gyroakf_error *err);
+
+/*
+ * The whole state of a filter as bytes, for a file or another process: the filter that gyroakf_filter_restore makes of them
+ * continues with the same numbers to the last bit. They hold a version, their length and a checksum; the order of bytes is that
+ * of the machine.
+ *   bytes     [capacity] the caller's; NULL: nothing but *size is written
+ *   capacity  bytes there are; too few: GYROAKF_INVALID_ARGUMENT, *size says how many it takes, bytes are not touched
+ *   size      bytes written, or needed
+ */
+GYROAKF_API int gyroakf_filter_save(const gyroakf_filter *f, void *bytes, int64_t capacity, int64_t *size, gyroakf_error *err);
+
+/*
+ * The filter of bytes [size] that gyroakf_filter_save wrote; goes to gyroakf_filter_free. GYROAKF_PARSE: the bytes are none of a
+ * filter, of a later version, of a machine with another order of bytes, cut short or damaged (the message says which).
+ */
+GYROAKF_API int gyroakf_filter_restore(const void *bytes, int64_t size, gyroakf_filter **out, gyroakf_error *err);
+
+/* ------------------------------------------------------------------------------------------------------------- drift */
+
+/*
+ * Drift and noise: x_{i,k} = phi_i x_{i,k-1} + w_{i,k}, z_k = sum x_{i,k} + v_k, Var(w_i) = q_i, Var(v) = r. The drift is the sum
+ * of the processes with slow != 0; the others are noise with a memory.
+ */
+typedef struct gyroakf_drift_model {
+  size_t struct_size;
+  int32_t count;   /* processes, 1 .. 3; 0: white noise alone, which gyroakf_drift_identify may find */
+  double phi[3];   /* [count] -1 < phi < 1; one of them may be 1, a random walk */
+  double q[3];     /* [count] u^2, >= 0 */
+  double r;        /* u^2, >= 0 */
+  int32_t slow[3]; /* [count] 1: part of the drift; 0 */
+} gyroakf_drift_model;
+
+/* No process, r = 0. */
+GYROAKF_API void gyroakf_drift_model_init(gyroakf_drift_model *model);
+
+typedef struct gyroakf_drift_options {
+  size_t struct_size;
+  double drift_samples; /* correlation time in samples from which a process counts as drift, > 0; 5 */
+  int64_t most_samples; /* samples that the likelihood uses at most, >= 50; 131072 */
+  gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
+  void *progress_user;          /* handed to it; NULL */
+} gyroakf_drift_options;
+
+GYROAKF_API void gyroakf_drift_options_init(gyroakf_drift_options *opt);
+
+/*
+ * The drift and the white noise of a record, identified from the record itself: random walk, AR(1), or both, by exact Gaussian
+ * likelihood on the middle of the record, with block means of the whole of it for drifts that are slower (a second at most for
+ * the default part, some milliseconds per million samples for the rest).
+ *   z      [n] series, u, n >= 50; any offset; NaN: missing
+ *   opt    may be NULL
+ *   model  initialised by gyroakf_drift_model_init; where none of its processes is slow, no drift was found
+ * On failure nothing but err is written. GYROAKF_TOO_FEW_SAMPLES, GYROAKF_CONSTANT_INPUT, GYROAKF_NON_FINITE, GYROAKF_NO_MEMORY.
+ */
+GYROAKF_API int gyroakf_drift_identify(const double *z, int64_t n, const gyroakf_drift_options *opt, gyroakf_drift_model *model,
+                                       gyroakf_error *err);
+
+/*
+ * A filter whose estimate is the drift: every gyroakf_filter_ function works on it; x, p and gain of its state are those of the
+ * drift, q the sum of its variances. One process at least must be slow.
+ *   opt  as gyroakf_filter_new, but only R can be adapted (estimate_measurement_variance, with "residual", "exact" or "biased");
+ *        forgetting 0.995, huber 2.5 and burn_in -1 are good there
+ */
+GYROAKF_API int gyroakf_drift_filter_new(const gyroakf_drift_model *model, const gyroakf_filter_options *opt, gyroakf_filter **out,
+                                         gyroakf_error *err);
+
+/*
+ * The drift of a whole record from the samples before and behind (fixed-interval smoother), also where samples are missing.
+ *   z         [n] series, u; NaN: missing; one at least is there
+ *   drift     [n] gets the drift
+ *   variance  [n] gets the variance of its error; may be NULL
+ *   opt       NULL, or estimate_measurement_variance 0: the white noise is r throughout. 1: its variance is followed through the
+ *             record by the adaptive filter with these options, forwards and backwards, before the record is smoothed
+ * z, drift and variance do not overlap; where two of them are the same the call is refused. On failure drift and variance may hold
+ * anything. Memory: some sqrt(n) states; with estimate_measurement_variance 8 n bytes more.
+ */
+GYROAKF_API int gyroakf_drift_smooth(const gyroakf_drift_model *model, const double *z, int64_t n, double *drift, double *variance,
+                                     const gyroakf_filter_options *opt, gyroakf_error *err);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1060,6 +1060,7 @@ int main(void) {
   test_environment();
   test_progress();
   test_run();
+  test_drift();
   test_host();
   test_threads();
   printf("%d passed, %d failed\n", passed, failed);

@@ -69,6 +69,17 @@ static int run_arma(listener *l) {
   return gyroakf_arma_fit(x, samples, &opt, &arma, &err);
 }
 
+static int run_drift(listener *l) {
+  gyroakf_drift_options opt;
+  gyroakf_drift_model model;
+  gyroakf_drift_options_init(&opt);
+  gyroakf_drift_model_init(&model);
+  opt.most_samples = 4000;
+  opt.progress = listen;
+  opt.progress_user = l;
+  return gyroakf_drift_identify(x, samples, &opt, &model, &err);
+}
+
 static int run_parse(listener *l) {
   static const char line[] = "0.125 -7.25e-3 12345.678\n";
   const size_t rows = 100000, length = sizeof line - 1;
@@ -116,6 +127,7 @@ void test_progress(void) {
   check_progress(run_gapped_allan, "progress of the Allan deviation with gaps", "Allan");
   check_progress(run_adf, "progress of the ADF test", "unit-root");
   check_progress(run_arma, "progress of the ARMA model", "ARMA");
+  check_progress(run_drift, "progress of the drift", "identifying");
   check_progress(run_parse, "progress of the reader", "reading");
   free(x);
 }

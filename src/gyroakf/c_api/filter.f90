@@ -12,6 +12,7 @@ module gyroakf_c_api_filter
    private
    public :: gyroakf_filter_options_init, gyroakf_filter_new, gyroakf_filter_step, gyroakf_filter_freeze, &
       & gyroakf_filter_run, gyroakf_filter_get, gyroakf_filter_free
+   public :: filter_options_c, new_handle, hand_over, read_options
 
    !> Largest state
    integer, parameter :: largest_order = 1000

@@ -61,6 +61,8 @@ contains
       filter%work = 0.0_dp
       filter%q = q
       filter%r = r
+      filter%asked_q = q
+      filter%asked_r = r
       call set_adaptation(filter)
       if (n > 1 .or. .not. options%initial_variance > 0.0_dp .or. abs(filter%phi(1)) > 1.0_dp) then
          call stationary_covariance(filter%phi, q, filter%p, error)

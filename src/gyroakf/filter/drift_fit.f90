@@ -3,8 +3,8 @@
 !>
 !> Three candidates, all with white noise: a random walk, an AR(1) process, and both. Each is fitted by the BFGS method to the exact
 !> Gaussian likelihood ([[gyroakf_filter_likelihood]]) in the logarithms of the variances (of the AR(1) process itself, not of its
-!> driving noise) and artanh(phi), from several starts, the model of least squares on the autocovariances among them; the curvature at
-!> the best of their ends gives the last steps and the standard errors.
+!> driving noise) and artanh(phi), from several starts, the model of least squares on the autocovariances among them; the
+!> curvature at the best of their ends gives the last steps and the standard errors.
 !> $$ \mathrm{AIC} = -2 \ln L + 2 k, \quad \mathrm{BIC} = -2 \ln L + k \ln n $$
 !> with k variances and coefficients, and the mean where no random walk takes its place. What counts as drift is not theirs to say:
 !> it is what is slower than a limit that the user sets.
@@ -108,14 +108,14 @@ contains
          objective%done = k - 1
          objective%evaluations = 0
          call fit_candidate(objective, names(k), scale, known, found, failed)
-         if (allocated(objective%stopped)) exit
+         if (allocated(objective%cancelled)) exit
          if (allocated(failed)) cycle
          call append(fit%candidate, found)
          if (fit%best == 0) fit%best = size(fit%candidate)
          if (found%aic < fit%candidate(fit%best)%aic) fit%best = size(fit%candidate)
       end do
-      if (allocated(objective%stopped)) then
-         call move_alloc(objective%stopped, error)
+      if (allocated(objective%cancelled)) then
+         call move_alloc(objective%cancelled, error)
       else if (fit%best == 0) then
          call fatal_error(error, status%not_converged, "no drift model has a largest likelihood for this series")
       end if
@@ -284,7 +284,8 @@ contains
       call invert_curvature(objective, minimum%parameter, minimum%gradient, inverse, known)
       if (.not. known) return
       n = real(objective%measurements, dp)
-      call minimise(objective, minimum%parameter, minimise_options(flat, last_steps, exactly/n, exactly/n), other, failed, n*inverse)
+      call minimise(objective, minimum%parameter, minimise_options(flat, last_steps, exactly/n, exactly/n), other, failed, &
+                    n*inverse)
       if (allocated(failed)) return
       if (other%value <= minimum%value) minimum = other
    end subroutine finish

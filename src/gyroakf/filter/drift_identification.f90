@@ -15,7 +15,7 @@
 module gyroakf_filter_drift_identification
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type
    use gyroakf_filter_allan_model, only : allan_terms_type, make_allan_model
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_blocks, only : model_of_means, process_of_samples
@@ -24,6 +24,7 @@ module gyroakf_filter_drift_identification
    use gyroakf_filter_drift_fit, only : drift_fit_type, fit_drift, is_slow
    use gyroakf_filter_identification, only : block_means, drift_model_type, identify_drift
    use gyroakf_filter_likelihood, only : component_likelihood
+   use gyroakf_filter_progress_share, only : progress_share_type
    implicit none (type, external)
    private
    public :: drift_identification_options, drift_identification_type, identify_drift_model
@@ -33,6 +34,8 @@ module gyroakf_filter_drift_identification
    integer(int64), parameter :: most_means = 32768, widening = 4
    !> Blocks a correlation time that block means resolve
    real(dp), parameter :: resolved = 2.0_dp
+   !> Share of the time that the part takes where there are block means too
+   real(dp), parameter :: part_share = 0.8_dp
 
 contains
 
@@ -53,10 +56,14 @@ contains
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional, target :: progress
       type(drift_fit_type) :: fit
+      type(progress_share_type) :: share
 
       call check_options(options, present(noise), error)
-      if (.not. allocated(error)) call tell_progress("identifying", 0_int64, size(z, kind=int64), error, progress)
-      if (.not. allocated(error)) call fit_drift(z, fit, error, valid, options%most, progress)
+      if (allocated(error)) return
+      if (present(progress)) share%whole => progress
+      share%total = size(z, kind=int64)
+      if (share%total > options%most) share%share = part_share
+      call fit_drift(z, fit, error, valid, options%most, share)
       if (allocated(error)) then
          if (error%code /= status%not_converged) return
          deallocate (error)
@@ -64,7 +71,7 @@ contains
       else
          call choose_model(fit, options%drift_samples, identification)
          call move_alloc(fit%candidate, identification%candidate)
-         call look_at_means(z, fit, options%drift_samples, identification, error, valid, progress)
+         call look_at_means(z, fit, options%drift_samples, share, identification, error, valid)
       end if
       if (allocated(error)) return
       identification%samples = fit%samples
@@ -118,18 +125,19 @@ contains
    end subroutine take_autocovariances
 
    !> Looks in block means of a record that is longer than the part for what is slower than the part shows.
-   subroutine look_at_means(z, fit, limit, identification, error, valid, progress)
+   subroutine look_at_means(z, fit, limit, share, identification, error, valid)
       real(dp), intent(in), contiguous :: z(:)
       !> Of the part
       type(drift_fit_type), intent(in) :: fit
       !> Correlation time in samples from which a process is drift
       real(dp), intent(in) :: limit
+      !> Of the part's progress; that of the means afterwards
+      type(progress_share_type), intent(inout) :: share
       !> Of the part; gets the slow processes of the means
       type(drift_identification_type), intent(inout) :: identification
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
-      class(progress_type), intent(inout), optional, target :: progress
       type(drift_identification_type) :: slow
       type(drift_fit_type) :: coarse
       type(component_model_type) :: model, expected
@@ -146,7 +154,9 @@ contains
       end do
       call block_means(z, m, means, here, error, valid)
       if (allocated(error)) return
-      call fit_drift(means, coarse, failed, here, progress=progress)
+      share%before = part_share
+      share%share = 1.0_dp - part_share
+      call fit_drift(means, coarse, failed, here, progress=share)
       if (allocated(failed)) then
          if (failed%code == status%cancelled .or. failed%code == status%no_memory) call move_alloc(failed, error)
          return                                     ! too few means: the part says it all

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> The exact likelihood of a drift model as a function to be minimised, and what its curvature tells.
 !>
-!> The parameters are artanh(phi) and ln D of the AR(1) process (its own variance, not that of its driving noise), ln q of the random
-!> walk, ln r, for a series of variance 1. The value is minus the log-likelihood of a sample on average.
+!> The parameters are artanh(phi) and ln D of the AR(1) process (its own variance, not that of its driving noise), ln q of the
+!> random walk, ln r, for a series of variance 1. The value is minus the log-likelihood of a sample on average.
 module gyroakf_filter_drift_objective
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
@@ -28,7 +28,7 @@ module gyroakf_filter_drift_objective
       class(progress_type), pointer :: progress => null()
       !> Candidates done and all of them, evaluations for this one; cancelled where the caller wants no more
       integer :: done = 0, candidates = 1, evaluations = 0
-      type(error_type), allocatable :: stopped
+      type(error_type), allocatable :: cancelled
    contains
       procedure :: evaluate => evaluate_likelihood
    end type likelihood_objective
@@ -100,10 +100,10 @@ contains
 
       value = 0.0_dp
       gradient = 0.0_dp
-      feasible = all(abs(parameter) < widest) .and. .not. allocated(self%stopped)
+      feasible = all(abs(parameter) < widest) .and. .not. allocated(self%cancelled)
       if (feasible .and. self%ar) feasible = abs(parameter(1)) < steepest
       if (feasible) call tell(self)
-      if (allocated(self%stopped)) feasible = .false.
+      if (allocated(self%cancelled)) feasible = .false.
       if (.not. feasible) return
       call model_of(self, parameter, model)
       n = model%count
@@ -134,7 +134,7 @@ contains
       if (.not. associated(self%progress)) return
       n = size(self%z, kind=int64)
       part = int(real(n, dp)*self%evaluations/real(self%evaluations + usual_evaluations, dp), int64)
-      call tell_progress("identifying", self%done*n + part, self%candidates*n, self%stopped, self%progress)
+      call tell_progress("identifying", self%done*n + part, self%candidates*n, self%cancelled, self%progress)
    end subroutine tell
 
    !> Minus the log-likelihood without its gradient, huge where there is none.
@@ -145,9 +145,9 @@ contains
       type(error_type), allocatable :: failed
 
       value = huge(1.0_dp)
-      if (allocated(objective%stopped)) return
+      if (allocated(objective%cancelled)) return
       call tell(objective)
-      if (allocated(objective%stopped)) return
+      if (allocated(objective%cancelled)) return
       call model_of(objective, parameter, model)
       call component_likelihood(model, objective%z, value, failed, objective%here)
       value = -value/real(objective%measurements, dp)

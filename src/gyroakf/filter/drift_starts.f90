@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Where the search for the largest likelihood of a drift model begins.
 !>
-!> Drifts from fast to slow, small and large; what least squares on the autocovariances found ([[identify_drift]]); and for the model
-!> of both processes the best models of each alone, with some of the other added.
+!> Drifts from fast to slow, small and large; what least squares on the autocovariances found ([[identify_drift]]); and for the
+!> model of both processes the best models of each alone, with some of the other added.
 module gyroakf_filter_drift_starts
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type

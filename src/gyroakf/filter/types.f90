@@ -71,6 +71,8 @@ module gyroakf_filter_types
       real(dp), allocatable :: gain(:)
       !> Variances Q and R that the next step uses
       real(dp) :: q = 0, r = 0
+      !> Q and R that the filter was made with; in a drift filter those of the model
+      real(dp) :: asked_q = 0, asked_r = 0
       !> Means q and r that the next step uses
       real(dp) :: q_mean = 0, r_mean = 0
       !> Innovation of the last measurement and its variance

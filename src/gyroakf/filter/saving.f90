@@ -1,0 +1,325 @@
+! SPDX-License-Identifier: MIT
+!> A filter put away and taken up again: it continues as if it had never stopped, to the last bit.
+!>
+!> What is kept: what the filter was made of (coefficients, variances, options), and what its steps have changed since. What
+!> follows from the former (bounds, steady gain) is computed again by [[new_filter]] or [[new_drift_filter]], which test it too.
+!> The form is words of 64 bits: eight letters, version, number of words, checksum of the words behind it, then the numbers as
+!> they are in memory. Words of a machine with another order of bytes are refused by the first of them.
+!>
+!> The checksum mixes halves of the words as FNV-1a does bytes (Fowler, Noll & Vo), in arithmetic that cannot overflow.
+module gyroakf_filter_saving
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_filter_creation, only : new_filter
+   use gyroakf_filter_drift_filter, only : new_drift_filter
+   use gyroakf_filter_types, only : filter_options, filter_type
+   implicit none (type, external)
+   private
+   public :: save_filter, restore_filter, reset_filter
+
+   !> First words: "GYROAKFF", version, words, checksum
+   integer(int64), parameter :: first_word = transfer("GYROAKFF", 0_int64), version = 1
+   integer, parameter :: header = 4
+   !> Largest state: as new_filter
+   integer(int64), parameter :: largest_order = 1000
+
+   !> Words on their way to or from a filter
+   type :: box_type
+      integer(int64), allocatable :: word(:)
+      !> Words used so far
+      integer(int64) :: at = header
+      !> Words are written; else they are read
+      logical :: writing = .false.
+      !> Something read is no number, or there is not enough of it
+      logical :: bad = .false.
+   end type box_type
+
+   !> A number, or numbers, to the box or out of it
+   interface exchange
+      module procedure exchange_real, exchange_reals, exchange_integer, exchange_long, exchange_logical, exchange_text
+   end interface exchange
+
+contains
+
+   !> The words that a filter is made of.
+   subroutine save_filter(filter, word, error)
+      !> Made by new_filter or new_drift_filter
+      type(filter_type), intent(in) :: filter
+      !> Its words: [some 130 + p (p + 4)]
+      integer(int64), allocatable, intent(out) :: word(:)
+      !> invalid_argument (a filter that was never made), no_memory
+      type(error_type), allocatable, intent(out) :: error
+      type(filter_type) :: copy
+      type(box_type) :: box
+      integer :: stat
+
+      if (filter%order < 1) then
+         call fatal_error(error, status%invalid_argument, "a filter that was never made cannot be saved")
+         return
+      end if
+      copy = filter
+      box%writing = .true.
+      allocate (box%word(200 + filter%order*(filter%order + 8_int64)), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the state of a filter")
+         return
+      end if
+      call exchange_making(box, copy)
+      call exchange_state(box, copy)
+      word = box%word(:box%at)
+      word(:header) = [first_word, version, box%at, checksum(word(header + 1:))]
+   end subroutine save_filter
+
+   !> The filter of some words.
+   subroutine restore_filter(word, filter, error)
+      !> From save_filter
+      integer(int64), intent(in) :: word(:)
+      !> The filter
+      type(filter_type), intent(out) :: filter
+      !> parse: these are no words of a filter, of another version or byte order, cut short, or damaged; what making a filter
+      !> can give
+      type(error_type), allocatable, intent(out) :: error
+      type(filter_type) :: made
+      type(box_type) :: box
+
+      if (size(word, kind=int64) <= header) then
+         call fatal_error(error, status%parse, "these bytes are too few for the state of a filter")
+      else if (word(1) /= first_word) then
+         call fatal_error(error, status%parse, "these bytes are not the state of a filter, or of a machine of another byte order")
+      else if (word(2) /= version) then
+         call fatal_error(error, status%parse, "the state of a filter was saved by a later version of the library")
+      else if (word(3) /= size(word, kind=int64)) then
+         call fatal_error(error, status%parse, "the state of a filter is cut short or has something behind it")
+      else if (word(4) /= checksum(word(header + 1:))) then
+         call fatal_error(error, status%parse, "the state of a filter is damaged: its checksum differs")
+      end if
+      if (allocated(error)) return
+      box%word = word
+      call exchange_making(box, made)
+      if (.not. box%bad) call make_again(made, filter, error)
+      if (allocated(error)) return
+      if (.not. box%bad) call exchange_state(box, filter)
+      if (box%bad .or. box%at /= size(word, kind=int64)) then
+         call fatal_error(error, status%parse, "the state of a filter holds what no filter has")
+      end if
+   end subroutine restore_filter
+
+   !> The filter as it was when it was made: no step, not frozen.
+   subroutine reset_filter(filter, error)
+      !> Made by new_filter or new_drift_filter
+      type(filter_type), intent(inout) :: filter
+      !> invalid_argument (a filter that was never made); no_memory
+      type(error_type), allocatable, intent(out) :: error
+      type(filter_type) :: fresh
+
+      if (filter%order < 1) then
+         call fatal_error(error, status%invalid_argument, "a filter that was never made cannot be reset")
+         return
+      end if
+      call make_again(filter, fresh, error)
+      if (.not. allocated(error)) filter = fresh
+   end subroutine reset_filter
+
+   !> A new filter of the same making.
+   subroutine make_again(made, filter, error)
+      !> Coefficients, variances and options are looked at
+      type(filter_type), intent(in) :: made
+      type(filter_type), intent(out) :: filter
+      !> As new_filter and new_drift_filter
+      type(error_type), allocatable, intent(out) :: error
+
+      if (made%drift_model%count > 0) then
+         call new_drift_filter(filter, made%drift_model, made%slow(:made%drift_model%count), made%options, error)
+      else
+         call new_filter(filter, made%phi, made%asked_q, made%asked_r, made%options, error)
+      end if
+   end subroutine make_again
+
+   !> What a filter was made of.
+   subroutine exchange_making(box, filter)
+      type(box_type), intent(inout) :: box
+      type(filter_type), intent(inout) :: filter
+      integer :: i
+
+      call exchange(box, filter%order)
+      if (filter%order < 1 .or. filter%order > largest_order) box%bad = .true.
+      if (box%bad) return
+      if (.not. box%writing) allocate (filter%phi(filter%order))
+      call exchange(box, filter%phi)
+      call exchange(box, filter%asked_q)
+      call exchange(box, filter%asked_r)
+      call exchange(box, filter%drift_model%count)
+      if (filter%drift_model%count < 0 .or. filter%drift_model%count > size(filter%slow)) box%bad = .true.
+      if (filter%drift_model%count > 0 .and. filter%order /= 1) box%bad = .true.
+      call exchange(box, filter%drift_model%phi)
+      call exchange(box, filter%drift_model%q)
+      call exchange(box, filter%drift_model%r)
+      do i = 1, size(filter%slow)
+         call exchange(box, filter%slow(i))
+      end do
+      call exchange_options(box, filter%options)
+   end subroutine exchange_making
+
+   !> Its options.
+   subroutine exchange_options(box, options)
+      type(box_type), intent(inout) :: box
+      type(filter_options), intent(inout) :: options
+
+      call exchange(box, options%estimate_process_mean)
+      call exchange(box, options%estimate_measurement_mean)
+      call exchange(box, options%estimate_process_variance)
+      call exchange(box, options%estimate_measurement_variance)
+      call exchange(box, options%forgetting)
+      call exchange(box, options%measurement_form)
+      call exchange(box, options%burn_in)
+      call exchange(box, options%huber)
+      call exchange(box, options%r_scale)
+      call exchange(box, options%initial_variance)
+      call exchange(box, options%q_lower)
+      call exchange(box, options%q_upper)
+      call exchange(box, options%r_lower)
+      call exchange(box, options%r_upper)
+   end subroutine exchange_options
+
+   !> What its steps change.
+   subroutine exchange_state(box, filter)
+      type(box_type), intent(inout) :: box
+      type(filter_type), intent(inout) :: filter
+      integer :: i
+
+      call exchange(box, filter%x)
+      do i = 1, filter%order
+         call exchange(box, filter%p(:, i))
+      end do
+      call exchange(box, filter%gain)
+      call exchange(box, filter%gain_sum)
+      call exchange(box, filter%q)
+      call exchange(box, filter%r)
+      call exchange(box, filter%q_mean)
+      call exchange(box, filter%r_mean)
+      call exchange(box, filter%innovation)
+      call exchange(box, filter%innovation_variance)
+      call exchange(box, filter%frozen)
+      call exchange(box, filter%steps)
+      call exchange(box, filter%clamped)
+      call exchange(box, filter%gated)
+      call exchange(box, filter%measurements)
+      call exchange(box, filter%q_at_floor)
+      call exchange(box, filter%r_at_floor)
+      call exchange(box, filter%gain_measurements)
+      call exchange(box, filter%wait)
+      call exchange(box, filter%weight)
+      call exchange(box, filter%weight_updates)
+      call exchange(box, filter%run)
+      call exchange(box, filter%settled)
+      call exchange(box, filter%drift_gain_sum)
+      call exchange(box, filter%drift_determinant)
+      associate (state => filter%drift_state)
+         call exchange(box, state%x)
+         do i = 1, size(state%x)
+            call exchange(box, state%p(:, i))
+         end do
+         call exchange(box, state%gain)
+         call exchange(box, state%innovation)
+         call exchange(box, state%variance)
+         call exchange(box, state%started)
+      end associate
+   end subroutine exchange_state
+
+   !> A number of 64 bits.
+   subroutine exchange_long(box, value)
+      type(box_type), intent(inout) :: box
+      integer(int64), intent(inout) :: value
+
+      box%at = box%at + 1
+      if (box%writing) then
+         box%word(box%at) = value
+      else if (box%at > size(box%word, kind=int64)) then
+         box%bad = .true.
+      else
+         value = box%word(box%at)
+      end if
+   end subroutine exchange_long
+
+   subroutine exchange_real(box, value)
+      type(box_type), intent(inout) :: box
+      real(dp), intent(inout) :: value
+      integer(int64) :: word
+
+      word = transfer(value, word)
+      call exchange_long(box, word)
+      value = transfer(word, value)
+      if (.not. (box%writing .or. ieee_is_finite(value))) then
+         box%bad = .true.
+         value = 0.0_dp
+      end if
+   end subroutine exchange_real
+
+   subroutine exchange_reals(box, value)
+      type(box_type), intent(inout) :: box
+      real(dp), intent(inout) :: value(:)
+      integer :: i
+
+      do i = 1, size(value)
+         call exchange_real(box, value(i))
+      end do
+   end subroutine exchange_reals
+
+   subroutine exchange_integer(box, value)
+      type(box_type), intent(inout) :: box
+      integer, intent(inout) :: value
+      integer(int64) :: word
+
+      word = value
+      call exchange_long(box, word)
+      if (word <= huge(value) .and. word >= -huge(value)) then
+         value = int(word)
+      else
+         box%bad = .true.
+      end if
+   end subroutine exchange_integer
+
+   subroutine exchange_logical(box, value)
+      type(box_type), intent(inout) :: box
+      logical, intent(inout) :: value
+      integer(int64) :: word
+
+      word = merge(1_int64, 0_int64, value)
+      call exchange_long(box, word)
+      value = word == 1
+      box%bad = box%bad .or. word < 0 .or. word > 1
+   end subroutine exchange_logical
+
+   subroutine exchange_text(box, value)
+      type(box_type), intent(inout) :: box
+      character(8), intent(inout) :: value
+      integer(int64) :: word
+
+      word = transfer(value, word)
+      call exchange_long(box, word)
+      value = transfer(word, value)
+   end subroutine exchange_text
+
+   !> FNV-1a over halves of the words, in 32 bits of state for each half of the result: no product overflows.
+   pure integer(int64) function checksum(word)
+      integer(int64), intent(in) :: word(:)
+      integer(int64), parameter :: low = 4294967295_int64
+      integer(int64) :: half(2), state(2)
+      integer(int64) :: k
+      integer :: i
+
+      state = [2166136261_int64, 2246822519_int64]
+      do k = 1, size(word, kind=int64)
+         half = [iand(word(k), low), iand(shiftr(word(k), 32), low)]
+         do i = 1, 2
+            state(i) = ieor(state(i), half(i))
+            ! times the prime 2^24 + 403: the product modulo 2^32 from two that stay below 2^63
+            state(i) = iand(shiftl(iand(state(i), 255_int64), 24) + 403_int64*state(i), low)
+         end do
+         state = [ieor(state(1), shiftr(state(2), 7)), ieor(state(2), shiftr(state(1), 9))]
+      end do
+      checksum = ior(shiftl(iand(state(1), 2147483647_int64), 32), state(2))
+   end function checksum
+
+end module gyroakf_filter_saving

@@ -1,0 +1,178 @@
+! SPDX-License-Identifier: MIT
+!> Filters put away and taken up again.
+module test_filter_saving
+   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_filter_components, only : component_model_type
+   use gyroakf_filter_drift_filter, only : new_drift_filter
+   use gyroakf_filter_kalman, only : filter_options, filter_type, freeze_filter, new_filter, run_filter
+   use gyroakf_filter_saving, only : reset_filter, restore_filter, save_filter
+   use filter_library, only : fill_noise
+   implicit none (type, external)
+   private
+   public :: collect_filter_saving
+
+   !> Kinds of filters: make_kind
+   integer, parameter :: kinds = 7
+
+contains
+
+   subroutine collect_filter_saving(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         new_unittest("continues", test_continues), &
+         new_unittest("reset", test_reset), &
+         new_unittest("damaged", test_damaged), &
+         new_unittest("refused", test_refused)]
+   end subroutine collect_filter_saving
+
+   !> Fixed and adaptive AR(p) filters, drift filters of one to three processes.
+   subroutine make_kind(kind, filter)
+      integer, intent(in) :: kind
+      type(filter_type), intent(out) :: filter
+      type(filter_options) :: options
+      type(component_model_type) :: model
+      type(gyro_error), allocatable :: failed
+
+      if (kind > 1) options%estimate_measurement_variance = .true.
+      if (kind > 1) options%huber = 2.5_dp
+      if (kind > 4) options%burn_in = -1
+      select case (kind)
+      case (1); call new_filter(filter, [0.9_dp], 1.0_dp, 2.0_dp, options, failed)
+      case (2)
+         options%estimate_process_variance = .true.
+         options%estimate_process_mean = .true.
+         call new_filter(filter, [0.9_dp], 1.0_dp, 2.0_dp, options, failed)
+      case (3); call new_filter(filter, [0.5_dp, 0.3_dp, -0.2_dp], 1.0_dp, 2.0_dp, options, failed)
+      case (4); call new_filter(filter, [real(dp) ::], 1.0_dp, 2.0_dp, options, failed)
+      case default
+         model = component_model_type(kind - 4, [0.98_dp, 1.0_dp, 0.0_dp], [0.01_dp, 1.0e-3_dp, 0.0_dp], 1.0_dp)
+         if (kind == 7) model%phi(2:) = [0.5_dp, 1.0_dp]
+         if (kind == 7) model%q(2:) = [0.2_dp, 1.0e-3_dp]
+         call new_drift_filter(filter, model, spread(.true., 1, kind - 4), options, failed)
+      end select
+      if (allocated(failed)) error stop failed%code
+   end subroutine make_kind
+
+   !> Saved after so many samples, before the first one too: the rest is the same to the last bit.
+   subroutine test_continues(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(filter_type) :: filter, other
+      type(gyro_error), allocatable :: failed
+      integer, parameter :: moments(5) = [0, 1, 17, 300, 2500]
+      integer(int64), allocatable :: word(:), again(:)
+      real(dp) :: z(3000), x(3000), y(3000)
+      integer :: kind, k, m
+
+      call fill_noise(11, z)
+      z(200:210) = 9.0_dp                             ! gated, then a shift of the level
+      do kind = 1, kinds
+         do k = 1, size(moments)
+            m = moments(k)
+            call make_kind(kind, filter)
+            call run_filter(filter, z(:m), x(:m))
+            call freeze_filter(filter, m == 300)
+            call save_filter(filter, word, failed)
+            call check(error, .not. allocated(failed))
+            if (allocated(error)) return
+            call restore_filter(word, other, failed)
+            call check(error, .not. allocated(failed))
+            if (allocated(error)) return
+            call run_filter(filter, z(m + 1:), x(m + 1:))
+            call run_filter(other, z(m + 1:), y(m + 1:))
+            call check(error, all(transfer(x(m + 1:), word) == transfer(y(m + 1:), word)))
+            if (allocated(error)) return
+            call save_filter(filter, word, failed)
+            call save_filter(other, again, failed)
+            call check(error, all(word == again), "another state at the end")
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_continues
+
+   !> As it was made.
+   subroutine test_reset(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(filter_type) :: filter
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(1000), x(1000), y(1000)
+      integer(int64), allocatable :: word(:), again(:)
+      integer :: kind
+
+      call fill_noise(12, z)
+      do kind = 1, kinds
+         call make_kind(kind, filter)
+         call save_filter(filter, word, failed)
+         call run_filter(filter, z, x)
+         call freeze_filter(filter, .true.)
+         call reset_filter(filter, failed)
+         call check(error, .not. allocated(failed))
+         if (allocated(error)) return
+         call save_filter(filter, again, failed)
+         call check(error, all(word == again))
+         if (allocated(error)) return
+         call run_filter(filter, z, y)
+         call check(error, all(transfer(x, word) == transfer(y, word)))
+         if (allocated(error)) return
+      end do
+   end subroutine test_reset
+
+   !> Every bit of the words counts; words cut short or added too.
+   subroutine test_damaged(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(filter_type) :: filter, other
+      type(gyro_error), allocatable :: failed
+      integer(int64), allocatable :: word(:), bad(:)
+      real(dp) :: z(100), x(100)
+      integer :: k, bit
+
+      call fill_noise(13, z)
+      call make_kind(7, filter)
+      call run_filter(filter, z, x)
+      call save_filter(filter, word, failed)
+      do k = 1, size(word)
+         do bit = 0, 63
+            bad = word
+            bad(k) = ieor(bad(k), shiftl(1_int64, bit))
+            call restore_filter(bad, other, failed)
+            call check(error, code_of(failed), status%parse)
+            if (allocated(error)) return
+         end do
+         call restore_filter(word(:k - 1), other, failed)
+         call check(error, code_of(failed), status%parse)
+         if (allocated(error)) return
+      end do
+      call restore_filter([word, 0_int64], other, failed)
+      call check(error, code_of(failed), status%parse)
+      if (allocated(error)) return
+      bad = word
+      bad(5:6) = word([6, 5])
+      call restore_filter(bad, other, failed)
+      call check(error, code_of(failed), status%parse)
+   end subroutine test_damaged
+
+   !> What was never made.
+   subroutine test_refused(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(filter_type) :: filter
+      type(gyro_error), allocatable :: failed
+      integer(int64), allocatable :: word(:)
+
+      call save_filter(filter, word, failed)
+      call check(error, code_of(failed), status%invalid_argument)
+      if (allocated(error)) return
+      call reset_filter(filter, failed)
+      call check(error, code_of(failed), status%invalid_argument)
+   end subroutine test_refused
+
+   !> 0 where there is no error.
+   integer function code_of(failed)
+      type(gyro_error), allocatable, intent(in) :: failed
+
+      code_of = 0
+      if (allocated(failed)) code_of = failed%code
+   end function code_of
+
+end module test_filter_saving
