@@ -170,6 +170,7 @@ contains
       call exchange(box, options%estimate_measurement_mean)
       call exchange(box, options%estimate_process_variance)
       call exchange(box, options%estimate_measurement_variance)
+      call exchange(box, options%allow_unobservable)
       call exchange(box, options%forgetting)
       call exchange(box, options%measurement_form)
       call exchange(box, options%burn_in)
