@@ -131,7 +131,7 @@ contains
       record%channel(2)%text = "gy"
       options%do_allan = .false.
       call run_pipeline(record, options, result, failed, quitter)
-      call check(error, .not. allocated(failed) .and. quitter%stage == "identifying gy", quitter%stage)
+      call check(error, .not. allocated(failed) .and. quitter%stage == "smoothing gy", quitter%stage)
    end subroutine channels_are_named
 
    !> At whichever call.

@@ -2,18 +2,18 @@
 # SPDX-License-Identifier: MIT
 # Options in a file: written, read, repeated, wrong.
 
-good "a simulation with its options written" simulate --samples 500 --seed 4 --coefficients N=0.01 --output c.txt --write-config c.toml
-cp c.txt first.txt
+good "a simulation with its options written" simulate --samples 500 --seed 4 --coefficients N=0.01 --output config.txt --write-config c.toml
+cp config.txt config_first.txt
 good "repeated from the file" --config c.toml --force
-if cmp -s c.txt first.txt; then pass; else fail "--config does not repeat the simulation"; fi
-good "an analysis with its options written" allan c.txt --taus 'log:5' --terms QN --json a.json --quiet --write-config a.toml
-cp a.json first.json
+if cmp -s config.txt config_first.txt; then pass; else fail "--config does not repeat the simulation"; fi
+good "an analysis with its options written" allan config.txt --taus 'log:5' --terms QN --json config_a.json --quiet --write-config a.toml
+cp config_a.json config_first.json
 good "the analysis repeated" --config a.toml --force
-if cmp -s a.json first.json; then pass; else fail "--config does not repeat the analysis"; fi
+if cmp -s config_a.json config_first.json; then pass; else fail "--config does not repeat the analysis"; fi
 good "the command line comes on top" --config a.toml --force --json - --taus 1,2,4
 holds "averaging times of the command line" '"tau_s": [1, 2, 4]' out
-good "a file of the line instead" first.txt --config a.toml --force --json -
-holds "the line's file" '"path": "first.txt"' out
+good "a file of the line instead" config_first.txt --config a.toml --force --json -
+holds "the line's file" '"path": "config_first.txt"' out
 bad "a command of the line that has not all options" 1 ": option '--taus' is not one of 'inspect'" inspect --config a.toml --force
 
 good "options without a recording" run --write-config empty.toml
@@ -21,10 +21,10 @@ is "nothing else is done" "$(cat out)" ""
 for command in run inspect allan tests ar filter simulate; do
    output=--quiet
    [ $command != simulate ] || output=--output=o.txt
-   good "every option of $command written" $command --write-config all.toml --force $output
+   good "every option of $command written" $command --write-config config_all.toml --force $output
    run $command --help
    grep -oE '^  --[a-z-]+' out | sed 's/^  --//' | grep -vxE 'help|version|citation|man|completion|config|write-config' |
-      while read -r name; do grep -qE "^(# )?$name = " all.toml || echo "$name"; done >missing
+      while read -r name; do grep -qE "^(# )?$name = " config_all.toml || echo "$name"; done >missing
    is "options of $command in its file" "$(cat missing)" ""
 done
 bad "the file of options is kept" 2 "--force overwrites it" run --write-config empty.toml
@@ -32,7 +32,7 @@ bad "the file of options is kept" 2 "--force overwrites it" run --write-config e
 # wrong NAME LINES FRAGMENT: a file of options with these lines is refused at its last one
 wrong() {
    printf '%b' "$2" >wrong.toml
-   bad "options: $1" "${4:-2}" "$3" c.txt --config wrong.toml
+   bad "options: $1" "${4:-2}" "$3" config.txt --config wrong.toml
 }
 wrong "unknown" '# a comment\nratee = 5\n' "wrong.toml:2: no option of a file: 'ratee'; the nearest is 'rate'"
 wrong "no equals sign" '\n\ntaus "octave"\n' "wrong.toml:3: no 'name = value'"
@@ -47,9 +47,9 @@ wrong "help" 'help = true\n' "wrong.toml:1: no option of a file: 'help'"
 wrong "an unknown command" 'command = "alan"\n' "wrong.toml:1: unknown command 'alan'"
 wrong "an option of another command" 'seed = 5\n' "option '--seed' is not one of 'run'" 1
 wrong "a binary file" '\0001\000' "wrong.toml: is no file of options"
-bad "options: no such file" 2 "nosuch.toml: no such file" c.txt --config nosuch.toml
-printf '\xef\xbb\xbfquiet = true # nothing\r\nforce = false\r\nfiles = [ "c.txt" , ]\r\n' >dos.toml
+bad "options: no such file" 2 "nosuch.toml: no such file" config.txt --config nosuch.toml
+printf '\xef\xbb\xbfquiet = true # nothing\r\nforce = false\r\nfiles = [ "config.txt" , ]\r\n' >dos.toml
 good "options with a byte-order mark and carriage returns" inspect --config dos.toml
 is "quiet" "$(cat out)" ""
-printf 'files = ["c.txt"]\nunit = "de\\"g/s"\n' >quote.toml
+printf 'files = ["config.txt"]\nunit = "de\\"g/s"\n' >quote.toml
 bad "an escaped quote" 1 'de"g/s' inspect --config quote.toml

@@ -185,13 +185,15 @@ bad "no lags" 1 "--lags" tests "$example" --lags 0
 good "filter with options" filter "$example" --akf robust --forgetting 0.99 --r-factor 2 --outliers auto --detrend 3
 good "filter adapts all four" filter "$example" --outliers auto --detrend 3 --estimate q,r,Q,R
 good "filter of a slower drift" filter "$example" --outliers auto --detrend 3 --drift-tau 10
-good "robust, then what adapts" filter "$example" --akf robust --estimate q,R --json first.json --quiet
-good "what adapts, then robust" filter "$example" --estimate q,R --akf robust --json second.json --quiet
-is "their order does not matter" "$(diff first.json second.json)" ""
-is "both are heard" "$(sed -n '/"akf": {/,/"warnings"/p' first.json | grep '"estimate"' | tr -d ' ')" '"estimate":["q","R"],'
+good "robust, then what adapts" filter "$example" --akf robust --estimate q,R --json estimate_first.json --quiet
+good "what adapts, then robust" filter "$example" --estimate q,R --akf robust --json estimate_second.json --quiet
+is "their order does not matter" "$(diff estimate_first.json estimate_second.json)" ""
+is "both are heard" "$(sed -n '/"akf": {/,/"warnings"/p' estimate_first.json | grep '"estimate"' | tr -d ' ')" '"estimate":["q","R"],'
 good "robust alone" filter "$example" --akf robust --json robust.json --quiet
 is "adapts R" "$(sed -n '/"akf": {/,/"warnings"/p' robust.json | grep '"estimate"' | tr -d ' ')" '"estimate":["R"],'
-is "no drift: null" "$(grep -cE '"(drift_kf|drift_akf|drift_smoother)": null' robust.json)" 3
+"$gyroakf" simulate --samples 3000 --rate 10 --coefficients N=0.01 --output white.txt
+good "white noise" filter white.txt --json white.json --quiet
+is "no drift: null" "$(grep -cE '"(drift_kf|drift_akf|drift_smoother)": null' white.json)" 3
 "$gyroakf" simulate --samples 20000 --rate 10 --coefficients N=0.01,K=0.002 --offset 3 --missing 0.01 --output walk.txt
 good "a record that drifts" run walk.txt --out walk --json walk.json
 for text in "Model           random walk + white noise" "In-sample: the drift was taken" "drift AKF " \

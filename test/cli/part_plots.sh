@@ -30,17 +30,17 @@ is "as many outliers as were removed" "$(sed -n '/^# outliers/,/^$/p' plots.d/pl
    "$(sed -n 's/.*"removed": \([0-9]*\).*/\1/p' plots.d/results.json | head -n 1)"
 is "a script draws again" "$(cd plots.d/plots && rm allan.svg && gnuplot -e "figure='allan.svg'" allan.gp && [ -s allan.svg ] && echo yes)" yes
 
-simulate_plot 40000 2 long.txt
-good "a long series" run long.txt --rate 5 --out long.d --plot svg --quiet
+simulate_plot 40000 2 plot_long.txt
+good "a long series" run plot_long.txt --rate 5 --out long.d --plot svg --quiet
 is "points of a long series are bounded" "$(($(wc -l <long.d/plots/series.dat) < 16000))" 1
 
 good "an Allan analysis alone" allan plot.txt --out allan.d --plot pdf --quiet
 is "its figures" "$(cd allan.d/plots && ls *.pdf | tr '\n' ' ')" "allan.pdf before_after.pdf "
-paste -d ' ' plot.txt plot.txt | grep -v '#' >two.txt
-{ echo 'g"x gX'; cat two.txt; } >named.txt
-good "several channels" run named.txt --rate 5 --unit deg/s --out "it's.d" --plot png --quiet
+paste -d ' ' plot.txt plot.txt | grep -v '#' >plot_two.txt
+{ echo 'g"x gX'; cat plot_two.txt; } >plot_named.txt
+good "several channels" run plot_named.txt --rate 5 --unit deg/s --out "it's.d" --plot png --quiet
 is "a figure each" "$(ls "it's.d/plots" | grep -c '^allan-g.*png$')" 2
-good "several files" allan plot.txt long.txt --out many.d --plot svg --quiet
+good "several files" allan plot.txt plot_long.txt --out many.d --plot svg --quiet
 is "a figure of each file" "$(find many.d -name allan.svg | wc -l)" 2
 
 bad "figures without a folder" 1 "--plot needs --out DIR" plot.txt --plot svg

@@ -16,7 +16,7 @@ good "the series" filter w.txt --out w_csv --quiet
 good "the series for NumPy" filter w.txt --out w_npy --series-format npy --quiet
 good "the series as numbers" filter w.txt --out w_f64 --series-format f64 --quiet
 is "files of the series" "$(ls w_csv w_npy w_f64 | grep series | tr '\n' ' ')" "series.csv series.f64 series.npy "
-is "bytes of the series" "$(wc -c <w_f64/series.f64)" $((5 * 8 * 3000))
+is "bytes of the series" "$(wc -c <w_f64/series.f64)" $((9 * 8 * 3000))
 if command -v python3 >/dev/null; then
    if python3 - w_csv/series.csv w_f64/series.f64 w.txt <<'END'
 import array, math, sys
@@ -25,8 +25,8 @@ flat = array.array("d", open(sys.argv[2], "rb").read())
 as_read = [float(line) for line in open(sys.argv[3]) if line[0] != "#"]
 same = lambda a, b: a == b or (math.isnan(a) and math.isnan(b))
 assert len(rows) == 3000 and [r[1] for r in rows] == as_read
-assert all(same(a, b) for r, i in zip(rows, range(0, len(flat), 5)) for a, b in zip(r[1:], flat[i + 1:i + 5]))
-assert all(abs(r[0] - flat[5 * i]) < 1e-13 for i, r in enumerate(rows))
+assert all(same(a, b) for r, i in zip(rows, range(0, len(flat), 9)) for a, b in zip(r[1:], flat[i + 1:i + 9]))
+assert all(abs(r[0] - flat[9 * i]) < 1e-13 for i, r in enumerate(rows))
 END
    then pass; else fail "series.csv and series.f64 hold other numbers"; fi
 fi
