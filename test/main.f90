@@ -51,6 +51,7 @@ program test_main
    use test_drift_fit, only : collect_drift_fit
    use test_drift_identification, only : collect_drift_identification
    use test_filter_saving, only : collect_filter_saving
+   use test_drift_steady, only : collect_drift_steady
    use test_json, only : collect_json
    use test_kalman, only : collect_kalman
    use test_least_squares, only : collect_least_squares
@@ -151,6 +152,7 @@ program test_main
    call add("drift_fit", collect_drift_fit)
    call add("drift_identification", collect_drift_identification)
    call add("filter_saving", collect_filter_saving)
+   call add("drift_steady", collect_drift_steady)
    call add("json", collect_json)
    call add("kalman", collect_kalman)
    call add("least_squares", collect_least_squares)

@@ -12,6 +12,8 @@ module gyroakf_filter_drift_steady
 
    !> Steps of the filter itself that polish the solution
    integer, parameter :: polishing = 8
+   !> White noise less than this share of the driving noises is lost in the rounding of the Riccati equation
+   real(dp), parameter :: lost = epsilon(1.0_dp)
 
 contains
 
@@ -23,7 +25,7 @@ contains
    subroutine steady_drift_gain(model, gain, error)
       !> Checked (check_components)
       type(component_model_type), intent(in) :: model
-      !> Gains; all 0 where r is 0 and there are more processes than one: not known
+      !> Gains; all 0 where r is 0, or nothing beside the driving noises, and there are more processes than one: not known
       real(dp), intent(out) :: gain(most_components)
       !> not_converged, singular: the Riccati iteration failed
       type(error_type), allocatable, intent(out) :: error
@@ -40,7 +42,7 @@ contains
       driven%r = model%r
       if (driven%count == 1) then
          part(1) = steady_of_one(driven)
-      else if (model%r > 0.0_dp) then
+      else if (model%r > lost*sum(driven%q)) then
          call steady_of_many(driven, part, error)
          if (allocated(error)) return
       else
