@@ -83,6 +83,11 @@ consumers() { # KIND: programs against the library that is installed in $work/KI
   # shellcheck disable=SC2086  # flags are split
   ok "$kind: a C program by pkg-config" gcc -std=c99 c_api/consumer/main.c $flags -o "$prefix/main" &&
     ok "$kind: it runs" same c_api/consumer/output.txt "$prefix/main"
+  if command -v g++ >/dev/null; then
+    # shellcheck disable=SC2086
+    ok "$kind: a C++ program by pkg-config" g++ -std=c++17 c_api/cpp/batch.cpp $flags -o "$prefix/batch" &&
+      ok "$kind: it runs" "$prefix/batch" example/data/mems_gyro_x.txt
+  fi
   # shellcheck disable=SC2086
   ok "$kind: a Fortran program by pkg-config" gfortran example/consumer/app/main.f90 -J"$prefix" $flags -o "$prefix/fortran" &&
     ok "$kind: it runs" same example/consumer/output.txt "$prefix/fortran"

@@ -58,9 +58,9 @@ files 'src/*.f90' 'app/*.f90' 'test/*.f90' 'example/*.f90' | while read -r f; do
   grep -q 'implicit none (type, external)' "$f" || echo "$f: no implicit none (type, external)"
 done | rule "every Fortran file has its licence and implicit none (type, external)"
 
-files '*.c' '*.h' '*.sh' | while read -r f; do
+files '*.c' '*.h' '*.cpp' '*.hpp' '*.sh' | while read -r f; do
   head -n 3 "$f" | grep -q 'SPDX-License-Identifier: MIT' || echo "$f"
-done | rule "every C file and script has its licence"
+done | rule "every C and C++ file and script has its licence"
 
 # foundations < io, simulate < the methods < pipeline < report < c_api
 level() {
@@ -80,7 +80,7 @@ sed -nE 's/^src\/([^:]*)\.f90:[0-9]+: *use *(, *non_intrinsic *)?(::)? *(gyroakf
     [ "$(level "$own")" -ge "$(level "$used")" ] || echo "src/$path.f90 uses $used"
   done | rule "a module uses only its own layer and lower ones"
 
-files '*.f90' '*.c' '*.h' '*.sh' '*.toml' '*.md' 'setup.sh' | grep -v '^test/data/' | while read -r f; do
+files '*.f90' '*.c' '*.h' '*.cpp' '*.hpp' '*.sh' '*.toml' '*.md' 'setup.sh' | grep -v '^test/data/' | while read -r f; do
   grep -nE "[[:space:]]+\$|$(printf '\t')" "$f" | sed "s|^|$f:|"
 done | rule "no tabs, no blanks at the end of a line"
 
