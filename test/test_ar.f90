@@ -338,6 +338,10 @@ contains
       valid = [(int(1 - mod(i, 2), int8), i=1, 30)]
       valid(1) = 1_int8
       call refused(error, x, ar_options(), status%singular, valid)
+      if (allocated(error)) return
+      x = reference_series("wn", 30)
+      valid(1) = 0_int8                                                ! every other sample: no pair at an odd lag
+      call refused(error, x, ar_options(order=2), status%too_few_samples, valid)
    end subroutine test_failures
 
    !> Fails unless the fit is refused with the code.

@@ -22,6 +22,7 @@ contains
          new_unittest("removed-is-drift", test_removed), &
          new_unittest("units", test_units), &
          new_unittest("gaps", test_gaps), &
+         new_unittest("no-white-noise", test_no_white_noise), &
          new_unittest("refused", test_refused)]
    end subroutine collect_truth
 
@@ -142,6 +143,33 @@ contains
          call check(error, score%rmse < 0.03_dp)
       end associate
    end subroutine test_gaps
+
+   !> A filter that needs white noise is left out of the comparison where the model has none; the job goes on.
+   subroutine test_no_white_noise(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record, truth
+      type(pipeline_result_type) :: result
+      type(pipeline_options) :: options
+      type(simulate_options) :: walk
+      type(gyro_error), allocatable :: gyro
+
+      walk%samples = 2000
+      walk%coefficient = 0.0_dp
+      walk%coefficient(4) = 0.01_dp
+      call simulate_record(walk, record, gyro, truth)
+      options = filters_only(-1)
+      options%identification%source = "allan"
+      call run_pipeline(record, options, result, gyro, truth=truth)
+      call check(error, .not. allocated(gyro))
+      if (allocated(error)) return
+      associate (channel => result%channel(1))
+         call check(error, .not. channel%drift%model%r > 0.0_dp, "the Allan deviation shows white noise")
+         if (allocated(error)) return
+         call check(error, score_of(channel%truth, "variational_bayes"), 0)
+         if (allocated(error)) return
+         call check(error, min(score_of(channel%truth, "drift_kf"), score_of(channel%truth, "innovation_window")) > 0)
+      end associate
+   end subroutine test_no_white_noise
 
    !> A truth that does not fit.
    subroutine test_refused(error)

@@ -136,6 +136,7 @@ contains
       model%samples = pairs(0)
       model%variance = r(0)
       call check_length(model%samples, most, "samples", error)
+      if (.not. allocated(error)) call check_pairs(pairs, error)
       if (allocated(error)) return
       call solve_levinson(r, phi, variance, error)
       if (allocated(error)) return
@@ -267,6 +268,22 @@ contains
       call find_ar_roots(model%coefficient, model%root, error)
       if (.not. allocated(error)) model%stationary = largest_modulus(model%root) < 1.0_dp
    end subroutine describe
+
+   !> Refuses gaps that leave a lag without any pair of samples: nothing is known of its autocovariance.
+   subroutine check_pairs(pairs, error)
+      !> Present pairs at the lags 0 .. p: [0:p]
+      integer(int64), intent(in) :: pairs(0:)
+      !> too_few_samples
+      type(error_type), allocatable, intent(out) :: error
+      character(160) :: text
+      integer :: lag
+
+      lag = findloc(pairs, 0_int64, 1) - 1
+      if (lag < 0) return
+      write (text, '("the gaps leave no two samples ", i0, " apart for AR(", i0, "): try a lower order, or another method")') lag, &
+         & ubound(pairs, 1)
+      call fatal_error(error, status%too_few_samples, trim(text))
+   end subroutine check_pairs
 
    !> Length of a series without gaps that would determine the autocovariances as well.
    pure real(dp) function effective_length(n, pairs) result(length)

@@ -103,17 +103,26 @@ contains
       window%r_scale = 0.5_dp*difference_variance(z, valid)
       call filter_innovation_window(model, slow, window, z, x, error, valid)
       if (.not. allocated(error)) call score_output("innovation_window", x, interval, truth, error, valid, decay)
-      if (is_fatal(error)) return
+      call leave_out(error)
+      if (allocated(error)) return
       call filter_variational_bayes(model, slow, variational_options(), z, x, error, valid)
       if (.not. allocated(error)) call score_output("variational_bayes", x, interval, truth, error, valid, decay)
-      if (is_fatal(error)) return
+      call leave_out(error)
+      if (allocated(error)) return
       if (score_of(truth, "drift_smoother") == 0) then
          call smooth_drift(model, slow, z, x, error, valid)
          if (.not. allocated(error)) call score_output("drift_smoother", x, interval, truth, error, valid, decay, .true.)
-         if (is_fatal(error)) return
+         call leave_out(error)
       end if
-      if (allocated(error)) deallocate (error)
    end subroutine score_adaptive
+
+   !> A filter that cannot be made (of a model without white noise, for one) is left out; only a lack of memory stays an error.
+   subroutine leave_out(error)
+      type(error_type), allocatable, intent(inout) :: error
+
+      if (.not. allocated(error)) return
+      if (error%code /= status%no_memory) deallocate (error)
+   end subroutine leave_out
 
    !> phi by which the output of a paper's filter is carried on: the largest root of its AR model, 0 where that is not known.
    real(dp) function paper_decay(phi)
