@@ -6,6 +6,7 @@ module test_allan_noise_fit
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
    use gyroakf_allan_noise_fit, only : fit_noise, noise_options, noise_type
    use gyroakf_allan_noise_model, only : model_variance
+   use gyroakf_lapack, only : dsyev
    use gyroakf_allan_nonnegative, only : solve_columns, solve_nonnegative
    use allan_series, only : flicker_of, nbs14_long, normal_series, uniform_series, walk_of
    use testdrive, only : check, error_type, new_unittest, unittest_type
@@ -31,6 +32,8 @@ contains
          & new_unittest("gaps", test_gaps), &
          & new_unittest("log_and_linear", test_log_and_linear), &
          & new_unittest("scale", test_scale), &
+         & new_unittest("covariance", test_covariance), &
+         & new_unittest("correlation_of_records", test_correlation_of_records), &
          & new_unittest("bad_fit", test_bad_fit), &
          & new_unittest("dense_curve", test_dense_curve), &
          & new_unittest("limits_of_curve", test_limits_of_curve), &
@@ -338,6 +341,82 @@ contains
       end do
       call check(error, scaled%chi2_reduced, plain%chi2_reduced, thr=1.0e-6_dp, rel=.true.)
    end subroutine test_scale
+
+   subroutine test_covariance(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! a covariance it is, of what was fitted, and moves with the units
+      real(dp), parameter :: power(5) = [1.0_dp, 0.5_dp, 0.0_dp, -0.5_dp, -1.0_dp], unit = 1.0e-3_dp, second = 0.01_dp
+      type(allan_curve_type) :: curve
+      type(noise_options) :: options
+      type(noise_type) :: plain, scaled
+      real(dp) :: correlation(5, 5), value(5), work(100)
+      integer :: i, j, info
+
+      call fit_record(error, mixed_record(5000), 1.0_dp, options, curve, plain)
+      if (allocated(error)) return
+      call fit_record(error, unit*mixed_record(5000), second, options, curve, scaled)
+      if (allocated(error)) return
+      associate (c => plain%covariance, s => plain%coefficient%std_error)
+         call check(error, all(abs(c - transpose(c)) <= 0) .and. all(s > 0), "it is symmetric")
+         if (allocated(error)) return
+         do j = 1, 5
+            call check(error, c(j, j), s(j)**2, thr=1.0e-14_dp, rel=.true.)
+            if (allocated(error)) return
+            correlation(:, j) = c(:, j)/(s*s(j))
+            do i = 1, 5
+               call check(error, scaled%covariance(i, j)/(unit**2*second**(power(i) + power(j))*s(i)*s(j)), correlation(i, j), &
+                  & thr=1.0e-6_dp)
+               if (allocated(error)) return
+            end do
+         end do
+      end associate
+      call dsyev("N", "U", 5, correlation, 5, value, work, size(work), info)
+      call check(error, info == 0 .and. value(1) > -1.0e-12_dp .and. value(5) > 1.2_dp, "no direction has a negative variance")
+      if (allocated(error)) return
+      options%terms = "NK"
+      call fit_record(error, mixed_record(5000), 1.0_dp, options, curve, plain)
+      if (allocated(error)) return
+      call check(error, count(abs(plain%covariance) > 0) == 4 .and. abs(plain%covariance(2, 4)) > 0, "terms that were not fitted")
+   end subroutine test_covariance
+
+   subroutine test_correlation_of_records(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! estimates of many records correlate as each of them says: Q with N, and N with K
+      integer, parameter :: records = 200, samples = 2000, pair(2, 2) = reshape([1, 2, 2, 4], [2, 2])
+      character(2), parameter :: terms(2) = ["QN", "NK"]
+      real(dp), parameter :: walk = 0.05_dp
+      type(allan_curve_type) :: curve
+      type(noise_options) :: options
+      type(noise_type) :: noise
+      real(dp) :: g(3*samples), rate(samples), x(records, 2), stated, measured, d(records, 2)
+      integer :: i, k
+
+      do k = 1, 2
+         options%terms = terms(k)
+         stated = 0
+         do i = 1, records
+            g = normal_series(size(g, kind=int64), int(7919*i + k, int64))
+            rate = g(:samples)
+            if (k == 1) rate = rate + g(samples + 2:2*samples + 1) - g(samples + 1:2*samples)
+            if (k == 2) rate = rate + walk*walk_of(g(samples + 1:2*samples), g(2*samples + 1:))
+            call fit_record(error, rate, 1.0_dp, options, curve, noise)
+            if (allocated(error)) return
+            x(i, :) = noise%coefficient(pair(:, k))%value
+            stated = stated + noise%covariance(pair(1, k), pair(2, k))/ &
+               & product(noise%coefficient(pair(:, k))%std_error)/records
+         end do
+         d = x - spread(sum(x, dim=1)/records, 1, records)
+         measured = dot_product(d(:, 1), d(:, 2))/(norm2(d(:, 1))*norm2(d(:, 2)))
+         call check(error, stated < -0.1_dp, "they pull at each other")
+         if (allocated(error)) return
+         ! standard error of a correlation of normal pairs: (1 - rho**2)/sqrt(records)
+         call check(error, abs(measured - stated) < 4*(1 - stated**2)/sqrt(real(records, dp)), &
+            & "the correlation of records is another")
+         if (allocated(error)) return
+      end do
+   end subroutine test_correlation_of_records
 
    subroutine test_bad_fit(error)
       type(error_type), allocatable, intent(out) :: error

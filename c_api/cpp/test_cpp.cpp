@@ -98,6 +98,12 @@ void test_allan(const std::vector<double> &x) {
   check(fit.n.value == noise.n.value && fit.n.std_error == noise.n.std_error && fit.b.upper_limit == noise.b.upper_limit &&
             fit.chi2_reduced == noise.chi2_reduced,
         "the same fit");
+  double covariance[25];
+  check(gyroakf_noise_covariance(curve.get(), nullptr, nullptr, covariance, &err) == GYROAKF_OK, "a covariance");
+  const auto full = gyroakf::fit_noise_covariance(curve);
+  check(full.n.value == noise.n.value && std::memcmp(full.covariance.data(), covariance, sizeof covariance) == 0 &&
+            std::fabs(covariance[6] / (noise.n.std_error * noise.n.std_error) - 1) < 1e-12,
+        "the same covariance");
   gyroakf::fit_options terms;
   terms.terms = "XYZ";
   fails(GYROAKF_INVALID_ARGUMENT, [&] { gyroakf::fit_noise(curve, terms); }, "unknown terms");

@@ -341,6 +341,16 @@ typedef struct gyroakf_noise {
 GYROAKF_API int gyroakf_noise_fit(const gyroakf_allan *a, const gyroakf_fit_options *opt, gyroakf_noise *out,
                                   gyroakf_error *err);
 
+/*
+ * The same fit with the covariance of the five estimates.
+ *   out         as above; may be NULL
+ *   covariance  [25] of q n b k r, row by row, in the product of the units of both: std_error squared on the diagonal, beside it the
+ *               correlation of the estimates, none of which becomes negative, times both std_error; 0 where a term was not fitted
+ * On failure nothing but err is written.
+ */
+GYROAKF_API int gyroakf_noise_covariance(const gyroakf_allan *a, const gyroakf_fit_options *opt, gyroakf_noise *out,
+                                         double *covariance, gyroakf_error *err);
+
 /* ---------------------------------------------------------------------------------------------------------- outliers */
 
 typedef struct gyroakf_outlier_options {

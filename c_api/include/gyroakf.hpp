@@ -22,6 +22,7 @@
 #include <gyroakf.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
@@ -313,6 +314,17 @@ inline noise fit_noise(const allan &curve, const gyroakf_fit_options &opt = fit_
   gyroakf_error err;
   noise out;
   detail::check(gyroakf_noise_fit(curve.get(), &opt, &out, &err), err);
+  return out;
+}
+
+struct noise_covariance : gyroakf_noise {
+  std::array<double, 25> covariance{}; /* [5 i + j] of q n b k r */
+};
+
+inline noise_covariance fit_noise_covariance(const allan &curve, const gyroakf_fit_options &opt = fit_options()) {
+  gyroakf_error err;
+  noise_covariance out{};
+  detail::check(gyroakf_noise_covariance(curve.get(), &opt, &out, out.covariance.data(), &err), err);
   return out;
 }
 

@@ -218,6 +218,34 @@ static void test_allan_options(void) {
 }
 
 /* White noise of variance 1/12 at 1 Hz: N = sqrt(1/12), no random walk, no ramp. */
+/* The covariance of a fit belongs to the coefficients of the same fit. */
+static void test_noise_covariance(const gyroakf_allan *a) {
+  gyroakf_fit_options opt;
+  gyroakf_noise noise, same;
+  const gyroakf_coefficient *c[5];
+  double covariance[26];
+  int i, j;
+  c[0] = &noise.q, c[1] = &noise.n, c[2] = &noise.b, c[3] = &noise.k, c[4] = &noise.r;
+  covariance[25] = 42;
+  check_success(gyroakf_noise_fit(a, NULL, &same, &err), "a fit");
+  check_success(gyroakf_noise_covariance(a, NULL, &noise, covariance, &err), "a fit with covariance");
+  check(noise.n.value == same.n.value && noise.b.std_error == same.b.std_error && noise.points == same.points, "the same fit");
+  for (i = 0; i < 5; i++) {
+    check(fabs(covariance[6 * i] - c[i]->std_error * c[i]->std_error) <= 1e-14 * covariance[6 * i] && covariance[6 * i] > 0,
+          "std_error squared on the diagonal");
+    for (j = 0; j < i; j++)
+      check(covariance[5 * i + j] == covariance[5 * j + i] &&
+                fabs(covariance[5 * i + j]) <= (1 + 1e-12) * c[i]->std_error * c[j]->std_error,
+            "a covariance is symmetric, no correlation beyond 1");
+  }
+  check(covariance[1] < 0, "Q and N pull at each other");
+  gyroakf_fit_options_init(&opt);
+  opt.terms = "NB";
+  check_success(gyroakf_noise_covariance(a, &opt, NULL, covariance, &err), "covariance alone, of two terms");
+  check(covariance[0] == 0 && covariance[5] == 0 && covariance[6] > 0 && covariance[7] != 0 && covariance[12] > 0, "two terms");
+  check(covariance[25] == 42, "25 numbers and no more");
+}
+
 static void test_noise(void) {
   static double x[20000];
   gyroakf_allan *a = NULL;
@@ -245,6 +273,7 @@ static void test_noise(void) {
   check(noise.markov.fitted == 0 && noise.sinusoid.fitted == 0 && noise.frequency == 0, "no further terms");
   check_success(gyroakf_noise_fit(a, &opt, &noise, &err), "fit of one term");
   check(noise.n.fitted == 1 && noise.q.fitted == 0 && noise.k.fitted == 0, "only N was fitted");
+  test_noise_covariance(a);
   gyroakf_allan_free(a);
 }
 
@@ -258,6 +287,8 @@ static void test_noise_failures(void) {
   gyroakf_fit_options_init(&opt);
   check_failure(gyroakf_noise_fit(NULL, NULL, &noise, &err), GYROAKF_INVALID_ARGUMENT, "fit of NULL");
   check_failure(gyroakf_noise_fit(a, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "fit into NULL");
+  check_failure(gyroakf_noise_covariance(NULL, NULL, &noise, x, &err), GYROAKF_INVALID_ARGUMENT, "covariance of NULL");
+  check_failure(gyroakf_noise_covariance(a, NULL, &noise, NULL, &err), GYROAKF_INVALID_ARGUMENT, "covariance into NULL");
   opt.terms = "NX";
   check_failure(gyroakf_noise_fit(a, &opt, &noise, &err), GYROAKF_INVALID_ARGUMENT, "unknown term");
   opt.terms = "QNBKRQNBKR";

@@ -32,6 +32,9 @@ module gyroakf_allan_fit_statement
    type :: noise_type
       !> Q N B K R
       type(coefficient_type) :: coefficient(term_count)
+      !> Covariance of these estimates, in the product of their units, where both were fitted, 0 elsewhere: their standard errors
+      !> as stated, times the correlation of the estimates with the bounds of the fit
+      real(dp) :: covariance(term_count, term_count) = 0.0_dp
       !> First-order Markov process: strength q_c of its driving noise (u/sqrt(s)); fitted only where the others do not describe
       !> the curve, or on request. The limit is that of a normal estimate
       type(coefficient_type) :: markov
@@ -93,11 +96,12 @@ contains
 
       real(dp), parameter :: power(term_count) = [1.0_dp, 0.5_dp, 0.0_dp, -0.5_dp, -1.0_dp]
       real(dp) :: errors(column_count), free_errors(column_count), parameter_errors(column_count), unit, least_size
+      real(dp) :: correlation(column_count, column_count)
       integer :: term
       logical :: converged
 
       associate (problem => description%problem, chosen => description%selection%model)
-         call errors_of(problem, linear, chosen, fitted, errors, free_errors, parameter_errors, converged)
+         call errors_of(problem, linear, chosen, fitted, errors, free_errors, parameter_errors, correlation, converged)
          if (.not. converged) then
             call fatal_error(error, status%singular, "the noise terms cannot be told apart at these averaging times")
             return
@@ -119,6 +123,11 @@ contains
                if (c%detected) c%upper_limit = max(c%upper_limit, c%value)      ! the test is of another fit than the value
             end associate
          end do
+         associate (stated => noise%coefficient%std_error)
+            do term = 1, term_count
+               noise%covariance(:, term) = correlation(:term_count, term)*(stated*stated(term))
+            end do
+         end associate
          unit = sqrt(problem%scale)
          if (problem%offered(term_markov)) then
             noise%correlation_time = fitted%correlation_time*sample_interval
@@ -152,7 +161,7 @@ contains
    end subroutine state_further
 
    !> Standard errors: of coefficients as they are drawn, of squares without bounds, of the logarithms of the parameters.
-   subroutine errors_of(problem, linear, chosen, fitted, errors, free_errors, parameter_errors, converged)
+   subroutine errors_of(problem, linear, chosen, fitted, errors, free_errors, parameter_errors, correlation, converged)
       !> Points and terms
       type(problem_type), intent(in) :: problem
       !> The variances were fitted, not their logarithms
@@ -165,6 +174,8 @@ contains
       real(dp), intent(out) :: free_errors(column_count)
       !> Of the logarithms of the correlation time and the frequency
       real(dp), intent(out) :: parameter_errors(column_count)
+      !> Of the coefficients: 1 on the diagonal, 0 for terms that are not offered
+      real(dp), intent(out) :: correlation(column_count, column_count)
       !> False if the columns are not independent
       logical, intent(out) :: converged
 
@@ -177,6 +188,7 @@ contains
       errors = 0
       free_errors = 0
       parameter_errors = 0
+      correlation = 0
       term = offered_terms(problem)
       tangent = tangents_of(problem, fitted)
       call relative_columns(problem, fitted, model_at(problem, fitted), term, tangent, design)
@@ -206,6 +218,11 @@ contains
       call draw_estimates(design, weight, covariance, centre, size(tangent), estimates, unbounded)
       converged = size(estimates, 2) > 0
       if (.not. converged) return
+      if (all(abs(estimates(:n, :) - unbounded(:n, :)) <= 0)) then
+         correlation(term, term) = correlation_of(square_covariance(:n, :n))
+      else
+         correlation(term, term) = correlation_of(covariance_of(sqrt(max(estimates(:n, :), 0.0_dp))))
+      end if
       do j = 1, n
          associate (free => free_errors(term(j))*length(j))
             if (all(abs(estimates(:n, :) - unbounded(:n, :)) <= 0) .and. centre(j) > 0) then
@@ -222,6 +239,37 @@ contains
             & exp(-max(-2.0_dp, min(2.0_dp, estimates(n + j, :)/length(n + j)/2))))
       end do
    end subroutine errors_of
+
+   !> Covariance of draws, but for a factor.
+   pure function covariance_of(draws) result(covariance)
+      !> [unknowns, draws]
+      real(dp), intent(in) :: draws(:, :)
+      real(dp) :: covariance(size(draws, 1), size(draws, 1))
+
+      real(dp) :: distance(size(draws, 1), size(draws, 2))
+
+      distance = draws - spread(sum(draws, dim=2)/size(draws, 2), 2, size(draws, 2))
+      covariance = matmul(distance, transpose(distance))
+   end function covariance_of
+
+   !> A covariance as correlation; what does not vary correlates with nothing.
+   pure function correlation_of(covariance) result(correlation)
+      !> [unknowns, unknowns]
+      real(dp), intent(in) :: covariance(:, :)
+      real(dp) :: correlation(size(covariance, 1), size(covariance, 1))
+
+      integer :: i, j
+
+      correlation = 0
+      do j = 1, size(covariance, 1)
+         correlation(j, j) = 1
+         do i = 1, j - 1
+            if (.not. (covariance(i, i) > 0 .and. covariance(j, j) > 0)) cycle
+            correlation(i, j) = covariance(i, j)/(sqrt(covariance(i, i))*sqrt(covariance(j, j)))
+            correlation(j, i) = correlation(i, j)
+         end do
+      end do
+   end function correlation_of
 
    !> Standard deviation.
    pure real(dp) function scatter(values)

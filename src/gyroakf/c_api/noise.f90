@@ -10,7 +10,7 @@ module gyroakf_c_api_noise
    use gyroakf_c_api_support, only : error_c, host_type, enter_library, leave_library, check_struct_size, take_text
    implicit none (type, external)
    private
-   public :: gyroakf_fit_options_init, gyroakf_noise_fit
+   public :: gyroakf_fit_options_init, gyroakf_noise_fit, gyroakf_noise_covariance
 
    !> `gyroakf_fit_options`
    type, bind(C) :: fit_options_c
@@ -72,6 +72,28 @@ contains
       if (.not. allocated(error)) call write_noise(noise, out)
       gyroakf_noise_fit = leave_library(host, error, err)
    end function gyroakf_noise_fit
+
+   !> `gyroakf_noise_covariance`
+   integer(c_int) function gyroakf_noise_covariance(a, opt, out, covariance, err) bind(C, name="gyroakf_noise_covariance")
+      type(c_ptr), intent(in), value :: a
+      type(fit_options_c), intent(in), optional :: opt
+      type(noise_c), intent(inout), optional :: out
+      real(c_double), intent(inout), optional :: covariance(25)
+      type(error_c), intent(out), optional :: err
+      type(host_type) :: host
+      type(noise_options) :: options
+      type(noise_type) :: noise
+      type(allan_curve_type), allocatable :: curve
+      type(error_type), allocatable :: error
+
+      call enter_library(host)
+      call copy_curve(a, present(covariance), curve, error)
+      if (.not. allocated(error)) call read_options(options, error, opt)
+      if (.not. allocated(error)) call fit_noise(curve, options, noise, error)
+      if (.not. allocated(error)) covariance = reshape(noise%covariance, shape(covariance))
+      if (.not. allocated(error) .and. present(out)) call write_noise(noise, out)
+      gyroakf_noise_covariance = leave_library(host, error, err)
+   end function gyroakf_noise_covariance
 
    !> The curve of a handle, which the fit may change.
    subroutine copy_curve(a, has_out, curve, error)
