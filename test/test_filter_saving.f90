@@ -7,6 +7,8 @@ module test_filter_saving
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_filter, only : new_drift_filter
    use gyroakf_filter_kalman, only : filter_options, filter_type, freeze_filter, new_filter, run_filter
+   use gyroakf_filter_design, only : design_drift_akf, drift_options
+   use gyroakf_filter_identification, only : drift_model_type
    use gyroakf_filter_saving, only : reset_filter, restore_filter, save_filter
    use filter_library, only : fill_noise
    implicit none (type, external)
@@ -24,6 +26,7 @@ contains
       testsuite = [ &
          new_unittest("continues", test_continues), &
          new_unittest("reset", test_reset), &
+         new_unittest("short-record", test_short_record), &
          new_unittest("damaged", test_damaged), &
          new_unittest("refused", test_refused)]
    end subroutine collect_filter_saving
@@ -118,6 +121,33 @@ contains
          if (allocated(error)) return
       end do
    end subroutine test_reset
+
+   !> The burn-in that the length of a record has shortened is part of the making.
+   subroutine test_short_record(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(filter_type) :: filter, other
+      type(drift_model_type) :: drift
+      type(gyro_error), allocatable :: failed
+      integer(int64), allocatable :: word(:)
+      real(dp) :: z(100), x(100), y(100)
+
+      drift = drift_model_type(phi=0.98_dp, process_variance=4.0e-6_dp, drift_variance=1.0e-4_dp, &
+                               measurement_variance=4.2e-4_dp, found=.true., samples=100)
+      call design_drift_akf(drift, 8.0e-4_dp, drift_options(), filter, failed)
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      call save_filter(filter, word, failed)
+      call restore_filter(word, other, failed)
+      call reset_filter(other, failed)
+      call check(error, .not. allocated(failed))
+      if (allocated(error)) return
+      call check(error, other%wait, 10)
+      if (allocated(error)) return
+      call fill_noise(13, z)
+      call run_filter(filter, z, x)
+      call run_filter(other, z, y)
+      call check(error, all(transfer(x, word) == transfer(y, word)))
+   end subroutine test_short_record
 
    !> Every bit of the words counts; words cut short or added too.
    subroutine test_damaged(error)

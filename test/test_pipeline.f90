@@ -448,6 +448,12 @@ contains
       associate (c => result%channel(1))
          call check(error, c%drift%found .and. c%drift_time < 1.0_dp .and. c%drift_time > 0.1_dp, "0.22 s is drift where asked for")
       end associate
+      if (allocated(error)) return
+      options%drift_tau = 1.0e300_dp
+      record%sample_interval = 1.0e-10_dp
+      call check(error, run(record, result, options))
+      if (allocated(error)) return
+      call check(error, any(result%channel(1)%drift%slow) .eqv. any(result%channel(1)%drift_process%walk), "only a walk is as slow")
    end subroutine test_drift_options
 
    !> Two channels give what each of them gives alone.

@@ -477,6 +477,9 @@ contains
          call check(error, index(flat, trim(text)) > 0, "missing: "//trim(fragments(i)))
          if (allocated(error)) return
       end do
+      call expect("the middle 8 of 12 samples, the slowest processes that of means of 4 samples", "likelihood", 4_int64)
+      if (.not. allocated(error)) call expect("Found by least squares on the autocovariances", "autocov", 1_int64)
+      if (allocated(error)) return
       result%channel(1)%available%drift_kf = .false.
       result%channel(1)%available%drift_akf = .false.
       result%channel(1)%available%drift_smoother = .false.
@@ -488,6 +491,22 @@ contains
       call unwrap(text, flat)
       call check(error, index(flat, "+ white noise: there is no drift") > 0 .and. index(flat, "In-sample") == 0 .and. &
                  index(flat, "No drift slower than 1 s was identified") > 0 .and. index(flat, "here it does not") > 0)
+
+   contains
+
+      !> Says where the model comes from.
+      subroutine expect(fragment, source, block)
+         character(*), intent(in) :: fragment, source
+         integer(int64), intent(in) :: block
+
+         result%channel(1)%drift%source = source
+         result%channel(1)%drift%block = block
+         call begin_text(writer)
+         call write_report(writer, "run", record, pipeline_options(), result)
+         call end_text(writer, text)
+         call unwrap(text, flat)
+         call check(error, index(flat, fragment) > 0, "missing: "//fragment)
+      end subroutine expect
    end subroutine test_drift
 
    subroutine test_document_inspect(error)

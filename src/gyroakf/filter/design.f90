@@ -310,6 +310,8 @@ contains
       !> Samples of the record; 0: not known
       integer(int64), intent(in) :: samples
 
-      if (samples > 0) filter%wait = int(min(int(filter%wait, int64), samples/burn_in_share))
+      if (samples <= 0) return
+      filter%wait = int(min(int(filter%wait, int64), samples/burn_in_share))
+      filter%options%burn_in = filter%wait                      ! that of the filter made again: saved, reset
    end subroutine shorten_burn_in
 end module gyroakf_filter_design

@@ -23,6 +23,8 @@ module gyroakf_pipeline_drift
    real(dp), parameter :: r_bounds(2) = [0.01_dp, 100.0_dp]
    !> The burn-in takes at most one in so many samples
    integer, parameter :: burn_in_share = 10
+   !> Times beyond it are all the same: no process is as slow
+   real(dp), parameter :: longest_time = 1.0e200_dp
 
 contains
 
@@ -51,7 +53,7 @@ contains
       channel%drift_tau = options%drift_tau
       if (channel%drift_tau <= 0.0_dp) channel%drift_tau = max(drift_samples*step, merge(drift_seconds, 0.0_dp, rate_known))
       how = options%identification
-      how%drift_samples = channel%drift_tau/step
+      how%drift_samples = min(channel%drift_tau, longest_time)/step
       if (channel%allan(stage%input)%fitted) then
          call identify_drift_model(z, how, channel%drift, error, valid, terms_of(channel%allan(stage%input), step), progress)
       else if (how%source == "allan") then

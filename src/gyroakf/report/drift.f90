@@ -22,7 +22,6 @@ contains
       type(record_type), intent(in) :: record
       !> The drift is filled where it is available
       type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: used
       integer :: i
 
       if (.not. channel%available%drift) return
@@ -37,17 +36,37 @@ contains
          end do
          if (drift%white_std > 0.0_dp) call put_item(writer, "White noise", "standard deviation "// &
             with_error(drift%white_std, channel%white_std_error)//" "//unit_name(record))
-         used = "largest likelihood of "//count_text(drift%samples)//" samples"
-         if (drift%samples < drift%of_samples) used = "largest likelihood of the middle "//count_text(drift%samples)//" of "// &
-            count_text(drift%of_samples)//" samples"
-         if (drift%source == "allan") used = "from the coefficients of the Allan deviation (--drift-source allan)"
-         if (.not. drift%errors_known .and. drift%model%count > 0 .and. drift%source /= "allan") used = used// &
-            "; its standard errors are not known, a variance is all but nothing"
-         call put_item(writer, "Found by", used)
+         call put_item(writer, "Found by", source_text(channel))
          call put_candidates(writer, channel)
          if (drift%allan_known .and. drift%source /= "allan") call put_item(writer, "Allan", allan_text(channel))
       end associate
    end subroutine put_drift_model
+
+   !> Where the model comes from, and what is not known of it.
+   pure function source_text(channel) result(text)
+      !> The drift is available
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
+
+      associate (drift => channel%drift)
+         select case (drift%source)
+         case ("allan")
+            text = "from the coefficients of the Allan deviation (--drift-source allan)"
+            return
+         case ("autocov"); text = "least squares on the autocovariances, for no likelihood has a maximum"
+         case default
+            text = "largest likelihood of "
+            if (drift%samples < drift%of_samples) text = text//"the middle "//count_text(drift%samples)//" of "
+            text = text//count_text(drift%of_samples)//" samples"
+            if (drift%block > 1) text = text//", the slowest processes that of means of "//count_text(drift%block)// &
+               " samples over the whole record"
+         end select
+         if (.not. drift%errors_known .and. drift%model%count > 0) then
+            text = text//"; its standard errors are not known"
+            if (drift%source == "likelihood") text = text//", a variance is all but nothing"
+         end if
+      end associate
+   end function source_text
 
    !> "random walk + AR(1) of 9.0 s + white noise".
    pure function model_text(record, channel) result(text)

@@ -127,6 +127,7 @@ contains
          call close_array(json)
          call put_member(json, "samples", drift%samples)
          call put_member(json, "of_samples", drift%of_samples)
+         call put_member(json, "block_samples", drift%block)
          if (drift%allan_known) then
             call open_object(json, "allan")
             call put_model(json, drift%from_allan)
