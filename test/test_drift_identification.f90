@@ -166,6 +166,9 @@ contains
          if (allocated(error)) return
          call check(error, found%drift_std <= 0.0_dp .and. abs(found%white_std - 1) < 0.3_dp)
          if (allocated(error)) return
+         if (found%chosen == 0) call check(error, found%errors_known .and. abs(found%model%r - 1) < 5*found%std_error%r .and. &
+                                           found%std_error%r < 2*sqrt(2.0_dp/size(z)), "the error of white noise alone")
+         if (allocated(error)) return
       end do
    end subroutine test_white
 

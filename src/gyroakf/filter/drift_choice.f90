@@ -95,6 +95,8 @@ contains
       identification%chosen = merge(fit%best, fast, identification%found)
       if (identification%chosen == 0) then
          identification%model%r = fit%variance
+         identification%std_error%r = fit%variance*sqrt(2.0_dp/real(fit%measurements, dp))
+         identification%errors_known = .true.
          identification%log_likelihood = 2.0_dp - 0.5_dp*fit%white_aic
          return
       end if

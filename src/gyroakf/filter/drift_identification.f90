@@ -209,7 +209,7 @@ contains
       end do
       std_error%count = model%count
       identification%std_error = std_error
-      identification%errors_known = (identification%errors_known .or. identification%chosen == 0) .and. slow%errors_known
+      identification%errors_known = identification%errors_known .and. slow%errors_known
    end subroutine take_means
 
    !> Log-likelihood of a model on the samples of a fit, as AIC counts it.
