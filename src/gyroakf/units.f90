@@ -304,13 +304,21 @@ contains
       if (rate_unit%name == "mdeg/s") rate_unit%name = "mdps"
    end function angle_to_rate_unit
 
+   !> Length of the definition of a coefficient. (A length that names a private array does not link in a caller with gfortran 12.)
+   pure integer function definition_length(term)
+      !> 1 to 5 for Q N B K R
+      integer, intent(in) :: term
+
+      definition_length = len_trim(definitions(max(1, min(term, size(definitions)))))
+   end function definition_length
+
    !> What a coefficient is the coefficient of: the convention that its number has. The same in all units.
    pure function coefficient_definition(term) result(text)
       !> 1 to 5 for Q N B K R
       integer, intent(in) :: term
-      character(len_trim(definitions(max(1, min(term, 5))))) :: text
+      character(definition_length(term)) :: text
 
-      text = definitions(max(1, min(term, 5)))
+      text = definitions(max(1, min(term, size(definitions))))
    end function coefficient_definition
 
    !> What a coefficient is stated in, of a record in `unit`.
