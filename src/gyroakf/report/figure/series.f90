@@ -10,7 +10,7 @@ module gyroakf_report_figure_series
    use gyroakf_record, only : record_type
    use gyroakf_pipeline_result, only : channel_result_type
    use gyroakf_report_figure_script, only : add_curve, begin_block, begin_script, blue, end_block, end_plot, grey, literal, &
-      orange, purple, put_axes, put_numbers
+      orange, purple, put_axes, put_numbers, sky
    implicit none (type, external)
    private
    public :: write_series_figure, write_filters_figure, write_series_data
@@ -57,13 +57,21 @@ contains
       character(*), intent(in) :: time, unit
       integer :: curves
 
-      call begin_script(writer, name, form, channel%name//": what the filters make of it", .false.)
+      call begin_script(writer, name, form, channel%name//", cleaned: the paper's filters", channel%available%drift_smoother)
       call put_axes(writer, "time, "//time, "rate, "//unit, "")
+      if (channel%available%drift_smoother) call put_line(writer, "set multiplot layout 2,1")
       curves = 0
       call add_curve(writer, curves, "'"//series//".dat' index 'cleaned'", "lines lc rgb "//grey, "cleaned")
       if (channel%available%kf) call add_curve(writer, curves, "'' index 'kf'", "lines lc rgb "//orange, "KF (paper)")
       if (channel%available%akf) call add_curve(writer, curves, "'' index 'akf'", "lines lc rgb "//purple, "AKF (paper)")
       call end_plot(writer, curves)
+      if (.not. channel%available%drift_smoother) return
+      call put_line(writer, "set title "//literal(channel%name//", as read: its drift")//" noenhanced")
+      call add_curve(writer, curves, "'"//series//".dat' index 'raw'", "lines lc rgb "//grey, "as read")
+      call add_curve(writer, curves, "'' index 'compensated'", "lines lc rgb "//sky, "compensated")
+      call add_curve(writer, curves, "'' index 'drift'", "lines lw 2.5 lc rgb "//blue, "drift")
+      call end_plot(writer, curves)
+      call put_line(writer, "unset multiplot")
    end subroutine write_filters_figure
 
    !> What both figures draw: blocks by name, lines of time and rate.
@@ -88,6 +96,9 @@ contains
       call put_series(writer, "cleaned", record%sample_interval, channel%series_cleaned, here)
       if (channel%available%kf) call put_series(writer, "kf", record%sample_interval, channel%series_kf, here)
       if (channel%available%akf) call put_series(writer, "akf", record%sample_interval, channel%series_akf, here)
+      if (.not. channel%available%drift_smoother) return
+      call put_series(writer, "compensated", record%sample_interval, channel%series_compensated, here)
+      call put_series(writer, "drift", record%sample_interval, channel%series_drift, null())
    end subroutine write_series_data
 
    !> Every sample of a short series, lowest and highest sample of every stretch of a long one, in the order of time.
