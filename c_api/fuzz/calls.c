@@ -35,7 +35,7 @@
   F(run_options_init, 1) F(run, 2) F(result_json, 8) F(result_free, 8) \
   F(allan_options_init, 1) F(allan_new, 60) F(allan_size, 8) F(allan_tau, 8) F(allan_deviation, 8) F(allan_lower, 8) \
   F(allan_upper, 8) F(allan_edf, 8) F(allan_free, 30) \
-  F(fit_options_init, 1) F(noise_fit, 4) \
+  F(fit_options_init, 1) F(noise_fit, 4) F(noise_covariance, 4) \
   F(outlier_options_init, 1) F(mark_outliers, 80) \
   F(adf_options_init, 1) F(adf_test, 60) F(adf_coefficients, 60) \
   F(kpss_options_init, 1) F(kpss_test, 80) F(phillips_perron_options_init, 1) F(phillips_perron_test, 80) \
@@ -790,6 +790,19 @@ static void call_noise_fit(void) {
   status = gyroakf_noise_fit(a, opt, out, err);
   end(status, err);
   if (out) promise_numbers(status, &out->n.value, 3);
+}
+
+static void call_noise_covariance(void) {
+  const gyroakf_allan *a = (const gyroakf_allan *)handle(allans);
+  gyroakf_fit_options *opt = any_fit_options();
+  gyroakf_noise *out = (gyroakf_noise *)place(sizeof *out);
+  double *covariance = one_in(40) ? NULL : (double *)take(25 * sizeof *covariance, any_offset(), output);
+  gyroakf_error *err = error_place();
+  int status;
+  begin();
+  status = gyroakf_noise_covariance(a, opt, out, covariance, err);
+  end(status, err);
+  promise_numbers(status, covariance, 25);
 }
 
 static void call_mark_outliers(void) {

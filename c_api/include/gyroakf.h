@@ -13,8 +13,10 @@
  * - NULL for options means their defaults. Otherwise call the _init function of the struct first: it also writes
  *   struct_size, which tells the library the version of the struct that the program was compiled with.
  *   Strings may be NULL: the default.
- * - A NULL where an array, a handle or a result is needed, a count <= 0 and a number out of its range give
- *   GYROAKF_INVALID_ARGUMENT.
+ * - A NULL where an array, a handle or a result is needed, a count <= 0, a number out of its range and an array of doubles at an
+ *   address that is no multiple of 8 give GYROAKF_INVALID_ARGUMENT. A result that would overflow gives GYROAKF_NON_FINITE.
+ * - After a failure results are not written, unless a function says otherwise. Results do not overlap each other or an input,
+ *   unless a function says that they may.
  * - Handles come from _new (recordings from _read and _parse) and go to _free, which accepts NULL. *out is NULL where
  *   these fail.
  * - The floating-point environment of the program - traps, direction of rounding, flushing of tiny numbers to zero, exception
@@ -682,7 +684,7 @@ GYROAKF_API void gyroakf_filter_options_init(gyroakf_filter_options *opt);
 
 /*
  * A filter for z_k = x_k + v_k, x_k = sum phi_i x_{k-i} + w_k.
- *   p     order, 0 .. 1000
+ *   p     order, 0 .. 1000; the time grows as p^3 (1000: a minute)
  *   phi   [p] coefficients of a stationary model (NULL if p is 0)
  *   q, r  variances of w and v, u^2, >= 0, not both 0
  * The state starts at zero. GYROAKF_UNSTABLE: the model is not stationary.

@@ -24,6 +24,7 @@ void check_success(int status, const char *what);
 void uniform(double *x, int n, int64_t seed);
 
 /* One file each */
+void test_bad(void);
 void test_drift(void);
 void test_host(void);
 void test_progress(void);

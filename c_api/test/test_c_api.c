@@ -1092,6 +1092,7 @@ int main(void) {
   test_progress();
   test_run();
   test_drift();
+  test_bad();
   test_host();
   test_threads();
   printf("%d passed, %d failed\n", passed, failed);

@@ -124,8 +124,7 @@ contains
          do sum_of_orders = 0, 2*most
             do p = 0, sum_of_orders
                q = sum_of_orders - p
-               if (p > options%max_p .or. q > options%max_q) cycle
-               if ((options%p >= 0 .and. p /= options%p) .or. (options%q >= 0 .and. q /= options%q)) cycle
+               if (.not. (is_asked_for(p, options%p, options%max_p) .and. is_asked_for(q, options%q, options%max_q))) cycle
                i = i + 1
                if (pass == 1) cycle
                optimum(i)%p = p
@@ -135,6 +134,17 @@ contains
          if (pass == 1) allocate (optimum(i))
       end do
    end subroutine list_orders
+
+   !> An order is the one that is given, whatever the largest; where none is given it is at most the largest.
+   pure logical function is_asked_for(order, given, largest)
+      !> 0 ..
+      integer, intent(in) :: order
+      !> -1: none
+      integer, intent(in) :: given
+      integer, intent(in) :: largest
+
+      is_asked_for = order == given .or. (given < 0 .and. order <= largest)
+   end function is_asked_for
 
    !> A model is never less likely than one that it contains: where it seems so, it is searched from there.
    subroutine learn_from_smaller(series, smaller, optimum)

@@ -8,7 +8,7 @@ module gyroakf_c_api_allan
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type, compute_allan
    use gyroakf_c_api_progress, only : callback_type
    use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
-      & copy_c_text, take_text, open_series, close_series
+      & check_finite, copy_c_text, take_text, open_series, close_series
    implicit none (type, external)
    private
    public :: allan_handle, gyroakf_allan_options_init, gyroakf_allan_new, gyroakf_allan_size, gyroakf_allan_tau, &
@@ -66,9 +66,22 @@ contains
       if (.not. allocated(error)) call open_series(rate, n, series, error)
       if (.not. allocated(error)) call compute_allan(series%x, dt, options, handle%curve, error, series%valid, callback)
       call close_series(series)
+      if (.not. allocated(error)) call check_curve(handle%curve, error)
       call hand_over(handle, error, out)
       gyroakf_allan_new = leave_library(host, error, err)
    end function gyroakf_allan_new
+
+   !> A curve holds finite numbers.
+   subroutine check_curve(curve, error)
+      type(allan_curve_type), intent(in) :: curve
+      type(error_type), allocatable, intent(inout) :: error
+
+      call check_finite(curve%tau, error)
+      call check_finite(curve%deviation, error)
+      call check_finite(curve%lower, error)
+      call check_finite(curve%upper, error)
+      call check_finite(curve%edf, error)
+   end subroutine check_curve
 
    !> `gyroakf_allan_size`
    integer(c_int64_t) function gyroakf_allan_size(a) bind(C, name="gyroakf_allan_size")

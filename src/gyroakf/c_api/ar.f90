@@ -6,7 +6,7 @@ module gyroakf_c_api_ar
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
    use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
-      & take_text, open_series, close_series
+      & check_aligned, check_finite, take_text, open_series, close_series
    implicit none (type, external)
    private
    public :: gyroakf_ar_options_init, gyroakf_ar_fit
@@ -53,10 +53,12 @@ contains
 
       call enter_library(host)
       call check_arguments(max_order, present(order), c_associated(phi), error)
+      call check_aligned(phi, error)
       if (.not. allocated(error)) call read_options(options, max_order, error, opt)
       if (.not. allocated(error)) call open_series(x, n, series, error)
       if (.not. allocated(error)) call fit_ar(series%x, options, model, error, series%valid)
       call close_series(series)
+      if (.not. allocated(error)) call check_finite([model%coefficient, model%noise_variance, model%mean], error)
       if (.not. allocated(error)) call write_model(model, max_order, order, phi, noise_variance, mean)
       gyroakf_ar_fit = leave_library(host, error, err)
    end function gyroakf_ar_fit

@@ -10,7 +10,7 @@ module gyroakf_c_api_correlation
    use gyroakf_series_phillips_perron, only : phillips_perron_options, phillips_perron_type, test_phillips_perron
    use gyroakf_series_whiteness, only : ljung_box_type, test_ljung_box
    use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
-      & take_text, open_series, close_series
+      & check_aligned, check_finite, take_text, open_series, close_series
    implicit none (type, external)
    private
    public :: gyroakf_kpss_options_init, gyroakf_kpss_test
@@ -82,6 +82,8 @@ contains
       if (.not. allocated(error)) call open_series(x, n, series, error)
       if (.not. allocated(error)) call test_kpss(series%x, options, result, error, series%valid)
       call close_series(series)
+      call check_finite([result%statistic, result%p_value, result%p_asymptotic, result%variance, result%long_run_variance, &
+         & result%drift], error)
       if (.not. allocated(error)) out = kpss_c(result%statistic, result%p_value, result%p_asymptotic, result%critical, &
          & result%variance, result%long_run_variance, result%drift, result%lags, result%observations, &
          & int(result%p_bound, c_int32_t))
@@ -131,6 +133,7 @@ contains
       if (.not. allocated(error)) call open_series(x, n, series, error)
       if (.not. allocated(error)) call test_phillips_perron(series%x, options, result, error, series%valid)
       call close_series(series)
+      call check_finite([result%statistic, result%p_value, result%rho_statistic, result%coefficient], error)
       if (.not. allocated(error)) out = phillips_perron_c(result%statistic, result%p_value, result%rho_statistic, &
          & result%critical, result%coefficient, result%lags, result%observations)
       gyroakf_phillips_perron_test = leave_library(host, error, err)
@@ -162,9 +165,15 @@ contains
 
       call enter_library(host)
       call check_place(c_associated(acf), error)
+      call check_aligned(acf, error)
+      call check_aligned(pacf, error)
+      call check_aligned(limit, error)
       if (.not. allocated(error)) call open_series(x, n, series, error)
       if (.not. allocated(error)) call compute_correlation(series%x, int(lags), 0, result, error, series%valid)
       call close_series(series)
+      if (.not. allocated(error)) call check_finite(result%acf, error)
+      if (.not. allocated(error)) call check_finite(result%pacf, error)
+      if (.not. allocated(error)) call check_finite(result%limit, error)
       if (.not. allocated(error)) then
          call copy_out(result%acf, acf)
          call copy_out(result%pacf, pacf)
@@ -201,6 +210,7 @@ contains
       if (.not. allocated(error)) call open_series(x, n, series, error)
       if (.not. allocated(error)) call test_ljung_box(series%x, int(lags), int(fitted), result, error, series%valid)
       call close_series(series)
+      call check_finite([result%statistic, result%p_value, result%largest_rho], error)
       if (.not. allocated(error)) out = ljung_box_c(result%statistic, result%p_value, result%largest_rho, &
          & int(result%largest_lag, c_int32_t))
       gyroakf_ljung_box = leave_library(host, error, err)

@@ -13,7 +13,7 @@ module gyroakf_c_api_drift
    use gyroakf_c_api_filter, only : filter_options_c, new_handle, hand_over, read_options
    use gyroakf_c_api_progress, only : callback_type
    use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
-      & open_series, close_series
+      & check_aligned, check_finite, open_series, close_series
    implicit none (type, external)
    private
    public :: gyroakf_drift_model_init, gyroakf_drift_options_init, gyroakf_drift_identify, gyroakf_drift_filter_new, &
@@ -128,6 +128,8 @@ contains
       call read_options(options, error, opt)
       if (.not. allocated(error)) call read_model(components, slow, error, model)
       if (.not. allocated(error)) call check_places(z, drift, variance, error)
+      call check_aligned(drift, error)
+      call check_aligned(variance, error)
       if (.not. allocated(error)) call open_series(z, n, series, error)
       if (.not. allocated(error)) call smooth(components, slow(:components%count), series, drift, variance, options, error)
       call close_series(series)
@@ -160,13 +162,15 @@ contains
       real(c_double), pointer, contiguous :: output(:), spread_of(:)
 
       nullify (spread_of)
-      call c_f_pointer(drift, output, [size(series%x)])
-      if (c_associated(variance)) call c_f_pointer(variance, spread_of, [size(series%x)])
+      call c_f_pointer(drift, output, [size(series%x, kind=c_int64_t)])
+      if (c_associated(variance)) call c_f_pointer(variance, spread_of, [size(series%x, kind=c_int64_t)])
       if (options%estimate_measurement_variance) then
          call smooth_adaptive(model, slow, options, series%x, output, error, series%valid, spread_of)
       else
          call smooth_drift(model, slow, series%x, output, error, series%valid, spread_of)
       end if
+      if (.not. allocated(error)) call check_finite(output, error)
+      if (.not. allocated(error) .and. associated(spread_of)) call check_finite(spread_of, error)
    end subroutine smooth
 
    !> The place for a model must be there and initialised.

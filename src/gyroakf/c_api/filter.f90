@@ -7,7 +7,7 @@ module gyroakf_c_api_filter
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
    use gyroakf_c_api_support, only : error_c, host_type, enter_library, leave_library, begin_step, end_step, &
-      & check_struct_size, take_text, max_samples
+      & check_struct_size, check_aligned, take_text, max_samples
    implicit none (type, external)
    private
    public :: gyroakf_filter_options_init, gyroakf_filter_new, gyroakf_filter_step, gyroakf_filter_freeze, &
@@ -130,7 +130,10 @@ contains
       call enter_library(host)
       if (.not. (c_associated(f) .and. c_associated(z) .and. c_associated(x)) .or. n < 1 .or. n > max_samples) then
          call fatal_error(error, status%invalid_argument, "filter and series must not be NULL, the length must be 1 .. 2**44")
-      else
+      end if
+      call check_aligned(z, error)
+      call check_aligned(x, error)
+      if (.not. allocated(error)) then
          call c_f_pointer(f, filter)
          call run_blocks(filter, z, n, x)
       end if
@@ -211,6 +214,8 @@ contains
       end if
       allocate (coefficients(p))
       if (p == 0) return
+      call check_aligned(phi, error)
+      if (allocated(error)) return
       call c_f_pointer(phi, given, [p])
       coefficients(:) = given
    end subroutine read_coefficients

@@ -6,7 +6,8 @@ module gyroakf_c_api_histogram
    use gyroakf_series_moments, only : moments_type, compute_moments
    use gyroakf_series_quantisation, only : quantisation_type, find_quantisation
    use gyroakf_series_histogram, only : histogram_options, histogram_type, compute_histogram
-   use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, open_series, close_series
+   use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_finite, &
+      & open_series, close_series
    implicit none (type, external)
    private
    public :: histogram_handle, gyroakf_histogram_new, gyroakf_histogram_bins, gyroakf_histogram_edges, gyroakf_histogram_counts, &
@@ -57,6 +58,9 @@ contains
       if (allocated(error)) return
       options%step = grid%step
       call compute_histogram(series%x, moments, options, histogram, error, series%valid)
+      if (allocated(error)) return
+      call check_finite(histogram%edge, error)
+      call check_finite(histogram%expected, error)
    end subroutine count_series
 
    !> An empty handle; `out` must be there.

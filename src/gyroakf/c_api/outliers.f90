@@ -7,7 +7,7 @@ module gyroakf_c_api_outliers
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
    use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
-      & take_text, open_series, close_series
+      & check_finite, take_text, open_series, close_series
    implicit none (type, external)
    private
    public :: gyroakf_outlier_options_init, gyroakf_mark_outliers
@@ -64,6 +64,7 @@ contains
       if (.not. allocated(error)) call open_series(x, n, series, error)
       if (.not. allocated(error)) call clean_series(series%x, options, cleaned, mask, result, error, series%valid)
       call close_series(series)
+      call check_finite([result%expected, result%threshold, result%mean, result%variance, result%corrected_variance], error)
       if (.not. allocated(error)) call write_marks(n, inlier, mask, result, out)
       gyroakf_mark_outliers = leave_library(host, error, err)
    end function gyroakf_mark_outliers

@@ -6,7 +6,8 @@ module gyroakf_c_api_periodicity
    use gyroakf_series_fisher, only : fisher_type, test_fisher_g
    use gyroakf_series_periodicity, only : periodicity_options, periodicity_type, analyse_periodicity
    use gyroakf_series_welch, only : welch_options, welch_type, welch_spectrum, default_segment
-   use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, open_series, close_series
+   use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_aligned, &
+      & check_finite, open_series, close_series
    implicit none (type, external)
    private
    public :: gyroakf_fisher_g, gyroakf_welch_size, gyroakf_welch_spectrum, gyroakf_spectral_lines
@@ -29,7 +30,7 @@ contains
    integer(c_int) function gyroakf_fisher_g(x, n, out, err) bind(C, name="gyroakf_fisher_g")
       type(c_ptr), intent(in), value :: x
       integer(c_int64_t), intent(in), value :: n
-      type(fisher_c), intent(out), optional :: out
+      type(fisher_c), intent(inout), optional :: out
       type(error_c), intent(out), optional :: err
       type(host_type) :: host
       type(series_type) :: series
@@ -41,7 +42,9 @@ contains
       if (.not. allocated(error)) call open_series(x, n, series, error)
       if (.not. allocated(error)) call test_fisher_g(series%x, result, error, series%valid)
       call close_series(series)
-      if (present(out)) out = fisher_c(result%statistic, result%p_value, result%log_p_value, result%frequency, result%ordinates)
+      call check_finite([result%statistic, result%p_value, result%log_p_value, result%frequency], error)
+      if (.not. allocated(error)) out = fisher_c(result%statistic, result%p_value, result%log_p_value, result%frequency, &
+         & result%ordinates)
       gyroakf_fisher_g = leave_library(host, error, err)
    end function gyroakf_fisher_g
 
@@ -63,7 +66,7 @@ contains
       real(c_double), intent(in), value :: dt
       integer(c_int64_t), intent(in), value :: segment
       type(c_ptr), intent(in), value :: frequency, density
-      real(c_double), intent(out), optional :: degrees_of_freedom
+      real(c_double), intent(inout), optional :: degrees_of_freedom
       type(error_c), intent(out), optional :: err
       type(host_type) :: host
       type(series_type) :: series
@@ -71,12 +74,16 @@ contains
       type(error_type), allocatable :: error
 
       call enter_library(host)
-      call open_series(x, n, series, error)
+      call check_aligned(frequency, error)
+      call check_aligned(density, error)
+      if (.not. allocated(error)) call open_series(x, n, series, error)
       if (.not. allocated(error)) call welch_spectrum(series%x, dt, welch_options(segment=segment), result, error, series%valid)
       call close_series(series)
+      if (.not. allocated(error)) call check_finite(result%frequency, error)
+      if (.not. allocated(error)) call check_finite(result%density, error)
       if (.not. allocated(error)) call copy_out(result%frequency, frequency)
       if (.not. allocated(error)) call copy_out(result%density, density)
-      if (present(degrees_of_freedom)) degrees_of_freedom = result%degrees_of_freedom
+      if (present(degrees_of_freedom) .and. .not. allocated(error)) degrees_of_freedom = result%degrees_of_freedom
       gyroakf_welch_spectrum = leave_library(host, error, err)
    end function gyroakf_welch_spectrum
 
@@ -98,7 +105,7 @@ contains
       real(c_double), intent(in), value :: dt
       integer(c_int32_t), intent(in), value :: most
       type(c_ptr), intent(in), value :: lines
-      integer(c_int32_t), intent(out), optional :: count
+      integer(c_int32_t), intent(inout), optional :: count
       type(error_c), intent(out), optional :: err
       type(host_type) :: host
       type(series_type) :: series
@@ -113,7 +120,6 @@ contains
       if (.not. allocated(error)) call open_series(x, n, series, error)
       if (.not. allocated(error)) call analyse_periodicity(series%x, dt, options, result, error, series%valid)
       call close_series(series)
-      if (present(count)) count = 0
       if (.not. allocated(error)) call write_lines(result, lines, count)
       gyroakf_spectral_lines = leave_library(host, error, err)
    end function gyroakf_spectral_lines

@@ -8,7 +8,7 @@ module gyroakf_c_api_series
    use gyroakf_series_stationarity, only : adf_options, adf_type, test_adf
    use gyroakf_c_api_progress, only : callback_type
    use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
-      & take_text, open_series, close_series
+      & check_finite, take_text, open_series, close_series
    implicit none (type, external)
    private
    public :: gyroakf_adf_options_init, gyroakf_adf_test, gyroakf_adf_coefficients
@@ -73,6 +73,7 @@ contains
       if (.not. allocated(error)) call open_series(x, n, series, error)
       if (.not. allocated(error)) call test_adf(series%x, options, result, error, series%valid, progress=callback)
       call close_series(series)
+      call check_finite([result%statistic, result%p_value], error)
       if (.not. allocated(error)) call write_adf(result, out)
       gyroakf_adf_test = leave_library(host, error, err)
    end function gyroakf_adf_test

@@ -9,15 +9,16 @@
 !>
 !> and holds no numerics. The rules that C callers rely on are at the top of c_api/include/gyroakf.h.
 module gyroakf_c_api_support
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_char, c_size_t, c_null_char, &
-      & c_associated, c_f_pointer
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_intptr_t, c_char, c_size_t, &
+      & c_null_char, c_associated, c_f_pointer
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_is_nan
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_utf8, only : make_readable
    implicit none (type, external)
    private
    public :: error_c, host_type, series_type, enter_library, leave_library, begin_step, end_step, check_struct_size, &
-      & copy_c_text, take_text, open_series, close_series, max_samples
+      & check_aligned, check_finite, copy_c_text, take_text, open_series, close_series, max_samples
 
    !> More samples than any machine can hold: counts beyond it are mistakes
    integer(int64), parameter :: max_samples = 2_int64**44
@@ -102,16 +103,42 @@ contains
       type(error_type), allocatable, intent(in) :: error
       !> The caller's struct; absent for NULL
       type(error_c), intent(out), optional :: err
+      character(:), allocatable :: message
 
       leave_library = status%ok
       if (allocated(error)) leave_library = error%code
       if (present(err)) then
          err%code = leave_library
          err%message(:) = c_null_char
-         if (allocated(error)) call copy_text(error%message, err%message)
+         if (allocated(error)) then
+            call make_lines_readable(error%message, message)
+            call copy_text(message, err%message)
+         end if
       end if
       call restore(host%environment)
    end function leave_library
+
+   !> A message whose every line can be shown: what it repeats of the caller's texts may be any bytes.
+   pure subroutine make_lines_readable(given, message)
+      character(*), intent(in) :: given
+      character(:), allocatable, intent(out) :: message
+      character(:), allocatable :: line
+      integer :: first, length
+
+      message = ""
+      first = 1
+      do
+         length = index(given(first:), new_line("a")) - 1
+         if (length < 0) exit
+         line = given(first:first + length - 1)
+         call make_readable(line)
+         message = message//line//new_line("a")
+         first = first + length + 1
+      end do
+      line = given(first:)
+      call make_readable(line)
+      message = message//line
+   end subroutine make_lines_readable
 
    !> Copies a text of UTF-8, cut at a whole character where it is too long for the array and its final NUL.
    pure subroutine copy_text(text, array)
@@ -144,6 +171,30 @@ contains
          call fatal_error(error, status%invalid_argument, "the options are not initialised: call their _init function first")
       end if
    end subroutine check_struct_size
+
+   !> An array of doubles begins at a multiple of 8 bytes: loops are compiled for that, and end the program where it is not so.
+   subroutine check_aligned(array, error)
+      !> double *, or NULL
+      type(c_ptr), intent(in) :: array
+      !> An earlier error stays; invalid_argument
+      type(error_type), allocatable, intent(inout) :: error
+
+      if (allocated(error)) return
+      if (modulo(transfer(array, 0_c_intptr_t), 8_c_intptr_t) /= 0) call fatal_error(error, status%invalid_argument, &
+         & "an array of doubles must begin at an address that is a multiple of 8")
+   end subroutine check_aligned
+
+   !> Results are finite; those of values near the largest number may overflow.
+   subroutine check_finite(results, error)
+      !> Numbers that the caller is to get
+      real(dp), intent(in) :: results(:)
+      !> An earlier error stays; non_finite
+      type(error_type), allocatable, intent(inout) :: error
+
+      if (allocated(error)) return
+      if (.not. all(ieee_is_finite(results))) call fatal_error(error, status%non_finite, &
+         & "a result overflows: the values are too large; divide them by a constant first")
+   end subroutine check_finite
 
    !> A C string; the default where it is NULL.
    !>
@@ -206,6 +257,8 @@ contains
          call fatal_error(error, status%invalid_argument, "a series must not be NULL and its length must be 1 .. 2**44")
          return
       end if
+      call check_aligned(array, error)
+      if (allocated(error)) return
       call c_f_pointer(array, x, [n])
       missing = 0
       do i = 1, n

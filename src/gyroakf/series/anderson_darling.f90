@@ -97,7 +97,7 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       integer(int64) :: found, i, k
       integer :: stat
-      character(90) :: text
+      character(120) :: text
 
       if (options%most_samples < least_samples) then
          write (text, '("the Anderson-Darling test cannot be limited to ", i0, " samples, 8 are the least")') options%most_samples
