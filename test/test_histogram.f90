@@ -275,6 +275,8 @@ contains
       if (allocated(error)) return
       call expect(x, histogram_options(most_bins=1), status%invalid_argument, error)
       if (allocated(error)) return
+      call expect(x, histogram_options(most_bins=huge(1)), status%invalid_argument, error)
+      if (allocated(error)) return
       call expect(x, histogram_options(step=-1.0_dp), status%invalid_argument, error)
    end subroutine test_failures
 

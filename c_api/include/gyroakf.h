@@ -528,7 +528,7 @@ typedef struct gyroakf_histogram gyroakf_histogram;
 
 /*
  * Histogram of a series x [n].
- *   most_bins  >= 2; 0: 256
+ *   most_bins  2 to 10,000,000; 0: 256
  *   out        the histogram; free it with gyroakf_histogram_free
  * The width is that of Freedman and Diaconis, a whole number of steps where the samples are quantised.
  */

@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: MIT
 # Calls every function of gyroakf.h with random arguments (c_api/fuzz/calls.c), the same on every machine.
 #
-#   ci/fuzz/calls.sh [RUNS [SEED [LIBRARY]]]     500000 runs from seed 1; libgyroakf.a: fpm's, installed into build/calls
+#   ci/fuzz/calls.sh [RUNS [SEED [LIBRARY]]]     200000 runs from seed 1; libgyroakf.a: fpm's, installed into build/calls
 #
 # A tenth of the runs is repeated with the objects of the newest sanitized build, where there is one (.ci/run sanitize). The last
 # line is "N passed, N failed": runs, and one more for the table of functions, which has to name all that the header declares.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
-runs=${1-500000}
+runs=${1-200000}
 seed=${2-1}
 library=${3-}
 out=build/calls

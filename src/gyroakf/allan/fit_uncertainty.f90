@@ -135,7 +135,7 @@ contains
       real(dp), intent(in) :: covariance(:, :)
       !> Covariance of the unknowns: [unknowns, unknowns]
       real(dp), intent(out) :: result(:, :)
-      !> False if the columns are not independent
+      !> False if the columns are not independent, or more than the points
       logical, intent(out) :: converged
 
       real(dp) :: left(size(design, 1), size(design, 2)), right(size(design, 1), size(design, 1))
@@ -144,6 +144,9 @@ contains
 
       n = size(design, 1)
       p = size(design, 2)
+      converged = p <= n
+      result = 0
+      if (.not. converged) return
       right = 0
       do i = 1, n
          left(i, :) = sqrt(weight(i))*design(i, :)
@@ -151,7 +154,6 @@ contains
       end do
       call dgels("N", n, p, n, left, n, right, n, work, size(work), info)
       converged = info == 0
-      result = 0
       if (.not. converged) return
       gain = right(:p, :)
       result = matmul(gain, matmul(covariance, transpose(gain)))

@@ -106,10 +106,12 @@ contains
          k = k + 1
          part(:, k) = a(:, j)
       end do
+      converged = k <= size(a, 1)
+      x = 0
+      if (.not. converged) return
       right(:, 1) = b
       call dgels("N", size(a, 1), k, 1, part, size(a, 1), right, size(a, 1), work, size(work), info)
       converged = info == 0
-      x = 0
       if (converged) x = unpack(right(:k, 1), use_it, x)
    end subroutine solve_columns
 

@@ -7,7 +7,7 @@ module gyroakf_c_api_noise
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_allan_noise_fit, only : noise_options, noise_type, coefficient_type, fit_noise
    use gyroakf_c_api_allan, only : allan_handle
-   use gyroakf_c_api_support, only : error_c, host_type, enter_library, leave_library, check_struct_size, take_text
+   use gyroakf_c_api_support, only : error_c, host_type, enter_library, leave_library, check_finite, check_struct_size, take_text
    implicit none (type, external)
    private
    public :: gyroakf_fit_options_init, gyroakf_noise_fit, gyroakf_noise_covariance
@@ -90,6 +90,7 @@ contains
       call copy_curve(a, present(covariance), curve, error)
       if (.not. allocated(error)) call read_options(options, error, opt)
       if (.not. allocated(error)) call fit_noise(curve, options, noise, error)
+      if (.not. allocated(error)) call check_finite(reshape(noise%covariance, shape(covariance)), error)
       if (.not. allocated(error)) covariance = reshape(noise%covariance, shape(covariance))
       if (.not. allocated(error) .and. present(out)) call write_noise(noise, out)
       gyroakf_noise_covariance = leave_library(host, error, err)

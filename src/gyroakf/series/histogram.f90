@@ -19,9 +19,12 @@ module gyroakf_series_histogram
    real(dp), parameter :: reach = 5.0_dp
    real(dp), parameter :: sqrt_two_pi = 2.5066282746310005024157652848110_dp
 
+   !> More bins than this are a slip
+   integer, parameter :: largest_most_bins = 10000000
+
    !> How the bins are chosen
    type :: histogram_options
-      !> No more bins than these, 2 or more, the end bins not counted
+      !> No more bins than these, 2 to 10,000,000, the end bins not counted
       integer :: most_bins = 256
       !> Step of the grid that the samples stand on, u; 0: none. A step of samples whose trend was removed since is good too
       real(dp) :: step = 0.0_dp
@@ -119,8 +122,9 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(80) :: text
 
-      if (options%most_bins < 2) then
-         write (text, '("a histogram of at most ", i0, " bins cannot be made; 2 are the least")') options%most_bins
+      if (options%most_bins < 2 .or. options%most_bins > largest_most_bins) then
+         write (text, '("a histogram of at most ", i0, " bins cannot be made; 2 to ", i0, " can")') options%most_bins, &
+            largest_most_bins
          call fatal_error(error, status%invalid_argument, trim(text))
       else if (.not. options%step >= 0.0_dp) then
          call fatal_error(error, status%invalid_argument, "the step of a grid must not be negative")
