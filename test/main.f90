@@ -49,6 +49,7 @@ program test_main
    use test_truth, only : collect_truth
    use test_smoother, only : collect_smoother
    use test_drift_fit, only : collect_drift_fit
+   use test_drift_trend, only : collect_drift_trend
    use test_drift_identification, only : collect_drift_identification
    use test_filter_saving, only : collect_filter_saving
    use test_drift_steady, only : collect_drift_steady
@@ -150,6 +151,7 @@ program test_main
    call add("innovation_window", collect_innovation_window)
    call add("smoother", collect_smoother)
    call add("drift_fit", collect_drift_fit)
+   call add("drift_trend", collect_drift_trend)
    call add("drift_identification", collect_drift_identification)
    call add("filter_saving", collect_filter_saving)
    call add("drift_steady", collect_drift_steady)

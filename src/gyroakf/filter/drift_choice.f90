@@ -12,6 +12,7 @@ module gyroakf_filter_drift_choice
    use gyroakf_kinds, only : dp, int64
    use gyroakf_filter_components, only : component_model_type, most_components
    use gyroakf_filter_drift_fit, only : drift_candidate_type, drift_fit_type, is_slow
+   use gyroakf_filter_drift_trend, only : largest_degree
    implicit none (type, external)
    private
    public :: drift_identification_options, drift_identification_type, choose_model, set_model, state_numbers, evident
@@ -24,6 +25,8 @@ module gyroakf_filter_drift_choice
       integer(int64) :: most = 131072
       !> Where the model comes from: "record" (largest likelihood) or "allan" (coefficients of the Allan deviation)
       character(8) :: source = "record"
+      !> Degree of a polynomial under the drift that is fitted with it, 0 to 3; 0: the mean alone
+      integer :: degree = 0
    end type drift_identification_options
 
    !> What was found; u is the unit of the series
@@ -54,6 +57,8 @@ module gyroakf_filter_drift_choice
       integer :: chosen = 0
       !> Used by the likelihood (the middle of the record), of the record
       integer(int64) :: samples = 0, of_samples = 0
+      !> The polynomial under it, u: coefficients of the Legendre polynomials of degree 1, 2, 3 in time, -1 .. 1 over those samples
+      real(dp) :: trend(largest_degree) = 0.0_dp
       !> Samples a mean of those block means that the processes slower than two of them come from; 1: no block means
       integer(int64) :: block = 1
       !> The model of the Allan deviation

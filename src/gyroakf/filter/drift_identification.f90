@@ -22,6 +22,7 @@ module gyroakf_filter_drift_identification
    use gyroakf_filter_drift_choice, only : choose_model, drift_identification_options, drift_identification_type, evident, &
       set_model, state_numbers
    use gyroakf_filter_drift_fit, only : drift_fit_type, fit_drift, is_slow
+   use gyroakf_filter_drift_trend, only : subtract_polynomial
    use gyroakf_filter_identification, only : block_means, drift_model_type, identify_drift
    use gyroakf_filter_likelihood, only : component_likelihood
    use gyroakf_filter_progress_share, only : progress_share_type
@@ -63,13 +64,14 @@ contains
       if (present(progress)) share%whole => progress
       share%total = size(z, kind=int64)
       if (share%total > options%most) share%share = part_share
-      call fit_drift(z, fit, error, valid, options%most, share)
+      call fit_drift(z, fit, error, valid, options%most, share, options%degree)
       if (allocated(error)) then
          if (error%code /= status%not_converged) return
          deallocate (error)
          call take_autocovariances(z, options, identification, error, valid)
       else
          call choose_model(fit, options%drift_samples, identification)
+         identification%trend = fit%trend
          call move_alloc(fit%candidate, identification%candidate)
          call look_at_means(z, fit, options%drift_samples, share, identification, error, valid)
       end if
@@ -156,7 +158,7 @@ contains
       if (allocated(error)) return
       share%before = part_share
       share%share = 1.0_dp - part_share
-      call fit_drift(means, coarse, failed, here, progress=share)
+      call fit_drift(means, coarse, failed, here, progress=share, degree=fit%degree)
       if (allocated(failed)) then
          if (failed%code == status%cancelled .or. failed%code == status%no_memory) call move_alloc(failed, error)
          return                                     ! too few means: the part says it all
@@ -239,6 +241,7 @@ contains
       end if
       part(:) = z(fit%first:fit%first + fit%samples - 1)
       part(:) = part - fit%mean
+      call subtract_polynomial(fit%trend, part)
       if (present(valid)) then
          call component_likelihood(model, part, value, error, valid(fit%first:fit%first + fit%samples - 1))
       else
