@@ -1,28 +1,22 @@
 ! SPDX-License-Identifier: MIT
-!> The drift of one channel: identified from the record as read, its processes stated in the units of the report, its filters made.
+!> The drift of one channel: identified from the record as read, its processes stated in the units of the report.
 module gyroakf_pipeline_drift
-   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_kinds, only : dp, int8
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_units, only : unit_type
    use gyroakf_allan_noise_fit, only : coefficient_type
    use gyroakf_filter_components, only : component_model_type
-   use gyroakf_filter_drift_filter, only : new_drift_filter
    use gyroakf_filter_drift_identification, only : allan_terms_type, drift_identification_options, identify_drift_model
-   use gyroakf_filter_kalman, only : filter_options, filter_type
    use gyroakf_pipeline_coefficients, only : state_one
    use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, drift_process_type, pipeline_options, stage
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure
    implicit none (type, external)
    private
-   public :: find_drift, make_drift_kf, make_drift_akf, adaptive_drift_options, smoothed_share
+   public :: find_drift, smoothed_share
 
    !> What counts as drift where nobody says: slower than so many samples, and than so many seconds
    real(dp), parameter :: drift_samples = 5.0_dp, drift_seconds = 1.0_dp
-   !> Bounds of R of the adaptive filter, multiples of half the variance of the differences
-   real(dp), parameter :: r_bounds(2) = [0.01_dp, 100.0_dp]
-   !> The burn-in takes at most one in so many samples
-   integer, parameter :: burn_in_share = 10
    !> Times beyond it are all the same: no process is as slow
    real(dp), parameter :: longest_time = 1.0e200_dp
 
@@ -151,58 +145,6 @@ contains
       k%detected = .true.
       call state_one(k, 4, rate_known, unit, process%k)
    end subroutine state_walk
-
-   !> The drift's Kalman filter, with constant variances.
-   subroutine make_drift_kf(channel, filter, error)
-      !> A drift is found
-      type(channel_result_type), intent(in) :: channel
-      !> Its output is the drift
-      type(filter_type), intent(out) :: filter
-      !> As new_drift_filter
-      type(error_type), allocatable, intent(out) :: error
-
-      associate (drift => channel%drift)
-         call new_drift_filter(filter, drift%model, drift%slow(:drift%model%count), filter_options(), error)
-      end associate
-   end subroutine make_drift_kf
-
-   !> The drift's adaptive filter: R by residuals, within bounds, a gate, and a time without adaptation at the start.
-   subroutine make_drift_akf(channel, difference_variance, samples, options, filter, error)
-      !> A drift is found
-      type(channel_result_type), intent(in) :: channel
-      !> Variance of the series' differences
-      real(dp), intent(in) :: difference_variance
-      !> Of the series
-      integer(int64), intent(in) :: samples
-      !> Of the main job
-      type(pipeline_options), intent(in) :: options
-      !> Its output is the drift
-      type(filter_type), intent(out) :: filter
-      !> As new_drift_filter
-      type(error_type), allocatable, intent(out) :: error
-
-      associate (drift => channel%drift)
-         call new_drift_filter(filter, drift%model, drift%slow(:drift%model%count), &
-                               adaptive_drift_options(difference_variance, options), error)
-      end associate
-      if (.not. allocated(error)) filter%wait = int(min(int(filter%wait, int64), samples/burn_in_share))
-   end subroutine make_drift_akf
-
-   !> How the drift's adaptive filter adapts.
-   pure type(filter_options) function adaptive_drift_options(difference_variance, options) result(adaptive)
-      !> Variance of the series' differences; half of it is the scale of R's bounds
-      real(dp), intent(in) :: difference_variance
-      !> Of the main job
-      type(pipeline_options), intent(in) :: options
-
-      adaptive%estimate_measurement_variance = .true.
-      adaptive%forgetting = options%drift%forgetting
-      adaptive%huber = options%drift%huber
-      adaptive%burn_in = -1
-      adaptive%r_scale = 0.5_dp*difference_variance
-      adaptive%r_lower = r_bounds(1)
-      adaptive%r_upper = r_bounds(2)
-   end function adaptive_drift_options
 
    !> Share of a constant rotation that the smoothed drift takes up: all of it with a random walk, else that of the drift in the
    !> spectrum of the model at frequency 0.

@@ -9,6 +9,7 @@ module gyroakf_pipeline_drift_filters
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
+   use gyroakf_filter_design, only : adaptive_drift, design_drift_akf, design_drift_kf
    use gyroakf_filter_kalman, only : filter_type
    use gyroakf_filter_series, only : filter_result_type, filter_series
    use gyroakf_filter_two_pass, only : smooth_adaptive
@@ -16,7 +17,7 @@ module gyroakf_pipeline_drift_filters
    use gyroakf_series_moments, only : compute_moments, moments_type
    use gyroakf_pipeline_alternatives, only : model_decay, score_adaptive
    use gyroakf_pipeline_coefficients, only : run_allan
-   use gyroakf_pipeline_drift, only : adaptive_drift_options, find_drift, make_drift_akf, make_drift_kf, smoothed_share
+   use gyroakf_pipeline_drift, only : find_drift, smoothed_share
    use gyroakf_pipeline_filters, only : figures_of, reserve
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stage
    use gyroakf_pipeline_truth, only : restore_truth, score_output
@@ -112,10 +113,10 @@ contains
       call reserve(x, size(z, kind=int64), error)
       if (allocated(error)) return
       if (adaptive) then
-         call make_drift_akf(channel, differences, size(z, kind=int64), options, filter, error)
+         call design_drift_akf(channel%drift, differences, options%drift, filter, error)
          if (.not. allocated(error)) call filter_series(filter, z, x, channel%drift_akf, error, valid, progress)
       else
-         call make_drift_kf(channel, filter, error)
+         call design_drift_kf(channel%drift, filter, error)
          if (.not. allocated(error)) call filter_series(filter, z, x, channel%drift_kf, error, valid, progress)
       end if
       if (is_fatal(error)) return
@@ -158,7 +159,8 @@ contains
       type(moments_type) :: moments
 
       associate (model => channel%drift%model, result => channel%drift_smoother)
-         call smooth_adaptive(model, channel%drift%slow(:model%count), adaptive_drift_options(differences, options), z, drift, &
+         call smooth_adaptive(model, channel%drift%slow(:model%count), &
+                              adaptive_drift(options%drift, 0.5_dp*differences), z, drift, &
                               error, valid, progress=progress)
          if (is_fatal(error)) return
          channel%available%drift_smoother = .not. allocated(error)

@@ -10,11 +10,10 @@ module gyroakf_pipeline_filter_lane
    use gyroakf_ar_residual_stream, only : begin_residual_stream, feed_residual_stream, finish_residual_stream, &
       residual_stream_type
    use gyroakf_ar_model, only : residual_lags
-   use gyroakf_filter_design, only : design_akf, design_kf
+   use gyroakf_filter_design, only : design_akf, design_drift_akf, design_drift_kf, design_kf
    use gyroakf_filter_kalman, only : filter_type
    use gyroakf_filter_series, only : begin_filter_run, end_filter_run, feed_filter_run, filter_result_type, filter_run_type
    use gyroakf_pipeline_channel, only : negligible_mean
-   use gyroakf_pipeline_drift, only : make_drift_akf, make_drift_kf
    use gyroakf_pipeline_filters, only : figures_of
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_options
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_centred, warn_model, warn_order
@@ -97,10 +96,10 @@ contains
 
       if (.not. channel%drift%found) return
       lane%level = channel%level%mean
-      call make_drift_kf(channel, lane%drift_kf%filter, error)
+      call design_drift_kf(channel%drift, lane%drift_kf%filter, error)
       call begin_worker(lane%drift_kf, samples, channel, "drift Kalman filter", error)
       if (allocated(error)) return
-      call make_drift_akf(channel, difference_variance, samples, options, lane%drift_akf%filter, error)
+      call design_drift_akf(channel%drift, difference_variance, options%drift, lane%drift_akf%filter, error)
       call begin_worker(lane%drift_akf, samples, channel, "adaptive drift filter", error)
       if (allocated(error)) return
       call add_text(channel%unavailable, "drift smoother: it goes through the record from both ends, and a streamed record "// &
