@@ -39,6 +39,8 @@ contains
          & new_unittest("long_gap", test_long_gap), &
          & new_unittest("million_steps", test_million), &
          & new_unittest("wrong_arguments", test_wrong_arguments), &
+         & new_unittest("gates", test_gates), &
+         & new_unittest("burn_in_of_many", test_burn_in), &
          & new_unittest("unstable_model", test_unstable_model)]
    end subroutine collect_kalman
 
@@ -356,6 +358,48 @@ contains
       if (allocated(error)) return
       call refuse(error, [ieee_value(1.0_dp, ieee_positive_inf)], 1.0_dp, 1.0_dp, "exact", 0.98_dp, status%non_finite)
    end subroutine test_wrong_arguments
+
+   !> Gates that see nothing, or nothing else
+   subroutine test_gates(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: gate(4) = [-1.0_dp, 1.0e-290_dp, 0.9e-3_dp, 1.1e6_dp]
+      type(gyro_error), allocatable :: failure
+      type(filter_options) :: options
+      type(filter_type) :: filter
+      integer :: i
+
+      do i = 1, size(gate)
+         options%huber = gate(i)
+         call new_filter(filter, phi3, 1.0_dp, 1.0_dp, options, failure)
+         call check(error, allocated(failure), "a gate out of range is accepted")
+         if (allocated(error)) return
+         call check(error, failure%code, status%invalid_argument)
+         if (allocated(error)) return
+      end do
+   end subroutine test_gates
+
+   !> The automatic burn-in of a filter is the same with many coefficients that are zero
+   subroutine test_burn_in(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(filter_options) :: options
+      type(filter_type) :: few, many
+      real(dp) :: phi(80)
+      integer :: i
+
+      options%burn_in = -1
+      do i = 0, 6, 2
+         phi = 0
+         phi(:3) = [0.9_dp, 0.06_dp, 0.03_dp]
+         call new_filter(few, phi(:3), 1.0_dp, 10.0_dp**i, options, failure)
+         if (.not. allocated(failure)) call new_filter(many, phi, 1.0_dp, 10.0_dp**i, options, failure)
+         call check(error,.not. allocated(failure), "a filter is not made")
+         if (allocated(error)) return
+         call check(error, many%wait, few%wait)
+         if (allocated(error)) return
+      end do
+      call check(error, few%wait > 20, "nothing to wait for")
+   end subroutine test_burn_in
 
    subroutine test_unstable_model(error)
       type(error_type), allocatable, intent(out) :: error

@@ -28,6 +28,7 @@ contains
          & new_unittest("closed_form_small_gain", test_small_gain), &
          & new_unittest("slow_drift_keeps_its_digits", test_slow_drift), &
          & new_unittest("padded_orders_agree", test_padded), &
+         & new_unittest("many_coefficients", test_many), &
          & new_unittest("steady_state_is_a_fixed_point", test_fixed_point), &
          & new_unittest("no_measurement_noise", test_no_noise), &
          & new_unittest("stationary_covariance", test_lyapunov), &
@@ -113,6 +114,38 @@ contains
          if (allocated(error)) return
       end do
    end subroutine test_padded
+
+   !> The recursion for many coefficients against the closed form of one and the doubling of three; poles
+   !> near the unit circle and beyond it
+   subroutine test_many(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      real(dp), parameter :: pole(4) = [0.4_dp, -0.98_dp, 0.9999999_dp, 1.01_dp]
+      real(dp) :: one(1), gain1(1), prior1(1, 1), gain3(3), prior3(3, 3), many(60), gain(60), prior(60, 60)
+      integer :: i, k
+
+      do i = -6, 6, 2
+         do k = 1, size(pole)
+            one = pole(k)
+            many = 0
+            many(1) = pole(k)
+            call steady_state(one, 10.0_dp**i, 1.0_dp, gain1, prior1, failure)
+            call steady_state(many, 10.0_dp**i, 1.0_dp, gain, prior, failure)
+            call check(error,.not. allocated(failure), "the gain of many coefficients is not found")
+            if (allocated(error)) return
+            call check(error, gain(1), gain1(1), thr=1.0e-12_dp, rel=.true.)
+            if (allocated(error)) return
+         end do
+         many = 0
+         many(:3) = phi3
+         call steady_state(phi3, 10.0_dp**i, 1.0_dp, gain3, prior3, failure)
+         call steady_state(many, 10.0_dp**i, 1.0_dp, gain, prior, failure)
+         call check(error, maxval(abs(gain(:3) - gain3)) <= 1.0e-12_dp*maxval(abs(gain3)), "gain as of three coefficients")
+         if (allocated(error)) return
+         call check(error, maxval(abs(prior(:3, :3) - prior3)) <= 1.0e-12_dp*maxval(abs(prior3)), "covariance as of three")
+         if (allocated(error)) return
+      end do
+   end subroutine test_many
 
    !> One step of the recursion leaves the solution where it is; order 3, r over nine decades
    subroutine test_fixed_point(error)

@@ -13,17 +13,15 @@
 #define _GNU_SOURCE /* feenableexcept */
 #endif
 #include "gyroakf.h"
+#include "modes.h"
+#include "seal.h"
 
-#include <fenv.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
 
 /* The functions, and how often each is called (what takes long, seldom). ci/fuzz/calls.sh compares them with the header. */
 #define FUNCTIONS(F) \
@@ -44,7 +42,7 @@
   F(histogram_outside, 16) F(histogram_free, 30) \
   F(fisher_g, 80) F(welch_size, 30) F(welch_spectrum, 80) F(spectral_lines, 8) \
   F(ar_options_init, 1) F(ar_fit, 60) F(arma_options_init, 1) F(arma_fit, 4) \
-  F(filter_options_init, 1) F(filter_new, 120) F(filter_step, 200) F(filter_freeze, 40) F(filter_run, 120) F(filter_get, 60) \
+  F(filter_options_init, 1) F(filter_new, 120) F(filter_step, 200) F(filter_freeze, 40) F(filter_run, 100) F(filter_run_watched, 60) F(filter_get, 60) \
   F(filter_free, 60) F(filter_reset, 30) F(filter_save, 60) F(filter_restore, 60) \
   F(drift_model_init, 1) F(drift_options_init, 1) F(drift_identify, 6) F(drift_filter_new, 60) F(drift_smooth, 60)
 
@@ -350,26 +348,7 @@ static gyroakf_progress_fn any_progress(void) {
 
 /* ------------------------------------------------------------------------------------------------------- around a call */
 
-typedef struct modes {
-  unsigned control;
-  int rounding, raised, trapped;
-} modes;
-
 static modes host;
-
-static modes now(void) {
-  modes m;
-  memset(&m, 0, sizeof m);
-  m.rounding = fegetround();
-  m.raised = fetestexcept(FE_ALL_EXCEPT);
-#if defined(__GLIBC__) && defined(__x86_64__)
-  m.trapped = fegetexcept();
-#endif
-#if defined(__x86_64__)
-  m.control = _mm_getcsr();
-#endif
-  return m;
-}
 
 /* The last thing before a call: what it must not change is copied, the environment made odd in one of four. */
 static void begin(void) {
@@ -1009,7 +988,7 @@ static void call_arma_fit(void) {
 /* -------------------------------------------------------------------------------------------------------------- filter */
 
 static void call_filter_new(void) {
-  int32_t p = one_in(20) ? (one_in(2) ? -below(3) : 1001 + below(2)) : one_in(40) ? below(60) : below(5); /* p = 1000 takes a minute */
+  int32_t p = one_in(20) ? (one_in(2) ? -below(3) : 1001 + below(2)) : one_in(40) ? below(60) : one_in(2000) ? below(1001) : below(5);
   double q = one_in(5) ? any_double() : uniform(), r = one_in(5) ? any_double() : uniform(), value;
   int i, count = p > 0 && p <= 1000 ? (int)p : 0, odd = one_in(5);
   unsigned char *phi = one_in(40) ? NULL : (unsigned char *)take((size_t)count * sizeof(double), any_offset(), input);
@@ -1034,6 +1013,7 @@ static void call_filter_step(void) {
   begin();
   status = gyroakf_filter_step(f, z, x);
   end_step(status, NULL, 1);
+  promise_numbers(status, x, 1);
 }
 
 static void call_filter_freeze(void) {
@@ -1045,17 +1025,27 @@ static void call_filter_freeze(void) {
   end(status, NULL);
 }
 
-static void call_filter_run(void) {
+/* A run that is cancelled, or fails in the middle, has written a part of x. */
+static void run_filter(int watched) {
   int64_t n;
   gyroakf_filter *f = (gyroakf_filter *)handle(filters);
   const double *z = series(&n);
   double *x = (double *)results(n > 0 && n < 6000 ? (size_t)n * sizeof *x : 0, 40);
   gyroakf_error *err = error_place();
-  int status;
+  gyroakf_progress_fn listener = any_progress();
+  int status, i;
   begin();
-  status = gyroakf_filter_run(f, z, n, x, err);
+  if (watched) status = gyroakf_filter_run_watched(f, z, n, x, listener, &user, err);
+  else status = gyroakf_filter_run(f, z, n, x, err);
+  for (i = 0; i < area_count && (status == GYROAKF_CANCELLED || status == GYROAKF_NON_FINITE); i++) {
+    if ((void *)areas[i].data == (void *)x) areas[i].use = always;
+  }
   end(status, err);
+  promise_numbers(status, x, n);
 }
+
+static void call_filter_run(void) { run_filter(0); }
+static void call_filter_run_watched(void) { run_filter(1); }
 
 static void call_filter_get(void) {
   const gyroakf_filter *f = (const gyroakf_filter *)handle(filters);
@@ -1064,6 +1054,7 @@ static void call_filter_get(void) {
   begin();
   status = gyroakf_filter_get(f, out);
   end(status, NULL);
+  promise_numbers(status, (const double *)out, 9);
   if (status == GYROAKF_OK) promise(out->steps >= 0, "steps are counted");
 }
 
@@ -1098,27 +1089,6 @@ static void call_filter_save(void) {
   if (!bytes) return;
   memcpy(saved, bytes, (size_t)*size);
   saved_bytes = *size;
-}
-
-/* The checksum of the words behind the header, as src/gyroakf/filter/saving.f90 writes it, so that damage gets past it. */
-static void seal(unsigned char *bytes, int64_t n) {
-  uint64_t word, low = 0xffffffffU, a = 2166136261U, b = 2246822519U, next;
-  int64_t k;
-  if (n < 40) return;
-  for (k = 4; k < n / 8; k++) {
-    memcpy(&word, bytes + 8 * k, 8);
-    a ^= word & low;
-    a = (((a & 255) << 24) + 403 * a) & low;
-    b ^= word >> 32;
-    b = (((b & 255) << 24) + 403 * b) & low;
-    next = a ^ (b >> 7);
-    b ^= a >> 9;
-    a = next;
-  }
-  word = ((a & 0x7fffffffU) << 32) | b;
-  memcpy(bytes + 24, &word, 8);
-  word = (uint64_t)(n / 8);
-  memcpy(bytes + 16, &word, 8);
 }
 
 static void call_filter_restore(void) {

@@ -671,7 +671,8 @@ typedef struct gyroakf_filter_options {
   double forgetting;                     /* factor b of the adaptation, 0 < b <= 1; 0.98 */
   const char *measurement_form;          /* how R follows: "residual" (default), "exact", "biased", "paper" */
   int32_t burn_in;                       /* measurements without adaptation; -1: until the gain has settled; 0 */
-  double huber;                          /* innovations beyond so many deviations count less; 0 (default): no gate */
+  double huber;                          /* innovations beyond so many deviations count less, 0.001 .. 1e6; 0 (default):
+                                            no gate */
   double r_scale;                        /* what the bounds of R are multiples of (half the variance of the
                                             differences of z is good); 0 (default): r */
   double initial_variance;               /* variance of the state at the start; 0 (default): the stationary one */
@@ -684,7 +685,7 @@ GYROAKF_API void gyroakf_filter_options_init(gyroakf_filter_options *opt);
 
 /*
  * A filter for z_k = x_k + v_k, x_k = sum phi_i x_{k-i} + w_k.
- *   p     order, 0 .. 1000; the time grows as p^3 (1000: a minute)
+ *   p     order, 0 .. 1000; the time grows as p^2, as that of a step does (1000: some tenths of a second, some milliseconds)
  *   phi   [p] coefficients of a stationary model (NULL if p is 0)
  *   q, r  variances of w and v, u^2, >= 0, not both 0
  * The state starts at zero. GYROAKF_UNSTABLE: the model is not stationary.
@@ -694,16 +695,29 @@ GYROAKF_API int gyroakf_filter_new(int32_t p, const double *phi, double q, doubl
 
 /*
  * One step in real time: takes the measurement z, writes the estimate to *x. No allocation, no lock, a bounded time.
- * A z that is NaN or infinite is no measurement: the estimate is the prediction, and the status is GYROAKF_OK.
+ * A z that is NaN, infinite or beyond 1e149 is no measurement: the estimate is the prediction, and the status is GYROAKF_OK.
+ * GYROAKF_NON_FINITE: the estimate overflows; *x is not written, and the filter is of no use until gyroakf_filter_reset.
  */
 GYROAKF_API int gyroakf_filter_step(gyroakf_filter *f, double z, double *x);
 
 /* frozen != 0: no adaptation from here on (while the sensor rotates); 0: again. The state goes on either way. */
 GYROAKF_API int gyroakf_filter_freeze(gyroakf_filter *f, int32_t frozen);
 
-/* n steps: z [n] to x [n], the same numbers as step by step. x may be z itself; otherwise they do not overlap. A long series may be
- * given in parts, as the filter goes on where it was. */
+/*
+ * n steps: z [n] to x [n], the same numbers as step by step. x may be z itself; otherwise they do not overlap. A long series may be
+ * given in parts, as the filter goes on where it was. After GYROAKF_NON_FINITE (as of a step) x may hold anything.
+ */
 GYROAKF_API int gyroakf_filter_run(gyroakf_filter *f, const double *z, int64_t n, double *x, gyroakf_error *err);
+
+/*
+ * The same, told how far it is.
+ *   progress       may cancel; NULL: nobody is told
+ *   progress_user  handed to it
+ * After GYROAKF_CANCELLED the first values of x are the estimates of the steps that were made (gyroakf_filter_get knows how many),
+ * and the filter goes on from there.
+ */
+GYROAKF_API int gyroakf_filter_run_watched(gyroakf_filter *f, const double *z, int64_t n, double *x, gyroakf_progress_fn progress,
+                                           void *progress_user, gyroakf_error *err);
 
 typedef struct gyroakf_filter_state {
   double x;                   /* estimate */
@@ -716,7 +730,7 @@ typedef struct gyroakf_filter_state {
   int64_t steps;              /* made so far, missing measurements included */
 } gyroakf_filter_state;
 
-/* What the filter holds after its last step. */
+/* What the filter holds after its last step. GYROAKF_NON_FINITE: a number of it overflows; *out is not written. */
 GYROAKF_API int gyroakf_filter_get(const gyroakf_filter *f, gyroakf_filter_state *out);
 
 GYROAKF_API void gyroakf_filter_free(gyroakf_filter *f);

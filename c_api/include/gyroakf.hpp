@@ -195,6 +195,12 @@ class listener {
   std::exception_ptr thrown_;
 };
 
+/* A progress function as C takes it where there are no options. */
+struct watch {
+  gyroakf_progress_fn progress = nullptr;
+  void *progress_user = nullptr;
+};
+
 } // namespace detail
 
 /* Of the library that is linked; GYROAKF_VERSION is that of the header. */
@@ -557,17 +563,20 @@ class filter {
   double step(double z) {
     double x;
     const int status = gyroakf_filter_step(get(), z, &x);
+    if (status == GYROAKF_NON_FINITE) throw error(status, "the estimate overflows");
     if (status != GYROAKF_OK) throw error(status, "there is no filter");
     return x;
   }
   /* x [size of z] may be z itself. */
-  void run(series z, double *x) {
+  void run(series z, double *x, const progress &f = {}) {
+    detail::watch watch;
+    detail::listener listener(watch, f);
     gyroakf_error err;
-    detail::check(gyroakf_filter_run(get(), z.data(), z.count(), x, &err), err);
+    listener.check(gyroakf_filter_run_watched(get(), z.data(), z.count(), x, watch.progress, watch.progress_user, &err), err);
   }
-  std::vector<double> run(series z) {
+  std::vector<double> run(series z, const progress &f = {}) {
     std::vector<double> x(z.size());
-    run(z, x.data());
+    run(z, x.data(), f);
     return x;
   }
   void freeze(bool frozen = true) {
@@ -589,6 +598,7 @@ class filter {
   filter_state state() const {
     filter_state out;
     const int status = gyroakf_filter_get(get(), &out);
+    if (status == GYROAKF_NON_FINITE) throw error(status, "a number of the filter overflows");
     if (status != GYROAKF_OK) throw error(status, "there is no filter");
     return out;
   }

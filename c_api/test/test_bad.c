@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Arguments that no caller should give, found by c_api/fuzz/calls.c: they are refused, and nothing is written. */
 #include "check.h"
+#include "seal.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -65,6 +67,81 @@ static void test_overflow(void) {
   check_failure(gyroakf_welch_spectrum(huge, n, 1.0, 8, NULL, acf, NULL, &err), GYROAKF_NON_FINITE, "spectrum of huge values");
 }
 
+/* A gate that nothing passes, whose weight overflows. */
+static void test_gate(void) {
+  const double phi[3] = {0.3, 0.1, -0.2}, gates[4] = {1e-290, 9e-4, 2e6, -1.0};
+  gyroakf_filter_options opt;
+  gyroakf_filter *f;
+  double out[n];
+  int i, k;
+  gyroakf_filter_options_init(&opt);
+  for (i = 0; i < 4; i++) {
+    opt.huber = gates[i];
+    check_failure(gyroakf_filter_new(3, phi, 1.0, 1.0, &opt, &f, &err), GYROAKF_INVALID_ARGUMENT, "a gate out of range");
+  }
+  opt.huber = 1e-3;
+  for (i = 1; i <= 3; i += 2) {
+    check_success(gyroakf_filter_new(i, phi, 1e-307, 1e-307, &opt, &f, &err), "the smallest gate");
+    for (k = 0; k < n; k++) out[k] = k % 2 ? 9e148 : -9e148;
+    check_success(gyroakf_filter_run(f, out, n, out, &err), "the largest measurements");
+    for (k = 0; k < n; k++) check(fabs(out[k]) < 1e150, "the estimates are finite");
+    gyroakf_filter_free(f);
+  }
+}
+
+/* A state that no filter comes to, out of a file: estimates that overflow are said, not written. */
+static void test_overflowing_state(void) {
+  static unsigned char bytes[4096], fresh[4096];
+  const double phi[2] = {1.5, -0.7}, large[2] = {1.7e308, -1.7e308};
+  gyroakf_filter_state state;
+  gyroakf_filter *f;
+  double estimate = 77.0, out[n];
+  int64_t size = 0, i, at = 0;
+  check_success(gyroakf_filter_new(2, phi, 1.0, 1.0, NULL, &f, &err), "a filter");
+  gyroakf_filter_step(f, 0.0, &estimate);
+  check_success(gyroakf_filter_save(f, fresh, sizeof fresh, &size, &err), "it is saved");
+  gyroakf_filter_step(f, 1.0, &estimate);
+  check_success(gyroakf_filter_save(f, bytes, sizeof bytes, &size, &err), "and again");
+  for (i = 40; at == 0 && i + 16 < size; i += 8) { /* the first number that differs is the estimate */
+    if (memcmp(bytes + i, fresh + i, 8) != 0) at = i;
+  }
+  memcpy(bytes + at, large, sizeof large);
+  seal(bytes, size);
+  gyroakf_filter_free(f);
+  check_success(gyroakf_filter_restore(bytes, size, &f, &err), "it is restored with another state");
+  estimate = 77.0;
+  check(gyroakf_filter_step(f, 1.0, &estimate) == GYROAKF_NON_FINITE && estimate == 77.0, "an estimate that overflows");
+  check(gyroakf_filter_get(f, &state) == GYROAKF_NON_FINITE, "a state that overflows");
+  check_failure(gyroakf_filter_run(f, x, n, out, &err), GYROAKF_NON_FINITE, "estimates that overflow");
+  check_success(gyroakf_filter_reset(f, &err), "it is reset");
+  check_success(gyroakf_filter_run(f, x, n, out, &err), "and runs again");
+  gyroakf_filter_free(f);
+}
+
+/* Many coefficients: made within a second, not a minute, and as the same model without the zeros. */
+static void test_many_coefficients(void) {
+  static double phi[1000];
+  gyroakf_filter_options opt;
+  gyroakf_filter *many, *few;
+  double a[n], b[n];
+  int k;
+  phi[0] = 0.9;
+  phi[1] = -0.2;
+  gyroakf_filter_options_init(&opt);
+  opt.burn_in = -1;
+  opt.estimate_measurement_variance = 1;
+  check_success(gyroakf_filter_new(1000, phi, 1.0, 2.0, NULL, &many, &err), "a filter of 1000 coefficients");
+  gyroakf_filter_free(many);
+  check_success(gyroakf_filter_new(60, phi, 1.0, 2.0, &opt, &many, &err), "a filter of 60 coefficients");
+  check_success(gyroakf_filter_new(2, phi, 1.0, 2.0, &opt, &few, &err), "one of 2");
+  check_success(gyroakf_filter_run(many, x, n, a, &err), "60 coefficients");
+  check_success(gyroakf_filter_run(few, x, n, b, &err), "2 coefficients");
+  for (k = 0; k < n; k++) check(fabs(a[k] - b[k]) < 1e-12, "coefficients of 0 change nothing");
+  gyroakf_filter_free(many);
+  gyroakf_filter_free(few);
+  check_failure(gyroakf_filter_new(1001, phi, 1.0, 2.0, NULL, &many, &err), GYROAKF_INVALID_ARGUMENT, "too many coefficients");
+}
+
 /* An order that is given counts, whatever the largest of those compared. */
 static void test_given_order(void) {
   gyroakf_arma_options opt;
@@ -96,6 +173,9 @@ void test_bad(void) {
   test_odd_addresses();
   test_nothing_written();
   test_overflow();
+  test_gate();
+  test_overflowing_state();
+  test_many_coefficients();
   test_given_order();
   test_messages();
 }

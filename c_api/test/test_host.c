@@ -7,16 +7,13 @@
 #define _GNU_SOURCE /* feenableexcept */
 #endif
 #include "check.h"
+#include "modes.h"
 #include "work.h"
 
-#include <fenv.h>
 #include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
 
 static void usual(void) {}
 static void upward(void) { fesetround(FE_UPWARD); }
@@ -38,26 +35,6 @@ static void all_together(void) {
 #endif
 }
 #endif
-
-/* Everything of the environment that can be read, as bytes. */
-typedef struct modes {
-  unsigned control;
-  int rounding, raised, trapped;
-} modes;
-
-static modes now(void) {
-  modes m;
-  memset(&m, 0, sizeof m);
-  m.rounding = fegetround();
-  m.raised = fetestexcept(FE_ALL_EXCEPT);
-#if defined(__GLIBC__) && defined(__x86_64__)
-  m.trapped = fegetexcept();
-#endif
-#if defined(__x86_64__)
-  m.control = _mm_getcsr();
-#endif
-  return m;
-}
 
 typedef struct tiny_results {
   double stepped[100], run[100], read[2];

@@ -45,7 +45,7 @@ call() {
   if [ -z "${worse-}" ] || { [ $code -ne 0 ] && [ "$worse" -eq 0 ]; }; then failed=$((failed + 1)); fi
 }
 
-gcc -std=c99 -g -O1 -Wall -Wextra -pedantic -Werror -Ic_api/include -c c_api/fuzz/calls.c -o "$out/calls.o" &&
+gcc -std=c99 -g -O1 -Wall -Wextra -pedantic -Werror -Ic_api/include -Ic_api/test -c c_api/fuzz/calls.c -o "$out/calls.o" &&
   gfortran -fopenmp "$out/calls.o" "$library" -llapack -lblas -o "$out/calls" || exit 1
 call calls "$runs"
 
@@ -64,7 +64,7 @@ host=$(newest_sanitized src_gyroakf_c_api_host.c.o)       # fpm keeps the object
 if [ -n "$sanitized" ] && [ -n "$host" ]; then
   echo "sanitized objects of $sanitized"
   checks=(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
-  gcc -std=c99 -g -O1 "${checks[@]}" -Ic_api/include -c c_api/fuzz/calls.c -o "$out/sanitized.o" &&
+  gcc -std=c99 -g -O1 "${checks[@]}" -Ic_api/include -Ic_api/test -c c_api/fuzz/calls.c -o "$out/sanitized.o" &&
     gfortran -fopenmp "${checks[@]}" "$out/sanitized.o" "$sanitized"/src_*.f90.o "$host" -llapack -lblas -o "$out/sanitized" || exit 1
   export ASAN_OPTIONS=allocator_may_return_null=1:quarantine_size_mb=16:detect_stack_use_after_return=0
   export LSAN_OPTIONS=suppressions=$PWD/ci/lsan.supp:print_suppressions=0 UBSAN_OPTIONS=print_stacktrace=1

@@ -1,17 +1,20 @@
 ! SPDX-License-Identifier: MIT
 !> C: the filter. What each function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_filter
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, c_size_t, c_null_ptr, &
-      & c_associated, c_f_pointer, c_loc, c_sizeof
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, c_double, c_size_t, c_null_ptr, &
+      & c_null_funptr, c_associated, c_f_pointer, c_loc, c_sizeof
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
+   use gyroakf_progress, only : tell_progress
+   use gyroakf_c_api_progress, only : callback_type
    use gyroakf_c_api_support, only : error_c, host_type, enter_library, leave_library, begin_step, end_step, &
-      & check_struct_size, check_aligned, take_text, max_samples
+      & check_struct_size, check_aligned, check_finite, take_text, max_samples
    implicit none (type, external)
    private
    public :: gyroakf_filter_options_init, gyroakf_filter_new, gyroakf_filter_step, gyroakf_filter_freeze, &
-      & gyroakf_filter_run, gyroakf_filter_get, gyroakf_filter_free
+      & gyroakf_filter_run, gyroakf_filter_run_watched, gyroakf_filter_get, gyroakf_filter_free
    public :: filter_options_c, new_handle, hand_over, read_options
 
    !> Largest state
@@ -19,6 +22,9 @@ module gyroakf_c_api_filter
 
    !> Samples that [[gyroakf_filter_run]] copies at a time, so that x may be z
    integer, parameter :: block = 1024
+
+   !> Samples after which it tells how far it is, of a state of one coefficient; a step of p coefficients takes p^2 times as long
+   integer(int64), parameter :: told_samples = 256*block
 
    !> `gyroakf_filter_options`
    type, bind(C) :: filter_options_c
@@ -91,18 +97,22 @@ contains
    integer(c_int) function gyroakf_filter_step(f, z, x) bind(C, name="gyroakf_filter_step")
       type(c_ptr), intent(in), value :: f
       real(c_double), intent(in), value :: z
-      real(c_double), intent(out), optional :: x
+      real(c_double), intent(inout), optional :: x
       type(host_type) :: host
       type(filter_type), pointer :: filter
       integer(c_int) :: changed
+      real(dp) :: estimate
 
       gyroakf_filter_step = status%invalid_argument
       if (.not. c_associated(f) .or. .not. present(x)) return
       call c_f_pointer(f, filter)
-      gyroakf_filter_step = status%ok
       changed = begin_step(host%environment)
-      call step_filter(filter, z, x)
+      call step_filter(filter, z, estimate)
       if (changed /= 0) call end_step(host%environment)
+      gyroakf_filter_step = status%non_finite
+      if (.not. ieee_is_finite(estimate)) return
+      gyroakf_filter_step = status%ok
+      x = estimate
    end function gyroakf_filter_step
 
    !> `gyroakf_filter_freeze`
@@ -123,8 +133,21 @@ contains
       type(c_ptr), intent(in), value :: f, z, x
       integer(c_int64_t), intent(in), value :: n
       type(error_c), intent(out), optional :: err
+
+      gyroakf_filter_run = gyroakf_filter_run_watched(f, z, n, x, c_null_funptr, c_null_ptr, err)
+   end function gyroakf_filter_run
+
+   !> `gyroakf_filter_run_watched`
+   integer(c_int) function gyroakf_filter_run_watched(f, z, n, x, progress, progress_user, err) &
+      & bind(C, name="gyroakf_filter_run_watched")
+      type(c_ptr), intent(in), value :: f, z, x
+      integer(c_int64_t), intent(in), value :: n
+      type(c_funptr), intent(in), value :: progress
+      type(c_ptr), intent(in), value :: progress_user
+      type(error_c), intent(out), optional :: err
       type(host_type) :: host
       type(filter_type), pointer :: filter
+      type(callback_type) :: callback
       type(error_type), allocatable :: error
 
       call enter_library(host)
@@ -135,31 +158,29 @@ contains
       call check_aligned(x, error)
       if (.not. allocated(error)) then
          call c_f_pointer(f, filter)
-         call run_blocks(filter, z, n, x)
+         callback = callback_type(progress, progress_user)
+         call run_blocks(filter, z, n, x, callback, error)
       end if
-      gyroakf_filter_run = leave_library(host, error, err)
-   end function gyroakf_filter_run
+      gyroakf_filter_run_watched = leave_library(host, error, err)
+   end function gyroakf_filter_run_watched
 
    !> `gyroakf_filter_get`
    integer(c_int) function gyroakf_filter_get(f, out) bind(C, name="gyroakf_filter_get")
       type(c_ptr), intent(in), value :: f
       type(filter_state_c), intent(inout), optional :: out
       type(filter_type), pointer :: filter
+      type(filter_state_c) :: held
 
       gyroakf_filter_get = status%invalid_argument
       if (.not. c_associated(f) .or. .not. present(out)) return
       call c_f_pointer(f, filter)
-      out%x = filter%x(1)
-      out%p = filter%p(1, 1)
-      out%gain = filter%gain(1)
-      out%innovation = filter%innovation
-      out%innovation_variance = filter%innovation_variance
-      out%q_mean = filter%q_mean
-      out%r_mean = filter%r_mean
-      out%q = filter%q
-      out%r = filter%r
-      out%steps = filter%steps
+      held = filter_state_c(filter%x(1), filter%p(1, 1), filter%gain(1), filter%innovation, filter%innovation_variance, &
+         & filter%q_mean, filter%r_mean, filter%q, filter%r, filter%steps)
+      gyroakf_filter_get = status%non_finite
+      if (.not. all(ieee_is_finite([held%x, held%p, held%gain, held%innovation, held%innovation_variance, held%q_mean, &
+         & held%r_mean, held%q, held%r]))) return
       gyroakf_filter_get = status%ok
+      out = held
    end function gyroakf_filter_get
 
    !> `gyroakf_filter_free`
@@ -247,20 +268,28 @@ contains
    end subroutine read_options
 
    !> The whole series, block by block: a block is read before its results are written.
-   subroutine run_blocks(filter, z, n, x)
+   subroutine run_blocks(filter, z, n, x, callback, error)
       type(filter_type), intent(inout) :: filter
       type(c_ptr), intent(in) :: z, x
       integer(int64), intent(in) :: n
+      type(callback_type), intent(inout) :: callback
+      !> cancelled, non_finite
+      type(error_type), allocatable, intent(out) :: error
       real(c_double), pointer, contiguous :: input(:), output(:)
       real(dp) :: raw(block), filtered(block)
-      integer(int64) :: first, m
+      integer(int64) :: first, m, stride
 
       call c_f_pointer(z, input, [n])
       call c_f_pointer(x, output, [n])
-      do first = 1, n, block
-         m = min(int(block, int64), n - first + 1)
+      stride = max(1_int64, told_samples/int(filter%order, int64)**2)
+      do first = 1, n, min(int(block, int64), stride)
+         if (modulo(first - 1, stride) == 0) call tell_progress("filtering", first - 1, n, error, callback)
+         if (allocated(error)) return
+         m = min(int(block, int64), stride, n - first + 1)
          raw(:m) = input(first:first + m - 1)
          call run_filter(filter, raw(:m), filtered(:m))
+         call check_finite(filtered(:m), error)
+         if (allocated(error)) return
          output(first:first + m - 1) = filtered(:m)
       end do
    end subroutine run_blocks

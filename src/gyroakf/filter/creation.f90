@@ -4,7 +4,8 @@ module gyroakf_filter_creation
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_filter_types, only : filter_options, filter_type
-   use gyroakf_filter_state_space, only : predict_covariance, correct_covariance, stationary_covariance, steady_state
+   use gyroakf_filter_state_space, only : predict_covariance, correct_covariance, stationary_covariance, steady_state, &
+      & settle_column, shifted, long_order
    use gyroakf_filter_sage_husa, only : consistency_factor
    use gyroakf_filter_measurement, only : is_sample
    implicit none (type, external)
@@ -18,6 +19,8 @@ module gyroakf_filter_creation
    !> Automatic burn-in: at least, at most so many measurements; relative distance from the steady gain
    integer, parameter :: shortest_burn_in = 20, longest_burn_in = 5000
    real(dp), parameter :: burn_in_tolerance = 1.0e-6_dp
+   !> Gates in standard deviations: a smaller one sees nothing else, and R over its weight overflows; a larger one never acts
+   real(dp), parameter :: smallest_gate = 1.0e-3_dp, largest_gate = 1.0e6_dp
 
 contains
 
@@ -117,6 +120,8 @@ contains
          call fatal_error(error, status%invalid_argument, "the forgetting factor must lie in 0 < b <= 1")
       else if (options%huber < 0.0_dp .or. options%initial_variance < 0.0_dp .or. options%r_scale < 0.0_dp) then
          call fatal_error(error, status%invalid_argument, "the gate, the initial variance and the scale of R cannot be negative")
+      else if (options%huber > 0.0_dp .and. (options%huber < smallest_gate .or. options%huber > largest_gate)) then
+         call fatal_error(error, status%invalid_argument, "the gate must be 0 (none) or 0.001 to 1e6 standard deviations")
       else if (.not. (all_ordered(options%q_lower, options%q_upper) .and. all_ordered(options%r_lower, options%r_upper))) then
          call fatal_error(error, status%invalid_argument, "bounds of a variance must satisfy 0 < lower <= upper")
       else if (options%estimate_process_mean .and. options%estimate_measurement_mean .and. .not. options%allow_unobservable) then
@@ -179,7 +184,8 @@ contains
       real(dp), intent(inout), contiguous :: p(:, :)
       !> As steady_state
       type(error_type), allocatable, intent(out) :: error
-      real(dp) :: gain(filter%order), r, s, steady
+      real(dp) :: gain(filter%order), column(filter%order), r, s, steady
+      logical :: quick
       integer :: k
 
       r = filter%r
@@ -188,11 +194,20 @@ contains
       if (allocated(error)) return
       steady = gain(1)
       p = filter%p
+      quick = filter%order >= long_order .and. .not. filter%options%initial_variance > 0.0_dp
+      column = p(:, 1)
+      filter%work = shifted(filter%phi, column)
       do k = 1, longest_burn_in
-         call predict_covariance(filter%phi, filter%q, p, filter%work)
-         call correct_covariance(r, p, gain, s)
+         if (quick) then                                 ! from the stationary covariance on
+            gain(1) = column(1)/(column(1) + r)
+            call settle_column(filter%phi, r, -1.0_dp, column, filter%work)
+         else
+            call predict_covariance(filter%phi, filter%q, p, filter%work)
+            call correct_covariance(r, p, gain, s)
+         end if
          if (abs(gain(1) - steady) <= burn_in_tolerance*steady) exit
       end do
+      filter%work = 0.0_dp
       filter%wait = max(shortest_burn_in, min(k, longest_burn_in))
    end subroutine find_burn_in
 end module gyroakf_filter_creation

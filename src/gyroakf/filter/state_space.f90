@@ -12,12 +12,14 @@ module gyroakf_filter_state_space
    implicit none (type, external)
    private
    public :: predict_covariance, correct_covariance, stationary_covariance, steady_state
-   public :: solve_riccati, dc_gain, output_variance_ratio
+   public :: settle_column, shifted, long_order, solve_riccati, dc_gain, output_variance_ratio
 
    !> Relative change at which a doubling iteration has converged
    real(dp), parameter :: tolerance = 1.0e-15_dp
    !> Doublings after which it has failed: 2^60 steps of the recursion
    integer, parameter :: max_doublings = 60
+   !> Order from which the gain is found by [[settle_gain]], and its steps at most
+   integer, parameter :: long_order = 50, most_steps = 100000
    !> Variance per unit of driving noise that no stationary series has in double precision
    real(dp), parameter :: explosive = 1.0e60_dp
 
@@ -129,7 +131,8 @@ contains
    !> One coefficient: the closed form
    !> $$ P^- = \tfrac12 \left[ c + \sqrt{c^2 + 4 q r} \right],\quad c = q - r (1 - \phi^2),\quad K = P^-/(P^- + r) $$
    !> More: the structure-preserving doubling iteration for the discrete Riccati equation, quadratically
-   !> convergent (Chu, Fan, Lin & Wang, Int. J. Control 77, 2004, 767-788).
+   !> convergent, O(p^3) a round (Chu, Fan, Lin & Wang, Int. J. Control 77, 2004, 767-788); 50 and more: [[settle_gain]], O(p) a
+   !> step, and doubling only where that does not settle in 100000 steps.
    subroutine steady_state(phi, q, r, gain, prior, error)
       !> Coefficients, [p], p >= 1
       real(dp), intent(in), contiguous :: phi(:)
@@ -143,9 +146,11 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: a(size(phi), size(phi)), g(size(phi), size(phi))
       real(dp) :: c, root, work(size(phi)), s
+      logical :: settled
       integer :: i
 
       prior = 0.0_dp
+      settled = .false.
       if (.not. r > 0.0_dp) then
          prior(1, 1) = q
       else if (size(phi) == 1) then
@@ -157,14 +162,18 @@ contains
             prior(1, 1) = 2.0_dp*q*r/(root - c)
          end if
       else if (q > 0.0_dp) then
-         a = 0.0_dp
-         g = 0.0_dp
-         call companion(phi, a)
-         g(1, 1) = 1.0_dp
-         prior(1, 1) = q/r
-         call solve_riccati(a, g, prior, error)
-         if (allocated(error)) return
-         prior = r*prior
+         if (size(phi) >= long_order) call settle_gain(phi, q, r, prior, settled)
+         if (.not. settled) then
+            a = 0.0_dp
+            g = 0.0_dp
+            prior = 0.0_dp
+            call companion(phi, a)
+            g(1, 1) = 1.0_dp
+            prior(1, 1) = q/r
+            call solve_riccati(a, g, prior, error)
+            if (allocated(error)) return
+            prior = r*prior
+         end if
          do i = 1, 8                            ! polished by the recursion that the filter itself runs
             call correct_covariance(r, prior, gain, s)
             call predict_covariance(phi, q, prior, work)
@@ -172,6 +181,80 @@ contains
       end if
       gain = prior(:, 1)/(prior(1, 1) + r)
    end subroutine steady_state
+
+   !> Covariance of the prediction that a filter settles to which knows its state at the start, by the Chandrasekhar recursion.
+   !>
+   !> [[settle_column]] from P = 0; then the shift structure of the state gives the other columns:
+   !> $ P_{i+1,j+1} = P_{ij} - c_i c_j/S $.
+   pure subroutine settle_gain(phi, q, r, p, settled)
+      !> Coefficients, [p]
+      real(dp), intent(in) :: phi(:)
+      !> Variances of the driving and of the measurement noise, > 0
+      real(dp), intent(in) :: q, r
+      !> Covariance of the settled prediction, [p, p]
+      real(dp), intent(out) :: p(:, :)
+      !> False where it does not settle; `p` is of no use then
+      logical, intent(out) :: settled
+      real(dp), dimension(size(phi)) :: c, l
+      real(dp) :: s
+      integer :: i, j, n, step
+
+      n = size(phi)
+      settled = .false.
+      c = 0.0_dp
+      l = 0.0_dp
+      l(1) = sqrt(q)
+      do step = 1, most_steps
+         call settle_column(phi, r, r, c, l)
+         settled = maxval(abs(l)) <= tolerance*sqrt(maxval(abs(c)))
+         if (settled .or. maxval(abs(l)) > explosive*sqrt(q)) exit
+      end do
+      if (.not. settled) return
+      s = c(1) + r
+      p(:, 1) = c
+      p(1, :) = c
+      do j = 2, n
+         do i = 2, n
+            p(i, j) = p(i - 1, j - 1) - c(i - 1)*(c(j - 1)/s)
+         end do
+      end do
+   end subroutine settle_gain
+
+   !> One step of the first column c of the covariance of the prediction, by the Chandrasekhar recursion.
+   !>
+   !> From P = 0 and from the stationary P on the covariance changes by a matrix of rank one at each step:
+   !> $$ S = c_1 + r, \quad c \leftarrow c + \frac{m}{S}\, l_1 l, \quad l \leftarrow \Phi \Big(l - \frac{l_1}{S} c\Big) $$
+   !> with the c before the step in the last. Source: Morf, Sidhu & Kailath, IEEE Trans. Autom. Control 19 (1974) 315-323.
+   pure subroutine settle_column(phi, r, m, c, l)
+      !> Coefficients, [p]
+      real(dp), intent(in) :: phi(:)
+      !> Variance of the measurement noise
+      real(dp), intent(in) :: r
+      !> From P = 0: r; from the stationary P: -1
+      real(dp), intent(in) :: m
+      !> The column, at the start 0 or that of the stationary P; the gain is c/(c(1) + r), [p]
+      real(dp), intent(inout) :: c(:)
+      !> At the start $ \sqrt q\, e_1 $ or $ \Phi c $, [p]
+      real(dp), intent(inout) :: l(:)
+      real(dp) :: growth(size(c)), s
+
+      s = c(1) + r
+      growth = (m/s*l(1))*l
+      l = shifted(phi, l - (l(1)/s)*c)
+      c = c + growth
+   end subroutine settle_column
+
+   !> The state one sample later, without noise: $ \Phi x $
+   pure function shifted(phi, x) result(y)
+      !> Coefficients, [p]
+      real(dp), intent(in) :: phi(:)
+      !> State, [p]
+      real(dp), intent(in) :: x(:)
+      real(dp) :: y(size(x))
+
+      y(1) = dot_product(phi, x)
+      y(2:) = x(:size(x) - 1)
+   end function shifted
 
    !> Doubling iteration for the covariance of the prediction where the measurement noise has the variance 1:
    !> $$ P = \Phi \big( P - P h (1 + h^T P h)^{-1} h^T P \big) \Phi^T + Q $$

@@ -25,7 +25,7 @@ module gyroakf_filter_types
       character(8) :: measurement_form = "residual"
       !> Measurements without adaptation at the start; -1: until the gain has settled, at least 20
       integer :: burn_in = 0
-      !> Innovations beyond so many standard deviations count less; 0: no gate; 2.5 usual
+      !> Innovations beyond so many standard deviations count less, 0.001 .. 1e6; 0: no gate; 2.5 usual
       real(dp) :: huber = 0.0_dp
       !> What the bounds of R are multiples of (half the variance of the differences); 0: r itself, in a drift filter
       !> half the variance of the differences that the model states
