@@ -21,6 +21,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 /* The functions, and how often each is called (what takes long, seldom). ci/fuzz/calls.sh compares them with the header. */
@@ -1188,8 +1189,16 @@ static void run(int weights) {
   free_all();
 }
 
+/* So many seconds of processor time from now on; 0: no limit any more. */
+static void limit_time(int seconds) {
+  struct itimerval timer;
+  memset(&timer, 0, sizeof timer);
+  timer.it_value.tv_sec = seconds;
+  setitimer(ITIMER_PROF, &timer, NULL);
+}
+
 int main(int argc, char **argv) {
-  static const int signals[] = {SIGSEGV, SIGFPE, SIGABRT, SIGILL, SIGBUS, SIGALRM};
+  static const int signals[] = {SIGSEGV, SIGFPE, SIGABRT, SIGILL, SIGBUS, SIGPROF};
   uint64_t runs = argc > 1 ? strtoull(argv[1], NULL, 10) : 0, first = argc > 2 ? strtoull(argv[2], NULL, 10) : 1, i;
   int64_t calls = 0, bad = 0;
   int k, weights = 0;
@@ -1210,11 +1219,11 @@ int main(int argc, char **argv) {
     seed_of_run = first + i;
     state = seed_of_run * UINT64_C(0xd1342543de82ef95);
     failed = 0;
-    alarm(120);
+    limit_time(120);
     run(weights);
     bad += failed;
   }
-  alarm(0);
+  limit_time(0);
   for (k = 0; k < function_count; k++) {
     calls += calls_made[k];
     if (runs >= 100000 && calls_made[k] == 0) {
