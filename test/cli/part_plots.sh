@@ -4,7 +4,7 @@
 
 simulate_plot() { "$gyroakf" simulate --samples "$1" --coefficients N=0.01,B=0.002 --seed "$2" --output "$3" "${@:4}"; }
 simulate_plot 4000 1 plot.txt --trend 0,1e-6 --outlier-count 3 --outlier-size 12
-figures='series allan before_after filters histogram correlation spectrum'
+figures='series allan before_after filters innovations histogram correlation residuals spectrum'
 
 usual=$PATH
 if ! command -v gnuplot >/dev/null; then
@@ -33,6 +33,8 @@ is "a script draws again" "$(cd plots.d/plots && rm allan.svg && gnuplot -e "fig
 simulate_plot 40000 2 plot_long.txt
 good "a long series" run plot_long.txt --rate 5 --out long.d --plot svg --quiet
 is "points of a long series are bounded" "$(($(wc -l <long.d/plots/series.dat) < 25000))" 1
+is "points of long innovations are bounded" "$(($(wc -l <long.d/plots/innovations.dat) < 12100))" 1
+is "a residual for every lag" "$(sed -n '/^# autocorrelation/,/^$/p' plots.d/plots/residuals.dat | grep -c ,)" 20
 
 good "an Allan analysis alone" allan plot.txt --out allan.d --plot pdf --quiet
 is "its figures" "$(cd allan.d/plots && ls *.pdf | tr '\n' ' ')" "allan.pdf before_after.pdf "

@@ -14,6 +14,7 @@ module gyroakf_ar_model
    use gyroakf_ar_residuals, only : analyse_residuals
    use gyroakf_ar_roots, only : find_ar_roots, largest_modulus
    use gyroakf_ar_types, only : ar_options, ar_model_type, check_options, check_length
+   use gyroakf_series_correlation, only : correlation_of
    use gyroakf_series_moments, only : moments_type
    use gyroakf_series_normality, only : test_jarque_bera
    use gyroakf_series_whiteness, only : ljung_box_of
@@ -369,8 +370,10 @@ contains
       if (lags <= model%order) return
       if (present(valid)) then
          call ljung_box_of(r, n, model%order, model%residual_ljung_box, error, pairs)
+         if (.not. allocated(error)) call correlation_of(r, n, model%order, model%residual_correlation, error, pairs)
       else
          call ljung_box_of(r, n, model%order, model%residual_ljung_box, error)
+         if (.not. allocated(error)) call correlation_of(r, n, model%order, model%residual_correlation, error)
       end if
    end subroutine test_residuals
 

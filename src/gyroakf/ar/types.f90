@@ -5,6 +5,7 @@ module gyroakf_ar_types
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_ar_criteria, only : ar_order_type, criterion_number
    use gyroakf_ar_roots, only : ar_root_type
+   use gyroakf_series_correlation, only : correlation_type
    use gyroakf_series_normality, only : jarque_bera_type
    use gyroakf_series_whiteness, only : ljung_box_type
    implicit none (type, external)
@@ -42,6 +43,8 @@ module gyroakf_ar_types
       !> Whiteness of the residuals: 20 lags, or order + 20 from order 20 on, fewer where the series is
       !> short; its lags are 0 where it could not be made
       type(ljung_box_type) :: residual_ljung_box
+      !> Their autocorrelation at these lags, with the limits of white noise; its lags are 0 where there is none
+      type(correlation_type) :: residual_correlation
       !> The criterion chose the largest order on offer: look at larger ones
       logical :: largest_order_chosen = .false.
       !> Intercept c, u: m (1 - sum phi), or with ols the fitted one; its standard error, with ols only

@@ -4,6 +4,7 @@ module gyroakf_pipeline_filter_lane
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_record, only : add_text
+   use gyroakf_series_correlation, only : correlation_of
    use gyroakf_series_moments, only : moments_type
    use gyroakf_series_normality, only : test_jarque_bera
    use gyroakf_series_whiteness, only : ljung_box_of
@@ -286,8 +287,10 @@ contains
       call test_jarque_bera(moments, channel%ar%residual_normality, error)
       if (lane%gaps) then
          call ljung_box_of(r, n, channel%ar%order, channel%ar%residual_ljung_box, error, pairs)
+         if (.not. allocated(error)) call correlation_of(r, n, channel%ar%order, channel%ar%residual_correlation, error, pairs)
       else
          call ljung_box_of(r, n, channel%ar%order, channel%ar%residual_ljung_box, error)
+         if (.not. allocated(error)) call correlation_of(r, n, channel%ar%order, channel%ar%residual_correlation, error)
       end if
    end subroutine test_residuals
 

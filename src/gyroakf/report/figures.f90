@@ -9,6 +9,7 @@ module gyroakf_report_figures
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_options, pipeline_result_type, stage
    use gyroakf_record, only : add_text, record_type, text_type, view_channel
    use gyroakf_report_figure_allan, only : write_allan_data, write_allan_figure, write_stages_figure
+   use gyroakf_report_figure_innovations, only : write_innovations_data, write_innovations_figure
    use gyroakf_report_figure_script, only : figure_formats
    use gyroakf_report_figure_series, only : write_filters_figure, write_series_data, write_series_figure
    use gyroakf_report_figure_statistics, only : write_correlation_data, write_correlation_figure, write_histogram_data, &
@@ -21,8 +22,8 @@ module gyroakf_report_figures
    !> Below the folder of the results
    character(*), parameter :: figure_folder = "plots"
    !> In the order of a report
-   character(12), parameter :: kinds(7) = [character(12) :: "series", "allan", "before_after", "filters", "histogram", &
-                                           "correlation", "spectrum"]
+   character(12), parameter :: kinds(9) = [character(12) :: "series", "allan", "before_after", "filters", "innovations", &
+                                           "histogram", "correlation", "residuals", "spectrum"]
 
 contains
 
@@ -70,6 +71,8 @@ contains
       case ("series"); has_figure = options%keep_series .and. allocated(channel%series_cleaned) .and. .not. record%streamed
       case ("filters"); has_figure = options%keep_series .and. allocated(channel%series_cleaned) .and. .not. record%streamed &
                                      .and. (channel%available%kf .or. channel%available%akf)
+      case ("innovations"); has_figure = channel%available%akf .or. channel%available%drift_akf
+      case ("residuals"); has_figure = channel%available%ar .and. channel%ar%residual_correlation%lags > 0
       case ("allan"); has_figure = channel%allan(stage%input)%available
       case ("before_after"); has_figure = count(channel%allan%available) > 1
       case ("histogram"); has_figure = channel%available%histogram
@@ -104,7 +107,9 @@ contains
          case ("allan"); call write_allan_figure(writer, name, form, channel, time, unit)
          case ("before_after"); call write_stages_figure(writer, name, form, channel, "allan"//suffix, time, unit)
          case ("histogram"); call write_histogram_figure(writer, name, form, channel, unit)
-         case ("correlation"); call write_correlation_figure(writer, name, form, channel)
+         case ("innovations"); call write_innovations_figure(writer, name, form, channel, time, unit)
+         case ("correlation"); call write_correlation_figure(writer, name, form, channel%name//", cleaned")
+         case ("residuals"); call write_correlation_figure(writer, name, form, "the residuals of the AR model of "//channel%name)
          case default; call write_spectrum_figure(writer, name, form, channel, unit)
          end select
       end associate
@@ -128,7 +133,9 @@ contains
       case ("series"); call write_series_data(writer, record, c, channel)
       case ("allan"); call write_allan_data(writer, channel)
       case ("histogram"); call write_histogram_data(writer, channel%histogram)
+      case ("innovations"); call write_innovations_data(writer, channel, record%sample_interval)
       case ("correlation"); call write_correlation_data(writer, channel%correlation)
+      case ("residuals"); call write_correlation_data(writer, channel%ar%residual_correlation)
       case default; call write_spectrum_data(writer, channel, record%sample_interval)
       end select
    end subroutine write_data

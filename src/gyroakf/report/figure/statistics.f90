@@ -39,14 +39,15 @@ contains
    end subroutine write_histogram_figure
 
    !> Autocorrelation with the limits of white noise.
-   subroutine write_correlation_figure(writer, name, form, channel)
+   subroutine write_correlation_figure(writer, name, form, what)
       !> As of write_histogram_figure
       type(writer_type), intent(inout) :: writer
       character(*), intent(in) :: name, form
-      type(channel_result_type), intent(in) :: channel
+      !> Whose correlation it is
+      character(*), intent(in) :: what
       integer :: curves
 
-      call begin_script(writer, name, form, "Autocorrelation of "//channel%name//", cleaned", .false.)
+      call begin_script(writer, name, form, "Autocorrelation of "//what, .false.)
       call put_axes(writer, "lag, samples", "autocorrelation", "")
       call put_line(writer, "set xrange [0:*]")
       curves = 0
