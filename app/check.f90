@@ -4,7 +4,8 @@ module gyroakf_app_check
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_writer, only : is_file
    use gyroakf_report_files, only : existing_result, result_files
-   use gyroakf_app_config, only : cli_config, has_many_files, reading_config, analysis_config, simulate_config
+   use gyroakf_app_config, only : cli_config, has_many_files, reading_config, analysis_config, simulate_config, &
+      selftest_config
    use gyroakf_app_setting_input, only : check_input
    use gyroakf_app_setting_method, only : check_method
    use gyroakf_app_setting_record, only : check_record
@@ -50,6 +51,8 @@ contains
             call usage_error(error, "--output and --truth name the same file '"//config%truth//"'")
             return
          end if
+      type is (selftest_config)
+         if (words%positional > 1) call usage_error(error, "selftest reads no file: '"//words%word(2)%text//"'")
       end select
       if (allocated(error)) return
       select type (config)
@@ -118,6 +121,8 @@ contains
       type is (simulate_config)
          if (path == "") path = existing(config%output)
          if (path == "") path = existing(config%truth)
+      type is (selftest_config)
+         if (path == "") path = existing(config%json)
       end select
       select type (config)
       type is (analysis_config)

@@ -155,7 +155,7 @@ contains
       call apply_options(words, config, .false., error)
       if (allocated(error)) return
       if (is_given(words, "--write-config")) then
-         if (path == "" .and. command /= "simulate" .and. .not. is_given(words, "--list")) then
+         if (path == "" .and. command /= "simulate" .and. command /= "selftest" .and. .not. is_given(words, "--list")) then
             call move_to_text(config)                               ! no recording: nothing but that file
          end if
          config%options_file = value_of(words, "--write-config")

@@ -8,7 +8,7 @@ module gyroakf_app_config
    use gyroakf_simulate_record, only : simulate_options
    implicit none (type, external)
    private
-   public :: cli_config, text_config, reading_config, inspect_config, analysis_config, simulate_config
+   public :: cli_config, text_config, reading_config, inspect_config, analysis_config, simulate_config, selftest_config
    public :: new_config, has_many_files
 
    !> Common to all commands
@@ -82,6 +82,12 @@ module gyroakf_app_config
       character(:), allocatable :: origin
    end type simulate_config
 
+   !> selftest
+   type, extends(cli_config) :: selftest_config
+      !> File of the JSON document, "-" is standard output; unallocated: none
+      character(:), allocatable :: json
+   end type selftest_config
+
 contains
 
    !> The defaults of a command: run cleans the record, the others take it as it is.
@@ -96,6 +102,7 @@ contains
       select case (command)
       case ("inspect"); allocate (inspect_config :: config)
       case ("simulate"); allocate (simulate_config :: config)
+      case ("selftest"); allocate (selftest_config :: config)
       case default; allocate (analysis_config :: config)
       end select
       config%command = command

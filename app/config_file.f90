@@ -185,7 +185,7 @@ contains
             text = text//quoted(words%word(i)%text)
          end do
          text = text//"]"//nl
-      else if (command /= "simulate") then
+      else if (command /= "simulate" .and. command /= "selftest") then
          text = text//"# files = [""FILE""]"//nl
       end if
       do i = 1, size(options)

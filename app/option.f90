@@ -19,7 +19,7 @@ module gyroakf_app_option
       !> share: 0 < x <= 1; natural: 0, 1, ...; count: 1, 2, ...; later: known, but not in this version
       character(8) :: kind = "flag"
       !> The commands that know it
-      character(42) :: commands = ""
+      character(51) :: commands = ""
       !> Under which title of the help it stands
       character(6) :: group = "common"
       !> What it does
@@ -44,7 +44,8 @@ module gyroakf_app_option
       command_type("tests", "stationarity, normality, quantisation, whiteness, periodicity of the series"), &
       command_type("ar", "order table by every criterion, coefficients with standard errors, residuals"), &
       command_type("filter", "Kalman filter and adaptive Kalman filter: filtered series and diagnostics"), &
-      command_type("simulate", "a record with known noise: Q N B K R, AR terms, trend, outliers, seed")]
+      command_type("simulate", "a record with known noise: Q N B K R, AR terms, trend, outliers, seed"), &
+      command_type("selftest", "is this build right: published vectors, closed forms, simulated records")]
 
    !> Their names alone
    character(8), parameter :: command_names(*) = commands%name
@@ -52,6 +53,7 @@ module gyroakf_app_option
    character(*), parameter :: reading = "run inspect allan tests ar filter"
    character(*), parameter :: analysing = "run allan tests ar filter"
    character(*), parameter :: every = "run inspect allan tests ar filter simulate"
+   character(*), parameter :: any_command = every//" selftest"
    character(*), parameter :: none = ""
 
    !> Groups and their titles, in the order of the help
@@ -196,7 +198,7 @@ module gyroakf_app_option
    type(option_type), parameter :: common_options(*) = [ &
       option_type("--out", "DIR", "text", reading, "output", &
                   "write the results as files into DIR; of many files into a folder each, with a summary"), &
-      option_type("--json", "FILE", "text", reading, "output", &
+      option_type("--json", "FILE", "text", reading//" selftest", "output", &
                   "write the results (of many files the summary) as JSON; - is standard output"), &
       option_type("--kalibr", "FILE", "text", "run allan", "output", &
                   "write N and K as Kalibr's imu.yaml: SI, of each sensor the largest axis; needs rate and unit; of many "// &
@@ -211,27 +213,27 @@ module gyroakf_app_option
       option_type("--truth", "FILE", "text", "run filter", "output", &
                   "the true drift (simulate --truth, a reference sensor) on the record's grid: every filter, and others, "// &
                   "are scored against it"), &
-      option_type("--force", "", "flag", every, "output", "overwrite results that are there already (default: keep them)"), &
-      option_type("--quiet", "", "flag", reading, "output", "print no report"), &
+      option_type("--force", "", "flag", any_command, "output", "overwrite results that are there already (default: keep them)"), &
+      option_type("--quiet", "", "flag", reading//" selftest", "output", "print no report"), &
       option_type("--list", "FILE", "text", reading, "work", &
                   "work on the files named in FILE too, one a line; - is standard input"), &
-      option_type("--threads", "N", "count", every, "work", &
+      option_type("--threads", "N", "count", any_command, "work", &
                   "number of threads (default: all); many files are worked on side by side"), &
       option_type("--memory", "SIZE", "text", reading, "work", &
                   "memory that may be used, 28MB or more, as 500MB or 2GB (default: what is free); "// &
                   "allan, inspect and filter stream a larger recording, the others refuse it"), &
-      option_type("--progress", "auto|on|off", "choice", every, "work", &
+      option_type("--progress", "auto|on|off", "choice", any_command, "work", &
                   "how far long work is, on standard error; auto (default): on a terminal, after a second"), &
-      option_type("--config", "FILE", "text", every, "work", &
+      option_type("--config", "FILE", "text", any_command, "work", &
                   "take options from FILE, name = value a line; those of the command line come on top"), &
-      option_type("--write-config", "FILE", "text", every, "work", &
+      option_type("--write-config", "FILE", "text", any_command, "work", &
                   "write all options into FILE, those that are not given as comments; without a recording nothing else is done"), &
-      option_type("--help", "", "flag", every, "common", "this text, or that of a command"), &
-      option_type("--version", "", "flag", every, "common", "the version"), &
-      option_type("--citation", "", "flag", every, "common", "what to cite"), &
-      option_type("--man", "", "flag", every, "common", "the manual page, for man -l -"), &
-      option_type("--completion", "bash|zsh|fish", "choice", every, "common", "a script that completes commands, options and "// &
-                  "their words")]
+      option_type("--help", "", "flag", any_command, "common", "this text, or that of a command"), &
+      option_type("--version", "", "flag", any_command, "common", "the version"), &
+      option_type("--citation", "", "flag", any_command, "common", "what to cite"), &
+      option_type("--man", "", "flag", any_command, "common", "the manual page, for man -l -"), &
+      option_type("--completion", "bash|zsh|fish", "choice", any_command, "common", &
+                  "a script that completes commands, options and their words")]
 
    !> All options
    type(option_type), parameter :: options(*) = [input_options, series_options, record_options, common_options]

@@ -62,11 +62,12 @@ files '*.c' '*.h' '*.cpp' '*.hpp' '*.sh' | while read -r f; do
   head -n 3 "$f" | grep -q 'SPDX-License-Identifier: MIT' || echo "$f"
 done | rule "every C and C++ file and script has its licence"
 
-# foundations < io, simulate < the methods < pipeline < report < c_api
+# foundations < io, simulate < the methods < pipeline < selftest < report < c_api
 level() {
   case $1 in
-    gyroakf_c_api*) echo 5 ;;
-    gyroakf_report*) echo 4 ;;
+    gyroakf_c_api*) echo 6 ;;
+    gyroakf_report*) echo 5 ;;
+    gyroakf_selftest*) echo 4 ;;
     gyroakf_pipeline*) echo 3 ;;
     gyroakf_preprocess* | gyroakf_series* | gyroakf_ar | gyroakf_ar_* | gyroakf_allan* | gyroakf_filter*) echo 2 ;;
     gyroakf_io* | gyroakf_simulate*) echo 1 ;;

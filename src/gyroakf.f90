@@ -101,6 +101,8 @@ module gyroakf
       stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, drift_process_type, stage, &
       stage_names, apply_preset, run_pipeline, run_streamed, check_filter, filter_streamed, series_sink_type, tell_memory, &
       minimum_samples
+   use gyroakf_selftest, only : selftest_check_type, selftest_type, run_selftest
+   use gyroakf_report_selftest, only : report_selftest, write_selftest
    use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_report_files, only : write_results
    use gyroakf_report_csv, only : series_output_type

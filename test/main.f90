@@ -86,6 +86,7 @@ program test_main
    use test_release, only : collect_release
    use test_report, only : collect_report
    use test_sage_husa, only : collect_sage_husa
+   use test_selftest, only : collect_selftest
    use test_simulate, only : collect_simulate
    use test_special, only : collect_special
    use test_state_space, only : collect_state_space
@@ -188,6 +189,7 @@ program test_main
    call add("release", collect_release)
    call add("report", collect_report)
    call add("sage_husa", collect_sage_husa)
+   call add("selftest", collect_selftest)
    call add("simulate", collect_simulate)
    call add("special", collect_special)
    call add("state_space", collect_state_space)

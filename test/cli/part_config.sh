@@ -18,7 +18,7 @@ bad "a command of the line that has not all options" 1 ": option '--taus' is not
 
 good "options without a recording" run --write-config empty.toml
 is "nothing else is done" "$(cat out)" ""
-for command in run inspect allan tests ar filter simulate; do
+for command in run inspect allan tests ar filter simulate selftest; do
    output=--quiet
    [ $command != simulate ] || output=--output=o.txt
    good "every option of $command written" $command --write-config config_all.toml --force $output

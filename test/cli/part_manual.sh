@@ -5,7 +5,7 @@
 good "manual page" --man
 if cmp -s out "$root/man/gyroakf.1"; then pass; else fail "man/gyroakf.1 is not what --man prints: gyroakf --man > man/gyroakf.1"; fi
 sed 's/\\-/-/g; s/\\e/\\/g; s/\\f[BRI]//g; s/^\\&//' out >page
-for command in run inspect allan tests ar filter simulate; do
+for command in run inspect allan tests ar filter simulate selftest; do
    run $command --help
    # every option with its value and every line of its text, in the page
    sed -nE 's/^  (--[^ ]+( [^ ]+)?)( .*|$)/\1/p' out | sed 's/ *$//' | while read -r option; do
