@@ -92,6 +92,7 @@ program test_main
    use test_state_space, only : collect_state_space
    use test_streamed_filter, only : collect_streamed_filter
    use test_summary, only : collect_summary
+   use test_table, only : collect_table
    use test_text, only : collect_text
    use test_trend, only : collect_trend
    use test_columns_writer, only : collect_columns_writer
@@ -195,6 +196,7 @@ program test_main
    call add("state_space", collect_state_space)
    call add("streamed_filter", collect_streamed_filter)
    call add("summary", collect_summary)
+   call add("table", collect_table)
    call add("text", collect_text)
    call add("trend", collect_trend)
    call add("columns_writer", collect_columns_writer)

@@ -154,12 +154,14 @@ contains
    !> 3e-3*0.2 deg/s.
    subroutine test_text(error)
       type(error_type), allocatable, intent(out) :: error
-      character(120), parameter :: lines(5) = [character(120) :: &
-         "  N  sigma^2 = N^2/tau, two-sided density N^2  rad/sqrt(s)  5.515e-05    6.98e-07  1.047e-05", &
-         "  B  sigma^2 = (2 ln 2/pi) B^2 = (0.664 B)^2   rad/s                -              1.047e-05", &
-         "  R  sigma^2 = R^2 tau^2/2                     rad/s^2", &
-         "  Two-sided       0.00316 deg/s/sqrt(Hz) = 5.515e-05 rad/s/sqrt(Hz): N, also that of Kalibr", &
-         "  One-sided       0.004469 deg/s/sqrt(Hz) = 7.8e-05 rad/s/sqrt(Hz): sqrt(2) N, of some data sheets"]
+      character(120), parameter :: lines(7) = [character(120) :: &
+         "  N  sigma^2 = N^2/tau,         rad/sqrt(s)  5.515e-05    6.98e-07  1.047e-05", &
+         "     two-sided density N^2", &
+         "  B  sigma^2 = (2 ln 2/pi) B^2  rad/s                -              1.047e-05", &
+         "     = (0.664 B)^2", &
+         "  R  sigma^2 = R^2 tau^2/2      rad/s^2", &
+         "  Two-sided       0.00316 deg/s/sqrt(Hz) = 5.515e-05 rad/s/sqrt(Hz): N, also", &
+         "  One-sided       0.004469 deg/s/sqrt(Hz) = 7.8e-05 rad/s/sqrt(Hz): sqrt(2) N,"]
       type(writer_type) :: writer
       type(record_type) :: record
       type(pipeline_result_type) :: result

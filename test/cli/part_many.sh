@@ -12,9 +12,9 @@ printf '1\n2\nx\n' >many/broken.txt
 # the same results as of a run of each file alone, whatever the threads, in the order of the arguments
 for command in run allan tests ar filter inspect; do
    good "$command of many files" $command many/f1.txt many/two.csv many/sub/f2.csv many/f2.txt --out many_$command
-   is "$command: summary on standard output fits 100 columns" "$(LC_ALL=C.UTF-8 awk 'length > 100' out)" ""
-   is "$command: files of the summary" "$(awk '{ sub(/.*\//, "", $1); print $1 }' out | tr '\n' ' ')" \
-      "file f1.txt two.csv two.csv f2.csv f2.txt  4 "
+   is "$command: summary on standard output fits 80 columns" "$(LC_ALL=C.UTF-8 awk 'length > 80' out)" ""
+   is "$command: files of the summary" "$(awk '/^  [^ ]/ { sub(/.*\//, "", $1); print $1 }' out | tr '\n' ' ')" \
+      "file f1.txt two.csv two.csv f2.csv f2.txt 4 "
    is "$command: folders" "$(cd many_$command && echo *)" "f1 f2 f2-2 summary.csv summary.json two"
    good "$command alone" $command many/two.csv --out alone_$command
    for file in alone_$command/*; do

@@ -25,7 +25,7 @@ is "simulated rate" "$(number rate_hz out)" 100
 
 good "run on the example" run "$example" --out results --json all.json
 holds "report on standard output" "AKF" out
-is "report fits 100 columns" "$(LC_ALL=C.UTF-8 awk 'length > 100' out)" ""
+is "report fits 80 columns" "$(LC_ALL=C.UTF-8 awk 'length > 80' out)" ""
 is "the result files" "$(cd results && echo *)" "allan.csv ar_spectrum.csv coefficients.csv correlation.csv histogram.csv report.txt results.json series.csv spectrum.csv"
 if cmp -s results/results.json all.json; then pass; else fail "results.json and --json differ"; fi
 if cmp -s results/report.txt out; then pass; else fail "report.txt and standard output differ"; fi
@@ -93,7 +93,7 @@ fi
 
 for command in allan tests ar filter; do
    good "$command" $command "$example"
-   is "$command fits 100 columns" "$(LC_ALL=C.UTF-8 awk 'length > 100' out)" ""
+   is "$command fits 80 columns" "$(LC_ALL=C.UTF-8 awk 'length > 80' out)" ""
    good "$command with JSON" $command "$example" --json -
    is "$command --json - prints only JSON" "$(head -c 1 out)" "{"
    good "$command into a directory" $command "$example" --out "dir_$command" --quiet
@@ -197,8 +197,8 @@ is "no drift: null" "$(grep -cE '"(drift_kf|drift_akf|drift_smoother)": null' wh
 "$gyroakf" simulate --samples 20000 --rate 10 --coefficients N=0.01,K=0.002 --offset 3 --missing 0.01 --output walk.txt
 good "a record that drifts" run walk.txt --out walk --json walk.json
 for text in "Model           random walk + white noise" "In-sample: the drift was taken" "drift AKF " \
-   "compensated     Q and N alone, of the first"; do holds "report: $text" "$text" out; done
-is "report of the drift fits 100 columns" "$(LC_ALL=C.UTF-8 awk 'length > 100' out)" ""
+   "Q and N alone, of the first"; do holds "report: $text" "$text" out; done
+is "report of the drift fits 80 columns" "$(LC_ALL=C.UTF-8 awk 'length > 80' out)" ""
 is "columns of the series" "$(head -n 1 walk/series.csv)" "time,raw,cleaned,kf,akf,drift,compensated,drift_kf,drift_akf"
 is "raw is drift and compensated" "$(awk -F, 'NR > 1 && $2 != "nan" { d = $2 - $6 - $7; if (d > 1e-12 || d < -1e-12) n++ }
    END { print n + 0 }' walk/series.csv)" 0

@@ -39,8 +39,10 @@ bad() {
    else pass; fi
 }
 
-# holds NAME TEXT FILE: the text is in the file
-holds() { if grep -qF -- "$2" "$3"; then pass; else fail "$1: no '$2' in $3"; fi; }
+# holds NAME TEXT FILE: the text is in the file, in a line or wrapped
+holds() {
+   if grep -qF -- "$2" "$3" || tr -s "[:space:]" " " <"$3" | grep -qF -- "$2"; then pass; else fail "$1: no '$2' in $3"; fi
+}
 
 # is NAME ACTUAL EXPECTED
 is() { if [ "$2" = "$3" ]; then pass; else fail "$1: '$2' instead of '$3'"; fi; }

@@ -32,6 +32,8 @@ module gyroakf_io_writer
       logical :: failed = .false.
       !> True where all is written and only the renaming is left
       logical :: complete = .false.
+      !> A report goes to a terminal that shows UTF-8, colours; of no meaning to the writer itself
+      logical :: unicode = .false., colour = .false.
    end type writer_type
 
    !> Characters written at once

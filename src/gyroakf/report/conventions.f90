@@ -33,7 +33,7 @@ contains
       do i = 1, size(term_names)
          associate (stated => allan%stated%term(i))
             call set_cell(table, i + 1, 1, term_names(i))
-            call set_cell(table, i + 1, 2, stated%definition)
+            call set_cell(table, i + 1, 2, in_lines(stated%definition))
             call set_cell(table, i + 1, 3, stated%unit_si)
             if (.not. stated%fitted) cycle
             if (stated%detected) call set_cell(table, i + 1, 4, number(stated%value_si, 4))
@@ -47,6 +47,19 @@ contains
       call put_density(writer, "Two-sided", "N, also that of Kalibr", allan%stated%density(1))
       call put_density(writer, "One-sided", "sqrt(2) N, of some data sheets", allan%stated%density(2))
    end subroutine put_conventions
+
+   !> A definition in two lines where it says two things.
+   pure function in_lines(definition) result(text)
+      character(*), intent(in) :: definition
+      character(:), allocatable :: text
+      integer :: i
+
+      text = trim(definition)
+      i = index(text, ", ")
+      if (i > 0) text = text(:i)//new_line("a")//text(i + 2:)
+      i = index(text, " = ", back=.true.)
+      if (i > index(text, " = ")) text = text(:i - 1)//new_line("a")//text(i + 1:)
+   end function in_lines
 
    !> A line for one convention.
    subroutine put_density(writer, label, meaning, density)

@@ -2,79 +2,102 @@
 !> Table II of a report: both families of filters side by side, and the details of each.
 module gyroakf_report_filters
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_io_writer, only : writer_type, put_line
+   use gyroakf_record, only : record_type
+   use gyroakf_io_writer, only : writer_type
    use gyroakf_series_whiteness, only : ljung_box_type
    use gyroakf_filter_series, only : filter_result_type
    use gyroakf_pipeline_result, only : channel_result_type, filter_figures_type
-   use gyroakf_report_layout, only : put_heading, put_item, put_items, number, scientific, fixed, count_text, p_value_text
-   use gyroakf_report_table, only : table_type, new_table, set_cell, put_table
+   use gyroakf_report_input, only : has_unit, unit_name
+   use gyroakf_report_layout, only : put_item, put_items, put_paragraph, number, scientific, fixed, count_text
+   use gyroakf_report_table, only : table_type, new_table, set_cell, set_row, put_numbered
    use gyroakf_report_stationarity, only : whiteness_text, negligible_rho
    implicit none (type, external)
    private
-   public :: put_filter_table, put_filter_details
+   public :: put_filter_table, make_filter_table, put_filter_details
 
 contains
 
    !> Mean and variance before and after each filter, and beside them what the filter does to a true rotation.
-   subroutine put_filter_table(writer, channel)
+   subroutine put_filter_table(writer, record, channel)
       !> The report
       type(writer_type), intent(inout) :: writer
+      !> For the unit
+      type(record_type), intent(in) :: record
       !> Filters are filled as far as they are available
       type(channel_result_type), intent(in) :: channel
-      character(10), parameter :: head(10) = [character(10) :: "", "mean", "variance", "share", "gain", "DC gain", "NIS", &
-                                              "|rho|", "p", "innov."]
       type(table_type) :: table
-      integer :: i, rows
-      logical :: both
-
-      both = channel%drift%found .and. channel%available%preprocess
-      call put_heading(writer, "Table II. Before and after the filters")
-      rows = 3 + count([both, channel%available%kf, channel%available%akf, channel%available%drift_kf, &
-                        channel%available%drift_akf, channel%available%drift_smoother, channel%available%drift_smoother])
-      call new_table(table, rows, size(head))
-      do i = 1, size(head)
-         call set_cell(table, 1, i, trim(head(i)))
-      end do
-      rows = 1
-      call add_series(table, rows, "as read", channel%raw%mean, channel%raw%variance, "")
-      call add_series(table, rows, "cleaned", channel%cleaned%mean, channel%cleaned%variance, "100 %")
-      if (channel%available%kf) call add_filter(table, rows, "KF (paper)", channel%kf, channel%kf_figures)
-      if (channel%available%akf) call add_filter(table, rows, "AKF (paper)", channel%akf, channel%akf_figures)
-      if (both) call add_series(table, rows, "no outliers", channel%level%mean, channel%level%variance, "100 %")
-      if (channel%available%drift_kf) call add_filter(table, rows, "drift KF", channel%drift_kf, channel%drift_kf_figures)
-      if (channel%available%drift_akf) call add_filter(table, rows, "drift AKF", channel%drift_akf, channel%drift_akf_figures)
-      if (channel%available%drift_smoother) then
-         call add_filter(table, rows, "smoother", channel%drift_smoother, channel%drift_smoother_figures)
-         call add_series(table, rows, "compensated", channel%compensated%mean, channel%compensated%variance, &
-                         number(100*channel%compensated_ratio, 4)//" %")
-         call set_cell(table, rows, 6, fixed(channel%drift_smoother_figures%lost_percent/100, 4))
-      end if
-      call put_table(writer, table, 1)
-      call put_legend(writer, channel, both)
-   end subroutine put_filter_table
-
-   !> What the columns are, and how the families differ.
-   subroutine put_legend(writer, channel, both)
-      type(writer_type), intent(inout) :: writer
-      type(channel_result_type), intent(in) :: channel
-      !> The drift is looked for in another series than the one that the paper's filters work on
-      logical, intent(in) :: both
       character(:), allocatable :: text
 
-      text = "share: variance over that of the series above that is filtered. DC gain: share of a constant rotation that "// &
-             "passes. NIS: mean squared normalised innovation, 1 where Q and R describe the innovations"
-      if (channel%available%kf .and. channel%kf%nis_high > 0.0_dp) text = text//" (95 % of such filters within "// &
-         fixed(channel%kf%nis_low, 3)//" to "//fixed(channel%kf%nis_high, 3)//")"
-      call put_item(writer, "", text//". |rho|, p: largest autocorrelation of the innovations, Ljung-Box.")
+      call make_filter_table(record, channel, table)
+      call put_numbered(writer, table)
       if (channel%available%drift_kf .or. channel%available%drift_akf) then
          text = "The paper's filters give out the whole signal, smoothed; the drift filters the drift alone, to be "// &
                 "subtracted, and a rotation passes into it: estimate it at rest, only predict it in motion."
-         if (both) text = text//" They see the record as read without its outliers; its trend is drift to them."
-         call put_item(writer, "", text)
+         if (two_inputs(channel)) text = text//" They see the record as read without its outliers; its trend is drift to them."
+         call put_paragraph(writer, text, 2)
       end if
-      if (channel%available%drift_smoother) call put_item(writer, "", "compensated: the record less its smoothed drift. "// &
-         "In-sample: the drift was taken from the same record, before and after each sample; no filter in use does as well.")
-   end subroutine put_legend
+      if (channel%available%drift_smoother) call put_paragraph(writer, "compensated: the record less its smoothed drift. "// &
+         "In-sample: the drift was taken from the same record, before and after each sample; no filter in use does as well.", 2)
+   end subroutine put_filter_table
+
+   !> Table II: a row for each series and for each filter of both families.
+   subroutine make_filter_table(record, channel, table)
+      !> For the unit
+      type(record_type), intent(in) :: record
+      !> Filters are filled as far as they are available
+      type(channel_result_type), intent(in) :: channel
+      !> Described
+      type(table_type), intent(out) :: table
+      integer :: row
+
+      associate (is => channel%available)
+         row = merge(2, 1, has_unit(record))
+         call new_table(table, row + 2 + count([two_inputs(channel), is%kf, is%akf, is%drift_kf, is%drift_akf, &
+                                                is%drift_smoother, is%drift_smoother]), 9, head=row)
+         call describe(record, channel, table)
+         call add_series(table, row, "as read", channel%raw%mean, channel%raw%variance, "")
+         call add_series(table, row, "cleaned", channel%cleaned%mean, channel%cleaned%variance, "100 %")
+         if (is%kf) call add_filter(table, row, "KF (paper)", channel%kf, channel%kf_figures)
+         if (is%akf) call add_filter(table, row, "AKF (paper)", channel%akf, channel%akf_figures)
+         if (two_inputs(channel)) call add_series(table, row, "no outliers", channel%level%mean, channel%level%variance, "100 %")
+         if (is%drift_kf) call add_filter(table, row, "drift KF", channel%drift_kf, channel%drift_kf_figures)
+         if (is%drift_akf) call add_filter(table, row, "drift AKF", channel%drift_akf, channel%drift_akf_figures)
+         if (is%drift_smoother) then
+            call add_filter(table, row, "smoother", channel%drift_smoother, channel%drift_smoother_figures)
+            call add_series(table, row, "compensated", channel%compensated%mean, channel%compensated%variance, &
+                            number(100*channel%compensated_ratio, 3)//" %")
+            call set_cell(table, row, 6, fixed(channel%drift_smoother_figures%lost_percent/100, 4))
+         end if
+      end associate
+   end subroutine make_filter_table
+
+   !> The drift is looked for in another series than the one that the paper's filters work on.
+   pure logical function two_inputs(channel)
+      type(channel_result_type), intent(in) :: channel
+
+      two_inputs = channel%drift%found .and. channel%available%preprocess
+   end function two_inputs
+
+   !> Caption, heads of the columns, and what these mean.
+   subroutine describe(record, channel, table)
+      type(record_type), intent(in) :: record
+      type(channel_result_type), intent(in) :: channel
+      type(table_type), intent(inout) :: table
+
+      table%name = "filters"
+      table%number = "II"
+      table%caption = "Before and after the filters"
+      if (.not. has_unit(record)) table%caption = table%caption//", in input units"
+      call set_row(table, 1, [character(8) :: "", "mean", "variance", "share", "gain", "passes", "NIS", "|rho|", "innov."])
+      if (has_unit(record)) call set_cell(table, 2, 2, unit_name(record))
+      if (has_unit(record)) call set_cell(table, 2, 3, "("//unit_name(record)//")^2")
+      table%note = "share: variance over that of the series above that is filtered. gain: mean of the last third. passes: "// &
+         "share of a constant rotation (DC gain). NIS: mean squared normalised innovation, 1 where Q and R describe the "// &
+         "innovations"
+      if (channel%available%kf .and. channel%kf%nis_high > 0.0_dp) table%note = table%note//" (95 % of such filters within "// &
+         fixed(channel%kf%nis_low, 3)//" to "//fixed(channel%kf%nis_high, 3)//")"
+      table%note = table%note//". |rho|: largest autocorrelation of the innovations."
+   end subroutine describe
 
    !> A series in the table.
    subroutine add_series(table, row, name, mean, variance, share)
@@ -100,17 +123,14 @@ contains
       character(*), intent(in) :: name
       type(filter_result_type), intent(in) :: filter
       type(filter_figures_type), intent(in) :: figures
-      character(:), allocatable :: p
 
-      call add_series(table, row, name, filter%mean, filter%variance, number(100*figures%variance_ratio, 4)//" %")
+      call add_series(table, row, name, filter%mean, filter%variance, number(100*figures%variance_ratio, 3)//" %")
       call set_cell(table, row, 6, fixed(filter%dc_gain, 4))
       if (.not. filter%nis_high > 0.0_dp) return
-      p = p_value_text(filter%ljung_box%p_value)
-      call set_cell(table, row, 5, number(filter%gain, 3))
+      call set_cell(table, row, 5, number(filter%gain, 2))
       call set_cell(table, row, 7, fixed(filter%nis_mean, 3))
       call set_cell(table, row, 8, number(filter%ljung_box%largest_rho, 2))
-      call set_cell(table, row, 9, p(merge(5, 3, p(:4) == "p = "):))
-      call set_cell(table, row, 10, trim(verdict(filter%ljung_box)))
+      call set_cell(table, row, 9, trim(verdict(filter%ljung_box)))
    end subroutine add_filter
 
    !> Whiteness in a word: significance alone would call every long record coloured.

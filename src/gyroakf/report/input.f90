@@ -6,11 +6,11 @@ module gyroakf_report_input
    use gyroakf_units, only : quantity
    use gyroakf_release, only : release_string
    use gyroakf_io_writer, only : writer_type, put_line
-   use gyroakf_report_layout, only : put_heading, put_item, put_items, number, fixed, count_text, plural
+   use gyroakf_report_layout, only : put_title, put_heading, put_item, put_items, number, fixed, count_text, plural
    use gyroakf_report_table, only : table_type, new_table, set_cell, put_table
    implicit none (type, external)
    private
-   public :: report_inspect, put_title, put_input, has_unit, unit_name, duration_text
+   public :: report_inspect, put_input, has_unit, unit_name, duration_text
 
 contains
 
@@ -21,20 +21,10 @@ contains
       !> What was read
       type(record_type), intent(in) :: record
 
-      call put_title(writer, "what the file holds")
+      call put_title(writer, "gyroakf "//release_string//": what the file holds")
       call put_input(writer, record)
       call put_ranges(writer, record)
    end subroutine report_inspect
-
-   !> The first line of a report.
-   subroutine put_title(writer, text)
-      !> The report
-      type(writer_type), intent(inout) :: writer
-      !> What it is about
-      character(*), intent(in) :: text
-
-      call put_line(writer, "gyroakf "//release_string//": "//text)
-   end subroutine put_title
 
    !> File, samples, rate, unit, what is missing, warnings.
    subroutine put_input(writer, record)
@@ -46,7 +36,7 @@ contains
       integer :: i
 
       call put_heading(writer, "Input", "-")
-      call put_item(writer, "File", text_or(record%path, "(in memory)")//" ("//format_text(record)//")")
+      call put_item(writer, "File", text_or(record%path, "(in memory)")//" ("//format_text(record)//")", verbatim=.true.)
       names = ""
       if (allocated(record%channel)) then
          do i = 1, size(record%channel)
@@ -54,7 +44,7 @@ contains
          end do
       end if
       call put_item(writer, "Samples", count_text(sample_count(record))//" in "// &
-                    plural(size(record%value, 2, kind=int64), "channel")//names)
+                    plural(size(record%value, 2, kind=int64), "channel")//names, verbatim=.true.)
       if (record%rate_known) then
          call put_item(writer, "Rate", number(1.0_dp/record%sample_interval, 7)//" Hz"//source(record%rate_source)//"; "// &
                        duration_text(real(sample_count(record), dp)*record%sample_interval))
@@ -63,7 +53,7 @@ contains
                        "gives seconds and the usual units")
       end if
       if (allocated(record%channel_unit)) then
-         call put_item(writer, "Units", channel_units_text(record)//source(record%unit_source))
+         call put_item(writer, "Units", channel_units_text(record)//source(record%unit_source), verbatim=.true.)
       else if (has_unit(record)) then
          call put_item(writer, "Unit", unit_name(record)//source(record%unit_source))
       else
@@ -191,7 +181,7 @@ contains
          call set_cell(table, i + 1, 4, number(record%audit%quantisation(i), 4))
          if (mixed) call set_cell(table, i + 1, 5, text_or(record%channel_unit(i)%name, "not known"))
       end do
-      call put_table(writer, table, 1)
+      call put_table(writer, table, 1, verbatim=.true.)
    end subroutine put_ranges
 
    !> Somebody gave a unit.

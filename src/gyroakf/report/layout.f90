@@ -1,19 +1,24 @@
 ! SPDX-License-Identifier: MIT
-!> Lines of a terminal report: at most 100 columns, padded by characters (UTF-8), not by bytes.
+!> Lines of a terminal report: at most 80 columns, padded by characters (UTF-8), not by bytes.
+!>
+!> The writer tells whether the signs of UTF-8 and colours are shown; both come in here, the texts hold neither.
 module gyroakf_report_layout
    use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : text_type
    use gyroakf_io_writer, only : writer_type, put_line, format_real
+   use gyroakf_report_sign, only : to_unicode
    use gyroakf_utf8, only : text_width, is_continuation
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
    private
    public :: report_width, pad_right, pad_left
-   public :: put_heading, put_item, put_paragraph, put_point, put_items
+   public :: put_title, put_heading, put_item, put_paragraph, put_point, put_items
    public :: number, scientific, fixed, count_text, p_value_text, plural
 
    !> No line is longer
-   integer, parameter :: report_width = 100
+   integer, parameter :: report_width = 80
+   !> The terminal's number of bold letters
+   character(*), parameter :: bold = "1"
    !> Column where the text of an item begins
    integer, parameter :: item_column = 18
 
@@ -41,33 +46,84 @@ contains
       padded = repeat(" ", max(0, width - text_width(text)))//text
    end function pad_left
 
+   !> The text with the signs of UTF-8, where they are shown.
+   pure function with_signs(writer, text, verbatim) result(shown)
+      type(writer_type), intent(in) :: writer
+      character(*), intent(in) :: text
+      logical, intent(in), optional :: verbatim
+      character(:), allocatable :: shown
+
+      shown = text
+      if (writer%unicode .and. .not. present(verbatim)) shown = to_unicode(text)
+   end function with_signs
+
+   !> The text in a colour, where colours are shown.
+   pure function painted(writer, text, colour) result(shown)
+      type(writer_type), intent(in) :: writer
+      character(*), intent(in) :: text, colour
+      character(:), allocatable :: shown
+
+      shown = text
+      if (writer%colour .and. colour /= "" .and. text /= "") shown = achar(27)//"["//colour//"m"//text//achar(27)//"[0m"
+   end function painted
+
+   !> Which colour a label has: what needs a look is yellow, what failed is red.
+   pure function colour_of(label) result(colour)
+      character(*), intent(in) :: label
+      character(:), allocatable :: colour
+
+      select case (label)
+      case ("Warning", "Misfit"); colour = "33"
+      case ("Not available"); colour = "31"
+      case default; colour = ""
+      end select
+   end function colour_of
+
+   !> The first line of a report.
+   subroutine put_title(writer, text)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> What it is about
+      character(*), intent(in) :: text
+
+      call put_wrapped(writer, "", text, 0, bold)
+   end subroutine put_title
+
    !> An empty line, the heading, and a line of signs under it.
-   subroutine put_heading(writer, text, underline)
+   subroutine put_heading(writer, text, underline, verbatim)
       !> The report
       type(writer_type), intent(inout) :: writer
       !> The heading
       character(*), intent(in) :: text
       !> "=" or "-"; absent: none
       character(1), intent(in), optional :: underline
+      !> Holds what a user wrote: shown as it is
+      logical, intent(in), optional :: verbatim
+
+      character(:), allocatable :: shown
 
       call put_line(writer, "")
-      call put_paragraph(writer, text, 0)
-      if (present(underline)) call put_line(writer, repeat(underline, min(text_width(text), report_width)))
+      shown = with_signs(writer, text, verbatim)
+      call put_wrapped(writer, "", shown, 0, bold)
+      if (present(underline)) call put_line(writer, painted(writer, repeat(underline, min(text_width(shown), report_width)), bold))
    end subroutine put_heading
 
    !> A label and its text, wrapped under itself.
-   subroutine put_item(writer, label, text)
+   subroutine put_item(writer, label, text, verbatim)
       !> The report
       type(writer_type), intent(inout) :: writer
       !> At most 15 characters
       character(*), intent(in) :: label
       !> Any length
       character(*), intent(in) :: text
+      !> Holds what a user wrote: shown as it is
+      logical, intent(in), optional :: verbatim
 
-      call put_wrapped(writer, pad_right("  "//label, item_column - 1)//" ", text, item_column)
+      call put_wrapped(writer, pad_right("  "//label, item_column - 1)//" ", with_signs(writer, text, verbatim), item_column, &
+                       colour_of(label))
    end subroutine put_item
 
-   !> The same label for every text of a list.
+   !> The same label for every text of a list, which are shown as they are.
    subroutine put_items(writer, label, list)
       !> The report
       type(writer_type), intent(inout) :: writer
@@ -79,7 +135,7 @@ contains
 
       if (.not. allocated(list)) return
       do i = 1, size(list)
-         call put_item(writer, label, list(i)%text)
+         call put_item(writer, label, list(i)%text, verbatim=.true.)
       end do
    end subroutine put_items
 
@@ -92,7 +148,7 @@ contains
       !> Blanks in front of every line
       integer, intent(in) :: indent
 
-      call put_wrapped(writer, repeat(" ", indent), text, indent)
+      call put_wrapped(writer, repeat(" ", indent), with_signs(writer, text), indent, "")
    end subroutine put_paragraph
 
    !> Wrapped text with a mark in front.
@@ -102,27 +158,31 @@ contains
       !> Any length
       character(*), intent(in) :: text
 
-      call put_wrapped(writer, "  - ", text, 4)
+      call put_wrapped(writer, "  - ", with_signs(writer, text), 4, "")
    end subroutine put_point
 
    !> Wraps at blanks, but not inside "1 %", "a = 1", "1 +/- 2"; a word wider than a line is cut between characters.
-   subroutine put_wrapped(writer, first, text, indent)
+   !> The colour is that of what stands before the text, of the text where nothing does.
+   subroutine put_wrapped(writer, first, text, indent, colour)
       type(writer_type), intent(inout) :: writer
       character(*), intent(in) :: first, text
       integer, intent(in) :: indent
+      character(*), intent(in) :: colour
       character(:), allocatable :: line
-      integer :: position, last
+      integer :: position, last, label
       logical :: fresh
 
       line = first
+      label = len(first)
       fresh = .true.
       position = 1
       do
          call next_word(text, position, report_width - indent, last)
          if (last < position) exit
          if (.not. fresh .and. text_width(line) + 1 + text_width(text(position:last)) > report_width) then
-            call put_line(writer, line)
+            call put_coloured(writer, line, label, colour)
             line = repeat(" ", indent)
+            label = 0
             fresh = .true.
          end if
          if (.not. fresh) line = line//" "
@@ -130,8 +190,25 @@ contains
          fresh = .false.
          position = last + 1
       end do
-      call put_line(writer, trim(line))
+      call put_coloured(writer, trim(line), label, colour)
    end subroutine put_wrapped
+
+   !> A line whose label, or where the whole text is coloured all of it, has a colour.
+   subroutine put_coloured(writer, line, label, colour)
+      type(writer_type), intent(inout) :: writer
+      character(*), intent(in) :: line
+      !> Bytes of the label in this line
+      integer, intent(in) :: label
+      character(*), intent(in) :: colour
+      integer :: n
+
+      n = min(label, len(line))
+      if (colour == bold) then
+         call put_line(writer, painted(writer, line, colour))
+      else
+         call put_line(writer, painted(writer, line(:n), colour)//line(n + 1:))
+      end if
+   end subroutine put_coloured
 
    !> The next word from `position` on, which moves to its first byte; `last` is before it where there is none.
    pure subroutine next_word(text, position, widest, last)
@@ -163,6 +240,7 @@ contains
       is_break = text(i:i) == " "
       if (.not. is_break .or. i == 1 .or. i == len(text)) return
       is_break = scan(text(i + 1:i + 1), "%=+") == 0 .and. text(i - 1:i - 1) /= "=" .and. text(max(1, i - 3):i - 1) /= "+/-"
+      if (is_break) is_break = text(i + 1:min(len(text), i + 2)) /= "±" .and. text(max(1, i - 2):i - 1) /= "±"
    end function is_break
 
    !> A number at so many significant digits, "-" where it is not finite.

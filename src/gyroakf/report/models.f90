@@ -2,52 +2,86 @@
 !> Table I (AR models) of a report.
 module gyroakf_report_models
    use gyroakf_kinds, only : dp, int64
+   use gyroakf_record, only : record_type
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : channel_result_type
    use gyroakf_report_ar_details, only : put_ar_normality, put_ar_roots
-   use gyroakf_report_layout, only : put_heading, put_item, number, scientific, fixed, count_text
-   use gyroakf_report_table, only : table_type, new_table, set_cell, put_table
+   use gyroakf_report_input, only : unit_name
+   use gyroakf_report_layout, only : put_item, number, scientific, fixed, count_text
+   use gyroakf_report_table, only : table_type, new_table, set_cell, set_row, put_numbered
    use gyroakf_report_stationarity, only : whiteness_text
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
    private
-   public :: put_ar_table, upper_case
+   public :: put_ar_table, make_ar_table, upper_case
 
 contains
 
    !> Orders, criteria, the choice, and the model that was chosen.
-   subroutine put_ar_table(writer, channel)
+   subroutine put_ar_table(writer, record, channel)
       !> The report
       type(writer_type), intent(inout) :: writer
+      !> For the unit
+      type(record_type), intent(in) :: record
       !> `ar` is filled where it is available
       type(channel_result_type), intent(in) :: channel
-      character(8), parameter :: head(9) = [character(8) :: "", "order", "variance", "AIC", "AICc", "BIC", "HQIC", "FPE", "AIC/n"]
       type(table_type) :: table
-      integer :: i, row
 
       if (.not. channel%available%ar) return
-      call put_heading(writer, "Table I. AR models ("//method_name(channel%ar%method)//", n = "// &
-                       count_text(channel%ar%compared_rows)//"); * is the order chosen by "//upper_case(trim(channel%ar%criterion)))
-      call new_table(table, size(channel%ar%table) + 1, size(head))
-      do i = 1, size(head)
-         call set_cell(table, 1, i, trim(head(i)))
-      end do
+      call make_ar_table(record, channel, table)
+      call put_numbered(writer, table)
+      call put_model(writer, channel)
+   end subroutine put_ar_table
+
+   !> Table I: a row for each order, with every criterion.
+   subroutine make_ar_table(record, channel, table)
+      !> For the unit
+      type(record_type), intent(in) :: record
+      !> `ar` is available
+      type(channel_result_type), intent(in) :: channel
+      !> Described
+      type(table_type), intent(out) :: table
+      integer :: i, row
+
+      call new_table(table, size(channel%ar%table) + 1, 8, left=0)
+      table%name = "ar"
+      table%number = "I"
+      table%caption = "AR models ("//method_name(channel%ar%method)//", n = "//count_text(channel%ar%compared_rows)// &
+                      ", variances in ("//unit_name(record)//")^2); * is the order chosen by "// &
+                      upper_case(trim(channel%ar%criterion))
+      call set_row(table, 1, [character(8) :: "order", "variance", "AIC", "AICc", "BIC", "HQIC", "FPE", "AIC/n"])
       do i = lbound(channel%ar%table, 1), ubound(channel%ar%table, 1)
          row = i - lbound(channel%ar%table, 1) + 2
          associate (line => channel%ar%table(i))
-            if (line%order == channel%ar%order) call set_cell(table, row, 1, "*")
-            call set_cell(table, row, 2, count_text(int(line%order, int64)))
-            call set_cell(table, row, 3, scientific(line%noise_variance, 6))
-            call set_cell(table, row, 4, fixed(line%aic, 2))
-            call set_cell(table, row, 5, fixed(line%aicc, 2))
-            call set_cell(table, row, 6, fixed(line%bic, 2))
-            call set_cell(table, row, 7, fixed(line%hqic, 2))
-            call set_cell(table, row, 8, scientific(line%fpe, 6))
-            call set_cell(table, row, 9, fixed(line%aic_per_observation, 6))
+            call set_cell(table, row, 1, merge("* ", "  ", line%order == channel%ar%order)// &
+                          count_text(int(line%order, int64)))
+            call set_cell(table, row, 2, scientific(line%noise_variance, 5))
+            call set_cell(table, row, 3, criterion(line%aic))
+            call set_cell(table, row, 4, criterion(line%aicc))
+            call set_cell(table, row, 5, criterion(line%bic))
+            call set_cell(table, row, 6, criterion(line%hqic))
+            call set_cell(table, row, 7, scientific(line%fpe, 5))
+            call set_cell(table, row, 8, fixed(line%aic_per_observation, 6))
          end associate
       end do
-      call put_table(writer, table, 1)
-      call put_model(writer, channel)
-   end subroutine put_ar_table
+   end subroutine make_ar_table
+
+   !> Decimals down to what a difference has to have, no more than a column has room for.
+   pure function criterion(value) result(text)
+      real(dp), intent(in) :: value
+      character(:), allocatable :: text
+
+      text = "-"
+      if (.not. ieee_is_finite(value)) return
+      if (abs(value) < 1e5_dp) then
+         text = fixed(value, 2)
+      else if (abs(value) < 1e6_dp) then
+         text = fixed(value, 1)
+      else
+         text = fixed(value, 0)
+         text = text(:len(text) - 1)                       ! without the point
+      end if
+   end function criterion
 
    !> Coefficients of the chosen model.
    subroutine put_model(writer, channel)

@@ -4,20 +4,17 @@ module gyroakf_report_noise
    use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : record_type
    use gyroakf_units, only : term_names, quantity
-   use gyroakf_io_writer, only : writer_type, put_line
+   use gyroakf_io_writer, only : writer_type
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stated_coefficient_type, stage
    use gyroakf_report_conventions, only : put_conventions
-   use gyroakf_report_layout, only : put_heading, put_item, pad_left, pad_right, number, count_text
-   use gyroakf_report_table, only : table_type, new_table, set_cell, put_table
+   use gyroakf_report_layout, only : put_heading, put_item, number, count_text
+   use gyroakf_report_table, only : table_type, new_table, set_cell, put_table, put_numbered
    use gyroakf_report_fit, only : put_fit, put_visible
    use gyroakf_report_input, only : unit_name
    implicit none (type, external)
    private
-   public :: put_curves_of, put_coefficients, put_comparison, term_title
-
-   !> Widths of Table III
-   integer, parameter :: name_width = 22, value_width = 13, last_width = 11
+   public :: put_curves_of, put_coefficients, put_comparison, make_comparison, term_title
 
 contains
 
@@ -99,7 +96,7 @@ contains
       call set_cell(table, 1, 3, "fitted")
       call set_cell(table, 1, 4, "std. error")
       call set_cell(table, 1, 5, "limit")
-      call set_cell(table, 1, 6, "read off the curve")
+      call set_cell(table, 1, 6, "read off")
       do term = 1, 5
          associate (stated => allan%stated%term(term))
             call set_cell(table, term + 1, 1, term_title(record, term))
@@ -155,55 +152,95 @@ contains
       type(record_type), intent(in) :: record
       !> Curves and coefficients as far as they are available
       type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: first, second
-      integer :: term, which
+      type(table_type) :: table
 
-      call put_heading(writer, "Table III. Noise coefficients from the Allan deviation; one standard error, or the 95 % limit, "// &
-                       "below the value; reduction from cleaned to AKF; compensated is in-sample")
-      call put_line(writer, "  "//repeat(" ", name_width)//pad_left("as read", value_width)//pad_left("cleaned", value_width)// &
-                    pad_left("KF", value_width)//pad_left("AKF", value_width)//pad_left("compensated", value_width)// &
-                    pad_left("reduction", last_width))
-      do term = 1, 5
-         first = "  "//pad_right(term_title(record, term), name_width)
-         second = "  "//pad_right("  "//coefficient_unit_name(channel, term), name_width)
-         do which = stage%input, stage%compensated
-            call add_value(channel%allan(which), term, first, second)
-         end do
-         if (channel%reduction_known(term)) then
-            first = first//pad_left(number(channel%reduction_percent(term), 3)//" %", last_width)
-         else if (channel%reduction_at_least(term) > 0.0_dp) then
-            first = first//pad_left("> "//number(channel%reduction_at_least(term), 3)//" %", last_width)
-         end if
-         call put_line(writer, trim(first))
-         call put_line(writer, trim(second))
-      end do
-      if (channel%allan(stage%compensated)%fitted) call put_item(writer, "compensated", "Q and N alone, of the first "// &
-         count_text(int(channel%allan(stage%compensated)%noise%points, int64))//" averaging times: at longer ones the curve "// &
-         "lacks what the smoother takes of the noise along with the drift")
+      call make_comparison(record, channel, table)
+      call put_numbered(writer, table)
+      if (channel%allan(stage%compensated)%fitted) call put_item(writer, "compensated", "in-sample; Q and N alone, of the "// &
+         "first "//count_text(int(channel%allan(stage%compensated)%noise%points, int64))//" averaging times: at longer ones "// &
+         "the curve lacks what the smoother takes of the noise along with the drift")
       call put_fit(writer, record, channel%allan(stage%input))
       call put_visible(writer, record, channel%allan(stage%input))
       call put_conventions(writer, channel%allan(stage%input), "As read")
    end subroutine put_comparison
 
-   !> Value above, uncertainty below.
-   pure subroutine add_value(allan, term, first, second)
+   !> Table III: a row for each series, a column for each term.
+   subroutine make_comparison(record, channel, table)
+      !> For the names of the terms
+      type(record_type), intent(in) :: record
+      !> Curves and coefficients as far as they are available
+      type(channel_result_type), intent(in) :: channel
+      !> Described
+      type(table_type), intent(out) :: table
+      character(11), parameter :: series(5) = [character(11) :: "as read", "cleaned", "KF", "AKF", "compensated"]
+      integer :: term, which, row, last
+
+      last = merge(stage%compensated, stage%akf, channel%allan(stage%compensated)%available)
+      call new_table(table, 4 + last - stage%input, 6, head=2)
+      table%name = "coefficients"
+      table%number = "III"
+      table%caption = "Noise coefficients from the Allan deviation"
+      table%note = ""
+      do term = 1, 5
+         call set_cell(table, 1, term + 1, term_names(term))
+         call set_cell(table, 2, term + 1, broken(coefficient_unit_name(channel, term), "*/", 12))
+         table%note = table%note//term_title(record, term)//trim(merge(", ", ". ", term < 5))//" "
+      end do
+      row = 2
+      do which = stage%input, last
+         row = row + 1
+         call set_cell(table, row, 1, trim(series(which)))
+         do term = 1, 5
+            call set_cell(table, row, term + 1, compared_text(channel%allan(which), term))
+         end do
+      end do
+      call set_cell(table, row + 1, 1, "reduction")
+      do term = 1, 5
+         call set_cell(table, row + 1, term + 1, reduction_text(channel, term))
+      end do
+      table%note = table%note//"+/-: one standard error; <: not detected, one-sided 95 % limit. reduction: from cleaned to AKF."
+   end subroutine make_comparison
+
+   !> A text in two lines where it is wide, the second one from the last of some signs on.
+   pure function broken(text, breaks, width) result(lines)
+      character(*), intent(in) :: text, breaks
+      integer, intent(in) :: width
+      character(:), allocatable :: lines
+      integer :: i
+
+      lines = text
+      if (len(text) <= width) return
+      i = scan(text, breaks, back=.true.)
+      if (i > 1) lines = text(:i - 1)//new_line("a")//text(i:)
+   end function broken
+
+   !> The value and under it its error, or the limit.
+   pure function compared_text(allan, term) result(text)
       type(allan_result_type), intent(in) :: allan
       integer, intent(in) :: term
-      character(:), allocatable, intent(inout) :: first, second
-      character(:), allocatable :: value, error
+      character(:), allocatable :: text
 
+      text = "-"
       associate (stated => allan%stated%term(term))
-         value = "-"
-         error = ""
-         if (allan%fitted .and. stated%fitted) then
-            value = value_text(stated)
-            error = "+/- "//number(stated%std_error, 2)
-            if (.not. stated%detected) error = "(< "//number(stated%upper_limit, 3)//")"
-         end if
-         first = first//pad_left(value, value_width)
-         second = second//pad_left(error, value_width)
+         if (.not. (allan%fitted .and. stated%fitted)) return
+         if (stated%detected) text = number(stated%value, 4)//new_line("a")//"+/- "//number(stated%std_error, 2)
+         if (.not. stated%detected) text = "< "//number(stated%upper_limit, 3)
       end associate
-   end subroutine add_value
+   end function compared_text
+
+   !> How much less the adaptive filter leaves.
+   pure function reduction_text(channel, term) result(text)
+      type(channel_result_type), intent(in) :: channel
+      integer, intent(in) :: term
+      character(:), allocatable :: text
+
+      text = "-"
+      if (channel%reduction_known(term)) then
+         text = number(channel%reduction_percent(term), 3)//" %"
+      else if (channel%reduction_at_least(term) > 0.0_dp) then
+         text = "> "//number(channel%reduction_at_least(term), 3)//" %"
+      end if
+   end function reduction_text
 
    !> The number, or that there is none.
    pure function value_text(stated) result(text)

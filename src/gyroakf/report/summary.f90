@@ -13,7 +13,7 @@ module gyroakf_report_summary
       & put_member, put_null
    use gyroakf_report_layout, only : plural, report_width
    use gyroakf_report_summary_row, only : column_heads, csv_head, make_failed_row, make_row, summary_row_type
-   use gyroakf_report_table, only : new_table, put_table, set_cell, table_type
+   use gyroakf_report_table, only : column_widths, new_table, put_table, set_cell, table_type
    use gyroakf_utf8, only : is_continuation, text_width
    implicit none (type, external)
    private
@@ -261,7 +261,7 @@ contains
       call flush_json(json, writer)
    end subroutine write_summary_json
 
-   !> A table of at most 100 columns where names and units allow it, and how many files failed.
+   !> A table of at most 80 columns where names and units allow it, and how many files failed.
    subroutine write_summary_table(writer, command, rows)
       !> Open
       type(writer_type), intent(inout) :: writer
@@ -271,15 +271,14 @@ contains
       type(summary_row_type), intent(in) :: rows(:)
       type(text_type), allocatable :: heads(:)
       type(table_type) :: table
-      integer :: i, j, k, line, width
+      integer :: i, j, k, line
 
       call column_heads(command, heads)
       line = 1
       do i = 1, size(rows)
          line = line + size(rows(i)%cell, 1)
       end do
-      call new_table(table, line, size(heads))
-      width = max(least_name, report_width - rest_width(heads, rows))
+      call new_table(table, line, size(heads), left=2)
       do j = 1, size(heads)
          call set_cell(table, 1, j, heads(j)%text)
       end do
@@ -287,14 +286,18 @@ contains
       do i = 1, size(rows)
          do k = 1, size(rows(i)%cell, 1)
             line = line + 1
-            call set_cell(table, line, 1, tail_of(rows(i)%cell(k, 1)%text, width))
+            call set_cell(table, line, 1, rows(i)%cell(k, 1)%text)
             call set_cell(table, line, 2, tail_of(rows(i)%cell(k, 2)%text, most_channel))
             do j = 3, size(heads)
                call set_cell(table, line, j, rows(i)%cell(k, j)%text)
             end do
          end do
       end do
-      call put_table(writer, table, 2)
+      do j = 3, size(heads)
+         call move_unit(table, j)
+      end do
+      call fit_names(table)
+      call put_table(writer, table, verbatim=.true.)
       call put_line(writer, "")
       if (any(rows%code /= 0)) then
          call put_line(writer, "  "//plural(size(rows, kind=int64), "file")//", "//plural(count(rows%code /= 0, kind=int64), &
@@ -304,24 +307,64 @@ contains
       end if
    end subroutine write_summary_table
 
-   !> Characters that all columns but the first take.
-   pure integer function rest_width(heads, rows) result(width)
-      type(text_type), intent(in) :: heads(:)
-      type(summary_row_type), intent(in) :: rows(:)
-      integer :: i, j, k, widest
+   !> A unit that all numbers of a column have goes into its head.
+   pure subroutine move_unit(table, column)
+      type(table_type), intent(inout) :: table
+      integer, intent(in) :: column
+      character(:), allocatable :: unit
+      integer :: i, first
 
-      width = 2
-      do j = 2, size(heads)
-         widest = text_width(heads(j)%text)
-         do i = 1, size(rows)
-            do k = 1, size(rows(i)%cell, 1)
-               widest = max(widest, text_width(rows(i)%cell(k, j)%text))
-            end do
-         end do
-         if (j == 2) widest = min(widest, most_channel)
-         width = width + 2 + widest
+      unit = ""
+      do i = 2, size(table%cell, 1)
+         associate (text => table%cell(i, column)%text)
+            if (text == "" .or. text == "-") cycle
+            first = index(text, " ", back=.true.)
+            if (first == 0) return
+            if (scan(text(first + 1:first + 1), "0123456789") > 0) return
+            if (unit == "") unit = text(first:)
+            if (text(first:) /= unit) return
+         end associate
       end do
-   end function rest_width
+      if (unit == "") return
+      table%cell(1, column)%text = table%cell(1, column)%text//new_line("a")//unit(2:)
+      do i = 2, size(table%cell, 1)
+         first = index(table%cell(i, column)%text, " ", back=.true.)
+         if (first > 0) table%cell(i, column)%text = table%cell(i, column)%text(:first - 1)
+      end do
+   end subroutine move_unit
+
+   !> A unit that only some numbers of a column have goes below its number.
+   pure subroutine break_cells(table)
+      type(table_type), intent(inout) :: table
+      integer :: i, j, blank
+
+      do j = 3, size(table%cell, 2)
+         do i = 2, size(table%cell, 1)
+            associate (text => table%cell(i, j)%text)
+               blank = index(text, " ", back=.true.)
+               if (blank == 0) cycle
+               if (scan(text(blank + 1:blank + 1), "0123456789") == 0) text(blank:blank) = new_line("a")
+            end associate
+         end do
+      end do
+   end subroutine break_cells
+
+   !> Units, then file names give way where the table would else be too wide: names lose their beginning.
+   pure subroutine fit_names(table)
+      type(table_type), intent(inout) :: table
+      integer, allocatable :: width(:)
+      integer :: i, room
+
+      call column_widths(table, width)
+      if (2*size(width) + least_name + sum(width(2:)) > report_width) then
+         call break_cells(table)
+         call column_widths(table, width)
+      end if
+      room = max(least_name, report_width - 2*size(width) - sum(width(2:)))
+      do i = 2, size(table%cell, 1)
+         table%cell(i, 1)%text = tail_of(table%cell(i, 1)%text, room)
+      end do
+   end subroutine fit_names
 
    !> The end of a text that is too long, with "..." in front.
    pure function tail_of(text, width) result(tail)

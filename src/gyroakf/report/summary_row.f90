@@ -228,7 +228,7 @@ contains
       case ("inspect"); middle = [character(12) :: "rate Hz", "unit", "missing", "gaps"]
       case ("tests"); middle = [character(12) :: "ADF p", "Jarque-Bera", "Ljung-Box"]
       case ("ar"); middle = [character(12) :: "order", "noise var.", "phi 1"]
-      case ("filter"); middle = [character(12) :: "variance", "KF", "AKF", "AKF DC gain"]
+      case ("filter"); middle = [character(12) :: "variance", "KF", "AKF", "AKF passes"]
       case default; middle = [character(12) :: "N", "B", "K"]
       end select
       allocate (heads(size(middle) + 4))

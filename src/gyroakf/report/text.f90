@@ -1,11 +1,12 @@
 ! SPDX-License-Identifier: MIT
-!> The terminal reports, at most 100 columns wide; they print numbers of the result and compute nothing.
+!> The terminal reports, at most 80 columns wide; they print numbers of the result and compute nothing.
 module gyroakf_report_text
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_io_writer, only : writer_type, put_line
+   use gyroakf_release, only : release_string
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, stage
-   use gyroakf_report_layout, only : put_heading, put_item
-   use gyroakf_report_input, only : put_title, put_input, report_inspect
+   use gyroakf_report_layout, only : put_title, put_heading, put_item
+   use gyroakf_report_input, only : put_input, report_inspect
    use gyroakf_report_removed, only : put_removed
    use gyroakf_report_sections, only : put_tests
    use gyroakf_report_models, only : put_ar_table
@@ -38,13 +39,7 @@ contains
       type(record_type) :: view
       integer :: c
 
-      select case (command)
-      case ("allan"); call put_title(writer, "Allan deviation"//preset_name(options))
-      case ("tests"); call put_title(writer, "tests"//preset_name(options))
-      case ("ar"); call put_title(writer, "AR models"//preset_name(options))
-      case ("filter"); call put_title(writer, "filters"//preset_name(options))
-      case default; call put_title(writer, "random errors of a gyroscope record"//preset_name(options))
-      end select
+      call put_title(writer, "gyroakf "//release_string//": "//subject(command)//preset_name(options))
       call put_input(writer, record)
       do c = 1, size(result%channel)
          call view_channel(record, c, view)
@@ -60,7 +55,7 @@ contains
       type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(in) :: channel
 
-      call put_heading(writer, "Channel "//channel%name, "=")
+      call put_heading(writer, "Channel "//channel%name, "=", verbatim=.true.)
       if (channel%available%preprocess .or. command == "run") call put_removed(writer, record, channel)
       select case (command)
       case ("allan")
@@ -70,20 +65,20 @@ contains
          call put_tests(writer, channel)
          call put_periodicity(writer, record, channel)
       case ("ar")
-         call put_ar_table(writer, channel)
+         call put_ar_table(writer, record, channel)
          call put_arma(writer, record, channel)
       case ("filter")
-         call put_ar_table(writer, channel)
-         call put_filter_table(writer, channel)
+         call put_ar_table(writer, record, channel)
+         call put_filter_table(writer, record, channel)
          call put_filter_details(writer, channel)
          call put_truth(writer, record, channel)
          call put_drift_model(writer, record, channel)
       case default
          call put_tests(writer, channel)
          call put_periodicity(writer, record, channel)
-         call put_ar_table(writer, channel)
+         call put_ar_table(writer, record, channel)
          call put_arma(writer, record, channel)
-         call put_filter_table(writer, channel)
+         call put_filter_table(writer, record, channel)
          call put_filter_details(writer, channel)
          call put_truth(writer, record, channel)
          call put_drift_model(writer, record, channel)
@@ -110,6 +105,20 @@ contains
          call put_coefficients(writer, record, channel%allan(stage%cleaned))
       end if
    end subroutine put_curves
+
+   !> What the report of a command is about.
+   pure function subject(command) result(text)
+      character(*), intent(in) :: command
+      character(:), allocatable :: text
+
+      select case (command)
+      case ("allan"); text = "Allan deviation"
+      case ("tests"); text = "tests"
+      case ("ar"); text = "AR models"
+      case ("filter"); text = "filters"
+      case default; text = "random errors of a gyroscope record"
+      end select
+   end function subject
 
    !> Says so where the paper's chain was asked for.
    pure function preset_name(options) result(text)

@@ -1,0 +1,161 @@
+! SPDX-License-Identifier: MIT
+!> Tables of a report, and the signs that a terminal shows in its texts.
+module test_table
+   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use gyroakf_io_writer, only : writer_type
+   use gyroakf_report_layout, only : put_heading, put_item, put_point, report_width
+   use gyroakf_report_sign, only : to_unicode
+   use gyroakf_report_table, only : cell_line, cell_lines, new_table, put_table, set_cell, set_row, table_type
+   use report_fixture, only : begin_text, end_text
+   implicit none (type, external)
+   private
+   public :: collect_table
+
+   character(1), parameter :: lf = new_line("a")
+   character(1), parameter :: escape = achar(27)
+
+contains
+
+   !> Names the tests.
+   subroutine collect_table(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         new_unittest("signs", test_signs), &
+         new_unittest("signs-in-names", test_names), &
+         new_unittest("signs-in-the-layout", test_layout), &
+         new_unittest("colours", test_colours), &
+         new_unittest("cells-of-two-lines", test_lines), &
+         new_unittest("too-wide", test_too_wide), &
+         new_unittest("long-names", test_long_names)]
+   end subroutine collect_table
+
+   subroutine test_signs(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      call check(error, to_unicode("0.41 +/- 0.01 deg/sqrt(h), (deg/s)^2, deg/h^1.5, 2.5 sigma"), &
+                 "0.41 ± 0.01 deg/√h, (deg/s)², deg/h^1.5, 2.5 σ")
+      if (allocated(error)) return
+      call check(error, to_unicode("sigma^2 = N^2/tau, tau <= 3, |rho| >= 2, |k fs +- f|, chi-square, 2 ln 2/pi, sqrt(2) N"), &
+                 "σ² = N²/τ, τ ≤ 3, |ρ| ≥ 2, |k fs ± f|, χ², 2 ln 2/π, √2 N")
+      if (allocated(error)) return
+      call check(error, to_unicode("^2 x^23 x^2.5 sqrt() sqrt(a b) sqrt(x"), "^2 x^23 x^2.5 sqrt() sqrt(a b) sqrt(x")
+      if (allocated(error)) return
+      call check(error, to_unicode(""), "")
+   end subroutine test_signs
+
+   !> Longer names keep their letters.
+   subroutine test_names(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: names = "--drift-tau --fit-tau-min tau.csv my_sigma pig Z_tau sigma2 log.tau"
+
+      call check(error, to_unicode(names), names)
+      if (allocated(error)) return
+      call check(error, to_unicode("the limit of tau."), "the limit of τ.")
+   end subroutine test_names
+
+   !> Widths are those of what is shown; what a user wrote is left alone; a value stays with its error.
+   subroutine test_layout(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: writer
+      type(table_type) :: table
+      character(:), allocatable :: text
+
+      call new_table(table, 2, 2)
+      call set_row(table, 1, [character(9) :: "", "sigma^2"])
+      call set_row(table, 2, [character(9) :: "gx", "1 +/- 0.1"])
+      call begin_text(writer)
+      writer%unicode = .true.
+      call put_table(writer, table)
+      call put_table(writer, table, verbatim=.true.)
+      call put_heading(writer, "Channel tau", "=", verbatim=.true.)
+      call put_heading(writer, "tau", "-")
+      call put_point(writer, repeat("x", 70)//" 1 +/- 2")
+      call end_text(writer, text)
+      call check(error, text, "           σ²"//lf//"  gx  1 ± 0.1"//lf//"        sigma^2"//lf//"  gx  1 +/- 0.1"//lf// &
+                 lf//"Channel tau"//lf//"==========="//lf//lf//"τ"//lf//"-"//lf// &
+                 "  - "//repeat("x", 70)//" 1 ± 2"//lf)
+   end subroutine test_layout
+
+   !> Bold headings, a yellow warning, a red failure; without colours no byte of them.
+   subroutine test_colours(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: writer
+      character(:), allocatable :: text
+      integer :: i
+
+      do i = 1, 2
+         call begin_text(writer)
+         writer%colour = i == 1
+         call put_heading(writer, "Title", "=")
+         call put_item(writer, "Warning", "one")
+         call put_item(writer, "Not available", "two")
+         call put_item(writer, "Fit", "three")
+         call end_text(writer, text)
+         if (i == 1) call check(error, text, lf//escape//"[1mTitle"//escape//"[0m"//lf//escape//"[1m====="//escape//"[0m"//lf// &
+            escape//"[33m  Warning         "//escape//"[0mone"//lf//escape//"[31m  Not available   "//escape//"[0mtwo"//lf// &
+            "  Fit             three"//lf)
+         if (i == 2) call check(error, index(text, escape), 0)
+         if (allocated(error)) return
+      end do
+   end subroutine test_colours
+
+   subroutine test_lines(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: writer
+      type(table_type) :: table
+      character(:), allocatable :: text
+
+      call check(error, cell_lines("") == 1 .and. cell_lines("a"//lf//"b") == 2)
+      if (allocated(error)) return
+      call check(error, cell_line("a"//lf//"bc", 2)//"|"//cell_line("a"//lf//"bc", 1)//"|"//cell_line("a", 2)//"|", "bc|a||")
+      if (allocated(error)) return
+      call new_table(table, 2, 3)
+      call set_row(table, 1, [character(4) :: "", "x", "y"])
+      call set_cell(table, 2, 1, "a")
+      call set_cell(table, 2, 2, "12.5"//lf//"+/- 1")
+      call set_cell(table, 2, 3, "7")
+      call begin_text(writer)
+      call put_table(writer, table)
+      call end_text(writer, text)
+      call check(error, text, "         x  y"//lf//"  a   12.5  7"//lf//"     +/- 1"//lf)
+   end subroutine test_lines
+
+   !> What does not fit goes on below, with the first column again.
+   subroutine test_too_wide(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: writer
+      type(table_type) :: table
+      character(:), allocatable :: text
+
+      call new_table(table, 1, 4)
+      call set_row(table, 1, [character(30) :: "name", repeat("b", 30), repeat("c", 30), repeat("d", 30)])
+      call begin_text(writer)
+      call put_table(writer, table)
+      call end_text(writer, text)
+      call check(error, text, "  name  "//repeat("b", 30)//"  "//repeat("c", 30)//lf//lf//"  name  "//repeat("d", 30)//lf)
+      if (allocated(error)) return
+      call set_row(table, 1, [character(30) :: "name", repeat("b", 30), repeat("c", 30), repeat("d", 9)])
+      call begin_text(writer)
+      call put_table(writer, table)
+      call end_text(writer, text)
+      call check(error, text, "  name "//repeat("b", 30)//" "//repeat("c", 30)//" "//repeat("d", 9)//lf)
+   end subroutine test_too_wide
+
+   !> A name as long as the line loses its end, between characters.
+   subroutine test_long_names(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: writer
+      type(table_type) :: table
+      character(:), allocatable :: text
+
+      call new_table(table, 1, 2)
+      call set_cell(table, 1, 1, repeat("é", report_width))
+      call set_cell(table, 1, 2, "1")
+      call begin_text(writer)
+      call put_table(writer, table, verbatim=.true.)
+      call end_text(writer, text)
+      call check(error, text, "  "//repeat("é", 41)//"...  1"//lf)
+   end subroutine test_long_names
+
+end module test_table
