@@ -89,7 +89,8 @@ contains
       end do
    end subroutine add_segments
 
-   !> A segment without its mean, times the window, 0 where missing; and the share of it that is present.
+   !> A segment without its mean, times the window, 0 where missing; and the share of it that is present. Its first sample is
+   !> subtracted before the mean is formed: the mean of large values would be rounded to a unit in their last place.
    pure subroutine cut(x, part, energy, segment, share, first, valid)
       real(dp), intent(in), contiguous :: x(:)
       type(segment_type), intent(in) :: part
@@ -99,34 +100,38 @@ contains
       !> Number of its first sample in the series
       integer(int64), intent(in) :: first
       integer(int8), intent(in), optional :: valid(:)
-      real(dp) :: mean, squares
+      real(dp) :: origin, mean, squares
       integer(int64) :: t, here
 
+      origin = 0.0_dp
+      mean = 0.0_dp
       if (.not. present(valid)) then
          share = 1.0_dp
-         mean = 0.0_dp
-         if (part%detrend) mean = x(1) + sum(x - x(1))/real(part%length, dp)
+         if (part%detrend) then
+            origin = x(1)
+            mean = sum(x - origin)/real(part%length, dp)
+         end if
          do t = 0, part%length - 1
-            segment(t) = part%window(t)*(x(t + 1) - mean)
+            segment(t) = part%window(t)*((x(t + 1) - origin) - mean)
          end do
          return
       end if
       squares = 0.0_dp
-      mean = 0.0_dp
       here = 0
       do t = 0, part%length - 1
          if (valid(first + t) == 0_int8) cycle
          here = here + 1
          squares = squares + part%window(t)**2
-         mean = mean + (x(t + 1) - mean)/real(here, dp)
+         if (.not. part%detrend) cycle
+         if (here == 1) origin = x(t + 1)
+         mean = mean + ((x(t + 1) - origin) - mean)/real(here, dp)
       end do
       share = squares/energy
       if (share < part%min_coverage .or. here == 0) share = 0.0_dp
       if (share <= 0.0_dp) return
-      if (.not. part%detrend) mean = 0.0_dp
       do t = 0, part%length - 1
          segment(t) = 0.0_dp
-         if (valid(first + t) /= 0_int8) segment(t) = part%window(t)*(x(t + 1) - mean)
+         if (valid(first + t) /= 0_int8) segment(t) = part%window(t)*((x(t + 1) - origin) - mean)
       end do
    end subroutine cut
 
