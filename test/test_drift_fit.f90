@@ -24,6 +24,10 @@ contains
          new_unittest("errors", test_errors), &
          new_unittest("likelihood", test_value), &
          new_unittest("invariance", test_invariance), &
+         new_unittest("nested", test_nested), &
+         new_unittest("nothing", test_nothing), &
+         new_unittest("ridge", test_ridge), &
+         new_unittest("quantised", test_quantised), &
          new_unittest("gaps", test_gaps), &
          new_unittest("long", test_long), &
          new_unittest("slow", test_slow), &
@@ -82,6 +86,134 @@ contains
          call check(error, abs(best%model%r - 4.2e-4_dp) <= 4*best%std_error%r)
       end associate
    end subroutine test_ar1
+
+   !> No model ends below one that it contains, but for the diffuse start of the random walk:
+   !> $$ \ln (\mathbf 1^T \Sigma^{-1} \mathbf 1) - \ln 2\pi $$
+   !> Small, slow drifts in much white noise and fast noise of either sign, where the likelihood has several tops.
+   subroutine test_nested(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: phi(4) = [0.998_dp, 0.9999_dp, -0.11_dp, 0.4_dp], part(4) = [0.03_dp, 0.02_dp, 1.0_dp, 1.0_dp]
+      real(dp), parameter :: dropped = 0.06_dp              ! three variances that make no difference to ln L
+      type(drift_fit_type) :: fit
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(6000), slow(6000), one(6000), value, base, start
+      integer :: seed, case
+
+      one = 1
+      do case = 1, size(phi)
+         do seed = 1, 3
+            call make_series(700 + seed, phi(case), part(case), merge(1.0_dp, 0.0_dp, case < 3), z)
+            call make_walk(800 + seed, merge(1.0e-3_dp, 0.0_dp, case == 1), 0.0_dp, slow)
+            call fit_drift(z + slow, fit, failed)
+            call check(error, .not. allocated(failed))
+            if (allocated(error)) return
+            associate (walk => fit%candidate(1), ar => fit%candidate(2), both => fit%candidate(3))
+               call component_likelihood(ar%model, one*sqrt(fit%variance), value, failed)
+               call component_likelihood(ar%model, 0*one, base, failed)
+               start = log(2*(base - value)) - log(8*atan(1.0_dp))
+               call check(error, both%aic - 8 <= ar%aic - 8 + start + dropped, "both end below AR(1)")
+               if (allocated(error)) return
+               call check(error, both%aic - 8 <= walk%aic - 4 + dropped, "both end below the walk")
+               if (allocated(error)) return
+            end associate
+         end do
+      end do
+   end subroutine test_nested
+
+   !> AR(1) noise without white noise: what the likelihood does not tell from 0 is 0, in any unit, and the others have errors.
+   subroutine test_nothing(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: units(3) = [1.0e-8_dp, 1.0_dp, 1.0e8_dp]
+      type(drift_fit_type) :: fit
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(3000)
+      integer :: seed, i, zeros
+
+      zeros = 0
+      do seed = 1, 6
+         call make_series(900 + seed, 0.4_dp, 1.0_dp, 0.0_dp, z)
+         do i = 1, size(units)
+            call fit_drift(units(i)*z, fit, failed)
+            call check(error, .not. allocated(failed))
+            if (allocated(error)) return
+            associate (ar => fit%candidate(number_of(fit, "ar1")))
+               call check(error, .not. ar%model%r > 0 .or. ar%model%r > 1.0e-6_dp*units(i)**2, "a variance next to nothing")
+               if (allocated(error)) return
+               if (ar%model%r > 0) cycle
+               zeros = zeros + 1
+               call check(error, ar%errors_known .and. .not. ar%std_error%r > 0)
+               if (allocated(error)) return
+               call check(error, abs(ar%model%phi(1) - 0.4_dp) <= 4*ar%std_error%phi(1))
+               if (allocated(error)) return
+               call check(error, abs(ar%std_error%phi(1)/sqrt(0.84_dp/3000) - 1) <= 0.1_dp, "not the error of AR(1) alone")
+               if (allocated(error)) return
+            end associate
+         end do
+      end do
+      call check(error, mod(zeros, size(units)) == 0 .and. zeros >= 2*size(units), "never nothing, or not in every unit")
+   end subroutine test_nothing
+
+   !> A slow, small drift in much white noise: the likelihood of AR(1) is a ridge, on which a search goes on to the top, where it is
+   !> flat in every direction; the true model lies below it by what chi-square of three allows.
+   subroutine test_ridge(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(drift_fit_type) :: fit
+      type(gyro_error), allocatable :: failed
+      type(component_model_type) :: near
+      real(dp) :: z(12000), value
+      integer :: seed, k
+
+      do seed = 1, 3
+         call make_series(960 + seed, 0.9994_dp, 4.0e-3_dp, 1.0_dp, z)
+         call fit_drift(z, fit, failed)
+         call check(error, .not. allocated(failed))
+         if (allocated(error)) return
+         associate (found => fit%candidate(number_of(fit, "ar1")))
+            call check(error, found%errors_known, "no errors")
+            if (allocated(error)) return
+            do k = -1, 1, 2                               ! along the ridge: the drift's variance stays
+               near = found%model
+               near%phi(1) = 1 - (1 - near%phi(1))*(1 + 0.2_dp*k)
+               near%q(1) = near%q(1)*(1 - near%phi(1)**2)/(1 - found%model%phi(1)**2)
+               call component_likelihood(near, z - fit%mean, value, failed)
+               call check(error, value < found%log_likelihood, "not the top")
+               if (allocated(error)) return
+            end do
+         end associate
+      end do
+   end subroutine test_ridge
+
+   !> Rounded to steps as large as the noise less the angle that is carried on, as a counter of angle does: the noise has a negative
+   !> correlation, and the model of both processes finds it beside the walk.
+   subroutine test_quantised(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(drift_fit_type) :: fit
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(6000), angle
+      integer :: seed, k
+
+      do seed = 1, 3
+         call make_walk(980 + seed, 0.05_dp, 0.2_dp, z)
+         angle = 0.0_dp
+         do k = 1, size(z)
+            angle = angle + z(k)
+            z(k) = anint(angle)
+            angle = angle - z(k)
+         end do
+         call fit_drift(z, fit, failed)
+         call check(error, .not. allocated(failed))
+         if (allocated(error)) return
+         call check(error, trim(fit%candidate(fit%best)%name), "walk+ar1")
+         if (allocated(error)) return
+         associate (best => fit%candidate(fit%best))
+            call check(error, best%model%phi(1) < -0.3_dp)
+            if (allocated(error)) return
+            ! the noise is near to AR(1), not that
+            call check(error, best%model%q(2), 0.0025_dp, thr=0.5_dp, rel=.true.)
+            if (allocated(error)) return
+         end associate
+      end do
+   end subroutine test_quantised
 
    subroutine test_walk(error)
       type(error_type), allocatable, intent(out) :: error

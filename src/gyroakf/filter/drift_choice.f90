@@ -92,6 +92,7 @@ contains
       end do
       associate (best => fit%candidate(fit%best))
          call is_slow(best%model, limit, slow)
+         slow = slow .and. best%model%q(:size(slow)) > 0.0_dp
          identification%found = any(slow) .and. best%aic < plain - evident
          if (best%errors_known) identification%found = identification%found .and. &
                                                        any(slow .and. best%model%q(:size(slow)) > best%std_error%q(:size(slow)))

@@ -3,8 +3,9 @@
 !>
 !> Three candidates, all with white noise: a random walk, an AR(1) process, and both. Each is fitted by the BFGS method to the exact
 !> Gaussian likelihood ([[gyroakf_filter_likelihood]]) in the logarithms of the variances (of the AR(1) process itself, not of its
-!> driving noise) and artanh(phi), from several starts, the model of least squares on the autocovariances among them; the
-!> curvature at the best of their ends gives the last steps and the standard errors.
+!> driving noise) and artanh(phi), from several starts, the model of least squares on the autocovariances and the best of the models
+!> that it contains among them ([[gyroakf_filter_drift_starts]]); the curvature at the best of their ends gives the last steps and
+!> the standard errors. A variance that the likelihood does not tell from 0 is 0.
 !> $$ \mathrm{AIC} = -2 \ln L + 2 k, \quad \mathrm{BIC} = -2 \ln L + k \ln n $$
 !> with k variances and coefficients, and the mean where no random walk takes its place. What counts as drift is not theirs to say:
 !> it is what is slower than a limit that the user sets. A polynomial under the drift is fitted with it where one is asked for, by
@@ -19,7 +20,7 @@ module gyroakf_filter_drift_fit
    use gyroakf_quasi_newton, only : minimise, minimise_options, minimum_type
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_objective, only : likelihood_objective, give_errors, invert_curvature, model_of, parameters_of, value_at
-   use gyroakf_filter_drift_starts, only : known_type, list_starts, look_at_autocovariances
+   use gyroakf_filter_drift_starts, only : from_ar, from_walk, known_type, list_starts, look_at_autocovariances, of_all_kinds
    use gyroakf_filter_drift_trend, only : fit_polynomial, largest_degree, rough_polynomial, subtract_polynomial
    implicit none (type, external)
    private
@@ -29,9 +30,10 @@ module gyroakf_filter_drift_fit
    type :: drift_candidate_type
       !> "walk", "ar1" or "walk+ar1"
       character(8) :: name = ""
-      !> The process AR(1) first, the random walk last
+      !> The process AR(1) first, the random walk last; q is 0 where the likelihood does not tell it from that: a random walk
+      !> without steps is an unknown constant, an AR(1) process without variance is not there
       type(component_model_type) :: model
-      !> Standard errors of phi, q and r, 0 where `errors_known` is false
+      !> Standard errors of phi, q and r; 0 where `errors_known` is false, and for what is 0
       type(component_model_type) :: std_error
       logical :: errors_known = .false.
       !> Fitted parameters
@@ -73,8 +75,10 @@ module gyroakf_filter_drift_fit
    !> Log-likelihood that is not worth a step: of a search (the parameters are then
    !> within 5 % of their errors), of the last steps (5e-4)
    real(dp), parameter :: nearly = 1.0e-3_dp, exactly = 1.0e-7_dp
-   !> Starts that are followed to their end
-   integer, parameter :: followed = 2
+   !> Log-likelihood that makes no difference between a variance and 0
+   real(dp), parameter :: indistinct = 1.0e-2_dp
+   !> Groups whose best starts are followed to their end, the two best of the first
+   integer, parameter :: followed(4) = [of_all_kinds, of_all_kinds, from_walk, from_ar]
    !> Times that model and polynomial are fitted in turn
    integer, parameter :: most_turns = 6
    real(dp), parameter :: log_two_pi = 1.8378770664093454835606594728112_dp
@@ -339,18 +343,21 @@ contains
       type(minimum_type) :: other
       type(error_type), allocatable :: failed
       real(dp), allocatable :: start(:, :), value(:)
+      integer, allocatable :: group(:)
       real(dp) :: worth
       integer :: k, first
 
       worth = nearly/real(objective%measurements, dp)
-      call list_starts(objective, known, start)
+      objective%nothing = .false.
+      call list_starts(objective, known, start, group)
       allocate (value(size(start, 2)))
       do k = 1, size(value)
          value(k) = value_at(objective, start(:, k))
       end do
-      do k = 1, min(followed, size(value))
-         first = minloc(value, dim=1)
-         value(first) = huge(1.0_dp)
+      do k = 1, size(followed)
+         first = minloc(value, dim=1, mask=group == followed(k))
+         if (first == 0) cycle
+         group(first) = 0
          call minimise(objective, start(:, first), minimise_options(flat, most_iterations, worth, worth), other, failed)
          if (allocated(failed)) cycle
          if (.not. allocated(minimum%parameter)) minimum = other
@@ -358,27 +365,72 @@ contains
       end do
    end subroutine search
 
-   !> The last steps, with the curvature; none where that has no inverse (a variance that is nothing: the top is an edge).
+   !> The last steps, with the curvature. Where it has no inverse, or they do not end, the search goes on; what it does not tell from
+   !> 0 is dropped.
    subroutine finish(objective, minimum, inverse, known)
       type(likelihood_objective), intent(inout) :: objective
       !> Nearly a minimum; that minimum afterwards
       type(minimum_type), intent(inout) :: minimum
       !> Covariance of the parameters
       real(dp), intent(out) :: inverse(:, :)
-      !> False where the curvature is not that of a maximum of the likelihood: a variance that is nothing
+      !> False where the curvature is not that of a maximum of the likelihood
       logical, intent(out) :: known
+      real(dp) :: n
+      logical :: settled, dropped
+
+      n = real(objective%measurements, dp)
+      call invert_curvature(objective, minimum%parameter, minimum%gradient, inverse, known)
+      if (known) call go_on(objective, last_steps, minimum, n*inverse)
+      settled = known .and. minimum%converged
+      if (.not. settled) call go_on(objective, most_iterations, minimum)
+      call drop_nothing(objective, minimum, dropped)
+      if (settled .and. .not. dropped) return
+      call invert_curvature(objective, minimum%parameter, minimum%gradient, inverse, known)
+      if (known) call go_on(objective, last_steps, minimum, n*inverse)
+   end subroutine finish
+
+   !> Goes on from a point that is nearly a minimum.
+   subroutine go_on(objective, steps, minimum, inverse)
+      type(likelihood_objective), intent(inout) :: objective
+      !> So many at most
+      integer, intent(in) :: steps
+      type(minimum_type), intent(inout) :: minimum
+      !> Inverse of the curvature, where it is known
+      real(dp), intent(in), optional :: inverse(:, :)
       type(minimum_type) :: other
       type(error_type), allocatable :: failed
-      real(dp) :: n
+      real(dp) :: worth
 
-      call invert_curvature(objective, minimum%parameter, minimum%gradient, inverse, known)
-      if (.not. known) return
-      n = real(objective%measurements, dp)
-      call minimise(objective, minimum%parameter, minimise_options(flat, last_steps, exactly/n, exactly/n), other, failed, &
-                    n*inverse)
+      worth = exactly/real(objective%measurements, dp)
+      call minimise(objective, minimum%parameter, minimise_options(flat, steps, worth, worth), other, failed, inverse)
       if (allocated(failed)) return
       if (other%value <= minimum%value) minimum = other
-   end subroutine finish
+   end subroutine go_on
+
+   !> Makes variances 0 that the likelihood does not tell from it. Their logarithms go down for ever, to a limit that says nothing;
+   !> at 0 they are at the edge of what there is, and the others have errors as if they were not in the model.
+   subroutine drop_nothing(objective, minimum, dropped)
+      !> Its `nothing` is set
+      type(likelihood_objective), intent(inout) :: objective
+      !> A minimum; its value and gradient are those without what is dropped
+      type(minimum_type), intent(inout) :: minimum
+      !> There are such variances
+      logical, intent(out) :: dropped
+      real(dp) :: most, value
+      integer :: k
+      logical :: feasible
+
+      most = minimum%value + indistinct/real(objective%measurements, dp)
+      do k = merge(2, 1, objective%ar), size(minimum%parameter)
+         objective%nothing(k) = .true.
+         if (value_at(objective, minimum%parameter) > most) objective%nothing(k) = .false.
+      end do
+      if (objective%ar) objective%nothing(1) = objective%nothing(2)
+      dropped = any(objective%nothing)
+      if (.not. dropped) return
+      call objective%evaluate(minimum%parameter, value, minimum%gradient, feasible)
+      if (feasible) minimum%value = value
+   end subroutine drop_nothing
 
    !> Which processes of a model are slower than a limit: a random walk is.
    pure subroutine is_slow(model, limit, slow)

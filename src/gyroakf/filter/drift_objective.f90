@@ -15,6 +15,9 @@ module gyroakf_filter_drift_objective
    private
    public :: likelihood_objective, parameters_of, value_at, model_of, starting_point, invert_curvature, give_errors
 
+   !> Parameters of a model with all processes
+   integer, parameter :: most_parameters = 4
+
    !> Likelihood of the scaled series by transformed parameters
    type, extends(objective_type) :: likelihood_objective
       !> Less its mean, over its standard deviation
@@ -25,6 +28,8 @@ module gyroakf_filter_drift_objective
       real(dp), allocatable :: whole(:), polynomial(:)
       !> The processes of the model
       logical :: walk = .false., ar = .false.
+      !> Parameters of processes that are not there and of variances that are 0
+      logical :: nothing(most_parameters) = .false.
       integer(int64) :: measurements = 0
       !> Told how far it is; valid while the fit is made
       class(progress_type), pointer :: progress => null()
@@ -51,22 +56,23 @@ contains
       n = 1 + merge(2, 0, objective%ar) + merge(1, 0, objective%walk)
    end function parameters_of
 
-   !> Transformed parameters of a model of variance 1: correlation time in samples, variances.
-   pure function starting_point(objective, time, share, step, white) result(parameter)
+   !> Transformed parameters of a model of variance 1.
+   pure function starting_point(objective, phi, share, step, white) result(parameter)
       type(likelihood_objective), intent(in) :: objective
-      !> Of the AR(1) process: correlation time in samples, variance
-      real(dp), intent(in) :: time, share
+      !> Of the AR(1) process: coefficient, variance
+      real(dp), intent(in) :: phi, share
       !> q of the random walk, r
       real(dp), intent(in) :: step, white
       real(dp) :: parameter(1 + merge(2, 0, objective%ar) + merge(1, 0, objective%walk))
 
-      if (objective%ar) parameter(1) = min(atanh(exp(-1.0_dp/time)), 0.9_dp*steepest)
+      if (objective%ar) parameter(1) = sign(atanh(min(abs(phi), tanh(0.9_dp*steepest))), phi)
       if (objective%ar) parameter(2) = log(share)
       if (objective%walk) parameter(size(parameter) - 1) = log(step)
       parameter(size(parameter)) = log(white)
    end function starting_point
 
-   !> The model of transformed parameters: artanh phi and ln D of the AR(1) process, ln q of the random walk, ln r.
+   !> The model of transformed parameters: artanh phi and ln D of the AR(1) process, ln q of the random walk, ln r. What is nothing
+   !> is 0, and the gradient by its parameter too.
    pure subroutine model_of(objective, parameter, model)
       type(likelihood_objective), intent(in) :: objective
       real(dp), intent(in) :: parameter(:)
@@ -76,17 +82,17 @@ contains
       next = 1
       if (objective%ar) then
          model%count = 1
-         model%phi(1) = tanh(parameter(1))
-         model%q(1) = exp(parameter(2))/cosh(parameter(1))**2
+         if (.not. objective%nothing(1)) model%phi(1) = tanh(parameter(1))
+         if (.not. objective%nothing(2)) model%q(1) = exp(parameter(2))/cosh(parameter(1))**2
          next = 3
       end if
       if (objective%walk) then
          model%count = model%count + 1
          model%phi(model%count) = 1.0_dp
-         model%q(model%count) = exp(parameter(next))
+         if (.not. objective%nothing(next)) model%q(model%count) = exp(parameter(next))
          next = next + 1
       end if
-      model%r = exp(parameter(next))
+      if (.not. objective%nothing(next)) model%r = exp(parameter(next))
    end subroutine model_of
 
    !> Minus the log-likelihood of a sample on average.
@@ -156,13 +162,14 @@ contains
       if (allocated(failed)) value = huge(1.0_dp)
    end function value_at
 
-   !> Covariance of the transformed parameters: inverse of the curvature of the log-likelihood.
+   !> Covariance of the transformed parameters: inverse of the curvature of the log-likelihood. What is nothing is not varied: the
+   !> others have the errors that they have without it.
    subroutine invert_curvature(objective, parameter, gradient, inverse, known)
       type(likelihood_objective), intent(inout) :: objective
       !> Where it is wanted, and the gradient there
       real(dp), intent(in) :: parameter(:), gradient(:)
       real(dp), intent(out) :: inverse(:, :)
-      !> False where it is not that of a maximum: a variance that is nothing
+      !> False where it is not that of a maximum
       logical, intent(out) :: known
       real(dp), dimension(size(parameter)) :: near, there
       real(dp) :: value
@@ -178,6 +185,9 @@ contains
          inverse(:, k) = (there - gradient)/difference*real(objective%measurements, dp)
       end do
       inverse = 0.5_dp*(inverse + transpose(inverse))
+      do k = 1, n
+         if (objective%nothing(k)) inverse(k, k) = 1.0_dp
+      end do
       call dpotrf("L", n, inverse, n, info)
       if (info == 0) call dpotri("L", n, inverse, n, info)
       known = info == 0
@@ -188,7 +198,7 @@ contains
       end do
    end subroutine invert_curvature
 
-   !> Standard errors of phi, q and r.
+   !> Standard errors of phi, q and r; 0 for what is nothing.
    pure subroutine give_errors(objective, parameter, inverse, scale, model, std_error)
       type(likelihood_objective), intent(in) :: objective
       real(dp), intent(in) :: parameter(:)
@@ -207,7 +217,7 @@ contains
       next = 1
       if (objective%ar) then
          tangent = -2.0_dp*model%phi(1)
-         std_error%phi(1) = sqrt(inverse(1, 1))/cosh(parameter(1))**2
+         if (.not. objective%nothing(1)) std_error%phi(1) = sqrt(inverse(1, 1))/cosh(parameter(1))**2
          std_error%q(1) = scale**2*model%q(1)*sqrt(max(0.0_dp, tangent**2*inverse(1, 1) + inverse(2, 2) &
                                                                    + 2.0_dp*tangent*inverse(2, 1)))
          next = 3

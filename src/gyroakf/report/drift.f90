@@ -34,8 +34,12 @@ contains
          do i = size(channel%drift_process), 1, -1
             call put_process(writer, record, channel%drift_process(i))
          end do
-         if (drift%white_std > 0.0_dp) call put_item(writer, "White noise", "standard deviation "// &
-            with_error(drift%white_std, channel%white_std_error)//" "//unit_name(record))
+         if (drift%white_std > 0.0_dp) then
+            call put_item(writer, "White noise", "standard deviation "// &
+                          with_error(drift%white_std, channel%white_std_error)//" "//unit_name(record))
+         else if (drift%source == "likelihood") then
+            call put_item(writer, "White noise", "none: the likelihood does not tell it from 0")
+         end if
          call put_item(writer, "Found by", source_text(channel))
          call put_candidates(writer, channel)
          if (drift%allan_known .and. drift%source /= "allan") call put_item(writer, "Allan", allan_text(channel))
