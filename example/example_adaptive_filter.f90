@@ -1,13 +1,13 @@
 ! SPDX-License-Identifier: MIT
 !> Drift under white noise: identified from the record, then followed by a filter that adapts R.
 program example_adaptive_filter
-   use gyroakf, only : dp, error_type, record_type, simulate_options, simulate_record, drift_model_type, identify_drift, &
-      drift_options, filter_type, design_drift_akf, filter_result_type, filter_series
+   use gyroakf, only : dp, error_type, record_type, simulate_options, simulate_record, drift_identification_options, &
+      drift_identification_type, identify_drift_model, drift_options, filter_type, design_drift_akf, filter_result_type, filter_series
    implicit none (type, external)
    type(error_type), allocatable :: error
    type(simulate_options) :: noise
    type(record_type) :: record
-   type(drift_model_type) :: drift
+   type(drift_identification_type) :: drift
    type(filter_type) :: filter
    type(filter_result_type) :: quality
    real(dp) :: x(12000)
@@ -16,7 +16,7 @@ program example_adaptive_filter
    noise%ar = [0.995_dp]
    noise%ar_variance = 4.0e-4_dp
    call simulate_record(noise, record, error)
-   if (.not. allocated(error)) call identify_drift(record%value(:, 1), drift, error)
+   if (.not. allocated(error)) call identify_drift_model(record%value(:, 1), drift_identification_options(), drift, error)
    if (.not. allocated(error)) call design_drift_akf(drift, 0.0_dp, drift_options(), filter, error)
    if (.not. allocated(error)) call filter_series(filter, record%value(:, 1), x, quality, error)
    if (allocated(error)) error stop error%message

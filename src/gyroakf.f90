@@ -70,7 +70,6 @@ module gyroakf
    use gyroakf_ar_roots, only : ar_root_type, find_ar_roots, largest_modulus
    use gyroakf_filter_series, only : filter_result_type, filter_series, filter_run_type, begin_filter_run, feed_filter_run, &
       end_filter_run
-   use gyroakf_filter_identification, only : drift_model_type, identify_drift
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_likelihood, only : component_likelihood
    use gyroakf_filter_innovation_window, only : filter_innovation_window, innovation_window_options

@@ -8,7 +8,7 @@ module test_filter_saving
    use gyroakf_filter_drift_filter, only : new_drift_filter
    use gyroakf_filter_kalman, only : filter_options, filter_type, freeze_filter, new_filter, run_filter
    use gyroakf_filter_design, only : design_drift_akf, drift_options
-   use gyroakf_filter_identification, only : drift_model_type
+   use gyroakf_filter_drift_identification, only : drift_identification_type
    use gyroakf_filter_saving, only : reset_filter, restore_filter, save_filter
    use filter_library, only : fill_noise
    implicit none (type, external)
@@ -126,13 +126,18 @@ contains
    subroutine test_short_record(error)
       type(error_type), allocatable, intent(out) :: error
       type(filter_type) :: filter, other
-      type(drift_model_type) :: drift
+      type(drift_identification_type) :: drift
       type(gyro_error), allocatable :: failed
       integer(int64), allocatable :: word(:)
       real(dp) :: z(100), x(100), y(100)
 
-      drift = drift_model_type(phi=0.98_dp, process_variance=4.0e-6_dp, drift_variance=1.0e-4_dp, &
-                               measurement_variance=4.2e-4_dp, found=.true., samples=100)
+      drift%found = .true.
+      drift%of_samples = 100
+      drift%model%count = 1
+      drift%model%phi(1) = 0.98_dp
+      drift%model%q(1) = 4.0e-6_dp
+      drift%model%r = 4.2e-4_dp
+      drift%slow(1) = .true.
       call design_drift_akf(drift, 8.0e-4_dp, drift_options(), filter, failed)
       call check(error, .not. allocated(failed))
       if (allocated(error)) return

@@ -38,6 +38,7 @@ contains
          & new_unittest("constant_noise", test_constant), &
          & new_unittest("outliers_do_not_leak", test_outliers), &
          & new_unittest("missing_samples", test_missing), &
+         & new_unittest("short_record", test_short), &
          & new_unittest("both_directions_alike", test_reversed), &
          & new_unittest("random_walk_with_steps", test_steps), &
          & new_unittest("told_and_cancelled", test_progress), &
@@ -76,6 +77,31 @@ contains
       white(n/3 + 1:2*n/3) = factor*4.2e-4_dp
       z = drift + (z - drift)*sqrt(white/4.2e-4_dp)
    end subroutine make_loud
+
+   !> Of a record of 200 samples a burn-in of 20 at most: a slow walk whose gain settles after thousands of samples leaves the rest to
+   !> the adaptation, which sees that the white noise is a tenth of what the model says.
+   subroutine test_short(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type) :: model
+      type(filter_options) :: asked
+      type(gyro_error), allocatable :: failure
+      real(dp) :: z(200), drift(200), white(200)
+
+      model%count = 1
+      model%phi(1) = 1.0_dp
+      model%q(1) = 1.0e-8_dp
+      model%r = 10.0_dp
+      call fill_noise(5, z)
+      call smooth_adaptive(model, [.true.], usual_options(z), z, drift, failure, white=white)
+      call check(error, .not. allocated(failure), "refused")
+      if (allocated(error)) return
+      call check(error, all(white < 3.0_dp), "the white noise is not adapted")
+      if (allocated(error)) return
+      asked = usual_options(z)
+      asked%burn_in = 500
+      call smooth_adaptive(model, [.true.], asked, z, drift, failure, white=white)
+      call check(error, any(white > 9.0_dp), "a burn-in that was asked for is not kept")
+   end subroutine test_short
 
    !> White noise nine times as strong in the middle third: within 1.03 of the smoother that knows it, the median of five series
    subroutine test_louder(error)

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> A filter is made: its arguments tested, its state and the limits of its adaptation set.
 module gyroakf_filter_creation
-   use gyroakf_kinds, only : dp
+   use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_filter_types, only : filter_options, filter_type
    use gyroakf_filter_state_space, only : predict_covariance, correct_covariance, stationary_covariance, steady_state, &
@@ -10,7 +10,7 @@ module gyroakf_filter_creation
    use gyroakf_filter_measurement, only : is_sample
    implicit none (type, external)
    private
-   public :: new_filter, check_options, set_adaptation, shortest_burn_in, longest_burn_in, burn_in_tolerance
+   public :: new_filter, check_options, set_adaptation, shorten_burn_in, shortest_burn_in, longest_burn_in, burn_in_tolerance
 
    !> Largest state
    integer, parameter :: largest_order = 1000
@@ -18,6 +18,8 @@ module gyroakf_filter_creation
    real(dp), parameter :: weight_resolution = 1.0e-17_dp
    !> Automatic burn-in: at least, at most so many measurements; relative distance from the steady gain
    integer, parameter :: shortest_burn_in = 20, longest_burn_in = 5000
+   !> It takes at most one in so many samples of a record
+   integer, parameter :: burn_in_share = 10
    real(dp), parameter :: burn_in_tolerance = 1.0e-6_dp
    !> Gates in standard deviations: a smaller one sees nothing else, and R over its weight overflows; a larger one never acts
    real(dp), parameter :: smallest_gate = 1.0e-3_dp, largest_gate = 1.0e6_dp
@@ -210,4 +212,16 @@ contains
       filter%work = 0.0_dp
       filter%wait = max(shortest_burn_in, min(k, longest_burn_in))
    end subroutine find_burn_in
+
+   !> Leaves most of a short record to the adaptation.
+   pure subroutine shorten_burn_in(filter, samples)
+      !> As made
+      type(filter_type), intent(inout) :: filter
+      !> Samples of the record; 0: not known
+      integer(int64), intent(in) :: samples
+
+      if (samples <= 0) return
+      filter%wait = int(min(int(filter%wait, int64), samples/burn_in_share))
+      filter%options%burn_in = filter%wait                      ! that of the filter made again: saved, reset
+   end subroutine shorten_burn_in
 end module gyroakf_filter_creation

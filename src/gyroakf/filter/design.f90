@@ -3,16 +3,15 @@
 !>
 !> The paper's family takes the AR(p) model of the series itself as the state and adds measurement noise to
 !> it: `design_kf`, `design_akf`. The recommended family takes drift plus white noise as identified from the
-!> record: `design_drift_kf`, `design_drift_akf`, with the model of `identify_drift_model` (random walk, AR(1), both)
-!> or, simpler, of `identify_drift` (one AR(1) process).
+!> record: `design_drift_kf`, `design_drift_akf`, with the model of `identify_drift_model` (random walk, AR(1), both).
 module gyroakf_filter_design
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_ar_model, only : ar_model_type
    use gyroakf_ar_roots, only : largest_modulus
+   use gyroakf_filter_creation, only : shorten_burn_in
    use gyroakf_filter_drift_filter, only : new_drift_filter
    use gyroakf_filter_drift_identification, only : drift_identification_type
-   use gyroakf_filter_identification, only : drift_model_type
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter
    implicit none (type, external)
    private
@@ -28,8 +27,6 @@ module gyroakf_filter_design
    real(dp), parameter :: robust_r_bounds(2) = [0.01_dp, 100.0_dp]
    !> Gate of the robust form
    real(dp), parameter :: robust_huber = 2.5_dp
-   !> The burn-in takes at most one in so many samples
-   integer, parameter :: burn_in_share = 10
 
    !> The paper's family
    type :: design_options
@@ -52,19 +49,6 @@ module gyroakf_filter_design
       !> Gate in standard deviations, 0: none
       real(dp) :: huber = 2.5_dp
    end type drift_options
-
-   !> The fixed filter of drift plus white noise, with the identified values
-   interface design_drift_kf
-      module procedure design_kf_of_drift, design_kf_of_ar
-   end interface design_drift_kf
-
-   !> The adaptive filter of drift plus white noise: R only, by residuals, burn-in, Huber's gate.
-   !>
-   !> The bounds of R hang on half the variance of the differences, never on the R it starts from: a wrong
-   !> start is forgotten.
-   interface design_drift_akf
-      module procedure design_akf_of_drift, design_akf_of_ar
-   end interface design_drift_akf
 
 contains
 
@@ -142,8 +126,8 @@ contains
       call shorten_burn_in(filter, model%samples)
    end subroutine design_akf
 
-   !> The fixed filter of an identified drift.
-   subroutine design_kf_of_drift(drift, filter, error)
+   !> The fixed filter of drift plus white noise, with the identified values.
+   subroutine design_drift_kf(drift, filter, error)
       !> As identify_drift_model found it
       type(drift_identification_type), intent(in) :: drift
       !> The filter; its output is the sum of the slow processes
@@ -152,28 +136,16 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(filter_options) :: plain
 
-      call check_found(drift%found, error)
+      call check_found(drift, error)
       if (allocated(error)) return
       call new_drift_filter(filter, drift%model, drift%slow(:drift%model%count), plain, error)
-   end subroutine design_kf_of_drift
+   end subroutine design_drift_kf
 
-   !> The fixed filter of one AR(1) process.
-   subroutine design_kf_of_ar(model, filter, error)
-      !> As identify_drift found it
-      type(drift_model_type), intent(in) :: model
-      !> The filter; its output is the drift
-      type(filter_type), intent(out) :: filter
-      !> invalid_argument: no drift was found; those of new_filter
-      type(error_type), allocatable, intent(out) :: error
-      type(filter_options) :: plain
-
-      call check_found(model%found, error)
-      if (allocated(error)) return
-      call new_filter(filter, [model%phi], model%process_variance, model%measurement_variance, plain, error)
-   end subroutine design_kf_of_ar
-
-   !> The adaptive filter of an identified drift.
-   subroutine design_akf_of_drift(drift, difference_variance, options, filter, error)
+   !> The adaptive filter of drift plus white noise: R only, by residuals, burn-in, Huber's gate.
+   !>
+   !> The bounds of R hang on half the variance of the differences, never on the R it starts from: a wrong
+   !> start is forgotten.
+   subroutine design_drift_akf(drift, difference_variance, options, filter, error)
       !> As identify_drift_model found it
       type(drift_identification_type), intent(in) :: drift
       !> Variance of the series' differences; 0: that of the model
@@ -185,35 +157,12 @@ contains
       !> invalid_argument: no drift was found; those of new_drift_filter
       type(error_type), allocatable, intent(out) :: error
 
-      call check_found(drift%found, error)
+      call check_found(drift, error)
       if (allocated(error)) return
       call new_drift_filter(filter, drift%model, drift%slow(:drift%model%count), &
                             adaptive_drift(options, 0.5_dp*difference_variance), error)
       if (.not. allocated(error)) call shorten_burn_in(filter, drift%of_samples)
-   end subroutine design_akf_of_drift
-
-   !> The adaptive filter of one AR(1) process.
-   subroutine design_akf_of_ar(model, difference_variance, options, filter, error)
-      !> As identify_drift found it
-      type(drift_model_type), intent(in) :: model
-      !> Variance of the series' differences; 0: that of the model
-      real(dp), intent(in) :: difference_variance
-      !> Forgetting factor and gate
-      type(drift_options), intent(in) :: options
-      !> The filter; its output is the drift
-      type(filter_type), intent(out) :: filter
-      !> invalid_argument: no drift was found; those of new_filter
-      type(error_type), allocatable, intent(out) :: error
-      real(dp) :: scale
-
-      call check_found(model%found, error)
-      if (allocated(error)) return
-      scale = 0.5_dp*difference_variance
-      if (.not. difference_variance > 0.0_dp) scale = model%measurement_variance + model%drift_variance*(1.0_dp - model%phi)
-      call new_filter(filter, [model%phi], model%process_variance, model%measurement_variance, &
-                      adaptive_drift(options, scale), error)
-      if (.not. allocated(error)) call shorten_burn_in(filter, model%samples)
-   end subroutine design_akf_of_ar
+   end subroutine design_drift_akf
 
    !> What an adaptive drift filter does; the smoother from both sides (`smooth_adaptive`) takes the same.
    pure function adaptive_drift(options, scale) result(adaptive)
@@ -261,14 +210,13 @@ contains
    end subroutine check_model
 
    !> Whether a drift was identified.
-   subroutine check_found(found, error)
-      !> The answer
-      logical, intent(in) :: found
+   subroutine check_found(drift, error)
+      type(drift_identification_type), intent(in) :: drift
       !> invalid_argument
       type(error_type), allocatable, intent(out) :: error
 
-      if (.not. found) call fatal_error(error, status%invalid_argument, &
-                                        "no drift slower than the limit was identified: there is nothing to filter")
+      if (.not. drift%found) call fatal_error(error, status%invalid_argument, &
+                                              "no drift slower than the limit was identified: there is nothing to filter")
    end subroutine check_found
 
    !> Flags from letters.
@@ -302,16 +250,4 @@ contains
          end select
       end do
    end subroutine set_estimate
-
-   !> Leaves most of a short record to the adaptation.
-   pure subroutine shorten_burn_in(filter, samples)
-      !> The filter
-      type(filter_type), intent(inout) :: filter
-      !> Samples of the record; 0: not known
-      integer(int64), intent(in) :: samples
-
-      if (samples <= 0) return
-      filter%wait = int(min(int(filter%wait, int64), samples/burn_in_share))
-      filter%options%burn_in = filter%wait                      ! that of the filter made again: saved, reset
-   end subroutine shorten_burn_in
 end module gyroakf_filter_design

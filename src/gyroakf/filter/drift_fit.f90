@@ -365,8 +365,8 @@ contains
       end do
    end subroutine search
 
-   !> The last steps, with the curvature. Where it has no inverse, or they do not end, the search goes on; what it does not tell from
-   !> 0 is dropped.
+   !> The last steps, with the curvature. Where it has no inverse, or they do not end, the search goes on; what it does not tell
+   !> from 0 is dropped.
    subroutine finish(objective, minimum, inverse, known)
       type(likelihood_objective), intent(inout) :: objective
       !> Nearly a minimum; that minimum afterwards

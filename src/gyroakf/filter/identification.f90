@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Drift plus white noise, identified from the autocovariances of a record.
+!> Drift plus white noise, identified from the autocovariances of a record: a start for those who search the largest likelihood.
 !>
 !> The model: z_k = b_k + v_k, b_k = phi b_{k-1} + w_k, so that r_0 = D + R and r_k = D phi^k. White noise, and
 !> any noise that is fast beside the drift, only enters r_0: D and phi come from the lags >= 1, R is what is left.
@@ -12,7 +12,7 @@ module gyroakf_filter_identification
    use gyroakf_filter_exponential_fit, only : exponential_type, fit_exponential
    implicit none (type, external)
    private
-   public :: drift_model_type, identify_drift, most_samples, block_means
+   public :: drift_model_type, identify_drift, block_means
 
    !> Lags fitted
    integer, parameter :: most_lags = 96

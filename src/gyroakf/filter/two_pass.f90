@@ -11,6 +11,7 @@ module gyroakf_filter_two_pass
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_filter_components, only : component_model_type
+   use gyroakf_filter_creation, only : shorten_burn_in
    use gyroakf_filter_drift_filter, only : new_drift_filter
    use gyroakf_filter_kalman, only : filter_options, filter_type, step_filter
    use gyroakf_filter_measurement, only : is_sample
@@ -32,7 +33,7 @@ contains
       !> As new_drift_filter
       type(component_model_type), intent(in) :: model
       logical, intent(in) :: slow(:)
-      !> Of the adaptive filter; `estimate_measurement_variance` is taken as set
+      !> Of the adaptive filter; `estimate_measurement_variance` is taken as set; a burn-in that is found (-1) is n/10 at most
       type(filter_options), intent(in) :: options
       !> Series, [n]; NaN counts as missing
       real(dp), intent(in), contiguous :: z(:)
@@ -59,6 +60,7 @@ contains
       adaptive%estimate_measurement_variance = .true.
       call new_drift_filter(filter, model, slow, adaptive, error)
       if (allocated(error)) return
+      if (options%burn_in < 0) call shorten_burn_in(filter, n)
       allocate (r(n), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the white noise of a series")
