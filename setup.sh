@@ -10,6 +10,7 @@
 #
 #   FPM_FFLAGS=...      other compiler flags; empty: fpm's own debug flags
 #   GYROAKF_PLOTS=1     install gnuplot too (figures)
+#   GYROAKF_PAGE=1      install gnuplot, a browser without a window and tidy too (ci/page.sh)
 #   GYROAKF_LINT=1      install fortitude too (style checks)
 #   GYROAKF_FUZZ=1      install clang too (libFuzzer for ci/fuzz)
 #   GYROAKF_HDF5=1      install the HDF5 library too (ci/hdf5.sh builds with it)
@@ -68,6 +69,8 @@ if { [ -n "$own_fpm" ] && ! is_fpm "$venv/bin/fpm"; } ||
   have python3 && python3 -c 'import ensurepip, venv' >/dev/null 2>&1 || need="$need python"
 fi
 [ -z "${GYROAKF_PLOTS:-}" ] || have gnuplot || need="$need gnuplot"
+[ -z "${GYROAKF_PAGE:-}" ] || { have gnuplot && have tidy && { have chromium || have google-chrome || have chromium-browser; }; } ||
+  need="$need page"
 [ -z "${GYROAKF_FUZZ:-}" ] || "$root/ci/fuzz/clang.sh" >/dev/null || need="$need clang"
 [ -z "${GYROAKF_HDF5:-}" ] || { have pkg-config && { pkg-config --exists hdf5 || pkg-config --exists hdf5_fortran; }; } ||
   need="$need hdf5"
@@ -87,6 +90,7 @@ if [ -n "$need" ]; then
       git) add git ca-certificates ;;
       python) add python3 python3-venv ca-certificates ;;
       gnuplot) add gnuplot-nox ;;
+      page) add gnuplot-nox chromium tidy fonts-dejavu-core ;;
       clang)
         add clang
         # where the sanitizers' libraries are a package of their own
@@ -104,6 +108,7 @@ if [ -n "$need" ]; then
       git) add git-core ;;
       python) add python3 python3-pip ;;
       gnuplot) add gnuplot ;;
+      page) add gnuplot chromium tidy ;;
       clang) add clang compiler-rt ;;
       hdf5) add hdf5-devel pkgconf-pkg-config ;;
       cmake) add cmake ninja-build pkgconf-pkg-config ;;
@@ -111,7 +116,7 @@ if [ -n "$need" ]; then
     as_root dnf install -y $list >&2 || die "not installed; please run as root: dnf install$list"
   elif have brew; then
     for n in $need; do case $n in
-      compiler) add gcc ;; clang) add llvm ;; hdf5) add hdf5 pkg-config ;; cmake) add cmake ninja pkg-config ;; *) add "$n" ;;
+      compiler) add gcc ;; page) add gnuplot ;; clang) add llvm ;; hdf5) add hdf5 pkg-config ;; cmake) add cmake ninja pkg-config ;; *) add "$n" ;;
     esac; done
     brew install $list >&2
   elif have mamba || have conda; then

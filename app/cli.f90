@@ -13,6 +13,7 @@ module gyroakf_app_cli
    use gyroakf_app_config, only : cli_config, text_config, reading_config, analysis_config, simulate_config, new_config
    use gyroakf_app_config_file, only : add_config, config_text
    use gyroakf_app_completion, only : completion_text
+   use gyroakf_app_gnuplot, only : shell_quoted
    use gyroakf_app_help, only : program_help, command_help, version_text, citation_text
    use gyroakf_app_manual, only : manual_text
    use gyroakf_app_option, only : option_type, options, command_names, find_option, belongs_to, suggest_word
@@ -24,6 +25,9 @@ module gyroakf_app_cli
    implicit none (type, external)
    private
    public :: get_config
+
+   !> What a shell takes as it is
+   character(*), parameter :: plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.,:/=+-_^%"
 
 contains
 
@@ -48,7 +52,28 @@ contains
       call make_text(words, config, error)
       if (allocated(config) .or. allocated(error)) return
       call make_job(words, command, first, config, error)
+      if (allocated(error)) return
+      select type (config)
+      class is (reading_config)
+         config%command_line = typed_line(arguments)
+      end select
    end subroutine get_config
+
+   !> The command line as it would be typed.
+   function typed_line(arguments) result(line)
+      type(argument_list), intent(in) :: arguments
+      character(:), allocatable :: line
+      integer :: i
+
+      line = "gyroakf"
+      do i = 1, size(arguments%item)
+         if (verify(arguments%item(i)%text, plain) == 0 .and. len(arguments%item(i)%text) > 0) then
+            line = line//" "//arguments%item(i)%text
+         else
+            line = line//" "//shell_quoted(arguments%item(i)%text)
+         end if
+      end do
+   end function typed_line
 
    !> The options of the file of --config.
    subroutine take_config(words, error)
@@ -195,7 +220,6 @@ contains
    function shell_word(text) result(word)
       character(*), intent(in) :: text
       character(:), allocatable :: word
-      character(*), parameter :: plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.,:;/=+-_^%"
       integer :: i
 
       word = text

@@ -46,6 +46,10 @@ module gyroakf_app_config
       !> Further recordings, `path` first, and the file that names more; unallocated: none
       type(text_type), allocatable :: paths(:)
       character(:), allocatable :: list
+      !> As it was typed
+      character(:), allocatable :: command_line
+      !> Of the recording among those of the command line
+      integer :: number = 1
       !> The memory is a share of what there is, others work beside: what does not fit into it is not streamed but refused
       logical :: shared = .false.
    end type reading_config
@@ -62,6 +66,8 @@ module gyroakf_app_config
       type(series_output_type) :: series
       !> Format of the figures; unallocated: none are drawn
       character(:), allocatable :: plot
+      !> Not even for report.html
+      logical :: no_figures = .false.
       !> File of Kalibr's imu.yaml; unallocated: none
       character(:), allocatable :: kalibr
       !> File of the true drift; unallocated: none

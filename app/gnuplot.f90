@@ -3,12 +3,11 @@
 module gyroakf_app_gnuplot
    use, intrinsic :: iso_c_binding, only : c_null_char
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_system, only : c_rename, c_unlink
+   use gyroakf_io_system, only : c_rename, c_rmdir, c_unlink
    use gyroakf_record, only : text_type
-   use gyroakf_report_figures, only : figure_folder
    implicit none (type, external)
    private
-   public :: check_gnuplot, draw_figures
+   public :: check_gnuplot, draw_figures, remove_figures, shell_quoted
 
    character(*), parameter :: nl = new_line("a")
 
@@ -27,19 +26,18 @@ contains
    end subroutine check_gnuplot
 
    !> Runs the scripts; a figure appears whole or not at all.
-   subroutine draw_figures(directory, form, figures, error)
-      !> That of --out
-      character(*), intent(in) :: directory
+   subroutine draw_figures(folder, form, figures, error)
+      !> Of the scripts
+      character(*), intent(in) :: folder
       !> Ending of the figures
       character(*), intent(in) :: form
       !> Names of the scripts, [n]
       type(text_type), intent(in) :: figures(:)
       !> io: gnuplot fails, in its words
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: folder, name, part
+      character(:), allocatable :: name, part
       integer :: i, code, failed
 
-      folder = directory//"/"//figure_folder
       do i = 1, size(figures)
          name = figures(i)%text//"."//form
          part = name//".part"
@@ -57,8 +55,30 @@ contains
       code = c_unlink(folder//"/gnuplot.log"//c_null_char)
    end subroutine draw_figures
 
-   !> A path in the single quotes of the shell.
+   !> Removes figures that were drawn for something else, their scripts, their data, and the folder, which holds nothing else.
+   subroutine remove_figures(folder, form, figures)
+      !> Of the scripts
+      character(*), intent(in) :: folder
+      !> Ending of the figures
+      character(*), intent(in) :: form
+      !> Names of the scripts, [n]
+      type(text_type), intent(in) :: figures(:)
+      integer :: i, code
+
+      do i = 1, size(figures)
+         associate (name => folder//"/"//figures(i)%text//".")
+            code = c_unlink(name//"gp"//c_null_char)
+            code = c_unlink(name//"dat"//c_null_char)
+            code = c_unlink(name//form//c_null_char)
+         end associate
+      end do
+      code = c_unlink(folder//"/gnuplot.log"//c_null_char)
+      code = c_rmdir(folder//c_null_char)
+   end subroutine remove_figures
+
+   !> A text in the single quotes of the shell.
    pure function shell_quoted(path) result(word)
+      !> Any
       character(*), intent(in) :: path
       character(:), allocatable :: word
       integer :: i

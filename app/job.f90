@@ -9,12 +9,13 @@ module gyroakf_app_job
    use gyroakf_pipeline, only : pipeline_result_type, channel_result_type
    use gyroakf_record, only : record_type, text_type
    use gyroakf_report_document, only : write_document
-   use gyroakf_report_figures, only : write_figures
+   use gyroakf_report_figures, only : figure_folder, write_figures
    use gyroakf_report_files, only : write_results
    use gyroakf_report_kalibr, only : write_kalibr
    use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_app_config, only : analysis_config, inspect_config
    use gyroakf_app_gnuplot, only : draw_figures
+   use gyroakf_app_page, only : make_page
    use gyroakf_app_interrupt, only : guard_files, interrupted, release_files
    use gyroakf_app_progress_bar, only : bar_type, clear_bar
    use gyroakf_app_reading, only : read_and_look, read_and_run
@@ -100,6 +101,7 @@ contains
       call guard_files()
       call write_files(config, bar, record, result, series, error)
       if (.not. allocated(error) .and. allocated(config%plot)) call draw(config, record, result, error)
+      if (.not. allocated(error) .and. allocated(config%out)) call make_page(config, record, result, error)
       call release_files()
       call clear_bar(bar)
       if (.not. allocated(error) .and. interrupted()) call fatal_error(error, status%cancelled, "ended; the files are complete")
@@ -113,9 +115,11 @@ contains
       type(pipeline_result_type), intent(in) :: result
       type(error_type), allocatable, intent(out) :: error
       type(text_type), allocatable :: figures(:)
+      character(:), allocatable :: folder
 
-      call write_figures(config%out, config%plot, record, config%pipeline, result, figures, error)
-      if (.not. allocated(error)) call draw_figures(config%out, config%plot, figures, error)
+      folder = config%out//"/"//figure_folder
+      call write_figures(folder, config%plot, record, config%pipeline, result, figures, error)
+      if (.not. allocated(error)) call draw_figures(folder, config%plot, figures, error)
    end subroutine draw
 
    !> The document, Kalibr's file and the result files: all are complete before the first one appears.

@@ -217,7 +217,7 @@ contains
       call set_thread_count(self%threads)
       call start_bar(bar, "off")
       associate (path => self%paths(number)%text, folder => self%folders(number)%text, command => self%config%command)
-         call prepare_one(self%config, path, folder)
+         call prepare_one(self%config, path, folder, number)
          select type (config => self%config)
          type is (inspect_config)
             call inspect(config, bar, record, error)
@@ -236,11 +236,13 @@ contains
    end subroutine work_on_one
 
    !> The configuration of one file alone.
-   subroutine prepare_one(config, path, folder)
+   subroutine prepare_one(config, path, folder, number)
       class(reading_config), intent(inout) :: config
       character(*), intent(in) :: path, folder
+      integer, intent(in) :: number
 
       config%path = path
+      config%number = number
       config%quiet = .true.
       if (allocated(config%json)) deallocate (config%json)
       if (allocated(config%list)) deallocate (config%list)

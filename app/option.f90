@@ -197,14 +197,16 @@ module gyroakf_app_option
 
    type(option_type), parameter :: common_options(*) = [ &
       option_type("--out", "DIR", "text", reading, "output", &
-                  "write the results as files into DIR; of many files into a folder each, with a summary"), &
+                  "write the results as files into DIR, report.html among them; of many files into a folder each, with "// &
+                  "summary.html"), &
       option_type("--json", "FILE", "text", reading//" selftest", "output", &
                   "write the results (of many files the summary) as JSON; - is standard output"), &
       option_type("--kalibr", "FILE", "text", "run allan", "output", &
                   "write N and K as Kalibr's imu.yaml: SI, of each sensor the largest axis; needs rate and unit; of many "// &
                   "files into the folder of each"), &
-      option_type("--plot", "png|svg|pdf", "choice", analysing, "output", &
-                  "draw figures with gnuplot into DIR/plots of --out DIR, beside the scripts that draw them"), &
+      option_type("--plot", "png|svg|pdf|none", "choice", analysing, "output", &
+                  "draw figures with gnuplot into DIR/plots of --out DIR, beside the scripts that draw them; none: not even "// &
+                  "for DIR/report.html, which has them where gnuplot is found"), &
       option_type("--series-format", "csv|npy|f64", "choice", "run filter", "output", &
                   "how --out writes the series: series.csv (default), series.npy or series.f64 (float64, a row per sample: "// &
                   "time, and of each channel raw, cleaned, kf, akf)"), &

@@ -188,7 +188,8 @@ contains
       case ("--plot")
          select type (config)
          type is (analysis_config)
-            config%plot = value%text
+            if (value%text /= "none") config%plot = value%text
+            config%no_figures = value%text == "none"
          end select
       case ("--json")
          select type (config)

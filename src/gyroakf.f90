@@ -104,6 +104,8 @@ module gyroakf
    use gyroakf_report_selftest, only : report_selftest, write_selftest
    use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_report_files, only : write_results
+   use gyroakf_report_html_page, only : drawings_type, page_about_type, write_page, write_pages
+   use gyroakf_report_summary, only : summarise, summarise_failure, summary_row_type
    use gyroakf_report_csv, only : series_output_type
    use gyroakf_report_series_file, only : series_file_type, open_series_file
    use gyroakf_report_kalibr, only : check_kalibr, write_kalibr

@@ -40,6 +40,7 @@ program test_main
    use test_drift_filter, only : collect_drift_filter
    use test_two_pass, only : collect_two_pass
    use test_filter_series, only : collect_filter_series
+   use test_html, only : collect_html
    use test_identification, only : collect_identification
    use test_likelihood, only : collect_likelihood
    use test_innovation_window, only : collect_innovation_window
@@ -165,6 +166,7 @@ program test_main
    call add("moments", collect_moments)
    call add("normality", collect_normality)
    call add("anderson", collect_anderson)
+   call add("html", collect_html)
    call add("histogram", collect_histogram)
    call add("quantisation", collect_quantisation)
    call add("sort", collect_sort)

@@ -47,7 +47,7 @@ holds() {
 # is NAME ACTUAL EXPECTED
 is() { if [ "$2" = "$3" ]; then pass; else fail "$1: '$2' instead of '$3'"; fi; }
 
-for part in usage manual config malformed odd reading formats time truth output memory progress many writing plots selftest; do
+for part in usage manual config malformed odd reading formats time truth output memory progress many writing plots page selftest; do
    [ $# -lt 2 ] || [ "$2" = "$part" ] || continue
    # shellcheck source=/dev/null
    . "$here/part_$part.sh"

@@ -43,14 +43,22 @@ contains
 
       trace%stretch = (samples + most_stretches - 1)/most_stretches
       stretches = (samples + trace%stretch - 1)/trace%stretch
-      allocate (trace%innovation%at(2, stretches), trace%innovation%value(2, stretches), &
-                trace%variance%at(2, stretches), trace%variance%value(2, stretches), stat=stat)
-      if (stat /= 0) return
-      trace%innovation%at = 0
-      trace%innovation%value = 0.0_dp
-      trace%variance%at = 0
-      trace%variance%value = 0.0_dp
+      call make_room(trace%innovation, stretches, stat)
+      if (stat == 0) call make_room(trace%variance, stretches, stat)
    end subroutine start_trace
+
+   !> So many stretches without a value.
+   pure subroutine make_room(extremes, stretches, stat)
+      type(extremes_type), intent(inout) :: extremes
+      integer(int64), intent(in) :: stretches
+      integer, intent(out) :: stat
+
+      allocate (extremes%at(2, stretches), stat=stat)
+      if (stat == 0) allocate (extremes%value(2, stretches), stat=stat)
+      if (stat /= 0) return
+      extremes%at = 0
+      extremes%value = 0.0_dp
+   end subroutine make_room
 
    !> Adds the next innovations.
    pure subroutine trace_innovations(trace, before, innovation, here)

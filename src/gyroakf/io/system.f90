@@ -6,7 +6,7 @@ module gyroakf_io_system
    implicit none (type, external)
    private
    public :: c_open, c_read, c_pread, c_close, c_poll, poll_type, c_opendir, c_closedir
-   public :: c_creat, c_write, c_rename, c_unlink, c_truncate, c_getpid, c_mkdir
+   public :: c_creat, c_write, c_rename, c_rmdir, c_unlink, c_truncate, c_getpid, c_mkdir
    public :: read_at, write_all
 
    !> `struct pollfd` of poll.h
@@ -106,6 +106,13 @@ module gyroakf_io_system
          character(kind=c_char), intent(in) :: path(*)
          integer(c_int) :: failed
       end function c_unlink
+
+      function c_rmdir(path) result(failed) bind(C, name="rmdir")
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int) :: failed
+      end function c_rmdir
 
       !> Fails for what is no regular file
       function c_truncate(path, length) result(failed) bind(C, name="truncate")

@@ -13,9 +13,21 @@ module gyroakf_io_writer
    use gyroakf_io_system, only : c_close, c_creat, c_getpid, c_mkdir, c_rename, c_truncate, c_unlink, write_all
    implicit none (type, external)
    private
-   public :: writer_type, open_writer, put, put_line, put_real, put_reals
+   public :: writer_type, markup_type, open_writer, put, put_line, put_real, put_reals
    public :: complete_writer, commit_writer, discard_writer, format_real
    public :: make_directory, is_file, remove_file
+
+   !> Of a report that is written as a page: what stands open in it (see [[gyroakf_report_html_markup]])
+   type :: markup_type
+      !> The report is a page; else it is plain text
+      logical :: on = .false.
+      !> The list that is open: "dl", "ul", "" for none
+      character(2) :: list = ""
+      !> Level of the headings with a line under them; the others are one deeper
+      integer :: level = 2
+      !> The last heading, which names the tables below it
+      character(:), allocatable :: heading
+   end type markup_type
 
    !> A file that is being written
    type :: writer_type
@@ -34,6 +46,8 @@ module gyroakf_io_writer
       logical :: complete = .false.
       !> A report goes to a terminal that shows UTF-8, colours; of no meaning to the writer itself
       logical :: unicode = .false., colour = .false.
+      !> A report goes into a page
+      type(markup_type) :: markup
    end type writer_type
 
    !> Characters written at once

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The figures of a result as gnuplot scripts in DIR/plots, each with the numbers that it draws.
 !>
-!>     call write_figures("results", "svg", record, options, result, figures, error)
+!>     call write_figures("results/plots", "svg", record, options, result, figures, error)
 !>     ! in results/plots, for each of figures%text: gnuplot NAME.gp makes NAME.svg
 module gyroakf_report_figures
    use gyroakf_error, only : error_type
@@ -17,20 +17,20 @@ module gyroakf_report_figures
    use gyroakf_report_input, only : unit_name
    implicit none (type, external)
    private
-   public :: write_figures, figure_formats, figure_folder
+   public :: write_figures, figure_formats, figure_folder, figure_kinds, figure_name
 
    !> Below the folder of the results
    character(*), parameter :: figure_folder = "plots"
    !> In the order of a report
-   character(12), parameter :: kinds(9) = [character(12) :: "series", "allan", "before_after", "filters", "innovations", &
+   character(12), parameter :: figure_kinds(9) = [character(12) :: "series", "allan", "before_after", "filters", "innovations", &
                                            "histogram", "correlation", "residuals", "spectrum"]
 
 contains
 
    !> Writes the scripts of all figures that the result has, and what they draw that no csv file holds.
-   subroutine write_figures(directory, form, record, options, result, figures, error)
-      !> That of [[write_results]]
-      character(*), intent(in) :: directory
+   subroutine write_figures(folder, form, record, options, result, figures, error)
+      !> Made where it does not exist: [[figure_folder]] in that of [[write_results]], or another
+      character(*), intent(in) :: folder
       !> One of [[figure_formats]]
       character(*), intent(in) :: form
       !> What was read; series are drawn where they were kept
@@ -47,13 +47,13 @@ contains
       integer :: c, i
 
       allocate (figures(0))
-      call make_directory(directory//"/"//figure_folder, error)
+      call make_directory(folder, error)
       if (allocated(error)) return
       do c = 1, size(result%channel)
-         do i = 1, size(kinds)
-            if (.not. has_figure(trim(kinds(i)), record, options, result%channel(c))) cycle
-            name = trim(kinds(i))//suffix_of(result, c)
-            call write_script(directory//"/"//figure_folder//"/", trim(kinds(i)), name, form, record, result, c, error)
+         do i = 1, size(figure_kinds)
+            if (.not. has_figure(trim(figure_kinds(i)), record, options, result%channel(c))) cycle
+            name = figure_name(trim(figure_kinds(i)), result, c)
+            call write_script(folder//"/", trim(figure_kinds(i)), name, form, record, result, c, error)
             if (allocated(error)) return
             call add_text(figures, name)
          end do
@@ -139,6 +139,19 @@ contains
       case default; call write_spectrum_data(writer, channel, record%sample_interval)
       end select
    end subroutine write_data
+
+   !> The figure of a channel, without ending.
+   function figure_name(kind, result, c) result(name)
+      !> One of [[figure_kinds]]
+      character(*), intent(in) :: kind
+      !> What came out
+      type(pipeline_result_type), intent(in) :: result
+      !> Number of the channel
+      integer, intent(in) :: c
+      character(:), allocatable :: name
+
+      name = kind//suffix_of(result, c)
+   end function figure_name
 
    !> "" of a single channel, else "-" and its name in letters that every file system takes, with its number where two are alike.
    function suffix_of(result, c) result(suffix)

@@ -20,9 +20,9 @@ module gyroakf_report_files
    public :: write_results, result_files, existing_result, series_output_type
 
    !> In the order in which they are written; one of the first three
-   character(16), parameter :: result_files(12) = [character(16) :: "series.csv", "series.npy", "series.f64", "allan.csv", &
+   character(16), parameter :: result_files(13) = [character(16) :: "series.csv", "series.npy", "series.f64", "allan.csv", &
       "coefficients.csv", "dynamic.csv", "ar_spectrum.csv", "correlation.csv", "histogram.csv", "spectrum.csv", "report.txt", &
-      "results.json"]
+      "results.json", "report.html"]
 
 contains
 
@@ -43,6 +43,7 @@ contains
    !> Writes the series (where they were kept), allan.csv and coefficients.csv (where there are curves), dynamic.csv (where it
    !> was asked for), ar_spectrum.csv (where there are AR models), correlation.csv, histogram.csv and spectrum.csv (where there are
    !> tests), report.txt and results.json; those that an earlier run left and this one does not write are removed.
+   !> report.html is one of these: [[write_page]] writes it when there are figures.
    !> The series of a streamed record are not here: they are written while it goes by.
    subroutine write_results(directory, command, record, options, result, error, output, progress)
       !> Made where it does not exist
@@ -72,7 +73,7 @@ contains
       wanted(:3) = options%keep_series .and. .not. record%streamed .and. [character(3) :: "csv", "npy", "f64"] == series%form
       wanted(4:) = [options%do_allan, options%do_allan, options%do_allan .and. options%dynamic_segments > 0, &
                     options%do_ar, any(result%channel%available%correlation), options%do_tests, &
-                    options%do_tests .and. has_spectrum(result), .true., .true.]
+                    options%do_tests .and. has_spectrum(result), .true., .true., .false.]
       do i = 1, size(result_files)
          if (.not. wanted(i)) cycle
          call open_writer(writer(i), directory//"/"//trim(result_files(i)), error)

@@ -9,7 +9,7 @@ module gyroakf_report_filters
    use gyroakf_pipeline_result, only : channel_result_type, filter_figures_type
    use gyroakf_report_input, only : has_unit, unit_name
    use gyroakf_report_layout, only : put_item, put_items, put_paragraph, number, scientific, fixed, count_text
-   use gyroakf_report_table, only : table_type, new_table, set_cell, set_row, put_numbered
+   use gyroakf_report_table, only : table_type, new_table, set_exact, set_cell, set_row, put_numbered
    use gyroakf_report_stationarity, only : whiteness_text, negligible_rho
    implicit none (type, external)
    private
@@ -55,16 +55,19 @@ contains
          call new_table(table, row + 2 + count([two_inputs(channel), is%kf, is%akf, is%drift_kf, is%drift_akf, &
                                                 is%drift_smoother, is%drift_smoother]), 9, head=row)
          call describe(record, channel, table)
-         call add_series(table, row, "as read", channel%raw%mean, channel%raw%variance, "")
-         call add_series(table, row, "cleaned", channel%cleaned%mean, channel%cleaned%variance, "100 %")
-         if (is%kf) call add_filter(table, row, "KF (paper)", channel%kf, channel%kf_figures)
-         if (is%akf) call add_filter(table, row, "AKF (paper)", channel%akf, channel%akf_figures)
-         if (two_inputs(channel)) call add_series(table, row, "no outliers", channel%level%mean, channel%level%variance, "100 %")
-         if (is%drift_kf) call add_filter(table, row, "drift KF", channel%drift_kf, channel%drift_kf_figures)
-         if (is%drift_akf) call add_filter(table, row, "drift AKF", channel%drift_akf, channel%drift_akf_figures)
+         call add_series(table, row, "as read", "raw", channel%raw%mean, channel%raw%variance, "")
+         call add_series(table, row, "cleaned", "preprocess", channel%cleaned%mean, channel%cleaned%variance, "100 %")
+         if (is%kf) call add_filter(table, row, "KF (paper)", "kf", channel%kf, channel%kf_figures)
+         if (is%akf) call add_filter(table, row, "AKF (paper)", "akf", channel%akf, channel%akf_figures)
+         if (two_inputs(channel)) call add_series(table, row, "no outliers", "", channel%level%mean, channel%level%variance, &
+                                                  "100 %")
+         if (is%drift_kf) call add_filter(table, row, "drift KF", "drift_kf", channel%drift_kf, &
+                                           channel%drift_kf_figures)
+         if (is%drift_akf) call add_filter(table, row, "drift AKF", "drift_akf", channel%drift_akf, &
+                                            channel%drift_akf_figures)
          if (is%drift_smoother) then
-            call add_filter(table, row, "smoother", channel%drift_smoother, channel%drift_smoother_figures)
-            call add_series(table, row, "compensated", channel%compensated%mean, channel%compensated%variance, &
+            call add_filter(table, row, "smoother", "drift_smoother", channel%drift_smoother, channel%drift_smoother_figures)
+            call add_series(table, row, "compensated", "", channel%compensated%mean, channel%compensated%variance, &
                             number(100*channel%compensated_ratio, 3)//" %")
             call set_cell(table, row, 6, fixed(channel%drift_smoother_figures%lost_percent/100, 4))
          end if
@@ -100,11 +103,12 @@ contains
    end subroutine describe
 
    !> A series in the table.
-   subroutine add_series(table, row, name, mean, variance, share)
+   subroutine add_series(table, row, name, key, mean, variance, share)
       type(table_type), intent(inout) :: table
       !> The last one that is filled
       integer, intent(inout) :: row
-      character(*), intent(in) :: name
+      !> What the row is called; where results.json has its mean and variance, "" where it has not
+      character(*), intent(in) :: name, key
       real(dp), intent(in) :: mean, variance
       character(*), intent(in) :: share
 
@@ -113,22 +117,30 @@ contains
       call set_cell(table, row, 2, scientific(mean, 4))
       call set_cell(table, row, 3, scientific(variance, 5))
       call set_cell(table, row, 4, share)
+      if (key == "") return
+      call set_exact(table, row, 2, key//".mean", mean)
+      call set_exact(table, row, 3, key//".variance", variance)
    end subroutine add_series
 
    !> One filter in the table; a smoother has no innovations.
-   subroutine add_filter(table, row, name, filter, figures)
+   subroutine add_filter(table, row, name, member, filter, figures)
       type(table_type), intent(inout) :: table
       !> The last one that is filled
       integer, intent(inout) :: row
-      character(*), intent(in) :: name
+      !> What the row is called; the filter among those of results.json
+      character(*), intent(in) :: name, member
       type(filter_result_type), intent(in) :: filter
       type(filter_figures_type), intent(in) :: figures
 
-      call add_series(table, row, name, filter%mean, filter%variance, number(100*figures%variance_ratio, 3)//" %")
+      call add_series(table, row, name, "filters."//member, filter%mean, filter%variance, &
+                      number(100*figures%variance_ratio, 3)//" %")
       call set_cell(table, row, 6, fixed(filter%dc_gain, 4))
+      call set_exact(table, row, 6, "filters."//member//".dc_gain", filter%dc_gain)
       if (.not. filter%nis_high > 0.0_dp) return
       call set_cell(table, row, 5, number(filter%gain, 2))
       call set_cell(table, row, 7, fixed(filter%nis_mean, 3))
+      call set_exact(table, row, 5, "filters."//member//".gain", filter%gain)
+      call set_exact(table, row, 7, "filters."//member//".nis_mean", filter%nis_mean)
       call set_cell(table, row, 8, number(filter%ljung_box%largest_rho, 2))
       call set_cell(table, row, 9, trim(verdict(filter%ljung_box)))
    end subroutine add_filter

@@ -1,13 +1,15 @@
 ! SPDX-License-Identifier: MIT
 !> Lines of a terminal report: at most 80 columns, padded by characters (UTF-8), not by bytes.
 !>
-!> The writer tells whether the signs of UTF-8 and colours are shown; both come in here, the texts hold neither.
+!> The writer tells whether the signs of UTF-8 and colours are shown; both come in here, the texts hold neither. Where its `markup`
+!> is on, the same parts become elements of a page.
 module gyroakf_report_layout
    use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : text_type
    use gyroakf_io_writer, only : writer_type, put_line, format_real
    use gyroakf_report_sign, only : to_unicode
    use gyroakf_utf8, only : text_width, is_continuation
+   use gyroakf_report_html_markup, only : html_heading, html_item, html_paragraph, html_point
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
    private
@@ -102,8 +104,12 @@ contains
 
       character(:), allocatable :: shown
 
-      call put_line(writer, "")
       shown = with_signs(writer, text, verbatim)
+      if (writer%markup%on) then
+         call html_heading(writer, shown, present(underline))
+         return
+      end if
+      call put_line(writer, "")
       call put_wrapped(writer, "", shown, 0, bold)
       if (present(underline)) call put_line(writer, painted(writer, repeat(underline, min(text_width(shown), report_width)), bold))
    end subroutine put_heading
@@ -119,6 +125,10 @@ contains
       !> Holds what a user wrote: shown as it is
       logical, intent(in), optional :: verbatim
 
+      if (writer%markup%on) then
+         call html_item(writer, label, with_signs(writer, text, verbatim))
+         return
+      end if
       call put_wrapped(writer, pad_right("  "//label, item_column - 1)//" ", with_signs(writer, text, verbatim), item_column, &
                        colour_of(label))
    end subroutine put_item
@@ -148,6 +158,10 @@ contains
       !> Blanks in front of every line
       integer, intent(in) :: indent
 
+      if (writer%markup%on) then
+         call html_paragraph(writer, with_signs(writer, text))
+         return
+      end if
       call put_wrapped(writer, repeat(" ", indent), with_signs(writer, text), indent, "")
    end subroutine put_paragraph
 
@@ -158,6 +172,10 @@ contains
       !> Any length
       character(*), intent(in) :: text
 
+      if (writer%markup%on) then
+         call html_point(writer, with_signs(writer, text))
+         return
+      end if
       call put_wrapped(writer, "  - ", with_signs(writer, text), 4, "")
    end subroutine put_point
 

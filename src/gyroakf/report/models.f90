@@ -8,7 +8,7 @@ module gyroakf_report_models
    use gyroakf_report_ar_details, only : put_ar_normality, put_ar_roots
    use gyroakf_report_input, only : unit_name
    use gyroakf_report_layout, only : put_item, number, scientific, fixed, count_text
-   use gyroakf_report_table, only : table_type, new_table, set_cell, set_row, put_numbered
+   use gyroakf_report_table, only : table_type, new_table, set_exact, set_cell, set_row, put_numbered
    use gyroakf_report_stationarity, only : whiteness_text
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
@@ -41,6 +41,7 @@ contains
       type(channel_result_type), intent(in) :: channel
       !> Described
       type(table_type), intent(out) :: table
+      character(:), allocatable :: key
       integer :: i, row
 
       call new_table(table, size(channel%ar%table) + 1, 8, left=0)
@@ -62,6 +63,14 @@ contains
             call set_cell(table, row, 6, criterion(line%hqic))
             call set_cell(table, row, 7, scientific(line%fpe, 5))
             call set_cell(table, row, 8, fixed(line%aic_per_observation, 6))
+            key = "ar.table."//count_text(int(row - 2, int64))//"."
+            call set_exact(table, row, 2, key//"noise_variance", line%noise_variance)
+            call set_exact(table, row, 3, key//"aic", line%aic)
+            call set_exact(table, row, 4, key//"aicc", line%aicc)
+            call set_exact(table, row, 5, key//"bic", line%bic)
+            call set_exact(table, row, 6, key//"hqic", line%hqic)
+            call set_exact(table, row, 7, key//"fpe", line%fpe)
+            call set_exact(table, row, 8, key//"aic_per_observation", line%aic_per_observation)
          end associate
       end do
    end subroutine make_ar_table

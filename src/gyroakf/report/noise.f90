@@ -6,10 +6,10 @@ module gyroakf_report_noise
    use gyroakf_units, only : term_names, quantity
    use gyroakf_io_writer, only : writer_type
    use gyroakf_allan_deviations, only : allan_curve_type
-   use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stated_coefficient_type, stage
+   use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stated_coefficient_type, stage, stage_names
    use gyroakf_report_conventions, only : put_conventions
    use gyroakf_report_layout, only : put_heading, put_item, number, count_text
-   use gyroakf_report_table, only : table_type, new_table, set_cell, put_table, put_numbered
+   use gyroakf_report_table, only : table_type, new_table, set_exact, set_cell, put_table, put_numbered
    use gyroakf_report_fit, only : put_fit, put_visible
    use gyroakf_report_input, only : unit_name
    implicit none (type, external)
@@ -19,31 +19,32 @@ module gyroakf_report_noise
 contains
 
    !> The deviation curve with its confidence limits, and the fitted model beside it.
-   subroutine put_curves_of(writer, record, allan, title)
+   subroutine put_curves_of(writer, record, allan, title, name)
       !> The report
       type(writer_type), intent(inout) :: writer
       !> For the units
       type(record_type), intent(in) :: record
       !> Curve, and the fit where there is one
       type(allan_result_type), intent(in) :: allan
-      !> Which series
-      character(*), intent(in) :: title
+      !> Which series, and its name in results.json
+      character(*), intent(in) :: title, name
       integer :: i
 
       if (.not. allan%available) return
       if (allan%fitted) then
-         call put_curve(writer, record, allan%curve, title, allan%noise%model)
+         call put_curve(writer, record, allan%curve, title, "allan."//name//".", allan%noise%model)
       else
-         call put_curve(writer, record, allan%curve, title)
+         call put_curve(writer, record, allan%curve, title, "allan."//name//".")
       end if
       if (.not. allocated(allan%other)) return
       do i = 1, size(allan%other)
-         if (allocated(allan%other(i)%tau)) call put_curve(writer, record, allan%other(i), title)
+         if (allocated(allan%other(i)%tau)) call put_curve(writer, record, allan%other(i), title, &
+                             "allan."//name//".other_kinds."//trim(allan%other(i)%kind)//".")
       end do
    end subroutine put_curves_of
 
    !> One curve.
-   subroutine put_curve(writer, record, curve, title, model)
+   subroutine put_curve(writer, record, curve, title, key, model)
       !> The report
       type(writer_type), intent(inout) :: writer
       !> For the units
@@ -52,10 +53,13 @@ contains
       type(allan_curve_type), intent(in) :: curve
       !> Which series
       character(*), intent(in) :: title
+      !> Where results.json has it
+      character(*), intent(in) :: key
       !> Fitted deviation
       real(dp), intent(in), optional :: model(:)
       type(table_type) :: table
       character(9), parameter :: head(7) = [character(9) :: "tau", "deviation", "lower", "upper", "edf", "terms", "model"]
+      character(:), allocatable :: row
       integer :: i
 
       call put_heading(writer, title//": "//trim(curve%kind)//" in "//unit_name(record)// &
@@ -74,19 +78,28 @@ contains
          call set_cell(table, i + 1, 5, number(curve%edf(i), 4))
          call set_cell(table, i + 1, 6, count_text(curve%terms(i)))
          if (present(model)) call set_cell(table, i + 1, 7, number(model(i), 4))
+         row = "."//count_text(int(i - 1, int64))
+         call set_exact(table, i + 1, 1, key//"tau_s"//row, curve%tau(i))
+         call set_exact(table, i + 1, 2, key//"deviation"//row, curve%deviation(i))
+         call set_exact(table, i + 1, 3, key//"lower"//row, curve%lower(i))
+         call set_exact(table, i + 1, 4, key//"upper"//row, curve%upper(i))
+         call set_exact(table, i + 1, 5, key//"edf"//row, curve%edf(i))
       end do
       call put_table(writer, table, 0)
    end subroutine put_curve
 
    !> The coefficients of one series, in the stated units and in those of the curve.
-   subroutine put_coefficients(writer, record, allan)
+   subroutine put_coefficients(writer, record, allan, name)
       !> The report
       type(writer_type), intent(inout) :: writer
       !> For the names of the terms
       type(record_type), intent(in) :: record
       !> With the fit
       type(allan_result_type), intent(in) :: allan
+      !> The series in results.json
+      character(*), intent(in) :: name
       type(table_type) :: table
+      character(:), allocatable :: key
       integer :: term
 
       if (.not. allan%fitted) return
@@ -102,6 +115,9 @@ contains
             call set_cell(table, term + 1, 1, term_title(record, term))
             call set_cell(table, term + 1, 2, stated%unit)
             call set_cell(table, term + 1, 6, read_off_text(allan, term))
+            key = "coefficients."//name//"."
+            if (allan%read_off%found(term)) call set_exact(table, term + 1, 6, key//"read_off."//term_names(term), &
+                                                           allan%read_off%value(term))
             if (.not. stated%fitted) then
                call set_cell(table, term + 1, 3, "not fitted")
                cycle
@@ -109,6 +125,10 @@ contains
             call set_cell(table, term + 1, 3, value_text(stated))
             if (stated%detected) call set_cell(table, term + 1, 4, number(stated%std_error, 3))
             call set_cell(table, term + 1, 5, number(stated%upper_limit, 4))
+            key = key//term_names(term)
+            if (stated%detected) call set_exact(table, term + 1, 3, key//".value", stated%value)
+            if (stated%detected) call set_exact(table, term + 1, 4, key//".std_error", stated%std_error)
+            call set_exact(table, term + 1, 5, key//".upper_limit", stated%upper_limit)
          end associate
       end do
       call put_table(writer, table, 2)
@@ -173,6 +193,7 @@ contains
       !> Described
       type(table_type), intent(out) :: table
       character(11), parameter :: series(5) = [character(11) :: "as read", "cleaned", "KF", "AKF", "compensated"]
+      character(:), allocatable :: key
       integer :: term, which, row, last
 
       last = merge(stage%compensated, stage%akf, channel%allan(stage%compensated)%available)
@@ -192,11 +213,19 @@ contains
          call set_cell(table, row, 1, trim(series(which)))
          do term = 1, 5
             call set_cell(table, row, term + 1, compared_text(channel%allan(which), term))
+            associate (allan => channel%allan(which), stated => channel%allan(which)%stated%term(term))
+               if (.not. (allan%fitted .and. stated%fitted)) cycle
+               key = "coefficients."//trim(stage_names(which))//"."//term_names(term)
+               if (stated%detected) call set_exact(table, row, term + 1, key//".value", stated%value)
+               if (.not. stated%detected) call set_exact(table, row, term + 1, key//".upper_limit", stated%upper_limit)
+            end associate
          end do
       end do
       call set_cell(table, row + 1, 1, "reduction")
       do term = 1, 5
          call set_cell(table, row + 1, term + 1, reduction_text(channel, term))
+         if (channel%reduction_known(term)) call set_exact(table, row + 1, term + 1, "coefficients.reduction_percent."// &
+                                                           term_names(term), channel%reduction_percent(term))
       end do
       table%note = table%note//"+/-: one standard error; <: not detected, one-sided 95 % limit. reduction: from cleaned to AKF."
    end subroutine make_comparison

@@ -11,7 +11,7 @@ module gyroakf_report_summary
    use gyroakf_report_document_stated, only : put_known
    use gyroakf_report_json, only : close_array, close_object, flush_json, json_text, json_type, open_array, open_object, put_json, &
       & put_member, put_null
-   use gyroakf_report_layout, only : plural, report_width
+   use gyroakf_report_layout, only : plural, put_paragraph, report_width
    use gyroakf_report_summary_row, only : column_heads, csv_head, make_failed_row, make_row, summary_row_type
    use gyroakf_report_table, only : column_widths, new_table, put_table, set_cell, table_type
    use gyroakf_utf8, only : is_continuation, text_width
@@ -298,12 +298,12 @@ contains
       end do
       call fit_names(table)
       call put_table(writer, table, verbatim=.true.)
-      call put_line(writer, "")
+      if (.not. writer%markup%on) call put_line(writer, "")
       if (any(rows%code /= 0)) then
-         call put_line(writer, "  "//plural(size(rows, kind=int64), "file")//", "//plural(count(rows%code /= 0, kind=int64), &
-                       "failure"))
+         call put_paragraph(writer, plural(size(rows, kind=int64), "file")//", "//plural(count(rows%code /= 0, kind=int64), &
+                                                                                        "failure"), 2)
       else
-         call put_line(writer, "  "//plural(size(rows, kind=int64), "file"))
+         call put_paragraph(writer, plural(size(rows, kind=int64), "file"), 2)
       end if
    end subroutine write_summary_table
 

@@ -1,14 +1,16 @@
 ! SPDX-License-Identifier: MIT
 !> A table: one description, from which the report of a terminal ([[put_table]]), Markdown, LaTeX and HTML are made.
 module gyroakf_report_table
+   use gyroakf_kinds, only : dp
    use gyroakf_record, only : text_type
    use gyroakf_io_writer, only : writer_type, put_line
+   use gyroakf_report_html_table, only : exact_type, html_table
    use gyroakf_report_layout, only : pad_left, pad_right, put_heading, put_paragraph, report_width
    use gyroakf_report_sign, only : to_unicode
    use gyroakf_utf8, only : is_continuation, text_width
    implicit none (type, external)
    private
-   public :: table_type, new_table, set_cell, set_row, put_table, put_numbered, cell_lines, cell_line, column_widths
+   public :: table_type, new_table, set_cell, set_row, set_exact, put_table, put_numbered, cell_lines, cell_line, column_widths
 
    !> Rows and columns of text with what a paper prints about them. Read freely, filled by the subroutines below.
    type :: table_type
@@ -27,6 +29,8 @@ module gyroakf_report_table
       character(:), allocatable :: caption
       !> What its columns mean, in whole sentences, or ""
       character(:), allocatable :: note
+      !> The numbers behind the cells, as far as [[set_exact]] told them: [rows, columns]
+      type(exact_type), allocatable :: exact(:, :)
    end type table_type
 
    !> Characters of a column that is text; what is longer loses its end
@@ -46,7 +50,7 @@ contains
       integer, intent(in), optional :: head, left
       integer :: i, j
 
-      allocate (table%cell(rows, columns))
+      allocate (table%cell(rows, columns), table%exact(rows, columns))
       do j = 1, columns
          do i = 1, rows
             table%cell(i, j)%text = ""
@@ -86,6 +90,21 @@ contains
          table%cell(row, j)%text = trim(texts(j))
       end do
    end subroutine set_row
+
+   !> Tells the number that a cell shows: a page has it in full, with its place in results.json.
+   pure subroutine set_exact(table, row, column, key, value)
+      !> The table
+      type(table_type), intent(inout) :: table
+      !> From 1
+      integer, intent(in) :: row, column
+      !> From the channel on: "allan.input.tau_s.0"
+      character(*), intent(in) :: key
+      !> Any
+      real(dp), intent(in) :: value
+
+      table%exact(row, column)%key = key
+      table%exact(row, column)%value = value
+   end subroutine set_exact
 
    !> Lines of a cell.
    pure integer function cell_lines(text)
@@ -137,6 +156,10 @@ contains
       shown = table
       if (present(left)) shown%left = left
       if (writer%unicode .and. .not. present(verbatim)) call use_signs(shown)
+      if (writer%markup%on) then
+         call html_table(writer, shown%cell, shown%exact, shown%head, shown%left)
+         return
+      end if
       call column_widths(shown, width)
       if (2 + sum(width) + size(width) - 1 > report_width) then
          call shorten(shown)

@@ -20,7 +20,7 @@ module gyroakf_report_text
    use gyroakf_report_advice, only : put_advice, put_warnings
    implicit none (type, external)
    private
-   public :: write_report, report_inspect
+   public :: write_report, report_inspect, put_sections, report_subject
 
 contains
 
@@ -39,7 +39,7 @@ contains
       type(record_type) :: view
       integer :: c
 
-      call put_title(writer, "gyroakf "//release_string//": "//subject(command)//preset_name(options))
+      call put_title(writer, "gyroakf "//release_string//": "//report_subject(command)//preset_name(options))
       call put_input(writer, record)
       do c = 1, size(result%channel)
          call view_channel(record, c, view)
@@ -47,7 +47,7 @@ contains
       end do
    end subroutine write_report
 
-   !> The sections of a command, for one channel; those of `run` are in the order of the paper's results.
+   !> One channel: its sections, and what to make of them.
    subroutine put_channel(writer, command, record, options, channel)
       type(writer_type), intent(inout) :: writer
       character(*), intent(in) :: command
@@ -56,6 +56,24 @@ contains
       type(channel_result_type), intent(in) :: channel
 
       call put_heading(writer, "Channel "//channel%name, "=", verbatim=.true.)
+      call put_sections(writer, command, record, options, channel)
+      if (command == "run") call put_advice(writer, record, channel)
+      call put_warnings(writer, channel)
+   end subroutine put_channel
+
+   !> The sections of a command, for one channel; those of `run` are in the order of the paper's results.
+   subroutine put_sections(writer, command, record, options, channel)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> run, allan, tests, ar or filter
+      character(*), intent(in) :: command
+      !> For units and what is assumed
+      type(record_type), intent(in) :: record
+      !> What was asked for
+      type(pipeline_options), intent(in) :: options
+      !> What came out
+      type(channel_result_type), intent(in) :: channel
+
       if (channel%available%preprocess .or. command == "run") call put_removed(writer, record, channel)
       select case (command)
       case ("allan")
@@ -84,10 +102,8 @@ contains
          call put_drift_model(writer, record, channel)
          call put_comparison(writer, record, channel)
          call put_changes(writer, record, channel)
-         call put_advice(writer, record, channel)
       end select
-      call put_warnings(writer, channel)
-   end subroutine put_channel
+   end subroutine put_sections
 
    !> Deviation curves and coefficients, as read and, where something was removed, cleaned.
    subroutine put_curves(writer, record, options, channel)
@@ -96,18 +112,19 @@ contains
       type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(in) :: channel
 
-      call put_curves_of(writer, record, channel%allan(stage%input), "As read")
+      call put_curves_of(writer, record, channel%allan(stage%input), "As read", "input")
       if (channel%allan(stage%input)%curve%streamed) call put_item(writer, "", "streamed: at averaging times of m >= 64 "// &
          "samples every m/32-th term was taken (white noise keeps 99.9 % of its degrees of freedom)")
-      call put_coefficients(writer, record, channel%allan(stage%input))
+      call put_coefficients(writer, record, channel%allan(stage%input), "input")
       if (channel%available%preprocess .and. options%clean%degree >= 0) then
-         call put_curves_of(writer, record, channel%allan(stage%cleaned), "Cleaned")
-         call put_coefficients(writer, record, channel%allan(stage%cleaned))
+         call put_curves_of(writer, record, channel%allan(stage%cleaned), "Cleaned", "cleaned")
+         call put_coefficients(writer, record, channel%allan(stage%cleaned), "cleaned")
       end if
    end subroutine put_curves
 
    !> What the report of a command is about.
-   pure function subject(command) result(text)
+   pure function report_subject(command) result(text)
+      !> run, allan, tests, ar or filter
       character(*), intent(in) :: command
       character(:), allocatable :: text
 
@@ -118,7 +135,7 @@ contains
       case ("filter"); text = "filters"
       case default; text = "random errors of a gyroscope record"
       end select
-   end function subject
+   end function report_subject
 
    !> Says so where the paper's chain was asked for.
    pure function preset_name(options) result(text)

@@ -1,0 +1,76 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# The page of --out, report.html, in a browser: no message on its console, its script at work, its numbers those of results.json, valid
+# HTML. Of a recording, of several with one that holds traps, of one without rate and unit, and without gnuplot.
+#
+#   ci/page.sh [PROGRAM]      PROGRAM: default is what fpm built
+#
+# GYROAKF_PAGE=1 ./setup.sh installs what it takes (chromium, tidy, gnuplot); where that cannot be had it says "skipped: ...".
+set -u
+cd "$(dirname "$0")/.." || exit 1
+root=$PWD
+GYROAKF_PAGE=1 ./setup.sh true >/dev/null 2>&1
+browser=
+for name in chromium chromium-browser google-chrome; do
+   if command -v "$name" >/dev/null; then browser=$name; break; fi
+done
+for tool in "${browser:-chromium}" tidy gnuplot python3; do
+   command -v "$tool" >/dev/null || { echo "skipped: no $tool"; exit 0; }
+done
+program=${1:-$(./setup.sh fpm run gyroakf --runner echo 2>/dev/null | tail -n 1)}
+program=$(cd "$(dirname "$program")" && pwd)/$(basename "$program")
+[ -x "$program" ] || { echo "no program"; exit 1; }
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+passed=0
+failed=0
+
+pass() { passed=$((passed + 1)); }
+fail() { failed=$((failed + 1)); printf 'FAILED: %s\n' "$*"; }
+
+# look PAGE FOLDER...: the page in the browser, and what the browser made of it
+look() {
+   local page=$1 lines
+   shift
+   HOME=$work timeout 120 "$browser" --headless=new --no-sandbox --disable-gpu --disable-dev-shm-usage --enable-logging=stderr \
+      --user-data-dir="$work/profile" --virtual-time-budget=5000 --dump-dom "file://$work/$page" >dom.html 2>browser.log ||
+      { fail "$page: the browser ends with $?"; tail -n 3 browser.log; return; }
+   if grep -q 'CONSOLE' browser.log; then fail "$page: console: $(grep -m 1 CONSOLE browser.log)"; else pass; fi
+   for lines in "$page" dom.html; do
+      python3 "$root/ci/page/check.py" "$lines" "$@" >check.log
+      grep '^FAILED' check.log
+      read -r p f < <(sed -nE 's/^([0-9]+) passed, ([0-9]+) failed$/\1 \2/p' check.log)
+      passed=$((passed + ${p:-0}))
+      failed=$((failed + ${f:-1}))
+   done
+   if tidy -q -e -utf8 "$page" >/dev/null 2>tidy.log; then pass; else fail "$page: tidy: $(head -n 2 tidy.log)"; fi
+}
+
+example=$root/example/data/mems_gyro_x.txt
+"$program" "$example" --out one --quiet || fail "example"
+look one/report.html one
+if grep -q 'class="reading"' dom.html; then pass; else fail "the curve cannot be read"; fi
+
+{ printf '%s\n' "<b>&\"\\' gy"; "$program" simulate --samples 3000 --coefficients N=0.01 --seed 5 | grep -v '#' |
+   awk '{ print $1, 2*$1 }'; } >'a <i>&.txt'
+"$program" 'a <i>&.txt' "$example" --rate 5 --unit deg/s --out many --quiet --plot svg || fail "two recordings"
+look many/summary.html 'many/a <i>&' many/mems_gyro_x
+if grep -qE '<(b|i)>' dom.html; then fail "a name became an element"; else pass; fi
+
+grep -v '#' "$example" | head -n 2000 >bare.txt
+"$program" allan bare.txt --out bare --quiet --plot none || fail "nothing known"
+look bare/report.html bare
+if grep -q '<svg' bare/report.html; then fail "figures in spite of --plot none"; else pass; fi
+
+for width in 1280 390; do                              # nothing is wider than the window
+   printf '<!DOCTYPE html><title>w</title><iframe src="one/report.html" style="width:%spx;height:900px"></iframe>%s' $width \
+      '<script>onload=function(){var d=frames[0].document.documentElement;document.title=d.scrollWidth-d.clientWidth}</script>' >frame.html
+   HOME=$work timeout 120 "$browser" --headless=new --no-sandbox --disable-gpu --disable-dev-shm-usage --user-data-dir="$work/profile" \
+      --allow-file-access-from-files --virtual-time-budget=5000 --dump-dom "file://$work/frame.html" >frame.dom 2>/dev/null
+   if grep -q '<title>0</title>' frame.dom; then pass; else
+      fail "$width: $(grep -o '<title>[^<]*' frame.dom) pixels wider than the window"; fi
+done
+
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]

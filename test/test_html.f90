@@ -1,0 +1,200 @@
+! SPDX-License-Identifier: MIT
+!> Tests of the page: texts that are escaped, parts of a report as elements, tables with their numbers, figures that are taken in.
+module test_html
+   use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   use gyroakf_kinds, only : dp
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_io_whole_file, only : read_whole_file
+   use gyroakf_io_writer, only : writer_type
+   use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
+   use gyroakf_record, only : record_type
+   use gyroakf_report_html_figure, only : drawn_by, html_figure
+   use gyroakf_report_html_markup, only : close_list, put_escaped, put_number_attribute
+   use gyroakf_report_html_page, only : drawings_type, page_about_type, write_page
+   use gyroakf_report_layout, only : put_heading, put_item, put_paragraph, put_point
+   use gyroakf_report_summary, only : summarise, summary_row_type
+   use gyroakf_report_table, only : new_table, put_table, set_cell, set_exact, table_type
+   use report_fixture, only : begin_text, end_text, make_record, make_result
+   use scratch_file, only : remove_file, scratch_path, write_bytes
+   use testdrive, only : check, error_type, new_unittest, unittest_type
+   implicit none (type, external)
+   private
+   public :: collect_html
+
+   character(*), parameter :: lf = new_line("a")
+
+contains
+
+   !> The tests of this suite.
+   subroutine collect_html(testsuite)
+      !> The tests
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         & new_unittest("escape", test_escape), &
+         & new_unittest("parts", test_parts), &
+         & new_unittest("table", test_table), &
+         & new_unittest("figure", test_figure), &
+         & new_unittest("page", test_page), &
+         & new_unittest("whole-file", test_whole_file)]
+   end subroutine collect_html
+
+   !> Markup, quotes, control characters (also those of U+0080 to U+009F), bytes that are no UTF-8; letters stay.
+   subroutine test_escape(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: writer
+      character(:), allocatable :: text
+
+      call begin_text(writer)
+      call put_escaped(writer, "<b>&""'"//achar(7)//achar(127)//char(255)//char(194)//char(133)//"°"//lf//"x"//char(195))
+      call put_number_attribute(writer, "a", 0.1_dp)
+      call put_number_attribute(writer, "b", ieee_value(0.0_dp, ieee_quiet_nan))
+      call end_text(writer, text)
+      call check(error, text, "&lt;b&gt;&amp;&quot;&#39;&#xFFFD;&#xFFFD;&#xFFFD;&#xFFFD;° x&#xFFFD;"// &
+                 " a=""0.10000000000000001"" b=""null""")
+   end subroutine test_escape
+
+   !> Items make one list until something else comes; an item without a label goes on, or is a paragraph.
+   subroutine test_parts(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: writer
+      character(:), allocatable :: text
+
+      call begin_text(writer)
+      writer%markup%on = .true.
+      writer%unicode = .true.
+      call put_heading(writer, "A < B", "-")
+      call put_item(writer, "", "alone")
+      call put_item(writer, "N", "1 +/- 2")
+      call put_item(writer, "", "more")
+      call put_item(writer, "Warning", "a +/- b", verbatim=.true.)
+      call put_point(writer, "one")
+      call put_point(writer, "two")
+      call put_paragraph(writer, "end", 2)
+      call put_heading(writer, "below")
+      call close_list(writer)
+      call end_text(writer, text)
+      call check(error, text, "<h2>A &lt; B</h2>"//lf//"<p>alone</p>"//lf//"<dl>"//lf//"<dt>N</dt>"//lf//"<dd>1 ± 2</dd>"//lf// &
+                 "<dd>more</dd>"//lf//"<dt class=""warning"">Warning</dt>"//lf//"<dd>a +/- b</dd>"//lf//"</dl>"//lf//"<ul>"//lf// &
+                 "<li>one</li>"//lf//"<li>two</li>"//lf//"</ul>"//lf//"<p>end</p>"//lf//"<h3>below</h3>"//lf)
+   end subroutine test_parts
+
+   !> Head, names of rows, empty cells, lines in a cell, numbers behind cells; the caption is the heading above.
+   subroutine test_table(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: writer
+      type(table_type) :: table
+      character(:), allocatable :: text
+
+      call new_table(table, 2, 2)
+      call set_cell(table, 1, 2, "x")
+      call set_cell(table, 2, 1, "a")
+      call set_cell(table, 2, 2, "1"//lf//"+/- 2")
+      call set_exact(table, 2, 2, "k.0", 1.0_dp/3.0_dp)
+      call begin_text(writer)
+      writer%markup%on = .true.
+      writer%unicode = .true.
+      writer%markup%heading = "T & U"
+      call put_table(writer, table)
+      call end_text(writer, text)
+      call check(error, text, "<div class=""scroll"" role=""region"" tabindex=""0"" aria-label=""T &amp; U""><table><caption>"// &
+                 "T &amp; U</caption>"//lf//"<thead><tr><td class=""text""></td><th scope=""col"">x</th></tr>"//lf// &
+                 "</thead><tbody><tr><th scope=""row"" class=""text"">a</th><td data-key=""k.0"" data-value="// &
+                 """0.33333333333333331"">1<br>± 2</td></tr>"//lf//"</tbody></table></div>"//lf)
+   end subroutine test_table
+
+   !> Names get the prefix wherever they stand, gnuplot's title goes, what is no drawing is left out.
+   subroutine test_figure(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: writer
+      character(:), allocatable :: text
+      character(*), parameter :: svg = "<?xml?><svg viewBox=""0 0 9 9""><title>Gnuplot</title><desc>Produced "// &
+         "by GNUPLOT 5 </desc><g id=""p"" fill=""url(#g)""><use xlink:href='#s' id='u'/></g></svg>"
+
+      call begin_text(writer)
+      call html_figure(writer, svg, "r1-", "What ""it"" shows.", " data-x=""y""")
+      call html_figure(writer, "no drawing", "r1-", "nothing", "")
+      call end_text(writer, text)
+      call check(error, text, "<figure data-x=""y""><div class=""plot"" tabindex=""0"" role=""group"" aria-label="// &
+                 """What &quot;it&quot; shows.""><svg role=""img"" aria-label=""What &quot;it&quot; shows."" "// &
+                 "viewBox=""0 0 9 9""><g id=""r1-p"" fill=""url(#r1-g)""><use xlink:href='#r1-s' id='r1-u'/></g></svg>"// &
+                 "</div>"//lf//"<figcaption>What &quot;it&quot; shows.</figcaption>"//lf//"</figure>"//lf)
+      if (allocated(error)) return
+      call check(error, drawn_by(svg)//"|"//drawn_by("<svg>"), "GNUPLOT 5|")
+   end subroutine test_figure
+
+   !> A page of the fixture: begun and ended, what it says of itself, a hostile name, every report.
+   subroutine test_page(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(6), parameter :: commands(5) = [character(6) :: "run", "allan", "tests", "ar", "filter"]
+      type(writer_type) :: writer
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      type(summary_row_type) :: row
+      type(drawings_type) :: drawings
+      type(page_about_type) :: about
+      character(:), allocatable :: text
+      integer :: i
+
+      call make_record(record, .true.)
+      call make_result(record, result)
+      record%channel(1)%text = "</section>"
+      result%channel(1)%name = record%channel(1)%text
+      about%command_line = "gyroakf 'a b' && rm"
+      drawings%missing = "No figures."
+      do i = 1, size(commands)
+         call summarise(trim(commands(i)), "a&b.txt", "", record, row, result)
+         call begin_text(writer)
+         call write_page(writer, about, trim(commands(i)), record, pipeline_options(), result, row, drawings)
+         call end_text(writer, text)
+         call check(error, index(text, "<!DOCTYPE html>"//lf) == 1 .and. index(text, "</html>"//lf) == len(text) - 7, commands(i))
+         if (allocated(error)) return
+         call check(error, index(text, "<code>gyroakf &#39;a b&#39; &amp;&amp; rm</code>") > 0 .and. &
+                    index(text, "<h3>Channel &lt;/section&gt;</h3>") > 0 .and. index(text, "<p>No figures.</p>") > 0, commands(i))
+         if (allocated(error)) return
+         call check(error, occurrences(text, "<section") == 2 .and. occurrences(text, "</section>") == 2 .and. &
+                    occurrences(text, "<dl>") == occurrences(text, "</dl>") .and. &
+                    occurrences(text, "<ul>") == occurrences(text, "</ul>"), commands(i))
+         if (allocated(error)) return
+      end do
+   end subroutine test_page
+
+   !> How often a text holds another.
+   pure integer function occurrences(text, part)
+      character(*), intent(in) :: text, part
+      integer :: at, next
+
+      occurrences = 0
+      at = 1
+      do
+         next = index(text(at:), part)
+         if (next == 0) return
+         occurrences = occurrences + 1
+         at = at + next
+      end do
+   end function occurrences
+
+   !> Bytes as they are, none of an empty file, an error where there is no file.
+   subroutine test_whole_file(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      character(:), allocatable :: path, text
+
+      path = scratch_path("whole")
+      call write_bytes(path, "a"//lf//achar(0)//char(255))
+      call read_whole_file(path, text, failure)
+      call check(error, .not. allocated(failure) .and. text == "a"//lf//achar(0)//char(255) .and. len(text) == 4)
+      call write_bytes(path, "")
+      if (.not. allocated(error)) then
+         call read_whole_file(path, text, failure)
+         call check(error, .not. allocated(failure) .and. len(text) == 0)
+      end if
+      call remove_file(path)
+      if (allocated(error)) return
+      call read_whole_file(path, text, failure)
+      call check(error, allocated(failure))
+      if (allocated(error)) return
+      call check(error, failure%code == status%io)
+   end subroutine test_whole_file
+
+end module test_html
