@@ -152,6 +152,7 @@ contains
 
    subroutine test_reflection_definition(error)
       type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
 
       ! a sample that the mirror shows twice has twice the weight
       integer, parameter :: n = 398, m(4) = [1, 7, 30, 190]
@@ -164,7 +165,7 @@ contains
       do pattern = 1, patterns
          call integrate(rate, presence(n, pattern), phase, missing)
          call sum_gapped_differences(phase, missing, int(m, int64), 0.85_dp, found)
-         call add_gapped_reflections(phase, missing, int(m, int64), 0.85_dp, found)
+         call add_gapped_reflections(phase, missing, int(m, int64), 0.85_dp, found, failure)
          do i = 1, size(m)
             expected = gap_sums_type()
             white = 0
@@ -210,9 +211,9 @@ contains
       call check(error, all(abs(found%inflation) <= 0) .and. all(found%terms == n - 3*m + 2), "mdev: terms")
       if (allocated(error)) return
       call sum_gapped_differences(phase, missing, m, 1.0_dp, found)
-      call add_gapped_reflections(phase, missing, m, 1.0_dp, found)
+      call add_gapped_reflections(phase, missing, m, 1.0_dp, found, failure)
       call sum_second_differences(phase, m, plain)
-      call add_reflected_differences(phase, m, plain)
+      call add_reflected_differences(phase, m, plain, failure)
       call check(error, all(abs(found%squares*real(m, dp)**2/plain - 1) < 1.0e-12_dp), "totdev")
       if (allocated(error)) return
       call check(error, all(found%terms == n - 1), "totdev: terms")

@@ -214,6 +214,31 @@ void test_filters(const std::vector<double> &x) {
   f.step(100);
   check(f.state().r == before, "a frozen filter");
   fails(GYROAKF_UNSTABLE, [] { gyroakf::filter(std::array<double, 1>{1.5}, 1, 1); }, "an unstable model");
+  const gyroakf::progress stop = [](const char *, std::int64_t, std::int64_t) { return false; };
+  const std::size_t some = 500;
+  const gyroakf::series part(x.data(), some);
+  const gyroakf::filter_options plain;
+  gyroakf::drift_model walk;
+  walk.count = walk.slow[0] = 1;
+  walk.phi[0] = walk.q[0] = walk.r = 0.5;
+  fails(GYROAKF_CANCELLED, [&] { f.run(part, in_place.data(), stop); }, "a cancelled filter");
+  fails(GYROAKF_CANCELLED, [&] { gyroakf::smooth_drift(walk, part, plain, stop); }, "a cancelled smoother");
+  fails(GYROAKF_CANCELLED, [&] { gyroakf::autocorrelation(part, 5, stop); }, "a cancelled correlation");
+  fails(GYROAKF_CANCELLED, [&] { gyroakf::ljung_box(part, 5, 0, stop); }, "a cancelled Ljung-Box test");
+  fails(GYROAKF_CANCELLED, [&] { gyroakf::normality_test(part, 0, stop); }, "a cancelled normality test");
+  fails(GYROAKF_CANCELLED, [&] { gyroakf::histogram(part, 0, stop); }, "a cancelled histogram");
+  fails(GYROAKF_CANCELLED, [&] { gyroakf::fisher_g(part, stop); }, "a cancelled Fisher test");
+  fails(GYROAKF_CANCELLED, [&] { gyroakf::welch_spectrum(part, 1, 0, stop); }, "a cancelled spectrum");
+  fails(GYROAKF_CANCELLED, [&] { gyroakf::spectral_lines(part, 1, 5, stop); }, "a cancelled search for lines");
+  fails(GYROAKF_CANCELLED, [&] { gyroakf::kpss_test(part, gyroakf::kpss_options(), stop); }, "a cancelled KPSS test");
+  fails(GYROAKF_CANCELLED, [&] { gyroakf::phillips_perron_test(part, gyroakf::phillips_perron_options(), stop); }, "a cancelled test");
+  fails(GYROAKF_CANCELLED, [&] { gyroakf::fit_ar(part, 3, gyroakf::ar_options(), stop); }, "a cancelled AR model");
+  fails(GYROAKF_CANCELLED, [&] { gyroakf::mark_outliers(part, gyroakf::outlier_options(), stop); }, "cancelled marks");
+  gyroakf::simulate_options made;
+  made.n = 1;
+  fails(GYROAKF_CANCELLED, [&] { gyroakf::simulate(made, stop); }, "a cancelled simulation");
+  fails(77, [&] { gyroakf::kpss_test(part, gyroakf::kpss_options(), [](const char *, std::int64_t, std::int64_t) -> bool { throw gyroakf::error(77, "mine"); }); },
+        "an exception of the progress comes out");
   fails(GYROAKF_PARSE, [&] { gyroakf::filter::restore({bytes.data(), bytes.size() - 1}); }, "bytes cut short");
 
   const auto model = gyroakf::identify_drift(x);
@@ -234,6 +259,17 @@ void test_recordings() {
   check(r.name(1) == "gy" && r.unit(0).empty() && r.to_si(0) == 0 && r.format() == "text" && r.rate_source() == "header", "its texts");
   check(r.present(1).size() == 3 && r.present(1)[1] == 0 && r.audit().missing == 1, "a missing sample");
   check(simulated().present(0).empty(), "nothing is missing");
+  const std::vector<double> first{1, 2, 3}, second{4, std::numeric_limits<double>::quiet_NaN(), 6};
+  const std::array<gyroakf::series, 2> channels{first, second};
+  const std::vector<std::string> names{"a", "b"};
+  const auto of = gyroakf::recording::of(channels, 0.5, names, "deg/s,m/s^2");
+  check(of.samples() == 3 && of.channels() == 2 && of.values(1)[2] == 6 && of.present(1)[1] == 0 && of.name(1) == "b" &&
+            of.unit(1) == "m/s^2" && of.sample_interval() == 0.5,
+        "a recording of arrays");
+  check(gyroakf::recording::of(gyroakf::view<gyroakf::series>(channels.data(), 1), 1).name(0) == "column1", "without names");
+  const std::array<gyroakf::series, 2> uneven{first, {second.data(), 2}};
+  fails(GYROAKF_INVALID_ARGUMENT, [&] { gyroakf::recording::of(uneven, 1); }, "channels of different lengths");
+  fails(GYROAKF_INVALID_ARGUMENT, [&] { gyroakf::recording::of({}, 1); }, "no channel");
   fails(GYROAKF_INVALID_ARGUMENT, [&] { r.values(2); }, "no channel 2");
   fails(GYROAKF_INVALID_ARGUMENT, [&] { r.name(-1); }, "no channel -1");
   fails(GYROAKF_PARSE, [] { gyroakf::recording::parse("1\nx\n"); }, "a bad line");

@@ -27,7 +27,7 @@
 /* The functions, and how often each is called (what takes long, seldom). ci/fuzz/calls.sh compares them with the header. */
 #define FUNCTIONS(F) \
   F(version, 1) F(version_string, 1) F(status_string, 8) \
-  F(reader_options_init, 1) F(record_read, 8) F(record_parse, 120) F(record_samples, 8) F(record_channels, 8) \
+  F(reader_options_init, 1) F(record_read, 8) F(record_parse, 120) F(record_new, 40) F(record_samples, 8) F(record_channels, 8) \
   F(record_values, 8) F(record_present, 8) F(record_name, 8) F(record_unit, 8) F(record_to_si, 8) F(record_sample_interval, 8) \
   F(record_rate_source, 8) F(record_format, 8) F(record_warnings, 8) F(record_warning, 8) F(record_audit, 16) F(record_free, 30) \
   F(simulate_options_init, 1) F(simulate, 30) \
@@ -38,14 +38,19 @@
   F(outlier_options_init, 1) F(mark_outliers, 80) \
   F(adf_options_init, 1) F(adf_test, 60) F(adf_coefficients, 60) \
   F(kpss_options_init, 1) F(kpss_test, 80) F(phillips_perron_options_init, 1) F(phillips_perron_test, 80) \
-  F(autocorrelation, 80) F(ljung_box, 80) F(normality_test, 80) \
-  F(histogram_new, 80) F(histogram_bins, 8) F(histogram_edges, 8) F(histogram_counts, 8) F(histogram_expected, 8) \
+  F(autocorrelation, 50) F(autocorrelation_watched, 25) F(ljung_box, 50) F(ljung_box_watched, 25) F(normality_test, 50) \
+  F(normality_test_watched, 25) \
+  F(histogram_new, 50) F(histogram_new_watched, 25) F(histogram_bins, 8) F(histogram_edges, 8) F(histogram_counts, 8) \
+  F(histogram_expected, 8) \
   F(histogram_outside, 16) F(histogram_free, 30) \
-  F(fisher_g, 80) F(welch_size, 30) F(welch_spectrum, 80) F(spectral_lines, 8) \
+  F(fisher_g, 50) F(fisher_g_watched, 25) F(welch_size, 30) F(welch_spectrum, 50) F(welch_spectrum_watched, 25) \
+  F(spectral_lines, 6) F(spectral_lines_watched, 3) \
   F(ar_options_init, 1) F(ar_fit, 60) F(arma_options_init, 1) F(arma_fit, 4) \
-  F(filter_options_init, 1) F(filter_new, 120) F(filter_step, 200) F(filter_freeze, 40) F(filter_run, 100) F(filter_run_watched, 60) F(filter_get, 60) \
+  F(filter_options_init, 1) F(filter_new, 120) F(filter_step, 200) F(filter_freeze, 40) F(filter_run, 100) \
+  F(filter_run_watched, 60) F(filter_get, 60) \
   F(filter_free, 60) F(filter_reset, 30) F(filter_save, 60) F(filter_restore, 60) \
-  F(drift_model_init, 1) F(drift_options_init, 1) F(drift_identify, 6) F(drift_filter_new, 60) F(drift_smooth, 60)
+  F(drift_model_init, 1) F(drift_options_init, 1) F(drift_identify, 6) F(drift_filter_new, 60) F(drift_smooth, 40) \
+  F(drift_smooth_watched, 20)
 
 typedef struct entry {
   const char *name;
@@ -495,17 +500,17 @@ OPTIONS(simulate_options,
         ODD(preset, one_in(200) ? "paper" : one_in(9) ? "odd" : NULL) ODD(seed, any_long()) ODD(rate_hz, any_double()) ODD(unit, text())
         ODD(q, any_double()) ODD(n, any_double()) ODD(b, any_double()) ODD(k, any_double()) ODD(r, any_double())
         ODD(ar_phi, any_double()) ODD(ar_variance, any_double()) ODD(offset, any_double()) ODD(outlier_size, any_double())
-        ODD(outliers, any_long()) ODD(quantisation, any_double()) ODD(missing, any_double()))
+        ODD(outliers, any_long()) ODD(quantisation, any_double()) ODD(missing, any_double()) TOLD)
 OPTIONS(run_options,
         ODD(preset, text()) ODD(tests, any_int() & 1) ODD(ar, any_int() & 1) ODD(filters, any_int() & 1) ODD(allan, any_int() & 1) TOLD)
 OPTIONS(allan_options, ODD(kind, text()) ODD(taus, text()) ODD(confidence, any_double()) ODD(min_coverage, any_double()) TOLD)
 OPTIONS(fit_options, ODD(terms, text()) ODD(tau_min, any_double()) ODD(tau_max, any_double()) ODD(method, text()))
 OPTIONS(outlier_options,
-        ODD(method, text()) ODD(threshold, any_double()) ODD(rounds, any_int()) ODD(half_width, any_int()) ODD(degree, any_int()))
+        ODD(method, text()) ODD(threshold, any_double()) ODD(rounds, any_int()) ODD(half_width, any_int()) ODD(degree, any_int()) TOLD)
 OPTIONS(adf_options, ODD(regression, text()) ODD(lags, any_int()) ODD(max_lags, any_int()) ODD(criterion, text()) TOLD)
-OPTIONS(kpss_options, ODD(regression, text()) ODD(rule, text()) ODD(lags, any_long()))
-OPTIONS(phillips_perron_options, ODD(regression, text()) ODD(lags, any_long()))
-OPTIONS(ar_options, ODD(method, text()) ODD(criterion, text()) ODD(order, any_int()))
+OPTIONS(kpss_options, ODD(regression, text()) ODD(rule, text()) ODD(lags, any_long()) TOLD)
+OPTIONS(phillips_perron_options, ODD(regression, text()) ODD(lags, any_long()) TOLD)
+OPTIONS(ar_options, ODD(method, text()) ODD(criterion, text()) ODD(order, any_int()) TOLD)
 OPTIONS(arma_options,
         ODD(criterion, text()) ODD(p, below(6) - 2) ODD(q, below(6) - 2) ODD(max_p, one_in(4) ? any_int() : below(3))
         ODD(max_q, one_in(4) ? any_int() : below(3)) ODD(max_samples, any_long()) TOLD)
@@ -604,6 +609,30 @@ static void call_record_parse(void) {
   if (one_in(40)) bytes = NULL;
   begin();
   status = gyroakf_record_parse(bytes, length, opt, out, err);
+  end(status, err);
+  keep(records, status, (void **)out);
+}
+
+static void call_record_new(void) {
+  int64_t n = 0, shorter;
+  int32_t channels = 1 + below(3), i;
+  const double **values = (const double **)take(3 * sizeof *values, 0, input), *x;
+  const char **names = one_in(2) ? NULL : (const char **)take(3 * sizeof *names, 0, input);
+  const char *unit = text();
+  double dt = one_in(3) ? any_double() : 0.01;
+  gyroakf_record **out = one_in(40) ? NULL : (gyroakf_record **)take(sizeof *out, 0, always);
+  gyroakf_error *err = error_place();
+  int status;
+  for (i = 0; i < 3; i++) {
+    x = series(&shorter);
+    values[i] = i == 0 || (shorter >= n && n > 0) ? x : values[0];
+    if (i == 0) n = shorter;
+    if (names) names[i] = text();
+  }
+  if (one_in(40)) values = NULL;
+  if (one_in(20)) channels = one_in(2) ? -below(3) : 100001;
+  begin();
+  status = gyroakf_record_new(values, channels, n, dt, names, unit, out, err);
   end(status, err);
   keep(records, status, (void **)out);
 }
@@ -831,7 +860,8 @@ static void call_adf_coefficients(void) {
   end(status, err);
 }
 
-static void call_autocorrelation(void) {
+static void try_autocorrelation(int watched) {
+  gyroakf_progress_fn listener = any_progress();
   int64_t n;
   const double *x = series(&n);
   int32_t lags = one_in(3) ? any_int() : below(20);
@@ -840,7 +870,8 @@ static void call_autocorrelation(void) {
   gyroakf_error *err = error_place();
   int status;
   begin();
-  status = gyroakf_autocorrelation(x, n, lags, acf, pacf, limit, err);
+  if (watched) status = gyroakf_autocorrelation_watched(x, n, lags, acf, pacf, limit, listener, &user, err);
+  else status = gyroakf_autocorrelation(x, n, lags, acf, pacf, limit, err);
   end(status, err);
   if (acf != pacf && acf != limit && pacf != limit) { /* else one is behind another */
     promise_numbers(status, acf, (int64_t)lags + 1);
@@ -849,7 +880,11 @@ static void call_autocorrelation(void) {
   }
 }
 
-static void call_ljung_box(void) {
+static void call_autocorrelation(void) { try_autocorrelation(0); }
+static void call_autocorrelation_watched(void) { try_autocorrelation(1); }
+
+static void try_ljung_box(int watched) {
+  gyroakf_progress_fn listener = any_progress();
   int64_t n;
   const double *x = series(&n);
   int32_t lags = one_in(3) ? any_int() : below(20), fitted = one_in(3) ? any_int() : below(3);
@@ -857,24 +892,34 @@ static void call_ljung_box(void) {
   gyroakf_error *err = error_place();
   int status;
   begin();
-  status = gyroakf_ljung_box(x, n, lags, fitted, out, err);
+  if (watched) status = gyroakf_ljung_box_watched(x, n, lags, fitted, out, listener, &user, err);
+  else status = gyroakf_ljung_box(x, n, lags, fitted, out, err);
   end(status, err);
   promise_numbers(status, (const double *)out, 3);
 }
 
-static void call_normality_test(void) {
+static void call_ljung_box(void) { try_ljung_box(0); }
+static void call_ljung_box_watched(void) { try_ljung_box(1); }
+
+static void try_normality_test(int watched) {
+  gyroakf_progress_fn listener = any_progress();
   int64_t n, most = one_in(2) ? 0 : any_long();
   const double *x = series(&n);
   gyroakf_normality *out = (gyroakf_normality *)place(sizeof *out);
   gyroakf_error *err = error_place();
   int status;
   begin();
-  status = gyroakf_normality_test(x, n, most, out, err);
+  if (watched) status = gyroakf_normality_test_watched(x, n, most, out, listener, &user, err);
+  else status = gyroakf_normality_test(x, n, most, out, err);
   end(status, err);
   promise_numbers(status, (const double *)out, 10);
 }
 
-static void call_histogram_new(void) {
+static void call_normality_test(void) { try_normality_test(0); }
+static void call_normality_test_watched(void) { try_normality_test(1); }
+
+static void try_histogram_new(int watched) {
+  gyroakf_progress_fn listener = any_progress();
   int64_t n;
   const double *x = series(&n);
   int32_t most = one_in(2) ? 0 : one_in(3) ? -below(3) : 2 + below(1000);
@@ -883,7 +928,8 @@ static void call_histogram_new(void) {
   int status;
   if (one_in(12)) most = any_int();
   begin();
-  status = gyroakf_histogram_new(x, n, most, out, err);
+  if (watched) status = gyroakf_histogram_new_watched(x, n, most, out, listener, &user, err);
+  else status = gyroakf_histogram_new(x, n, most, out, err);
   end(status, err);
   if (status == GYROAKF_OK) {
     promise_numbers(status, gyroakf_histogram_edges(*out), gyroakf_histogram_bins(*out) + 1);
@@ -891,6 +937,9 @@ static void call_histogram_new(void) {
   }
   keep(histograms, status, (void **)out);
 }
+
+static void call_histogram_new(void) { try_histogram_new(0); }
+static void call_histogram_new_watched(void) { try_histogram_new(1); }
 
 static void call_histogram_outside(void) {
   const gyroakf_histogram *h = (const gyroakf_histogram *)handle(histograms);
@@ -901,17 +950,22 @@ static void call_histogram_outside(void) {
   promise((!below_first || *below_first >= 0) && (!above || *above >= 0), "counts are not negative");
 }
 
-static void call_fisher_g(void) {
+static void try_fisher_g(int watched) {
+  gyroakf_progress_fn listener = any_progress();
   int64_t n;
   const double *x = series(&n);
   gyroakf_fisher *out = (gyroakf_fisher *)place(sizeof *out);
   gyroakf_error *err = error_place();
   int status;
   begin();
-  status = gyroakf_fisher_g(x, n, out, err);
+  if (watched) status = gyroakf_fisher_g_watched(x, n, out, listener, &user, err);
+  else status = gyroakf_fisher_g(x, n, out, err);
   end(status, err);
   promise_numbers(status, (const double *)out, 4);
 }
+
+static void call_fisher_g(void) { try_fisher_g(0); }
+static void call_fisher_g_watched(void) { try_fisher_g(1); }
 
 static void call_welch_size(void) {
   int64_t n = any_long(), segment = one_in(2) ? 0 : any_long(), size;
@@ -921,7 +975,8 @@ static void call_welch_size(void) {
   promise(size >= 0 && (n < 2 ? size == 0 : size <= n / 2 + 1), "a spectrum has at most n/2 + 1 frequencies");
 }
 
-static void call_welch_spectrum(void) {
+static void try_welch_spectrum(int watched) {
+  gyroakf_progress_fn listener = any_progress();
   int64_t n, segment = one_in(2) ? 0 : one_in(3) ? any_long() : below(64), size;
   const double *x = series(&n);
   double dt = one_in(3) ? any_double() : 0.01, *frequency, *density, *freedom;
@@ -934,14 +989,19 @@ static void call_welch_spectrum(void) {
   freedom = (double *)place(sizeof *freedom);
   err = error_place();
   begin();
-  status = gyroakf_welch_spectrum(x, n, dt, segment, frequency, density, freedom, err);
+  if (watched) status = gyroakf_welch_spectrum_watched(x, n, dt, segment, frequency, density, freedom, listener, &user, err);
+  else status = gyroakf_welch_spectrum(x, n, dt, segment, frequency, density, freedom, err);
   end(status, err);
   promise_numbers(status, frequency, size);
   promise_numbers(status, density, size);
   promise_numbers(status, freedom, 1);
 }
 
-static void call_spectral_lines(void) {
+static void call_welch_spectrum(void) { try_welch_spectrum(0); }
+static void call_welch_spectrum_watched(void) { try_welch_spectrum(1); }
+
+static void try_spectral_lines(int watched) {
+  gyroakf_progress_fn listener = any_progress();
   int64_t n;
   const double *x = series(&n);
   double dt = one_in(4) ? any_double() : 0.01;
@@ -950,10 +1010,14 @@ static void call_spectral_lines(void) {
   gyroakf_error *err = error_place();
   int status;
   begin();
-  status = gyroakf_spectral_lines(x, n, dt, most, lines, count, err);
+  if (watched) status = gyroakf_spectral_lines_watched(x, n, dt, most, lines, count, listener, &user, err);
+  else status = gyroakf_spectral_lines(x, n, dt, most, lines, count, err);
   end(status, err);
   if (status == GYROAKF_OK) promise(*count >= 0 && *count <= most, "so many lines as there are places");
 }
+
+static void call_spectral_lines(void) { try_spectral_lines(0); }
+static void call_spectral_lines_watched(void) { try_spectral_lines(1); }
 
 static void call_ar_fit(void) {
   int64_t n;
@@ -1027,7 +1091,7 @@ static void call_filter_freeze(void) {
 }
 
 /* A run that is cancelled, or fails in the middle, has written a part of x. */
-static void run_filter(int watched) {
+static void try_filter_run(int watched) {
   int64_t n;
   gyroakf_filter *f = (gyroakf_filter *)handle(filters);
   const double *z = series(&n);
@@ -1045,8 +1109,8 @@ static void run_filter(int watched) {
   promise_numbers(status, x, n);
 }
 
-static void call_filter_run(void) { run_filter(0); }
-static void call_filter_run_watched(void) { run_filter(1); }
+static void call_filter_run(void) { try_filter_run(0); }
+static void call_filter_run_watched(void) { try_filter_run(1); }
 
 static void call_filter_get(void) {
   const gyroakf_filter *f = (const gyroakf_filter *)handle(filters);
@@ -1153,7 +1217,8 @@ static void call_drift_filter_new(void) {
   keep(filters, status, (void **)out);
 }
 
-static void call_drift_smooth(void) {
+static void try_drift_smooth(int watched) {
+  gyroakf_progress_fn listener = any_progress();
   int64_t n;
   const gyroakf_drift_model *model = any_drift_model();
   const double *z = series(&n);
@@ -1165,12 +1230,16 @@ static void call_drift_smooth(void) {
   int status, same = one_in(40);
   if (same && variance) variance = drift;
   begin();
-  status = gyroakf_drift_smooth(model, z, n, drift, variance, opt, err);
+  if (watched) status = gyroakf_drift_smooth_watched(model, z, n, drift, variance, opt, listener, &user, err);
+  else status = gyroakf_drift_smooth(model, z, n, drift, variance, opt, err);
   end(status, err);
   promise_numbers(status, drift, n);
   promise_numbers(status, variance, n);
   if (same && variance) promise(status != GYROAKF_OK, "drift and variance must differ");
 }
+
+static void call_drift_smooth(void) { try_drift_smooth(0); }
+static void call_drift_smooth_watched(void) { try_drift_smooth(1); }
 
 /* ---------------------------------------------------------------------------------------------------------------- main */
 

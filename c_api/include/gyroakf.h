@@ -11,13 +11,14 @@
  * - const double * arrays hold evenly spaced samples; NaN marks a missing sample, an infinite value is an error unless
  *   its function says otherwise. No pointer of the caller is kept after the return, and nothing is changed behind a const.
  * - NULL for options means their defaults. Otherwise call the _init function of the struct first: it also writes
- *   struct_size, which tells the library the version of the struct that the program was compiled with.
- *   Strings may be NULL: the default.
+ *   struct_size, which tells the library the version of the struct that the program was compiled with. Of an earlier version
+ *   the members that it had are read, the others have their defaults; the size of a later version gives GYROAKF_NOT_SUPPORTED, any
+ *   other GYROAKF_INVALID_ARGUMENT. Strings may be NULL: the default.
  * - A NULL where an array, a handle or a result is needed, a count <= 0, a number out of its range and an array of doubles at an
  *   address that is no multiple of 8 give GYROAKF_INVALID_ARGUMENT. A result that would overflow gives GYROAKF_NON_FINITE.
  * - After a failure results are not written, unless a function says otherwise. Results do not overlap each other or an input,
  *   unless a function says that they may.
- * - Handles come from _new (recordings from _read and _parse) and go to _free, which accepts NULL. *out is NULL where
+ * - Handles come from _new (recordings from _read and _parse, too) and go to _free, which accepts NULL. *out is NULL where
  *   these fail.
  * - The floating-point environment of the program - traps, direction of rounding, flushing of tiny numbers to zero, exception
  *   flags - is set aside on entry and is there again after the return: results do not depend on it. (Where it is the usual one
@@ -83,6 +84,11 @@ typedef struct gyroakf_error {
  */
 typedef int32_t (*gyroakf_progress_fn)(void *user, const char *stage, int64_t done, int64_t total);
 
+/*
+ * A function whose name ends in _watched is the one above it with progress (NULL: nobody is told) and progress_user, which is handed to
+ * it, before err. Others that may take long have both in their options.
+ */
+
 /* 10000*major + 100*minor + patch of the library that is linked; compare with GYROAKF_VERSION. */
 GYROAKF_API int gyroakf_version(void);
 
@@ -140,6 +146,20 @@ GYROAKF_API int gyroakf_record_read(const char *path, const gyroakf_reader_optio
  */
 GYROAKF_API int gyroakf_record_parse(const void *bytes, int64_t n, const gyroakf_reader_options *opt, gyroakf_record **out,
                                      gyroakf_error *err);
+
+/*
+ * A recording of arrays of the caller, which are copied: for gyroakf_run.
+ *   values    [channels][n] pointers to the samples of each channel; NaN: missing. GYROAKF_NON_FINITE: a value is infinite or beyond
+ *             1e60 in magnitude
+ *   channels  1 .. 100000
+ *   n         samples of each channel, >= 1
+ *   dt        sample interval, s, > 0
+ *   names     [channels], UTF-8; NULL, or a NULL of them: "column1", "column2", ...
+ *   unit      as of gyroakf_reader_options: "deg/s", or one for each channel, separated by commas; NULL: unknown
+ *   out       the recording; free it with gyroakf_record_free
+ */
+GYROAKF_API int gyroakf_record_new(const double *const *values, int32_t channels, int64_t n, double dt, const char *const *names,
+                                   const char *unit, gyroakf_record **out, gyroakf_error *err);
 
 /* Samples of each channel, missing ones included; 0 for NULL. */
 GYROAKF_API int64_t gyroakf_record_samples(const gyroakf_record *r);
@@ -216,6 +236,8 @@ typedef struct gyroakf_simulate_options {
   int64_t outliers;       /* how many, 0 .. samples */
   double quantisation;    /* step that values are rounded to, u, >= 0; 0: none */
   double missing;         /* share of the samples that are lost, 0 <= missing < 1 */
+  gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
+  void *progress_user;          /* handed to it; NULL */
 } gyroakf_simulate_options;
 
 GYROAKF_API void gyroakf_simulate_options_init(gyroakf_simulate_options *opt);
@@ -362,6 +384,8 @@ typedef struct gyroakf_outlier_options {
   int32_t rounds;     /* at most, >= 1; 20; 1 is a single pass */
   int32_t half_width; /* hampel: samples on either side, 1 .. 100000; 25 */
   int32_t degree;     /* of the trend that the outliers are about, -1 (their mean or median) .. 9; 3 */
+  gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
+  void *progress_user;          /* handed to it; NULL */
 } gyroakf_outlier_options;
 
 GYROAKF_API void gyroakf_outlier_options_init(gyroakf_outlier_options *opt);
@@ -430,6 +454,8 @@ typedef struct gyroakf_kpss_options {
   const char *regression; /* "c" (default), "ct": stationary about a level, about a line */
   const char *rule;       /* "auto" (default): Hobijn, Franses and Ooms; "legacy": floor(12 (n/100)^(1/4)) */
   int64_t lags;           /* bandwidth; -1 (default): by the rule */
+  gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
+  void *progress_user;          /* handed to it; NULL */
 } gyroakf_kpss_options;
 
 GYROAKF_API void gyroakf_kpss_options_init(gyroakf_kpss_options *opt);
@@ -455,6 +481,8 @@ typedef struct gyroakf_phillips_perron_options {
   size_t struct_size;
   const char *regression; /* "n", "c" (default), "ct" */
   int64_t lags;           /* bandwidth; -1 (default): ceil(12 (n/100)^(1/4)) */
+  gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
+  void *progress_user;          /* handed to it; NULL */
 } gyroakf_phillips_perron_options;
 
 GYROAKF_API void gyroakf_phillips_perron_options_init(gyroakf_phillips_perron_options *opt);
@@ -481,6 +509,9 @@ GYROAKF_API int gyroakf_phillips_perron_test(const double *x, int64_t n, const g
  */
 GYROAKF_API int gyroakf_autocorrelation(const double *x, int64_t n, int32_t lags, double *acf, double *pacf, double *limit,
                                         gyroakf_error *err);
+GYROAKF_API int gyroakf_autocorrelation_watched(const double *x, int64_t n, int32_t lags, double *acf, double *pacf,
+                                                double *limit, gyroakf_progress_fn progress, void *progress_user,
+                                                gyroakf_error *err);
 
 typedef struct gyroakf_whiteness {
   double statistic;    /* Q */
@@ -492,6 +523,8 @@ typedef struct gyroakf_whiteness {
 /* Ljung-Box test of a series x [n], over more lags than parameters that were fitted to it before (0: it is no residual). */
 GYROAKF_API int gyroakf_ljung_box(const double *x, int64_t n, int32_t lags, int32_t fitted, gyroakf_whiteness *out,
                                   gyroakf_error *err);
+GYROAKF_API int gyroakf_ljung_box_watched(const double *x, int64_t n, int32_t lags, int32_t fitted, gyroakf_whiteness *out,
+                                          gyroakf_progress_fn progress, void *progress_user, gyroakf_error *err);
 
 /* --------------------------------------------------------------------------------------------------------- normality */
 
@@ -522,6 +555,8 @@ typedef struct gyroakf_normality {
  */
 GYROAKF_API int gyroakf_normality_test(const double *x, int64_t n, int64_t most_samples, gyroakf_normality *out,
                                        gyroakf_error *err);
+GYROAKF_API int gyroakf_normality_test_watched(const double *x, int64_t n, int64_t most_samples, gyroakf_normality *out,
+                                               gyroakf_progress_fn progress, void *progress_user, gyroakf_error *err);
 
 /* Samples counted in bins of equal width. */
 typedef struct gyroakf_histogram gyroakf_histogram;
@@ -534,6 +569,8 @@ typedef struct gyroakf_histogram gyroakf_histogram;
  */
 GYROAKF_API int gyroakf_histogram_new(const double *x, int64_t n, int32_t most_bins, gyroakf_histogram **out,
                                       gyroakf_error *err);
+GYROAKF_API int gyroakf_histogram_new_watched(const double *x, int64_t n, int32_t most_bins, gyroakf_histogram **out,
+                                              gyroakf_progress_fn progress, void *progress_user, gyroakf_error *err);
 
 /* Bins; 0 for NULL. */
 GYROAKF_API int32_t gyroakf_histogram_bins(const gyroakf_histogram *h);
@@ -561,6 +598,8 @@ typedef struct gyroakf_fisher {
 
 /* Fisher's test for a hidden periodicity in a white series x [n], n >= 3. Of a correlated one it finds the correlation. */
 GYROAKF_API int gyroakf_fisher_g(const double *x, int64_t n, gyroakf_fisher *out, gyroakf_error *err);
+GYROAKF_API int gyroakf_fisher_g_watched(const double *x, int64_t n, gyroakf_fisher *out, gyroakf_progress_fn progress,
+                                         void *progress_user, gyroakf_error *err);
 
 /* Frequencies of a spectrum of n samples: segment/2 + 1, segment = 0 chooses it; 0 where there is none. */
 GYROAKF_API int64_t gyroakf_welch_size(int64_t n, int64_t segment);
@@ -572,6 +611,9 @@ GYROAKF_API int64_t gyroakf_welch_size(int64_t n, int64_t segment);
  */
 GYROAKF_API int gyroakf_welch_spectrum(const double *x, int64_t n, double dt, int64_t segment, double *frequency, double *density,
                                        double *degrees_of_freedom, gyroakf_error *err);
+GYROAKF_API int gyroakf_welch_spectrum_watched(const double *x, int64_t n, double dt, int64_t segment, double *frequency,
+                                               double *density, double *degrees_of_freedom, gyroakf_progress_fn progress,
+                                               void *progress_user, gyroakf_error *err);
 
 typedef struct gyroakf_spectral_line {
   double frequency, frequency_error; /* and its standard error, 1/(unit of dt) */
@@ -587,6 +629,9 @@ typedef struct gyroakf_spectral_line {
  * by frequency. */
 GYROAKF_API int gyroakf_spectral_lines(const double *x, int64_t n, double dt, int32_t most, gyroakf_spectral_line *lines,
                                        int32_t *count, gyroakf_error *err);
+GYROAKF_API int gyroakf_spectral_lines_watched(const double *x, int64_t n, double dt, int32_t most,
+                                               gyroakf_spectral_line *lines, int32_t *count, gyroakf_progress_fn progress,
+                                               void *progress_user, gyroakf_error *err);
 
 /* ---------------------------------------------------------------------------------------------------------- AR model */
 
@@ -596,6 +641,8 @@ typedef struct gyroakf_ar_options {
                             backward least squares. The model of the last two may be not stationary */
   const char *criterion; /* "aic" (default), "aicc", "bic", "hqic", "fpe" */
   int32_t order;         /* -1 (default): chosen by the criterion; otherwise 0 .. max_order */
+  gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
+  void *progress_user;          /* handed to it; NULL */
 } gyroakf_ar_options;
 
 GYROAKF_API void gyroakf_ar_options_init(gyroakf_ar_options *opt);
@@ -710,10 +757,7 @@ GYROAKF_API int gyroakf_filter_freeze(gyroakf_filter *f, int32_t frozen);
 GYROAKF_API int gyroakf_filter_run(gyroakf_filter *f, const double *z, int64_t n, double *x, gyroakf_error *err);
 
 /*
- * The same, told how far it is.
- *   progress       may cancel; NULL: nobody is told
- *   progress_user  handed to it
- * After GYROAKF_CANCELLED the first values of x are the estimates of the steps that were made (gyroakf_filter_get knows how many),
+ * The same, told how far it is. After GYROAKF_CANCELLED the first values of x are the estimates of the steps that were made (gyroakf_filter_get knows how many),
  * and the filter goes on from there.
  */
 GYROAKF_API int gyroakf_filter_run_watched(gyroakf_filter *f, const double *z, int64_t n, double *x, gyroakf_progress_fn progress,
@@ -815,6 +859,9 @@ GYROAKF_API int gyroakf_drift_filter_new(const gyroakf_drift_model *model, const
  */
 GYROAKF_API int gyroakf_drift_smooth(const gyroakf_drift_model *model, const double *z, int64_t n, double *drift, double *variance,
                                      const gyroakf_filter_options *opt, gyroakf_error *err);
+GYROAKF_API int gyroakf_drift_smooth_watched(const gyroakf_drift_model *model, const double *z, int64_t n, double *drift,
+                                             double *variance, const gyroakf_filter_options *opt, gyroakf_progress_fn progress,
+                                             void *progress_user, gyroakf_error *err);
 
 #ifdef __cplusplus
 }

@@ -222,6 +222,25 @@ class recording {
     listener.check(status, err);
     return r;
   }
+  /* Of samples in memory, which are copied: a series for each channel, all as long. names may be empty, unit nullptr. */
+  static recording of(view<series> channels, double dt, view<std::string> names = {}, const char *unit = nullptr) {
+    std::vector<const double *> values;
+    std::vector<const char *> words;
+    for (const series &channel : channels) {
+      if (channel.size() != channels[0].size()) throw error(GYROAKF_INVALID_ARGUMENT, "the channels differ in length");
+      values.push_back(channel.data());
+    }
+    if (!names.empty() && names.size() != channels.size()) throw error(GYROAKF_INVALID_ARGUMENT, "there is a name for every channel");
+    for (const std::string &name : names) words.push_back(name.c_str());
+    gyroakf_error err;
+    gyroakf_record *out = nullptr;
+    const auto number = static_cast<std::int32_t>(std::min<std::int64_t>(channels.count(), std::numeric_limits<std::int32_t>::max()));
+    const int status = gyroakf_record_new(values.data(), number, channels.empty() ? 0 : channels[0].count(), dt,
+                                          names.empty() ? nullptr : words.data(), unit, &out, &err);
+    recording r(out);
+    detail::check(status, err);
+    return r;
+  }
   /* What a file would hold. */
   static recording parse(std::string_view bytes, gyroakf_reader_options opt = reader_options(), const progress &f = {}) {
     detail::listener listener(opt, f);
@@ -271,11 +290,14 @@ class recording {
   detail::handle<gyroakf_record, gyroakf_record_free> handle_;
 };
 
-inline recording simulate(const gyroakf_simulate_options &opt) {
+inline recording simulate(gyroakf_simulate_options opt, const progress &f = {}) {
+  detail::listener listener(opt, f);
   gyroakf_error err;
   gyroakf_record *out = nullptr;
-  detail::check(gyroakf_simulate(&opt, &out, &err), err);
-  return recording(out);
+  const int status = gyroakf_simulate(&opt, &out, &err);
+  recording r(out);
+  listener.check(status, err);
+  return r;
 }
 
 /* The whole job; returns its JSON document. */
@@ -340,11 +362,12 @@ struct outliers : gyroakf_outliers {
   std::vector<std::int8_t> inlier; /* 1 inlier, 0 outlier or missing */
 };
 
-inline outliers mark_outliers(series x, const gyroakf_outlier_options &opt = outlier_options()) {
+inline outliers mark_outliers(series x, gyroakf_outlier_options opt = outlier_options(), const progress &f = {}) {
+  detail::listener listener(opt, f);
   gyroakf_error err;
   outliers out{};
   out.inlier.resize(x.size());
-  detail::check(gyroakf_mark_outliers(x.data(), x.count(), &opt, out.inlier.data(), &out, &err), err);
+  listener.check(gyroakf_mark_outliers(x.data(), x.count(), &opt, out.inlier.data(), &out, &err), err);
   return out;
 }
 
@@ -375,17 +398,19 @@ inline std::vector<adf_coefficient> adf_coefficients(series x, gyroakf_adf_optio
   return table;
 }
 
-inline kpss kpss_test(series x, const gyroakf_kpss_options &opt = kpss_options()) {
+inline kpss kpss_test(series x, gyroakf_kpss_options opt = kpss_options(), const progress &f = {}) {
+  detail::listener listener(opt, f);
   gyroakf_error err;
   kpss out;
-  detail::check(gyroakf_kpss_test(x.data(), x.count(), &opt, &out, &err), err);
+  listener.check(gyroakf_kpss_test(x.data(), x.count(), &opt, &out, &err), err);
   return out;
 }
 
-inline phillips_perron phillips_perron_test(series x, const gyroakf_phillips_perron_options &opt = phillips_perron_options()) {
+inline phillips_perron phillips_perron_test(series x, gyroakf_phillips_perron_options opt = phillips_perron_options(), const progress &f = {}) {
+  detail::listener listener(opt, f);
   gyroakf_error err;
   phillips_perron out;
-  detail::check(gyroakf_phillips_perron_test(x.data(), x.count(), &opt, &out, &err), err);
+  listener.check(gyroakf_phillips_perron_test(x.data(), x.count(), &opt, &out, &err), err);
   return out;
 }
 
@@ -395,40 +420,52 @@ struct correlogram {
   std::vector<double> acf, pacf, limit; /* [lags + 1] */
 };
 
-inline correlogram autocorrelation(series x, std::int32_t lags) {
+inline correlogram autocorrelation(series x, std::int32_t lags, const progress &f = {}) {
+  detail::watch watch;
+  detail::listener listener(watch, f);
   gyroakf_error err;
   correlogram out;
   if (lags >= 1 && lags < x.count()) { /* otherwise the library refuses */
     out.acf.resize(static_cast<std::size_t>(lags) + 1);
     out.pacf = out.limit = out.acf;
   }
-  detail::check(gyroakf_autocorrelation(x.data(), x.count(), lags, out.acf.data(), out.pacf.data(), out.limit.data(), &err), err);
+  listener.check(gyroakf_autocorrelation_watched(x.data(), x.count(), lags, out.acf.data(), out.pacf.data(), out.limit.data(),
+                                                 watch.progress, watch.progress_user, &err),
+                 err);
   return out;
 }
 
-inline whiteness ljung_box(series x, std::int32_t lags, std::int32_t fitted = 0) {
+inline whiteness ljung_box(series x, std::int32_t lags, std::int32_t fitted = 0, const progress &f = {}) {
+  detail::watch watch;
+  detail::listener listener(watch, f);
   gyroakf_error err;
   whiteness out;
-  detail::check(gyroakf_ljung_box(x.data(), x.count(), lags, fitted, &out, &err), err);
+  listener.check(gyroakf_ljung_box_watched(x.data(), x.count(), lags, fitted, &out, watch.progress, watch.progress_user, &err), err);
   return out;
 }
 
 /* --------------------------------------------------------------------------------------------------------- normality */
 
-inline normality normality_test(series x, std::int64_t most_samples = 0) {
+inline normality normality_test(series x, std::int64_t most_samples = 0, const progress &f = {}) {
+  detail::watch watch;
+  detail::listener listener(watch, f);
   gyroakf_error err;
   normality out;
-  detail::check(gyroakf_normality_test(x.data(), x.count(), most_samples, &out, &err), err);
+  listener.check(gyroakf_normality_test_watched(x.data(), x.count(), most_samples, &out, watch.progress, watch.progress_user, &err),
+                 err);
   return out;
 }
 
 class histogram {
  public:
   explicit histogram(gyroakf_histogram *owned) noexcept : handle_(owned) {}
-  explicit histogram(series x, std::int32_t most_bins = 0) {
+  explicit histogram(series x, std::int32_t most_bins = 0, const progress &f = {}) {
+    detail::watch watch;
+    detail::listener listener(watch, f);
     gyroakf_error err;
     gyroakf_histogram *out = nullptr;
-    detail::check(gyroakf_histogram_new(x.data(), x.count(), most_bins, &out, &err), err);
+    listener.check(
+        gyroakf_histogram_new_watched(x.data(), x.count(), most_bins, &out, watch.progress, watch.progress_user, &err), err);
     handle_.reset(out);
   }
 
@@ -452,10 +489,12 @@ class histogram {
 
 /* ------------------------------------------------------------------------------------------------------- periodicity */
 
-inline fisher fisher_g(series x) {
+inline fisher fisher_g(series x, const progress &f = {}) {
+  detail::watch watch;
+  detail::listener listener(watch, f);
   gyroakf_error err;
   fisher out;
-  detail::check(gyroakf_fisher_g(x.data(), x.count(), &out, &err), err);
+  listener.check(gyroakf_fisher_g_watched(x.data(), x.count(), &out, watch.progress, watch.progress_user, &err), err);
   return out;
 }
 
@@ -464,22 +503,28 @@ struct spectrum {
   double degrees_of_freedom = 0;
 };
 
-inline spectrum welch_spectrum(series x, double dt, std::int64_t segment = 0) {
+inline spectrum welch_spectrum(series x, double dt, std::int64_t segment = 0, const progress &f = {}) {
+  detail::watch watch;
+  detail::listener listener(watch, f);
   gyroakf_error err;
   spectrum out;
   out.frequency.resize(static_cast<std::size_t>(gyroakf_welch_size(x.count(), segment)));
   out.density = out.frequency;
-  detail::check(gyroakf_welch_spectrum(x.data(), x.count(), dt, segment, out.frequency.data(), out.density.data(),
-                                       &out.degrees_of_freedom, &err),
-                err);
+  listener.check(gyroakf_welch_spectrum_watched(x.data(), x.count(), dt, segment, out.frequency.data(), out.density.data(),
+                                                &out.degrees_of_freedom, watch.progress, watch.progress_user, &err),
+                 err);
   return out;
 }
 
-inline std::vector<spectral_line> spectral_lines(series x, double dt, std::int32_t most = 100) {
+inline std::vector<spectral_line> spectral_lines(series x, double dt, std::int32_t most = 100, const progress &f = {}) {
+  detail::watch watch;
+  detail::listener listener(watch, f);
   gyroakf_error err;
   std::vector<spectral_line> out(static_cast<std::size_t>(std::clamp(most, 1, 1000)));
   std::int32_t count = 0;
-  detail::check(gyroakf_spectral_lines(x.data(), x.count(), dt, most, out.data(), &count, &err), err);
+  listener.check(gyroakf_spectral_lines_watched(x.data(), x.count(), dt, most, out.data(), &count, watch.progress,
+                                                watch.progress_user, &err),
+                 err);
   out.resize(static_cast<std::size_t>(count));
   return out;
 }
@@ -491,13 +536,14 @@ struct ar_model {
   double noise_variance = 0, mean = 0;
 };
 
-inline ar_model fit_ar(series x, std::int32_t max_order, const gyroakf_ar_options &opt = ar_options()) {
+inline ar_model fit_ar(series x, std::int32_t max_order, gyroakf_ar_options opt = ar_options(), const progress &f = {}) {
+  detail::listener listener(opt, f);
   gyroakf_error err;
   ar_model out;
   std::int32_t order = 0;
   out.phi.resize(static_cast<std::size_t>(std::clamp(max_order, 0, 1000)));
-  detail::check(gyroakf_ar_fit(x.data(), x.count(), &opt, max_order, &order, out.phi.data(), &out.noise_variance, &out.mean, &err),
-                err);
+  listener.check(gyroakf_ar_fit(x.data(), x.count(), &opt, max_order, &order, out.phi.data(), &out.noise_variance, &out.mean, &err),
+                 err);
   out.phi.resize(static_cast<std::size_t>(order));
   return out;
 }
@@ -525,12 +571,17 @@ struct drift {
   std::vector<double> value, variance; /* [n] and the variance of its error */
 };
 
-inline drift smooth_drift(const gyroakf_drift_model &model, series z, const gyroakf_filter_options &opt = filter_options()) {
+inline drift smooth_drift(const gyroakf_drift_model &model, series z, const gyroakf_filter_options &opt = filter_options(),
+                          const progress &f = {}) {
+  detail::watch watch;
+  detail::listener listener(watch, f);
   gyroakf_error err;
   drift out;
   out.value.resize(z.size());
   out.variance.resize(z.size());
-  detail::check(gyroakf_drift_smooth(&model, z.data(), z.count(), out.value.data(), out.variance.data(), &opt, &err), err);
+  listener.check(gyroakf_drift_smooth_watched(&model, z.data(), z.count(), out.value.data(), out.variance.data(), &opt,
+                                              watch.progress, watch.progress_user, &err),
+                 err);
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include "seal.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -142,6 +143,115 @@ static void test_many_coefficients(void) {
   check_failure(gyroakf_filter_new(1001, phi, 1.0, 2.0, NULL, &many, &err), GYROAKF_INVALID_ARGUMENT, "too many coefficients");
 }
 
+/* What is beyond the processes of a model is not looked at, nor saved. */
+static void test_rest_of_model(void) {
+  static unsigned char bytes[4096];
+  gyroakf_drift_model model;
+  gyroakf_filter *f, *again;
+  int64_t size;
+  gyroakf_drift_model_init(&model);
+  model.count = model.slow[0] = 1;
+  model.phi[0] = model.q[0] = model.r = 0.5;
+  memset(&model.q[2], 0xff, sizeof model.q[2]); /* NaN */
+  memset(&model.phi[1], 0xff, sizeof model.phi[1]);
+  check_success(gyroakf_drift_filter_new(&model, NULL, &f, &err), "a model of one process");
+  check_success(gyroakf_filter_save(f, bytes, sizeof bytes, &size, &err), "its filter is saved");
+  check_success(gyroakf_filter_restore(bytes, size, &again, &err), "and restored");
+  gyroakf_filter_free(f);
+  gyroakf_filter_free(again);
+}
+
+/* Options as a program hands them over that knows less of a struct than the library: memory ends where its members do. */
+#define OLD_OPTIONS(name) \
+  do { \
+    gyroakf_##name##_options all; \
+    gyroakf_##name##_options_init(&all); \
+    size = offsetof(gyroakf_##name##_options, progress); \
+    all.struct_size = size; \
+    old = malloc(size); \
+    if (old == NULL) abort(); \
+    memcpy(old, &all, size); \
+  } while (0)
+
+/* A size that is that of no version, and that of a later one. */
+static void check_sizes(int (*call)(void *), size_t known) {
+  void *old = calloc(1, 1024);
+  size_t wrong;
+  if (old == NULL) abort();
+  for (wrong = 0; wrong < known; wrong = wrong == 0 ? 8 : known) {
+    memcpy(old, &wrong, sizeof wrong);
+    check_failure(call(old), GYROAKF_INVALID_ARGUMENT, "struct_size of no version");
+  }
+  wrong = known + 8;
+  memcpy(old, &wrong, sizeof wrong);
+  check_failure(call(old), GYROAKF_NOT_SUPPORTED, "struct_size of a later version");
+  free(old);
+}
+
+static int call_kpss(void *opt) {
+  gyroakf_kpss out;
+  return gyroakf_kpss_test(x, n, (gyroakf_kpss_options *)opt, &out, &err);
+}
+
+static int call_phillips_perron(void *opt) {
+  gyroakf_phillips_perron out;
+  return gyroakf_phillips_perron_test(x, n, (gyroakf_phillips_perron_options *)opt, &out, &err);
+}
+
+static int call_ar(void *opt) {
+  double phi[3];
+  int32_t order;
+  return gyroakf_ar_fit(x, n, (gyroakf_ar_options *)opt, 3, &order, phi, NULL, NULL, &err);
+}
+
+static int call_outliers(void *opt) {
+  int8_t inlier[n];
+  return gyroakf_mark_outliers(x, n, (gyroakf_outlier_options *)opt, inlier, NULL, &err);
+}
+
+static int call_simulate(void *opt) {
+  gyroakf_record *r;
+  int status = gyroakf_simulate((gyroakf_simulate_options *)opt, &r, &err);
+  gyroakf_record_free(r);
+  return status;
+}
+
+static int call_allan(void *opt) {
+  gyroakf_allan *a;
+  int status = gyroakf_allan_new(x, n, 1.0, (gyroakf_allan_options *)opt, &a, &err);
+  gyroakf_allan_free(a);
+  return status;
+}
+
+static void test_struct_sizes(void) {
+  size_t size;
+  void *old;
+  OLD_OPTIONS(kpss);
+  check_success(call_kpss(old), "KPSS options without progress");
+  free(old);
+  OLD_OPTIONS(phillips_perron);
+  check_success(call_phillips_perron(old), "Phillips-Perron options without progress");
+  free(old);
+  OLD_OPTIONS(ar);
+  check_success(call_ar(old), "AR options without progress");
+  free(old);
+  OLD_OPTIONS(outlier);
+  check_success(call_outliers(old), "outlier options without progress");
+  free(old);
+  OLD_OPTIONS(simulate);
+  check_success(call_simulate(old), "simulation options without progress");
+  free(old);
+  OLD_OPTIONS(allan); /* these never were without */
+  check_failure(call_allan(old), GYROAKF_INVALID_ARGUMENT, "Allan options without progress");
+  free(old);
+  check_sizes(call_kpss, sizeof(gyroakf_kpss_options));
+  check_sizes(call_phillips_perron, sizeof(gyroakf_phillips_perron_options));
+  check_sizes(call_ar, sizeof(gyroakf_ar_options));
+  check_sizes(call_outliers, sizeof(gyroakf_outlier_options));
+  check_sizes(call_simulate, sizeof(gyroakf_simulate_options));
+  check_sizes(call_allan, sizeof(gyroakf_allan_options));
+}
+
 /* An order that is given counts, whatever the largest of those compared. */
 static void test_given_order(void) {
   gyroakf_arma_options opt;
@@ -176,6 +286,8 @@ void test_bad(void) {
   test_gate();
   test_overflowing_state();
   test_many_coefficients();
+  test_rest_of_model();
+  test_struct_sizes();
   test_given_order();
   test_messages();
 }

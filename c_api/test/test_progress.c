@@ -40,6 +40,192 @@ static int run_allan(listener *l) {
   return status;
 }
 
+static int run_kind(listener *l, const char *kind, const char *taus) {
+  gyroakf_allan_options opt;
+  gyroakf_allan *a = NULL;
+  int status;
+  gyroakf_allan_options_init(&opt);
+  opt.kind = kind;
+  opt.taus = taus;
+  opt.progress = listen;
+  opt.progress_user = l;
+  status = gyroakf_allan_new(x, samples, 0.01, &opt, &a, &err);
+  gyroakf_allan_free(a);
+  return status;
+}
+
+static int run_mdev(listener *l) { return run_kind(l, "mdev", "log:3"); }
+static int run_ohdev(listener *l) { return run_kind(l, "ohdev", "log:3"); }
+static int run_totdev(listener *l) { return run_kind(l, "totdev", "log:3"); }
+static int run_hdev(listener *l) { return run_kind(l, "hdev", "log:3"); }
+
+static int run_gapped(listener *l, const char *kind) {
+  double kept = x[1000];
+  int status;
+  memset(&x[1000], 0xff, sizeof x[1000]); /* NaN */
+  status = run_kind(l, kind, "log:3");
+  x[1000] = kept;
+  return status;
+}
+
+static int run_gapped_mdev(listener *l) { return run_gapped(l, "mdev"); }
+static int run_gapped_ohdev(listener *l) { return run_gapped(l, "ohdev"); }
+static int run_gapped_totdev(listener *l) { return run_gapped(l, "totdev"); }
+
+static int run_kpss(listener *l) {
+  gyroakf_kpss_options opt;
+  gyroakf_kpss out;
+  gyroakf_kpss_options_init(&opt);
+  opt.regression = "ct";
+  opt.lags = 300;
+  opt.progress = listen;
+  opt.progress_user = l;
+  return gyroakf_kpss_test(x, samples, &opt, &out, &err);
+}
+
+static int run_phillips_perron(listener *l) {
+  gyroakf_phillips_perron_options opt;
+  gyroakf_phillips_perron out;
+  gyroakf_phillips_perron_options_init(&opt);
+  opt.progress = listen;
+  opt.progress_user = l;
+  return gyroakf_phillips_perron_test(x, samples, &opt, &out, &err);
+}
+
+static int run_ar_by(listener *l, const char *method) {
+  gyroakf_ar_options opt;
+  double phi[8], variance;
+  int32_t order = -7;
+  int status;
+  gyroakf_ar_options_init(&opt);
+  opt.method = method;
+  opt.progress = listen;
+  opt.progress_user = l;
+  status = gyroakf_ar_fit(x, samples, &opt, 8, &order, phi, &variance, NULL, &err);
+  check((status == GYROAKF_OK) == (order != -7), "no order after a failure");
+  return status;
+}
+
+static int run_ar(listener *l) { return run_ar_by(l, "yw"); }
+static int run_least_squares(listener *l) { return run_ar_by(l, "ols"); }
+
+static int run_gapped_burg(listener *l) {
+  double kept = x[1000];
+  int status;
+  memset(&x[1000], 0xff, sizeof x[1000]); /* NaN */
+  status = run_ar_by(l, "burg");
+  x[1000] = kept;
+  return status;
+}
+
+static int run_outliers(listener *l) {
+  gyroakf_outlier_options opt;
+  int8_t *inlier = (int8_t *)malloc(samples);
+  int status;
+  if (inlier == NULL) abort();
+  gyroakf_outlier_options_init(&opt);
+  opt.progress = listen;
+  opt.progress_user = l;
+  status = gyroakf_mark_outliers(x, samples, &opt, inlier, NULL, &err);
+  free(inlier);
+  return status;
+}
+
+static int run_simulate(listener *l) {
+  gyroakf_simulate_options opt;
+  gyroakf_record *r = NULL;
+  int status;
+  gyroakf_simulate_options_init(&opt);
+  opt.samples = samples;
+  opt.q = opt.n = opt.b = opt.k = 0.1;
+  opt.progress = listen;
+  opt.progress_user = l;
+  status = gyroakf_simulate(&opt, &r, &err);
+  check((status == GYROAKF_OK) == (r != NULL), "*out is NULL after a failure");
+  gyroakf_record_free(r);
+  return status;
+}
+
+static int run_correlation(listener *l) {
+  double acf[301];
+  return gyroakf_autocorrelation_watched(x, samples, 300, acf, NULL, NULL, listen, l, &err);
+}
+
+static int run_ljung_box(listener *l) {
+  gyroakf_whiteness out;
+  return gyroakf_ljung_box_watched(x, samples, 20, 0, &out, listen, l, &err);
+}
+
+static int run_normality(listener *l) {
+  gyroakf_normality out;
+  return gyroakf_normality_test_watched(x, samples, samples, &out, listen, l, &err);
+}
+
+static int run_histogram(listener *l) {
+  gyroakf_histogram *h = NULL;
+  int status = gyroakf_histogram_new_watched(x, samples, 0, &h, listen, l, &err);
+  check((status == GYROAKF_OK) == (h != NULL), "*out is NULL after a failure");
+  gyroakf_histogram_free(h);
+  return status;
+}
+
+static int run_fisher(listener *l) {
+  gyroakf_fisher out;
+  return gyroakf_fisher_g_watched(x, samples, &out, listen, l, &err);
+}
+
+static int run_welch(listener *l) { return gyroakf_welch_spectrum_watched(x, samples, 1.0, 1024, NULL, NULL, NULL, listen, l, &err); }
+
+static int run_lines(listener *l) {
+  gyroakf_spectral_line lines[4];
+  int32_t count;
+  return gyroakf_spectral_lines_watched(x, 20000, 1.0, 4, lines, &count, listen, l, &err);
+}
+
+/* A filter goes on where it was cancelled; the estimates up to there are those of a whole run. */
+static int run_filter(listener *l) {
+  const double phi = 0.9;
+  gyroakf_filter_state state;
+  gyroakf_filter *f = NULL;
+  double *whole = (double *)malloc(2 * samples * sizeof *whole), *part = whole + samples;
+  int status, i, good = 1;
+  if (whole == NULL) abort();
+  check_success(gyroakf_filter_new(1, &phi, 1.0, 1.0, NULL, &f, &err), "a filter");
+  check_success(gyroakf_filter_run(f, x, samples, whole, &err), "the whole series");
+  check_success(gyroakf_filter_reset(f, &err), "again");
+  status = gyroakf_filter_run_watched(f, x, samples, part, listen, l, &err);
+  check(gyroakf_filter_get(f, &state) == GYROAKF_OK && (state.steps == samples) == (status == GYROAKF_OK), "steps made");
+  for (i = 0; i < state.steps; i++) good = good && part[i] == whole[i];
+  check(good, "the estimates up to there");
+  if (status == GYROAKF_CANCELLED) {
+    gyroakf_error kept = err;
+    check_success(gyroakf_filter_run(f, x + state.steps, samples - state.steps, part + state.steps, &err), "the rest");
+    check(memcmp(part, whole, samples * sizeof *whole) == 0, "a filter goes on where it was cancelled");
+    err = kept;
+  }
+  gyroakf_filter_free(f);
+  free(whole);
+  return status;
+}
+
+static int run_smoother(listener *l) {
+  gyroakf_drift_model model;
+  gyroakf_filter_options opt;
+  double *drift = (double *)malloc(samples * sizeof *drift);
+  int status;
+  if (drift == NULL) abort();
+  gyroakf_drift_model_init(&model);
+  model.count = model.slow[0] = 1;
+  model.phi[0] = 0.99;
+  model.q[0] = 0.01;
+  model.r = 1.0;
+  gyroakf_filter_options_init(&opt);
+  opt.estimate_measurement_variance = 1;
+  status = gyroakf_drift_smooth_watched(&model, x, samples, drift, NULL, &opt, listen, l, &err);
+  free(drift);
+  return status;
+}
+
 static int run_gapped_allan(listener *l) {
   double kept = x[1000];
   int status;
@@ -125,6 +311,29 @@ void test_progress(void) {
   uniform(x, samples, 99);
   check_progress(run_allan, "progress of the Allan deviation", "Allan");
   check_progress(run_gapped_allan, "progress of the Allan deviation with gaps", "Allan");
+  check_progress(run_mdev, "progress of mdev", "Allan");
+  check_progress(run_ohdev, "progress of ohdev", "Allan");
+  check_progress(run_totdev, "progress of totdev", "Allan");
+  check_progress(run_hdev, "progress of hdev", "Allan");
+  check_progress(run_gapped_mdev, "progress of mdev with gaps", "Allan");
+  check_progress(run_gapped_ohdev, "progress of ohdev with gaps", "Allan");
+  check_progress(run_gapped_totdev, "progress of totdev with gaps", "Allan");
+  check_progress(run_kpss, "progress of the KPSS test", "stationarity");
+  check_progress(run_phillips_perron, "progress of the Phillips-Perron test", "unit-root");
+  check_progress(run_ar, "progress of the AR model", "autocovariances");
+  check_progress(run_least_squares, "progress of the AR model by least squares", "autocovariances");
+  check_progress(run_gapped_burg, "progress of the AR model by Burg's recursion", "autocovariances");
+  check_progress(run_outliers, "progress of the outliers", "cleaning");
+  check_progress(run_simulate, "progress of a simulation", "simulating");
+  check_progress(run_correlation, "progress of the autocorrelation", "autocovariances");
+  check_progress(run_ljung_box, "progress of the Ljung-Box test", "autocovariances");
+  check_progress(run_normality, "progress of the normality test", "normality");
+  check_progress(run_histogram, "progress of a histogram", "histogram");
+  check_progress(run_fisher, "progress of Fisher's test", "Fourier");
+  check_progress(run_welch, "progress of a spectrum", "spectrum");
+  check_progress(run_lines, "progress of the lines", "lines");
+  check_progress(run_filter, "progress of a filter", "filtering");
+  check_progress(run_smoother, "progress of the smoother", "weighing");
   check_progress(run_adf, "progress of the ADF test", "unit-root");
   check_progress(run_arma, "progress of the ARMA model", "ARMA");
   check_progress(run_drift, "progress of the drift", "identifying");

@@ -111,6 +111,66 @@ static void test_job(double missing) {
   gyroakf_record_free(r);
 }
 
+/* A recording of the program's arrays: the same samples, and the same findings, as of the recording that they come from. */
+static void test_arrays(void) {
+  gyroakf_simulate_options sim;
+  gyroakf_run_options opt;
+  gyroakf_record *made = NULL, *r = NULL;
+  gyroakf_result *expected = NULL, *found = NULL;
+  gyroakf_audit audit;
+  const double *values[2];
+  const char *names[2] = {"first", NULL}, *from, *as;
+  double odd[3] = {1.0, 1e61, 2.0};
+  gyroakf_simulate_options_init(&sim);
+  sim.samples = 3000;
+  sim.n = 0.01;
+  sim.missing = 0.02;
+  check_success(gyroakf_simulate(&sim, &made, &err), "a recording");
+  values[0] = values[1] = gyroakf_record_values(made, 0);
+  check_success(gyroakf_record_new(values, 2, 3000, 0.2, names, "deg/s", &r, &err), "a recording of arrays");
+  check(gyroakf_record_samples(r) == 3000 && gyroakf_record_channels(r) == 2, "its size");
+  check(strcmp(gyroakf_record_name(r, 0), "first") == 0 && strcmp(gyroakf_record_name(r, 1), "column2") == 0, "its names");
+  check(strcmp(gyroakf_record_unit(r, 1), "deg/s") == 0 && strcmp(gyroakf_record_format(r), "array") == 0, "its unit and format");
+  check(gyroakf_record_sample_interval(r) == 0.2 && strcmp(gyroakf_record_rate_source(r), "option") == 0, "its rate");
+  check(gyroakf_record_values(r, 0) != values[0], "it is a copy");
+  check(memcmp(gyroakf_record_values(r, 1), values[1], 3000 * sizeof(double)) == 0, "of the same samples");
+  check(memcmp(gyroakf_record_present(r, 0), gyroakf_record_present(made, 0), 3000) == 0, "and the same are missing");
+  audit.struct_size = sizeof audit;
+  check(gyroakf_record_audit(r, &audit) == GYROAKF_OK && audit.samples == 3000 && audit.missing > 60, "missing samples are counted");
+  gyroakf_record_free(r);
+  names[0] = "gx";
+  check_success(gyroakf_record_new(values, 1, 3000, 0.2, names, "deg/s", &r, &err), "one channel");
+  gyroakf_run_options_init(&opt);
+  opt.filters = 0;
+  check_success(gyroakf_run(made, &opt, &expected, &err), "the job on the simulated one");
+  check_success(gyroakf_run(r, &opt, &found, &err), "and on its copy");
+  from = strstr(gyroakf_result_json(expected), "\"preprocess\"");
+  as = strstr(gyroakf_result_json(found), "\"preprocess\"");
+  check(from != NULL && as != NULL && strcmp(from, as) == 0, "the findings are the same");
+  gyroakf_result_free(expected);
+  gyroakf_result_free(found);
+  gyroakf_record_free(made);
+  gyroakf_record_free(r);
+
+  values[0] = odd;
+  check_success(gyroakf_record_new(values, 1, 1, 1.0, NULL, NULL, &r, &err), "one sample, no names, no unit");
+  check(strcmp(gyroakf_record_name(r, 0), "column1") == 0 && gyroakf_record_unit(r, 0)[0] == 0, "the usual name, no unit");
+  gyroakf_record_free(r);
+  check_failure(gyroakf_record_new(values, 1, 3, 1.0, NULL, NULL, &r, &err), GYROAKF_NON_FINITE, "a value too large");
+  check(r == NULL, "*out is NULL after a failure");
+  values[1] = NULL;
+  check_failure(gyroakf_record_new(values, 2, 1, 1.0, NULL, NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "an array NULL");
+  check_failure(gyroakf_record_new(NULL, 2, 1, 1.0, NULL, NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "arrays NULL");
+  check_failure(gyroakf_record_new(values, 1, 1, 1.0, NULL, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "out NULL");
+  check_failure(gyroakf_record_new(values, 0, 1, 1.0, NULL, NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "no channel");
+  check_failure(gyroakf_record_new(values, 1, 0, 1.0, NULL, NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "no sample");
+  check_failure(gyroakf_record_new(values, 1, 1, 0.0, NULL, NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "no interval");
+  check_failure(gyroakf_record_new(values, 1, 1, NAN, NULL, NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "interval NaN");
+  check_failure(gyroakf_record_new(values, 1, 1, 1.0, NULL, "furlong", &r, &err), GYROAKF_INVALID_ARGUMENT, "unit of nothing");
+  check_failure(gyroakf_record_new(values, 1, 1, 1.0, NULL, "deg/s,rad/s", &r, &err), GYROAKF_INVALID_ARGUMENT, "too many units");
+  check_failure(gyroakf_record_new(values, 1, 1, 1.0, NULL, "deg", &r, &err), GYROAKF_INVALID_ARGUMENT, "unit of an angle");
+}
+
 void test_run(void) {
   gyroakf_run_options opt;
   gyroakf_result *result = (gyroakf_result *)&opt;
@@ -119,6 +179,7 @@ void test_run(void) {
   test_simulation_failures();
   test_job(0.0);
   test_job(0.05);
+  test_arrays();
   check_failure(gyroakf_run(NULL, NULL, &result, &err), GYROAKF_INVALID_ARGUMENT, "recording NULL");
   check(result == NULL, "*out is NULL after a failure");
   check_success(gyroakf_record_parse("1\n2\n3\n", 6, NULL, &r, &err), "three samples");

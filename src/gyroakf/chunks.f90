@@ -6,9 +6,10 @@
 !> goes in blocks that stay in the cache.
 module gyroakf_chunks
    use gyroakf_kinds, only : int64
+   use gyroakf_threads, only : thread_count
    implicit none (type, external)
    private
-   public :: block_length, threads_from, chunk_count, chunk_first, chunk_last
+   public :: block_length, threads_from, chunk_count, chunk_first, chunk_last, chunk_group
 
    !> Samples of a block: 32 kB of real numbers
    integer(int64), parameter :: block_length = 4096
@@ -48,5 +49,16 @@ contains
 
       chunk_last = chunk_first(n, chunk + 1) - 1
    end function chunk_last
+
+   !> Chunks that are worked on before somebody is told how far it is; all of them where nobody wants to know.
+   integer function chunk_group(chunks, told)
+      !> How many there are
+      integer, intent(in) :: chunks
+      !> Somebody wants to know
+      logical, intent(in) :: told
+
+      chunk_group = chunks
+      if (told) chunk_group = min(chunks, 2*thread_count())
+   end function chunk_group
 
 end module gyroakf_chunks

@@ -5,6 +5,7 @@
 !> same length, all pairs of a level by all threads. The sorted array does not depend on the threads.
 module gyroakf_sort
    use gyroakf_kinds, only : dp, int64
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_chunks, only : threads_from
    implicit none (type, external)
@@ -17,11 +18,14 @@ module gyroakf_sort
 contains
 
    !> Sorts in ascending order. Source: merge sort from the bottom up, Knuth, The Art of Computer Programming 3, 5.2.4.
-   subroutine sort_values(x, error)
+   subroutine sort_values(x, error, progress)
       !> Numbers: [n], n >= 0, no NaN; sorted afterwards
       real(dp), intent(inout), contiguous, target :: x(:)
-      !> no_memory: another n numbers are needed as work space; x is unchanged then
+      !> no_memory: another n numbers are needed as work space; x is unchanged then; cancelled: x is
+      !> in some other order
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable, target :: work(:)
       real(dp), pointer, contiguous :: from(:), to(:), other(:)
       integer(int64) :: n, i, width
@@ -45,6 +49,8 @@ contains
       to => work
       width = run_length
       do while (width < n)
+         call tell_progress("sorting", width, n, error, progress)
+         if (allocated(error)) return
          call merge_level(from, to, width)
          other => from
          from => to

@@ -240,17 +240,16 @@ contains
       terms = term_count(kind, ubound(phase, 1, kind=int64), m)
       select case (kind)
       case ("adev", "hdev")
-         call sum_separate_differences(phase, m, difference_order(kind), variance)
+         call sum_separate_differences(phase, m, difference_order(kind), variance, error, progress)
       case ("ohdev")
-         call sum_third_differences(phase, m, variance)
+         call sum_third_differences(phase, m, variance, error, progress)
       case ("mdev", "tdev")
-         call sum_phase_averages(phase, m, variance, error)
-         if (allocated(error)) return
+         call sum_phase_averages(phase, m, variance, error, progress)
       case default
          call sum_second_differences(phase, m, variance, error, progress)
-         if (allocated(error)) return
-         if (kind == "totdev") call add_reflected_differences(phase, m, variance)
+         if (kind == "totdev" .and. .not. allocated(error)) call add_reflected_differences(phase, m, variance, error, progress)
       end select
+      if (allocated(error)) return
       variance = variance/(variance_divisor(kind, m)*real(terms, dp))
    end subroutine complete_variances
 

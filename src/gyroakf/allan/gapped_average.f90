@@ -20,6 +20,8 @@
 module gyroakf_allan_gapped_average
    use gyroakf_kinds, only : dp, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_threads, only : thread_count
    use gyroakf_allan_second_difference, only : gap_sums_type
    implicit none (type, external)
    private
@@ -41,7 +43,7 @@ module gyroakf_allan_gapped_average
 contains
 
    !> For each m the sums over j = 0 .. n - 3m + 1.
-   subroutine sum_gapped_averages(phase, missing, m, min_coverage, sums, error)
+   subroutine sum_gapped_averages(phase, missing, m, min_coverage, sums, error, progress)
       !> Phase, to which missing samples added nothing: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n]
@@ -52,13 +54,15 @@ contains
       real(dp), intent(in) :: min_coverage
       !> The sums: [size(m)]; the inflation is the sum of V - (m^2 + 1)/m^3
       type(gap_sums_type), intent(out) :: sums(:)
-      !> no_memory
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       type(gap_sums_type), allocatable :: part(:)
       integer(int64), allocatable :: begin(:)
       integer, allocatable :: factor(:)
-      integer(int64) :: total, item
+      integer(int64) :: total, item, from, group
       integer :: i, stat
 
       total = 0
@@ -73,13 +77,19 @@ contains
          return
       end if
       call list_chains(phase, m, begin, factor)
-      !$omp parallel do schedule(dynamic) private(i) if (term_count(phase, 1_int64)*size(m) >= parallel_from)
-      do item = total, 1, -1
-         i = factor(item)
-         call add_chain(phase, missing, m(i), min_coverage, begin(item), &
-            & min(chain_length(m(i)), term_count(phase, m(i)) - begin(item)), part(item))
+      group = max(total, 1_int64)
+      if (present(progress)) group = thread_count()
+      do from = total, 1, -group
+         call tell_progress("Allan deviation", chain_least*(total - from), chain_least*total, error, progress)
+         if (allocated(error)) return
+         !$omp parallel do schedule(dynamic) private(i) if (term_count(phase, 1_int64)*size(m) >= parallel_from)
+         do item = from, max(from - group + 1, 1_int64), -1
+            i = factor(item)
+            call add_chain(phase, missing, m(i), min_coverage, begin(item), &
+               & min(chain_length(m(i)), term_count(phase, m(i)) - begin(item)), part(item))
+         end do
+         !$omp end parallel do
       end do
-      !$omp end parallel do
       do item = 1, total
          i = factor(item)
          sums(i)%squares = sums(i)%squares + part(item)%squares

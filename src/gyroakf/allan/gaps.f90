@@ -109,13 +109,14 @@ contains
 
       select case (kind)
       case ("mdev", "tdev")
-         call sum_gapped_averages(phase, missing, m, min_coverage, sums, error)
+         call sum_gapped_averages(phase, missing, m, min_coverage, sums, error, progress)
       case ("adev", "hdev", "ohdev")
-         call sum_gapped_windows(phase, missing, m, difference_order(kind), kind == "ohdev", min_coverage, sums)
+         call sum_gapped_windows(phase, missing, m, difference_order(kind), kind == "ohdev", min_coverage, sums, error, &
+            & progress)
       case default
          call sum_gapped_differences(phase, missing, m, min_coverage, sums, error, progress)
          if (allocated(error)) return
-         if (kind == "totdev") call add_gapped_reflections(phase, missing, m, min_coverage, sums)
+         if (kind == "totdev") call add_gapped_reflections(phase, missing, m, min_coverage, sums, error, progress)
       end select
    end subroutine sum_terms
 

@@ -10,6 +10,8 @@
 module gyroakf_allan_phase_average
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_threads, only : thread_count
    implicit none (type, external)
    private
    public :: sum_phase_averages
@@ -26,36 +28,44 @@ module gyroakf_allan_phase_average
 contains
 
    !> For each m the sum over j = 0 .. n - 3m + 1 of z(j)**2.
-   subroutine sum_phase_averages(phase, m, sums, error)
+   subroutine sum_phase_averages(phase, m, sums, error, progress)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Averaging factors, ascending, 1 <= m <= (n + 1)/3: [any number]
       integer(int64), intent(in) :: m(:)
       !> The sums: [size(m)]
       real(dp), intent(out) :: sums(:)
-      !> no_memory
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
+      integer(int64) :: n
       integer :: short
 
+      n = ubound(phase, 1, kind=int64)
       short = count(m <= short_max)
-      call sum_short(phase, m(:short), sums(:short), error)
-      if (.not. allocated(error)) call sum_long(phase, m(short + 1:), sums(short + 1:), error)
+      call sum_short(phase, m(:short), sums(:short), n*size(m), error, progress)
+      if (.not. allocated(error)) call sum_long(phase, m(short + 1:), sums(short + 1:), n*short, n*size(m), error, progress)
    end subroutine sum_phase_averages
 
    !> Factors that share stretches.
-   subroutine sum_short(phase, m, sums, error)
+   subroutine sum_short(phase, m, sums, whole, error, progress)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Averaging factors
       integer(int64), intent(in) :: m(:)
       !> The sums
       real(dp), intent(out) :: sums(:)
-      !> no_memory
+      !> Terms of all factors, these and others
+      integer(int64), intent(in) :: whole
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       real(dp), allocatable :: part(:, :)
-      integer(int64) :: terms, stretches, s, first
+      integer(int64) :: terms, stretches, s, first, from, group
       integer :: i, stat
 
       terms = ubound(phase, 1, kind=int64) + 2
@@ -65,34 +75,44 @@ contains
          call fatal_error(error, status%no_memory, "no memory for the partial sums of the modified Allan variance")
          return
       end if
-      !$omp parallel do schedule(dynamic) private(i, first) if (terms*size(m) >= parallel_from)
-      do s = 1, stretches
-         first = (s - 1)*stretch_length
-         do i = 1, size(m)
-            call add_terms(phase, m(i), first, min(stretch_length, terms - 3*m(i) - first), part(i, s))
+      group = stretches
+      if (present(progress)) group = 8*thread_count()
+      do from = 1, stretches, group
+         call tell_progress("Allan deviation", min(whole, (from - 1)*stretch_length*size(m)), whole, error, progress)
+         if (allocated(error)) return
+         !$omp parallel do schedule(dynamic) private(i, first) if (terms*size(m) >= parallel_from)
+         do s = from, min(stretches, from + group - 1)
+            first = (s - 1)*stretch_length
+            do i = 1, size(m)
+               call add_terms(phase, m(i), first, min(stretch_length, terms - 3*m(i) - first), part(i, s))
+            end do
          end do
+         !$omp end parallel do
       end do
-      !$omp end parallel do
       do i = 1, size(m)
          sums(i) = sum(part(i, :))
       end do
    end subroutine sum_short
 
    !> Factors that have the record to themselves, cut so that the starts of the chains cost less than the chains.
-   subroutine sum_long(phase, m, sums, error)
+   subroutine sum_long(phase, m, sums, done, whole, error, progress)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Averaging factors
       integer(int64), intent(in) :: m(:)
       !> The sums
       real(dp), intent(out) :: sums(:)
-      !> no_memory
+      !> Terms of the factors before, of all
+      integer(int64), intent(in) :: done, whole
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       real(dp), allocatable :: part(:)
       integer(int64), allocatable :: begin(:)
       integer, allocatable :: factor(:)
-      integer(int64) :: terms, total, item, length
+      integer(int64) :: terms, total, item, length, from, group
       integer :: i, stat
 
       sums = 0
@@ -116,13 +136,19 @@ contains
             factor(item) = i
          end do
       end do
-      !$omp parallel do schedule(dynamic) private(i, length) if (terms*size(m) >= parallel_from)
-      do item = total, 1, -1
-         i = factor(item)
-         length = min(4*chain_length*m(i), terms - 3*m(i) - begin(item))
-         call add_terms(phase, m(i), begin(item), length, part(item))
+      group = max(total, 1_int64)
+      if (present(progress)) group = thread_count()
+      do from = total, 1, -group
+         call tell_progress("Allan deviation", done + (whole - done)/total*(total - from), whole, error, progress)
+         if (allocated(error)) return
+         !$omp parallel do schedule(dynamic) private(i, length) if (terms*size(m) >= parallel_from)
+         do item = from, max(from - group + 1, 1_int64), -1
+            i = factor(item)
+            length = min(4*chain_length*m(i), terms - 3*m(i) - begin(item))
+            call add_terms(phase, m(i), begin(item), length, part(item))
+         end do
+         !$omp end parallel do
       end do
-      !$omp end parallel do
       do item = 1, total
          sums(factor(item)) = sums(factor(item)) + part(item)
       end do

@@ -13,6 +13,8 @@
 !> which evens out over all j: where terms are lost the sum is divided by the sum of these weights, not by their number.
 module gyroakf_allan_reflection
    use gyroakf_kinds, only : dp, int32, int64
+   use gyroakf_error, only : error_type
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_allan_second_difference, only : gap_sums_type
    implicit none (type, external)
    private
@@ -26,13 +28,17 @@ module gyroakf_allan_reflection
 contains
 
    !> Adds to the sums of squared second differences those whose centre is less than m from an end.
-   subroutine add_reflected_differences(phase, m, sums)
+   subroutine add_reflected_differences(phase, m, sums, error, progress)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Averaging factors, 1 <= m <= n/2: [any number]
       integer(int64), intent(in) :: m(:)
       !> The sums to add to: [size(m)]
       real(dp), intent(inout) :: sums(:)
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       real(dp) :: part(batch)
       integer(int64) :: blocks, b, first, last
@@ -41,6 +47,8 @@ contains
       do i = 1, size(m)
          blocks = (m(i) + block_length - 2)/block_length
          do first = 1, blocks, batch
+            call tell_progress("ends of the record", sum(m(:i - 1)) + (first - 1)*block_length, sum(m), error, progress)
+            if (allocated(error)) return
             last = min(first + batch - 1, blocks)
             !$omp parallel do schedule(static) if (m(i) >= parallel_from)
             do b = first, last
@@ -78,7 +86,7 @@ contains
    end function edge_squares
 
    !> The same for a record with missing samples: differences of the means of the present samples of two windows.
-   subroutine add_gapped_reflections(phase, missing, m, min_coverage, sums)
+   subroutine add_gapped_reflections(phase, missing, m, min_coverage, sums, error, progress)
       !> Phase, to which missing samples added nothing: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n]
@@ -89,6 +97,10 @@ contains
       real(dp), intent(in) :: min_coverage
       !> The sums to add to: [size(m)]; the inflation is what unit white noise adds to the square of a term
       type(gap_sums_type), intent(inout) :: sums(:)
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       type(gap_sums_type) :: part(batch)
       integer(int64) :: blocks, b, first, last
@@ -98,6 +110,8 @@ contains
          sums(i)%weight = real(sums(i)%terms, dp)
          blocks = (m(i) + block_length - 2)/block_length
          do first = 1, blocks, batch
+            call tell_progress("ends of the record", sum(m(:i - 1)) + (first - 1)*block_length, sum(m), error, progress)
+            if (allocated(error)) return
             last = min(first + batch - 1, blocks)
             !$omp parallel do schedule(static) if (m(i) >= parallel_from)
             do b = first, last

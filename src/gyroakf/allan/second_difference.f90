@@ -60,7 +60,7 @@ contains
       n = ubound(phase, 1, kind=int64)
       parts = part_count(n)
       group = parts
-      if (present(progress)) group = max(8, 4*thread_count())
+      if (present(progress)) group = 2*thread_count()
       do first = 1, size(m), batch
          last = min(first + batch - 1, size(m))
          do from = 1, parts, group
@@ -249,7 +249,7 @@ contains
       n = ubound(phase, 1, kind=int64)
       parts = part_count(n)
       group = parts
-      if (present(progress)) group = max(8, 4*thread_count())
+      if (present(progress)) group = 2*thread_count()
       do first = 1, size(m), batch
          last = min(first + batch - 1, size(m))
          do from = 1, parts, group

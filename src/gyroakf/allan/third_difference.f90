@@ -5,6 +5,9 @@
 !> of the record, so that the result does not depend on the number of threads.
 module gyroakf_allan_third_difference
    use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : error_type
+   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_threads, only : thread_count
    implicit none (type, external)
    private
    public :: sum_third_differences
@@ -21,29 +24,40 @@ module gyroakf_allan_third_difference
 contains
 
    !> For each m the sum over k = 0 .. n - 3m of (x(k+3m) - 3 x(k+2m) + 3 x(k+m) - x(k))**2.
-   subroutine sum_third_differences(phase, m, sums)
+   subroutine sum_third_differences(phase, m, sums, error, progress)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Averaging factors, 1 <= m <= n/3: [any number]
       integer(int64), intent(in) :: m(:)
       !> The sums: [size(m)]
       real(dp), intent(out) :: sums(:)
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       real(dp) :: part(batch, stretches_max)
-      integer(int64) :: n, stretches, blocks, s
+      integer(int64) :: n, stretches, blocks, s, group, from
       integer :: first, last, i
 
       n = ubound(phase, 1, kind=int64)
       blocks = n/block_length + 1
       stretches = max(1_int64, min(stretches_max, blocks/blocks_min))
+      group = stretches
+      if (present(progress)) group = 2*thread_count()
       do first = 1, size(m), batch
          last = min(first + batch - 1, size(m))
-         !$omp parallel do schedule(dynamic) if (n*(last - first + 1) >= parallel_from)
-         do s = 1, stretches
-            call one_stretch(phase, m(first:last), block_length*((s - 1)*blocks/stretches), &
-               & block_length*(s*blocks/stretches), part(:, s))
+         do from = 1, stretches, group
+            call tell_progress("Allan deviation", n*(first - 1) + (from - 1)*(n/stretches)*(last - first + 1), n*size(m), error, &
+               & progress)
+            if (allocated(error)) return
+            !$omp parallel do schedule(dynamic) if (n*(last - first + 1) >= parallel_from)
+            do s = from, min(stretches, from + group - 1)
+               call one_stretch(phase, m(first:last), block_length*((s - 1)*blocks/stretches), &
+                  & block_length*(s*blocks/stretches), part(:, s))
+            end do
+            !$omp end parallel do
          end do
-         !$omp end parallel do
          do i = first, last
             sums(i) = sum(part(i - first + 1, :stretches))
          end do

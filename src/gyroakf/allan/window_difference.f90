@@ -5,6 +5,8 @@
 !> the result does not depend on the number of threads.
 module gyroakf_allan_window_difference
    use gyroakf_kinds, only : dp, int32, int64
+   use gyroakf_error, only : error_type
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_allan_second_difference, only : gap_sums_type
    implicit none (type, external)
    private
@@ -12,14 +14,14 @@ module gyroakf_allan_window_difference
 
    !> Terms of a stretch, and stretches that run in a batch
    integer(int64), parameter :: stretch_length = 65536
-   integer(int64), parameter :: batch = 256
+   integer(int64), parameter :: batch = 64
    !> Terms below which one thread is quicker
    integer(int64), parameter :: parallel_from = 500000
 
 contains
 
    !> For each m the sum over k = 0, m, 2m ... of the squared difference of the phase.
-   subroutine sum_separate_differences(phase, m, order, sums)
+   subroutine sum_separate_differences(phase, m, order, sums, error, progress)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Averaging factors, 1 <= m <= n/order: [any number]
@@ -28,15 +30,22 @@ contains
       integer, intent(in) :: order
       !> The sums: [size(m)]
       real(dp), intent(out) :: sums(:)
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       real(dp) :: part(batch)
-      integer(int64) :: terms, from, stretches, s
+      integer(int64) :: n, terms, from, stretches, s
       integer :: i
 
+      n = ubound(phase, 1, kind=int64)
       do i = 1, size(m)
-         terms = ubound(phase, 1, kind=int64)/m(i) - order + 1
+         terms = n/m(i) - order + 1
          sums(i) = 0
          do from = 0, terms - 1, batch*stretch_length
+            call tell_progress("Allan deviation", n*(i - 1) + from*m(i), n*size(m), error, progress)
+            if (allocated(error)) return
             stretches = min(batch, (terms - from + stretch_length - 1)/stretch_length)
             !$omp parallel do schedule(static) if (terms >= parallel_from)
             do s = 1, stretches
@@ -77,7 +86,7 @@ contains
    end function separate_squares
 
    !> The same for a record with missing samples: means of the present samples, at stride 1 or m.
-   subroutine sum_gapped_windows(phase, missing, m, order, overlapping, min_coverage, sums)
+   subroutine sum_gapped_windows(phase, missing, m, order, overlapping, min_coverage, sums, error, progress)
       !> Phase, to which missing samples added nothing: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n]
@@ -92,15 +101,22 @@ contains
       real(dp), intent(in) :: min_coverage
       !> The sums: [size(m)]; the inflation is the sum of 1/c_1 + 1/c_2 - 2/m, or of 1/c_1 + 4/c_2 + 1/c_3 - 6/m
       type(gap_sums_type), intent(out) :: sums(:)
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       type(gap_sums_type) :: part(batch)
-      integer(int64) :: terms, from, stretches, s, stride
+      integer(int64) :: n, terms, from, stretches, s, stride
       integer :: i
 
+      n = ubound(phase, 1, kind=int64)
       do i = 1, size(m)
          stride = merge(1_int64, m(i), overlapping)
-         terms = (ubound(phase, 1, kind=int64) - order*m(i))/stride + 1
+         terms = (n - order*m(i))/stride + 1
          do from = 0, terms - 1, batch*stretch_length
+            call tell_progress("Allan deviation", n*(i - 1) + from*stride, n*size(m), error, progress)
+            if (allocated(error)) return
             stretches = min(batch, (terms - from + stretch_length - 1)/stretch_length)
             !$omp parallel do schedule(static) if (terms >= parallel_from)
             do s = 1, stretches

@@ -8,7 +8,8 @@ module gyroakf_ar_autocovariance
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last, chunk_group
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_ar_lagged_products, only : add_lagged_products
    implicit none (type, external)
    private
@@ -23,7 +24,7 @@ contains
    !> the present ones and $$r_k = \frac{n-k}{n}\,\frac{1}{m_k}\sum (x_t - \bar x)(x_{t-k} - \bar x)$$ over the
    !> m_k pairs that are present, 0 where there is none; positive definiteness is then not guaranteed.
    !> Source: Brockwell & Davis, Time Series: Theory and Methods (1991), 7.2; Parzen (1963) for gaps.
-   subroutine compute_autocovariance(x, max_lag, mean, r, error, valid, pairs)
+   subroutine compute_autocovariance(x, max_lag, mean, r, error, valid, pairs, progress)
       !> Series: [n], any unit u, finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> Largest lag, 0 .. n-1
@@ -32,12 +33,14 @@ contains
       real(dp), intent(out) :: mean
       !> Autocovariances: [0:max_lag], u^2; r(0) is 0 where the series is constant, which is no error
       real(dp), allocatable, intent(out) :: r(:)
-      !> invalid_argument (max_lag < 0, size of valid), too_few_samples, non_finite, no_memory
+      !> invalid_argument (max_lag < 0, size of valid), too_few_samples, non_finite, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
       !> Number of present pairs at each lag: [0:max_lag]
       integer(int64), allocatable, intent(out), optional :: pairs(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp) :: no_phi(0), shift, rest
       integer(int64) :: count
 
@@ -51,7 +54,7 @@ contains
       else if (.not. ieee_is_finite(mean)) then
          call fatal_error(error, status%non_finite, "the series has a value that is not finite")
       else
-         call covariances(x, shift, no_phi, rest, max_lag, r, error, valid, pairs)
+         call covariances(x, shift, no_phi, rest, max_lag, r, error, valid, pairs, progress)
       end if
    end subroutine compute_autocovariance
 
@@ -194,7 +197,7 @@ contains
    end function sum_of
 
    !> The pass over the series: lagged sums of every chunk, added in order, and divided.
-   subroutine covariances(x, centre, phi, offset, max_lag, r, error, valid, pairs)
+   subroutine covariances(x, centre, phi, offset, max_lag, r, error, valid, pairs, progress)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> Subtracted from every sample first: near the mean of the series
@@ -213,6 +216,8 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Pairs: [0:max_lag]
       integer(int64), allocatable, intent(out), optional :: pairs(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: partial(:, :), number(:, :)
       real(dp) :: used, m
       integer(int64) :: n
@@ -229,7 +234,8 @@ contains
          return
       end if
       if (present(pairs)) allocate (pairs(0:max_lag))
-      call sum_chunks(x, centre, phi, offset, max_lag, partial, number, stat, valid)
+      call sum_chunks(x, centre, phi, offset, max_lag, partial, number, stat, error, valid, progress)
+      if (allocated(error)) return
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the buffers of the lagged sums")
          return
@@ -247,7 +253,7 @@ contains
    end subroutine covariances
 
    !> Lagged sums of every chunk.
-   subroutine sum_chunks(x, centre, phi, offset, max_lag, partial, number, stat, valid)
+   subroutine sum_chunks(x, centre, phi, offset, max_lag, partial, number, stat, error, valid, progress)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> Subtracted first, AR coefficients, subtracted last
@@ -260,35 +266,46 @@ contains
       real(dp), intent(out) :: number(0:, :)
       !> Not 0 where memory is short
       integer, intent(out) :: stat
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: e(:), flag(:)
       integer(int64) :: n, first, last, step
-      integer :: chunk, bad, length
+      integer :: chunk, bad, length, from, group
 
       n = size(x, kind=int64)
       step = max(block_length, 2*int(max_lag, int64))
       stat = 0
-      !$omp parallel if (n >= threads_from) default(shared) private(e, flag, first, last, length, bad)
-      allocate (e(1 - max_lag:step), stat=bad)
-      if (bad == 0) allocate (flag(1 - max_lag:step), stat=bad)
-      !$omp atomic
-      stat = stat + bad
-      !$omp do schedule(dynamic)
-      do chunk = 1, size(partial, 2)
-         if (bad /= 0) cycle
-         partial(:, chunk) = 0.0_dp
-         if (present(valid)) number(:, chunk) = 0.0_dp
-         do first = chunk_first(n, chunk), chunk_last(n, chunk), step
-            last = min(first + step - 1, chunk_last(n, chunk))
-            length = int(last - first) + 1
-            call load_centred(x, centre, phi, offset, first - max_lag, last, e, flag, valid)
-            call add_lagged_products(e(1:), e, length, max_lag, partial(:, chunk))
-            if (present(valid)) call add_lagged_products(flag(1:), flag, length, max_lag, number(:, chunk))
+      group = chunk_group(size(partial, 2), present(progress))
+      do from = 1, size(partial, 2), group
+         call tell_progress("autocovariances", chunk_first(n, from) - 1, n, error, progress)
+         if (allocated(error)) return
+         !$omp parallel if (n >= threads_from) default(shared) private(e, flag, first, last, length, bad)
+         allocate (e(1 - max_lag:step), stat=bad)
+         if (bad == 0) allocate (flag(1 - max_lag:step), stat=bad)
+         !$omp atomic
+         stat = stat + bad
+         !$omp do schedule(dynamic)
+         do chunk = from, min(from + group - 1, size(partial, 2))
+            if (bad /= 0) cycle
+            partial(:, chunk) = 0.0_dp
+            if (present(valid)) number(:, chunk) = 0.0_dp
+            do first = chunk_first(n, chunk), chunk_last(n, chunk), step
+               last = min(first + step - 1, chunk_last(n, chunk))
+               length = int(last - first) + 1
+               call load_centred(x, centre, phi, offset, first - max_lag, last, e, flag, valid)
+               call add_lagged_products(e(1:), e, length, max_lag, partial(:, chunk))
+               if (present(valid)) call add_lagged_products(flag(1:), flag, length, max_lag, number(:, chunk))
+            end do
          end do
+         !$omp end do
+         if (allocated(e)) deallocate (e)
+         if (allocated(flag)) deallocate (flag)
+         !$omp end parallel
       end do
-      !$omp end do
-      !$omp end parallel
    end subroutine sum_chunks
 
    !> Copies a stretch of the series, centre (or the AR prediction) subtracted; 0 where there is none.

@@ -10,6 +10,7 @@
 !>   reach the 12th digit the lattice is taken.
 module gyroakf_ar_burg
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_ar_burg_lattice, only : burg_lattice_type, begin_lattice, next_order
    implicit none (type, external)
@@ -45,7 +46,7 @@ contains
    !> over t = m .. n-1, from f_0 = b_0 = x; always stationary. With gaps the sums go over the t of every stretch that is long
    !> enough, with one k_m for all: de Waele & Broersen, IEEE Trans. Signal Process. 48 (2000) 2876-2880. Source: Burg, Maximum
    !> entropy spectral analysis, 37th SEG meeting (1967); the quadratic forms: Vos, A fast implementation of Burg's method (2013).
-   subroutine compute_burg(x, shift, rest, order, burg, error, valid, r)
+   subroutine compute_burg(x, shift, rest, order, burg, error, valid, r, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> Its mean, in two parts that are subtracted in turn
@@ -60,6 +61,8 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Biased autocovariances, for whoever has them: [0:order]; without them, and with gaps, the lattice is taken
       real(dp), intent(in), optional :: r(0:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       integer(int64) :: n
       integer :: stat
       logical :: done
@@ -79,11 +82,11 @@ contains
          call by_autocovariances(x, shift, rest, r(0:order), burg, done, error)
          if (allocated(error)) return
       end if
-      if (.not. done) call by_lattice(x, shift, rest, burg, error, valid)
+      if (.not. done) call by_lattice(x, shift, rest, burg, error, valid, progress)
    end subroutine compute_burg
 
    !> Order by order over stored residuals.
-   subroutine by_lattice(x, shift, rest, burg, error, valid)
+   subroutine by_lattice(x, shift, rest, burg, error, valid, progress)
       !> Series and its mean
       real(dp), intent(in), contiguous :: x(:)
       real(dp), intent(in) :: shift, rest
@@ -93,6 +96,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(burg_lattice_type) :: lattice
       real(dp) :: cross, power
       integer :: m
@@ -101,6 +106,8 @@ contains
       if (allocated(error)) return
       call begin_orders(burg, lattice%power/real(lattice%samples, dp), lattice%samples, error)
       do m = 1, size(burg%reflection)
+         if (.not. allocated(error)) call tell_progress("AR model", int(m - 1, int64), size(burg%reflection, kind=int64), error, &
+            & progress)
          if (allocated(error)) return
          if (m == 1) then
             call next_order(lattice, 0.0_dp, cross, power, valid)

@@ -8,7 +8,8 @@
 module gyroakf_ar_complete_rows
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_chunks, only : chunk_group, block_length, threads_from, chunk_count, chunk_first, chunk_last
    use gyroakf_ar_autocovariance, only : add_lagged_products
    implicit none (type, external)
    private
@@ -26,7 +27,7 @@ module gyroakf_ar_complete_rows
 contains
 
    !> Builds the Gram matrix.
-   subroutine build_row_gram(x, shift, rest, lags, gram, error, valid)
+   subroutine build_row_gram(x, shift, rest, lags, gram, error, valid, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> Subtracted in turn: the mean as series_mean gives it
@@ -35,10 +36,12 @@ contains
       integer, intent(in) :: lags
       !> The sums; no rows where nothing is long enough
       type(row_gram_type), intent(out) :: gram
-      !> no_memory
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: partial(:, :), edge(:)
       integer :: chunks, j, stat
 
@@ -48,7 +51,8 @@ contains
       if (stat == 0) allocate (gram%total(0:lags), stat=stat)
       if (stat == 0) allocate (edge(0:lags), stat=stat)
       if (stat == 0) allocate (partial(0:lags + 2, chunks), stat=stat)
-      if (stat == 0) call sum_rows(x, shift, rest, lags, partial, stat, valid)
+      if (stat == 0) call sum_rows(x, shift, rest, lags, partial, stat, error, valid, progress)
+      if (allocated(error)) return
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the sums of the AR regression")
          return
@@ -69,7 +73,7 @@ contains
    end subroutine build_row_gram
 
    !> The pass: products of x_t with all lags, sum of x_t, number of rows.
-   subroutine sum_rows(x, shift, rest, lags, partial, stat, valid)
+   subroutine sum_rows(x, shift, rest, lags, partial, stat, error, valid, progress)
       !> Series, subtracted in turn, lags
       real(dp), intent(in), contiguous :: x(:)
       real(dp), intent(in) :: shift, rest
@@ -78,36 +82,48 @@ contains
       real(dp), intent(out) :: partial(0:, :)
       !> Not 0 where memory is short
       integer, intent(out) :: stat
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: y(:), a(:), weight(:)
       integer(int64) :: n, first, step
-      integer :: chunk, bad, m
+      integer :: chunk, bad, m, from, group
 
       n = size(x, kind=int64)
       step = max(block_length, 4*int(lags, int64))
       stat = 0
-      !$omp parallel if (n >= threads_from) default(shared) private(y, a, weight, first, bad, m)
-      allocate (y(1 - lags:step), stat=bad)
-      if (bad == 0) allocate (a(step), stat=bad)
-      if (bad == 0) allocate (weight(step), stat=bad)
-      !$omp atomic
-      stat = stat + bad
-      !$omp do schedule(dynamic)
-      do chunk = 1, size(partial, 2)
-         partial(:, chunk) = 0.0_dp
-         if (bad /= 0) cycle
-         do first = max(chunk_first(n, chunk), int(lags, int64) + 1), chunk_last(n, chunk), step
-            m = int(min(step, chunk_last(n, chunk) - first + 1))
-            call load_rows(x, shift, rest, lags, first, m, y, weight, valid)
-            a(:m) = y(1:m)*weight(:m)
-            call add_lagged_products(a, y, m, lags, partial(0:lags, chunk))
-            partial(lags + 1, chunk) = partial(lags + 1, chunk) + sum(a(:m))
-            partial(lags + 2, chunk) = partial(lags + 2, chunk) + sum(weight(:m))
+      group = chunk_group(size(partial, 2), present(progress))
+      do from = 1, size(partial, 2), group
+         call tell_progress("rows of the AR model", chunk_first(n, from) - 1, n, error, progress)
+         if (allocated(error)) return
+         !$omp parallel if (n >= threads_from) default(shared) private(y, a, weight, first, bad, m)
+         allocate (y(1 - lags:step), stat=bad)
+         if (bad == 0) allocate (a(step), stat=bad)
+         if (bad == 0) allocate (weight(step), stat=bad)
+         !$omp atomic
+         stat = stat + bad
+         !$omp do schedule(dynamic)
+         do chunk = from, min(from + group - 1, size(partial, 2))
+            partial(:, chunk) = 0.0_dp
+            if (bad /= 0) cycle
+            do first = max(chunk_first(n, chunk), int(lags, int64) + 1), chunk_last(n, chunk), step
+               m = int(min(step, chunk_last(n, chunk) - first + 1))
+               call load_rows(x, shift, rest, lags, first, m, y, weight, valid)
+               a(:m) = y(1:m)*weight(:m)
+               call add_lagged_products(a, y, m, lags, partial(0:lags, chunk))
+               partial(lags + 1, chunk) = partial(lags + 1, chunk) + sum(a(:m))
+               partial(lags + 2, chunk) = partial(lags + 2, chunk) + sum(weight(:m))
+            end do
          end do
+         !$omp end do
+         if (allocated(y)) deallocate (y)
+         if (allocated(a)) deallocate (a)
+         if (allocated(weight)) deallocate (weight)
+         !$omp end parallel
       end do
-      !$omp end do
-      !$omp end parallel
    end subroutine sum_rows
 
    !> Samples first-lags .. first+m-1 about the mean, 0 where missing, and which of them end a complete row.

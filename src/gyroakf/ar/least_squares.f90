@@ -7,6 +7,7 @@
 !> costs come back. Source: Bjorck, Numerical Methods for Least Squares Problems (1996), 2.4.7 and 6.6.5.
 module gyroakf_ar_least_squares
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_progress, only : progress_type
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_lapack, only : dpotrf, dpotri, dpotrs
    use gyroakf_ar_complete_rows, only : row_gram_type, build_row_gram
@@ -111,7 +112,7 @@ contains
    end subroutine normal_matrix
 
    !> Fits one order to all its rows.
-   subroutine fit_order(x, shift, rest, order, backward, fit, error, valid)
+   subroutine fit_order(x, shift, rest, order, backward, fit, error, valid, progress)
       !> Series: [n], finite
       real(dp), intent(in), contiguous :: x(:)
       !> Its mean, in two parts
@@ -122,15 +123,17 @@ contains
       logical, intent(in) :: backward
       !> The model
       type(fitted_order_type), intent(out) :: fit
-      !> constant_input, singular, no_memory
+      !> constant_input, singular, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(row_gram_type) :: gram
       real(dp), allocatable :: a(:, :), scale(:)
       integer :: info
 
-      call build_row_gram(x, shift, rest, order, gram, error, valid)
+      call build_row_gram(x, shift, rest, order, gram, error, valid, progress)
       if (.not. allocated(error)) call normal_matrix(gram, backward, a, scale, error)
       if (allocated(error)) return
       fit%rows = gram%rows

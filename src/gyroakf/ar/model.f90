@@ -2,6 +2,7 @@
 !> AR(p) model of a series: orders compared, one chosen, with its uncertainty.
 module gyroakf_ar_model
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_progress, only : progress_type
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_lapack, only : dpotrf, dpotri
    use gyroakf_ar_shared_autocovariance, only : autocovariance_type
@@ -40,19 +41,21 @@ contains
    !> the divisor n, without a correction for the parameters: `unbiased_variance` has that. yw without gaps and burg are always
    !> stationary, the others are mostly. The residuals are tested in a pass of their own, without being stored. Source: Brockwell &
    !> Davis, Time Series: Theory and Methods (1991), 8.1, 8.2; Marple, Digital Spectral Analysis (1987), chapter 8.
-   subroutine fit_ar(x, options, model, error, valid, shared)
+   subroutine fit_ar(x, options, model, error, valid, shared, progress)
       !> Series: [n], finite, n > order + 3 (ols, mcov: so many rows); not modified
       real(dp), intent(in), contiguous :: x(:)
       !> How
       type(ar_options), intent(in) :: options
       !> The model
       type(ar_model_type), intent(out) :: model
-      !> invalid_argument, too_few_samples, constant_input, singular, non_finite, no_memory
+      !> invalid_argument, too_few_samples, constant_input, singular, non_finite, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
       !> Autocovariances that a pass has filled, taken where they reach far enough
       type(autocovariance_type), intent(in), optional :: shared
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: r(:)
       integer(int64), allocatable :: pairs(:)
       real(dp) :: constant
@@ -70,19 +73,19 @@ contains
             model%mean = shared%mean
          end if
       end if
-      if (.not. allocated(r)) call compute_autocovariance(x, lags, model%mean, r, error, valid, pairs)
+      if (.not. allocated(r)) call compute_autocovariance(x, lags, model%mean, r, error, valid, pairs, progress)
       if (allocated(error)) return
       model%samples = pairs(0)
       model%variance = r(0)
       constant = 0.0_dp
       select case (options%method)
       case ("yw"); call model_of(r, size(x, kind=int64), pairs, most, options, model, error)
-      case ("burg"); call fit_burg(x, r, most, options, model, error, valid)
-      case default; call fit_least_squares(x, most, options, model, constant, error, valid)
+      case ("burg"); call fit_burg(x, r, most, options, model, error, valid, progress)
+      case default; call fit_least_squares(x, most, options, model, constant, error, valid, progress)
       end select
       if (allocated(error)) return
       call describe(model, error)
-      if (.not. allocated(error)) call test_residuals(x, constant, model, valid)
+      if (.not. allocated(error)) call test_residuals(x, constant, model, error, valid, progress)
    end subroutine fit_ar
 
    !> Fits AR models to autocovariances, for whoever accumulates them on the way; otherwise as [[fit_ar]].
@@ -151,7 +154,7 @@ contains
    end subroutine model_of
 
    !> The model by Burg's recursion.
-   subroutine fit_burg(x, r, most, options, model, error, valid)
+   subroutine fit_burg(x, r, most, options, model, error, valid, progress)
       !> Series
       real(dp), intent(in), contiguous :: x(:)
       !> Its autocovariances: [0:most]
@@ -166,6 +169,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(burg_type) :: burg
       real(dp) :: shift, rest
       integer(int64) :: n
@@ -174,7 +179,7 @@ contains
       call check_length(model%samples, most, "samples", error)
       if (allocated(error)) return
       call series_mean(x, shift, rest, model%samples, valid)
-      call compute_burg(x, shift, rest, most, burg, error, valid, r)
+      call compute_burg(x, shift, rest, most, burg, error, valid, r, progress)
       if (allocated(error)) return
       call choose_order(burg%variance, model%samples, options, model)
       allocate (model%coefficient(model%order))
@@ -187,7 +192,7 @@ contains
    end subroutine fit_burg
 
    !> The model by least squares.
-   subroutine fit_least_squares(x, most, options, model, constant, error, valid)
+   subroutine fit_least_squares(x, most, options, model, constant, error, valid, progress)
       !> Series
       real(dp), intent(in), contiguous :: x(:)
       !> Largest order
@@ -202,6 +207,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(row_gram_type) :: gram
       type(fitted_order_type) :: fit
       real(dp), allocatable :: variance(:)
@@ -211,12 +218,12 @@ contains
       constant = 0.0_dp
       backward = options%method == "mcov"
       call series_mean(x, shift, rest, model%samples, valid)
-      call build_row_gram(x, shift, rest, most, gram, error, valid)
+      call build_row_gram(x, shift, rest, most, gram, error, valid, progress)
       if (.not. allocated(error)) call check_length(gram%rows, most, "complete rows (order + 1 samples without a gap)", error)
       if (.not. allocated(error)) call compare_orders(gram, backward, variance, error)
       if (allocated(error)) return
       call choose_order(variance, gram%rows, options, model)
-      call fit_order(x, shift, rest, model%order, backward, fit, error, valid)
+      call fit_order(x, shift, rest, model%order, backward, fit, error, valid, progress)
       if (allocated(error)) return
       model%coefficient = fit%phi
       model%rows = fit%rows
@@ -345,35 +352,42 @@ contains
    end function residual_lags
 
    !> Whiteness and normality of the residuals; left out where there are too few of them or they are constant.
-   subroutine test_residuals(x, constant, model, valid)
+   subroutine test_residuals(x, constant, model, error, valid, progress)
       !> Series
       real(dp), intent(in), contiguous :: x(:)
       !> Constant of the regression of the series about its mean
       real(dp), intent(in) :: constant
       !> The model; its tests are filled
       type(ar_model_type), intent(inout) :: model
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: r(:)
       integer(int64), allocatable :: pairs(:)
       type(moments_type) :: moments
       integer(int64) :: n
       integer :: lags
-      type(error_type), allocatable :: error
+      type(error_type), allocatable :: untested
 
       n = size(x, kind=int64) - model%order
       lags = residual_lags(size(x, kind=int64), model%order)
       if (lags < 0) return
-      call analyse_residuals(x, model%mean, model%coefficient, constant, lags, r, pairs, moments, error, valid)
-      if (allocated(error)) return
-      call test_jarque_bera(moments, model%residual_normality, error)
+      call analyse_residuals(x, model%mean, model%coefficient, constant, lags, r, pairs, moments, untested, valid, progress)
+      if (allocated(untested)) then
+         if (untested%code == status%cancelled) call move_alloc(untested, error)
+         return
+      end if
+      call test_jarque_bera(moments, model%residual_normality, untested)
       if (lags <= model%order) return
       if (present(valid)) then
-         call ljung_box_of(r, n, model%order, model%residual_ljung_box, error, pairs)
-         if (.not. allocated(error)) call correlation_of(r, n, model%order, model%residual_correlation, error, pairs)
+         call ljung_box_of(r, n, model%order, model%residual_ljung_box, untested, pairs)
+         if (.not. allocated(untested)) call correlation_of(r, n, model%order, model%residual_correlation, untested, pairs)
       else
-         call ljung_box_of(r, n, model%order, model%residual_ljung_box, error)
-         if (.not. allocated(error)) call correlation_of(r, n, model%order, model%residual_correlation, error)
+         call ljung_box_of(r, n, model%order, model%residual_ljung_box, untested)
+         if (.not. allocated(untested)) call correlation_of(r, n, model%order, model%residual_correlation, untested)
       end if
    end subroutine test_residuals
 

@@ -3,7 +3,8 @@
 module gyroakf_ar_residuals
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_chunks, only : chunk_group, block_length, threads_from, chunk_count, chunk_first, chunk_last
    use gyroakf_series_moments, only : moments_type, compute_moments, join_moments
    use gyroakf_ar_autocovariance, only : add_lagged_products
    implicit none (type, external)
@@ -17,7 +18,7 @@ contains
    !> $$e_t = (x_t - m) - \sum_j \phi_j (x_{t-j} - m)$$ for the t whose p predecessors exist and are present. r_k is biased, of
    !> n - p residuals about their mean, as in [[residual_autocovariance]], which takes two passes. The sums are taken about
    !> `constant` and moved to the mean.
-   subroutine analyse_residuals(x, mean, phi, constant, max_lag, r, pairs, moments, error, valid)
+   subroutine analyse_residuals(x, mean, phi, constant, max_lag, r, pairs, moments, error, valid, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> Mean m that the model was fitted with
@@ -33,10 +34,12 @@ contains
       integer(int64), allocatable, intent(out) :: pairs(:)
       !> Moments of the residuals less `constant`
       type(moments_type), intent(out) :: moments
-      !> invalid_argument, too_few_samples, no_memory
+      !> invalid_argument, too_few_samples, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: partial(:, :, :)
       type(moments_type) :: part(chunk_count(size(x, kind=int64)))
       real(dp) :: s(0:max(max_lag, 0), 4), used
@@ -51,7 +54,8 @@ contains
       end if
       allocate (r(0:max_lag), pairs(0:max_lag))
       allocate (partial(0:max_lag, 4, chunk_count(size(x, kind=int64))), stat=stat)
-      if (stat == 0) call sum_chunks(x, mean, phi, constant, max_lag, partial, part, stat, valid)
+      if (stat == 0) call sum_chunks(x, mean, phi, constant, max_lag, partial, part, stat, error, valid, progress)
+      if (allocated(error)) return
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the sums of the residuals")
          return
@@ -72,7 +76,7 @@ contains
    end subroutine analyse_residuals
 
    !> The pass.
-   subroutine sum_chunks(x, mean, phi, constant, max_lag, partial, part, stat, valid)
+   subroutine sum_chunks(x, mean, phi, constant, max_lag, partial, part, stat, error, valid, progress)
       !> Series, its mean, coefficients, subtracted last, largest lag
       real(dp), intent(in), contiguous :: x(:)
       real(dp), intent(in) :: mean, phi(:), constant
@@ -83,33 +87,44 @@ contains
       type(moments_type), intent(out) :: part(:)
       !> Not 0 where memory is short
       integer, intent(out) :: stat
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: e(:), flag(:)
       integer(int64) :: n, first, step
-      integer :: chunk, bad, m
+      integer :: chunk, bad, m, from, group
 
       n = size(x, kind=int64)
       step = max(block_length, 2*int(max_lag, int64))
       stat = 0
-      !$omp parallel if (n >= threads_from) default(shared) private(e, flag, first, bad, m)
-      allocate (e(1 - max_lag:step), stat=bad)
-      if (bad == 0) allocate (flag(1 - max_lag:step), stat=bad)
-      !$omp atomic
-      stat = stat + bad
-      !$omp do schedule(dynamic)
-      do chunk = 1, size(part)
-         if (bad /= 0) cycle
-         partial(:, :, chunk) = 0.0_dp
-         do first = chunk_first(n, chunk), chunk_last(n, chunk), step
-            m = int(min(step, chunk_last(n, chunk) - first + 1))
-            call residual_block(x, mean, phi, constant, first - max_lag, e(:m), flag(:m), valid)
-            call add_block(e(:m), flag(:m), m, max_lag, partial(:, :, chunk))
-            call add_moments(e(1:m), flag(1:m), part(chunk))
+      group = chunk_group(size(part), present(progress))
+      do from = 1, size(part), group
+         call tell_progress("residuals of the AR model", chunk_first(n, from) - 1, n, error, progress)
+         if (allocated(error)) return
+         !$omp parallel if (n >= threads_from) default(shared) private(e, flag, first, bad, m)
+         allocate (e(1 - max_lag:step), stat=bad)
+         if (bad == 0) allocate (flag(1 - max_lag:step), stat=bad)
+         !$omp atomic
+         stat = stat + bad
+         !$omp do schedule(dynamic)
+         do chunk = from, min(from + group - 1, size(part))
+            if (bad /= 0) cycle
+            partial(:, :, chunk) = 0.0_dp
+            do first = chunk_first(n, chunk), chunk_last(n, chunk), step
+               m = int(min(step, chunk_last(n, chunk) - first + 1))
+               call residual_block(x, mean, phi, constant, first - max_lag, e(:m), flag(:m), valid)
+               call add_block(e(:m), flag(:m), m, max_lag, partial(:, :, chunk))
+               call add_moments(e(1:m), flag(1:m), part(chunk))
+            end do
          end do
+         !$omp end do
+         if (allocated(e)) deallocate (e)
+         if (allocated(flag)) deallocate (flag)
+         !$omp end parallel
       end do
-      !$omp end do
-      !$omp end parallel
    end subroutine sum_chunks
 
    !> Residuals of a stretch of the series; 0 where there is none.

@@ -17,7 +17,7 @@ module gyroakf_c_api_drift
    implicit none (type, external)
    private
    public :: gyroakf_drift_model_init, gyroakf_drift_options_init, gyroakf_drift_identify, gyroakf_drift_filter_new, &
-      & gyroakf_drift_smooth
+      & gyroakf_drift_smooth, gyroakf_drift_smooth_watched
 
    !> `gyroakf_drift_model`
    type, bind(C) :: drift_model_c
@@ -117,24 +117,41 @@ contains
       integer(c_int64_t), intent(in), value :: n
       type(filter_options_c), intent(in), optional :: opt
       type(error_c), intent(out), optional :: err
+
+      gyroakf_drift_smooth = gyroakf_drift_smooth_watched(model, z, n, drift, variance, opt, c_null_funptr, c_null_ptr, err)
+   end function gyroakf_drift_smooth
+
+   !> `gyroakf_drift_smooth_watched`
+   integer(c_int) function gyroakf_drift_smooth_watched(model, z, n, drift, variance, opt, progress, progress_user, err) &
+      & bind(C, name="gyroakf_drift_smooth_watched")
+      type(drift_model_c), intent(in), optional :: model
+      type(c_ptr), intent(in), value :: z, drift, variance
+      integer(c_int64_t), intent(in), value :: n
+      type(filter_options_c), intent(in), optional :: opt
+      type(c_funptr), intent(in), value :: progress
+      type(c_ptr), intent(in), value :: progress_user
+      type(error_c), intent(out), optional :: err
       type(host_type) :: host
       type(series_type) :: series
       type(component_model_type) :: components
       type(filter_options) :: options
+      type(callback_type) :: callback
       type(error_type), allocatable :: error
       logical :: slow(most_components)
 
       call enter_library(host)
+      callback = callback_type(progress, progress_user)
       call read_options(options, error, opt)
       if (.not. allocated(error)) call read_model(components, slow, error, model)
       if (.not. allocated(error)) call check_places(z, drift, variance, error)
       call check_aligned(drift, error)
       call check_aligned(variance, error)
       if (.not. allocated(error)) call open_series(z, n, series, error)
-      if (.not. allocated(error)) call smooth(components, slow(:components%count), series, drift, variance, options, error)
+      if (.not. allocated(error)) call smooth(components, slow(:components%count), series, drift, variance, options, &
+         & callback, error)
       call close_series(series)
-      gyroakf_drift_smooth = leave_library(host, error, err)
-   end function gyroakf_drift_smooth
+      gyroakf_drift_smooth_watched = leave_library(host, error, err)
+   end function gyroakf_drift_smooth_watched
 
    !> Options of C into options of the library; the defaults where they are absent.
    subroutine read_drift_options(options, callback, error, opt)
@@ -152,12 +169,13 @@ contains
    end subroutine read_drift_options
 
    !> The smoother that the options ask for, into the caller's arrays.
-   subroutine smooth(model, slow, series, drift, variance, options, error)
+   subroutine smooth(model, slow, series, drift, variance, options, callback, error)
       type(component_model_type), intent(in) :: model
       logical, intent(in) :: slow(:)
       type(series_type), intent(in) :: series
       type(c_ptr), intent(in) :: drift, variance
       type(filter_options), intent(in) :: options
+      type(callback_type), intent(inout) :: callback
       type(error_type), allocatable, intent(out) :: error
       real(c_double), pointer, contiguous :: output(:), spread_of(:)
 
@@ -165,9 +183,9 @@ contains
       call c_f_pointer(drift, output, [size(series%x, kind=c_int64_t)])
       if (c_associated(variance)) call c_f_pointer(variance, spread_of, [size(series%x, kind=c_int64_t)])
       if (options%estimate_measurement_variance) then
-         call smooth_adaptive(model, slow, options, series%x, output, error, series%valid, spread_of)
+         call smooth_adaptive(model, slow, options, series%x, output, error, series%valid, spread_of, progress=callback)
       else
-         call smooth_drift(model, slow, series%x, output, error, series%valid, spread_of)
+         call smooth_drift(model, slow, series%x, output, error, series%valid, spread_of, progress=callback)
       end if
       if (.not. allocated(error)) call check_finite(output, error)
       if (.not. allocated(error) .and. associated(spread_of)) call check_finite(spread_of, error)

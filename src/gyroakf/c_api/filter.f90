@@ -108,11 +108,12 @@ contains
       call c_f_pointer(f, filter)
       changed = begin_step(host%environment)
       call step_filter(filter, z, estimate)
-      if (changed /= 0) call end_step(host%environment)
       gyroakf_filter_step = status%non_finite
-      if (.not. ieee_is_finite(estimate)) return
-      gyroakf_filter_step = status%ok
-      x = estimate
+      if (ieee_is_finite(estimate)) then
+         gyroakf_filter_step = status%ok
+         x = estimate
+      end if
+      if (changed /= 0) call end_step(host%environment)
    end function gyroakf_filter_step
 
    !> `gyroakf_filter_freeze`
@@ -170,17 +171,19 @@ contains
       type(filter_state_c), intent(inout), optional :: out
       type(filter_type), pointer :: filter
       type(filter_state_c) :: held
+      type(host_type) :: host
+      type(error_type), allocatable :: error
 
       gyroakf_filter_get = status%invalid_argument
       if (.not. c_associated(f) .or. .not. present(out)) return
       call c_f_pointer(f, filter)
+      call enter_library(host)
       held = filter_state_c(filter%x(1), filter%p(1, 1), filter%gain(1), filter%innovation, filter%innovation_variance, &
          & filter%q_mean, filter%r_mean, filter%q, filter%r, filter%steps)
-      gyroakf_filter_get = status%non_finite
-      if (.not. all(ieee_is_finite([held%x, held%p, held%gain, held%innovation, held%innovation_variance, held%q_mean, &
-         & held%r_mean, held%q, held%r]))) return
-      gyroakf_filter_get = status%ok
-      out = held
+      call check_finite([held%x, held%p, held%gain, held%innovation, held%innovation_variance, held%q_mean, held%r_mean, &
+         & held%q, held%r], error)
+      if (.not. allocated(error)) out = held
+      gyroakf_filter_get = leave_library(host, error)
    end function gyroakf_filter_get
 
    !> `gyroakf_filter_free`

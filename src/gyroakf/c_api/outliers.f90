@@ -1,11 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> C: the marks of outliers. What the function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_outliers
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int8_t, c_int32_t, c_int64_t, c_double, c_size_t, c_null_ptr, &
-      & c_associated, c_f_pointer, c_sizeof
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int8_t, c_int32_t, c_int64_t, c_double, c_size_t, &
+      & c_null_ptr, c_null_funptr, c_associated, c_f_pointer, c_sizeof
    use gyroakf_kinds, only : dp, int8
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
+   use gyroakf_c_api_progress, only : callback_type
    use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
       & check_finite, take_text, open_series, close_series
    implicit none (type, external)
@@ -18,7 +19,12 @@ module gyroakf_c_api_outliers
       type(c_ptr) :: method
       real(c_double) :: threshold
       integer(c_int32_t) :: rounds, half_width, degree
+      type(c_funptr) :: progress
+      type(c_ptr) :: progress_user
    end type outlier_options_c
+
+   !> Size of the options before they had a progress function
+   integer(c_size_t), parameter :: size_before = 40
 
    !> `gyroakf_outliers`
    type, bind(C) :: outliers_c
@@ -41,6 +47,8 @@ contains
       opt%rounds = int(defaults%max_passes, c_int32_t)
       opt%half_width = int(defaults%half_width, c_int32_t)
       opt%degree = int(defaults%degree, c_int32_t)
+      opt%progress = c_null_funptr
+      opt%progress_user = c_null_ptr
    end subroutine gyroakf_outlier_options_init
 
    !> `gyroakf_mark_outliers`
@@ -56,13 +64,15 @@ contains
       type(clean_type) :: result
       real(dp), allocatable :: cleaned(:)
       integer(int8), allocatable :: mask(:)
+      type(callback_type) :: callback
       type(error_type), allocatable :: error
 
       call enter_library(host)
       if (.not. c_associated(inlier)) call fatal_error(error, status%invalid_argument, "the place for the marks must not be NULL")
-      if (.not. allocated(error)) call read_options(options, error, opt)
+      if (.not. allocated(error)) call read_options(options, callback, error, opt)
       if (.not. allocated(error)) call open_series(x, n, series, error)
-      if (.not. allocated(error)) call clean_series(series%x, options, cleaned, mask, result, error, series%valid)
+      if (.not. allocated(error)) call clean_series(series%x, options, cleaned, mask, result, error, series%valid, &
+         & callback)
       call close_series(series)
       call check_finite([result%expected, result%threshold, result%mean, result%variance, result%corrected_variance], error)
       if (.not. allocated(error)) call write_marks(n, inlier, mask, result, out)
@@ -70,19 +80,21 @@ contains
    end function gyroakf_mark_outliers
 
    !> Options of C into options of the library; the defaults where they are absent.
-   subroutine read_options(options, error, opt)
+   subroutine read_options(options, callback, error, opt)
       type(clean_options), intent(out) :: options
+      type(callback_type), intent(out) :: callback
       type(error_type), allocatable, intent(out) :: error
       type(outlier_options_c), intent(in), optional :: opt
 
       if (.not. present(opt)) return
-      call check_struct_size(opt%struct_size, c_sizeof(opt), error)
+      call check_struct_size(opt%struct_size, c_sizeof(opt), error, size_before)
       if (allocated(error)) return
       call take_text(opt%method, options%method, error)
       options%threshold = opt%threshold
       options%max_passes = opt%rounds
       options%half_width = opt%half_width
       options%degree = opt%degree
+      if (opt%struct_size == c_sizeof(opt)) callback = callback_type(opt%progress, opt%progress_user)
    end subroutine read_options
 
    !> The marks and the figures in C's arguments.

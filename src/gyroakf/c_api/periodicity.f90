@@ -1,16 +1,19 @@
 ! SPDX-License-Identifier: MIT
 !> C: what is periodic in a series. What each function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_periodicity
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, c_associated, c_f_pointer
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, c_double, c_null_ptr, &
+      & c_null_funptr, c_associated, c_f_pointer
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_series_fisher, only : fisher_type, test_fisher_g
    use gyroakf_series_periodicity, only : periodicity_options, periodicity_type, analyse_periodicity
    use gyroakf_series_welch, only : welch_options, welch_type, welch_spectrum, default_segment
+   use gyroakf_c_api_progress, only : callback_type
    use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_aligned, &
       & check_finite, open_series, close_series
    implicit none (type, external)
    private
-   public :: gyroakf_fisher_g, gyroakf_welch_size, gyroakf_welch_spectrum, gyroakf_spectral_lines
+   public :: gyroakf_fisher_g, gyroakf_fisher_g_watched, gyroakf_welch_size, gyroakf_welch_spectrum, &
+      & gyroakf_welch_spectrum_watched, gyroakf_spectral_lines, gyroakf_spectral_lines_watched
 
    !> `gyroakf_fisher`
    type, bind(C) :: fisher_c
@@ -32,21 +35,36 @@ contains
       integer(c_int64_t), intent(in), value :: n
       type(fisher_c), intent(inout), optional :: out
       type(error_c), intent(out), optional :: err
+
+      gyroakf_fisher_g = gyroakf_fisher_g_watched(x, n, out, c_null_funptr, c_null_ptr, err)
+   end function gyroakf_fisher_g
+
+   !> `gyroakf_fisher_g_watched`
+   integer(c_int) function gyroakf_fisher_g_watched(x, n, out, progress, progress_user, err) &
+      & bind(C, name="gyroakf_fisher_g_watched")
+      type(c_ptr), intent(in), value :: x
+      integer(c_int64_t), intent(in), value :: n
+      type(fisher_c), intent(inout), optional :: out
+      type(c_funptr), intent(in), value :: progress
+      type(c_ptr), intent(in), value :: progress_user
+      type(error_c), intent(out), optional :: err
       type(host_type) :: host
       type(series_type) :: series
       type(fisher_type) :: result
+      type(callback_type) :: callback
       type(error_type), allocatable :: error
 
       call enter_library(host)
+      callback = callback_type(progress, progress_user)
       if (.not. present(out)) call fatal_error(error, status%invalid_argument, "the place for the result must not be NULL")
       if (.not. allocated(error)) call open_series(x, n, series, error)
-      if (.not. allocated(error)) call test_fisher_g(series%x, result, error, series%valid)
+      if (.not. allocated(error)) call test_fisher_g(series%x, result, error, series%valid, callback)
       call close_series(series)
       call check_finite([result%statistic, result%p_value, result%log_p_value, result%frequency], error)
       if (.not. allocated(error)) out = fisher_c(result%statistic, result%p_value, result%log_p_value, result%frequency, &
          & result%ordinates)
-      gyroakf_fisher_g = leave_library(host, error, err)
-   end function gyroakf_fisher_g
+      gyroakf_fisher_g_watched = leave_library(host, error, err)
+   end function gyroakf_fisher_g_watched
 
    !> `gyroakf_welch_size`
    integer(c_int64_t) function gyroakf_welch_size(n, segment) bind(C, name="gyroakf_welch_size")
@@ -60,7 +78,7 @@ contains
 
    !> `gyroakf_welch_spectrum`
    integer(c_int) function gyroakf_welch_spectrum(x, n, dt, segment, frequency, density, degrees_of_freedom, err) &
-         bind(C, name="gyroakf_welch_spectrum")
+      & bind(C, name="gyroakf_welch_spectrum")
       type(c_ptr), intent(in), value :: x
       integer(c_int64_t), intent(in), value :: n
       real(c_double), intent(in), value :: dt
@@ -68,24 +86,45 @@ contains
       type(c_ptr), intent(in), value :: frequency, density
       real(c_double), intent(inout), optional :: degrees_of_freedom
       type(error_c), intent(out), optional :: err
+
+      gyroakf_welch_spectrum = gyroakf_welch_spectrum_watched(x, n, dt, segment, frequency, density, degrees_of_freedom, &
+         & c_null_funptr, c_null_ptr, err)
+   end function gyroakf_welch_spectrum
+
+   !> `gyroakf_welch_spectrum_watched`
+   integer(c_int) function gyroakf_welch_spectrum_watched(x, n, dt, segment, frequency, density, degrees_of_freedom, &
+      & progress, progress_user, err) &
+      & bind(C, name="gyroakf_welch_spectrum_watched")
+      type(c_ptr), intent(in), value :: x
+      integer(c_int64_t), intent(in), value :: n
+      real(c_double), intent(in), value :: dt
+      integer(c_int64_t), intent(in), value :: segment
+      type(c_ptr), intent(in), value :: frequency, density
+      real(c_double), intent(inout), optional :: degrees_of_freedom
+      type(c_funptr), intent(in), value :: progress
+      type(c_ptr), intent(in), value :: progress_user
+      type(error_c), intent(out), optional :: err
       type(host_type) :: host
       type(series_type) :: series
       type(welch_type) :: result
+      type(callback_type) :: callback
       type(error_type), allocatable :: error
 
       call enter_library(host)
+      callback = callback_type(progress, progress_user)
       call check_aligned(frequency, error)
       call check_aligned(density, error)
       if (.not. allocated(error)) call open_series(x, n, series, error)
-      if (.not. allocated(error)) call welch_spectrum(series%x, dt, welch_options(segment=segment), result, error, series%valid)
+      if (.not. allocated(error)) call welch_spectrum(series%x, dt, welch_options(segment=segment), result, error, &
+         & series%valid, callback)
       call close_series(series)
       if (.not. allocated(error)) call check_finite(result%frequency, error)
       if (.not. allocated(error)) call check_finite(result%density, error)
       if (.not. allocated(error)) call copy_out(result%frequency, frequency)
       if (.not. allocated(error)) call copy_out(result%density, density)
       if (present(degrees_of_freedom) .and. .not. allocated(error)) degrees_of_freedom = result%degrees_of_freedom
-      gyroakf_welch_spectrum = leave_library(host, error, err)
-   end function gyroakf_welch_spectrum
+      gyroakf_welch_spectrum_watched = leave_library(host, error, err)
+   end function gyroakf_welch_spectrum_watched
 
    !> Into an array of the caller, which may be NULL.
    subroutine copy_out(values, array)
@@ -107,22 +146,41 @@ contains
       type(c_ptr), intent(in), value :: lines
       integer(c_int32_t), intent(inout), optional :: count
       type(error_c), intent(out), optional :: err
+
+      gyroakf_spectral_lines = gyroakf_spectral_lines_watched(x, n, dt, most, lines, count, c_null_funptr, c_null_ptr, err)
+   end function gyroakf_spectral_lines
+
+   !> `gyroakf_spectral_lines_watched`
+   integer(c_int) function gyroakf_spectral_lines_watched(x, n, dt, most, lines, count, progress, progress_user, err) &
+      & bind(C, name="gyroakf_spectral_lines_watched")
+      type(c_ptr), intent(in), value :: x
+      integer(c_int64_t), intent(in), value :: n
+      real(c_double), intent(in), value :: dt
+      integer(c_int32_t), intent(in), value :: most
+      type(c_ptr), intent(in), value :: lines
+      integer(c_int32_t), intent(inout), optional :: count
+      type(c_funptr), intent(in), value :: progress
+      type(c_ptr), intent(in), value :: progress_user
+      type(error_c), intent(out), optional :: err
       type(host_type) :: host
       type(series_type) :: series
       type(periodicity_options) :: options
       type(periodicity_type) :: result
+      type(callback_type) :: callback
       type(error_type), allocatable :: error
 
       call enter_library(host)
+      callback = callback_type(progress, progress_user)
       options%lines%most = int(most)
       if (.not. present(count) .or. .not. c_associated(lines) .or. most > 1000) call fatal_error(error, &
          status%invalid_argument, "the places for the lines and their number must not be NULL, and there are at most 1000")
       if (.not. allocated(error)) call open_series(x, n, series, error)
-      if (.not. allocated(error)) call analyse_periodicity(series%x, dt, options, result, error, series%valid)
+      if (.not. allocated(error)) call analyse_periodicity(series%x, dt, options, result, error, series%valid, &
+         & progress=callback)
       call close_series(series)
       if (.not. allocated(error)) call write_lines(result, lines, count)
-      gyroakf_spectral_lines = leave_library(host, error, err)
-   end function gyroakf_spectral_lines
+      gyroakf_spectral_lines_watched = leave_library(host, error, err)
+   end function gyroakf_spectral_lines_watched
 
    !> The lines into the caller's array.
    subroutine write_lines(result, lines, number)

@@ -40,7 +40,12 @@ module gyroakf_c_api_run
       real(c_double) :: q, n, b, k, r, ar_phi, ar_variance, offset, outlier_size
       integer(c_int64_t) :: outliers
       real(c_double) :: quantisation, missing
+      type(c_funptr) :: progress
+      type(c_ptr) :: progress_user
    end type simulate_options_c
+
+   !> Size of these options before they had a progress function
+   integer(c_size_t), parameter :: simulate_size_before = 144
 
    !> What `gyroakf_result *` points at
    type :: result_handle
@@ -168,7 +173,7 @@ contains
 
       if (.not. present(opt)) return
       opt = simulate_options_c(c_sizeof(opt), c_null_ptr, defaults%samples, paper_seed, defaults%rate_hz, c_null_ptr, 0, 0, 0, 0, &
-                               0, 0, 0, 0, 0, 0_c_int64_t, 0, 0)
+                               0, 0, 0, 0, 0, 0_c_int64_t, 0, 0, c_null_funptr, c_null_ptr)
    end subroutine gyroakf_simulate_options_init
 
    !> `gyroakf_simulate`
@@ -179,25 +184,28 @@ contains
       type(host_type) :: host
       type(record_handle), pointer :: handle
       type(simulate_options) :: options
+      type(callback_type) :: callback
       type(error_type), allocatable :: error
 
       call enter_library(host)
       call new_handle(handle, present(opt), error, out)
-      if (.not. allocated(error)) call read_simulation(opt, options, error)
-      if (.not. allocated(error)) call simulate_record(options, handle%record, error)
+      if (.not. allocated(error)) call read_simulation(opt, options, callback, error)
+      if (.not. allocated(error)) call simulate_record(options, handle%record, error, progress=callback)
       call hand_over(handle, error, out)
       gyroakf_simulate = leave_library(host, error, err)
    end function gyroakf_simulate
 
    !> Options of C into options of the library.
-   subroutine read_simulation(opt, options, error)
+   subroutine read_simulation(opt, options, callback, error)
       type(simulate_options_c), intent(in) :: opt
       type(simulate_options), intent(out) :: options
+      type(callback_type), intent(out) :: callback
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: preset
 
-      call check_struct_size(opt%struct_size, c_sizeof(opt), error)
+      call check_struct_size(opt%struct_size, c_sizeof(opt), error, simulate_size_before)
       if (allocated(error)) return
+      if (opt%struct_size == c_sizeof(opt)) callback = callback_type(opt%progress, opt%progress_user)
       call copy_c_text(opt%preset, "none", preset)
       if (preset == "paper") then
          options = paper_preset(opt%seed)

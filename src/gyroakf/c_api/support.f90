@@ -158,13 +158,18 @@ contains
       end do
    end subroutine copy_text
 
-   !> The first member of an options struct must be what its _init wrote.
-   subroutine check_struct_size(given, known, error)
+   !> The first member of an options struct must be what its _init wrote, or that of an earlier version had written.
+   subroutine check_struct_size(given, known, error, earlier)
       !> `struct_size` of the caller, and of this library
       integer(c_size_t), intent(in) :: given, known
-      !> invalid_argument: too small, not_supported: of a later version
+      !> invalid_argument: of no version, not_supported: of a later one
       type(error_type), allocatable, intent(out) :: error
+      !> Size before the struct grew; what is beyond must not be read where it is given
+      integer(c_size_t), intent(in), optional :: earlier
 
+      if (present(earlier)) then
+         if (given == earlier) return
+      end if
       if (given > known) then
          call fatal_error(error, status%not_supported, "struct_size of the options is that of a later version of the library")
       else if (given /= known) then

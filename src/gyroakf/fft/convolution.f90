@@ -2,6 +2,7 @@
 !> Linear convolution of two real series through the Fourier transform.
 module gyroakf_fft_convolution
    use gyroakf_kinds, only : dp, int64
+   use gyroakf_progress, only : progress_type
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_fft_plan, only : smooth_length, max_length
    use gyroakf_fft_real, only : real_fft_plan_type, new_real_fft_plan, real_fft_forward, real_fft_backward
@@ -16,15 +17,17 @@ contains
    !> $$ c_k = \sum_{j=0}^{k} a_j b_{k-j}, \quad k = 0 \ldots n_c - 1, $$
    !> values outside a and b being zero. Cost O(n log n), n = min(n_a, n_c) + min(n_b, n_c). The error of every value
    !> is a few epsilon of the product of the two series' norms.
-   subroutine convolve(a, b, c, error)
+   subroutine convolve(a, b, c, error, progress)
       !> First series: [na], na >= 1
       real(dp), intent(in), contiguous :: a(:)
       !> Second series: [nb], nb >= 1
       real(dp), intent(in), contiguous :: b(:)
       !> Convolution: [nc], 1 <= nc <= na + nb - 1; may be shorter than the whole (the rest is not formed)
       real(dp), intent(out), contiguous :: c(:)
-      !> invalid_argument: an empty series, or c longer than the convolution; no_memory
+      !> invalid_argument: an empty series, or c longer than the convolution; no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(real_fft_plan_type) :: plan
       real(dp), allocatable :: padded(:)
       complex(dp), allocatable :: spectrum(:), other(:)
@@ -46,20 +49,20 @@ contains
          call fatal_error(error, status%no_memory, "no memory for a convolution")
          return
       end if
-      call new_real_fft_plan(plan, n, error)
+      call new_real_fft_plan(plan, n, error, progress)
       if (allocated(error)) return
       padded(:na) = a(:na)
       padded(na + 1:) = 0
-      call real_fft_forward(plan, padded, spectrum, error)
+      call real_fft_forward(plan, padded, spectrum, error, progress)
       if (allocated(error)) return
       padded(:nb) = b(:nb)
       padded(nb + 1:) = 0
-      call real_fft_forward(plan, padded, other, error)
+      call real_fft_forward(plan, padded, other, error, progress)
       if (allocated(error)) return
       do k = 1, n/2 + 1
          spectrum(k) = spectrum(k)*other(k)
       end do
-      call real_fft_backward(plan, spectrum, padded, error)
+      call real_fft_backward(plan, spectrum, padded, error, progress)
       if (.not. allocated(error)) c(:) = padded(:nc)
    end subroutine convolve
 

@@ -13,17 +13,21 @@
 !> to the computation of the discrete Fourier transform, IEEE Trans. Audio Electroacoust. 18 (1970) 451.
 module gyroakf_fft_plan
    use gyroakf_kinds, only : dp, int64
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_fft_butterfly, only : apply_radix
    implicit none (type, external)
    private
-   public :: fft_plan_type, new_fft_plan, fft_forward, fft_backward, smooth_length, unit_root, max_length
+   public :: fft_plan_type, new_fft_plan, fft_forward, fft_backward, smooth_length, unit_root, max_length, told_points
 
    !> Largest prime factor that has its own pass
    integer, parameter :: largest_radix = 13
 
    !> Longest transform: products of two indices still fit 64 bits
    integer(int64), parameter :: max_length = 2_int64**40
+
+   !> Points less one between two calls of the progress: a power of two less one
+   integer(int64), parameter :: told_points = 1048575_int64
 
    !> What a transform of one length needs
    type :: fft_plan_type
@@ -44,13 +48,15 @@ module gyroakf_fft_plan
 contains
 
    !> Prepares transforms of one length.
-   subroutine new_fft_plan(plan, length, error)
+   subroutine new_fft_plan(plan, length, error, progress)
       !> The plan
       type(fft_plan_type), intent(out) :: plan
       !> Number of points, 1 .. 2**40, of any factorisation
       integer(int64), intent(in) :: length
       !> invalid_argument: length out of range; no_memory
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       integer :: stat
       integer(int64) :: j
 
@@ -71,21 +77,25 @@ contains
          return
       end if
       do j = 0, plan%inner - 1
+         if (iand(j, told_points) == 0) call tell_progress("Fourier transform", j, plan%inner, error, progress)
+         if (allocated(error)) return
          plan%twiddle(j) = conjg(unit_root(j, plan%inner))
       end do
-      if (plan%inner /= length) call prepare_chirp(plan, error)
+      if (plan%inner /= length) call prepare_chirp(plan, error, progress)
    end subroutine new_fft_plan
 
    !> Spectrum of a complex series.
    !>
    !> $$ X_k = \sum_{j=0}^{n-1} x_j e^{-2\pi i jk/n} $$
-   subroutine fft_forward(plan, x, error)
+   subroutine fft_forward(plan, x, error, progress)
       !> Plan of the length of x
       type(fft_plan_type), intent(in) :: plan
       !> Series in, spectrum out: [n]
       complex(dp), intent(inout), contiguous :: x(0:)
-      !> invalid_argument: another length than the plan's; no_memory
+      !> invalid_argument: another length than the plan's; no_memory; cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       complex(dp), allocatable :: work(:)
       integer :: stat
 
@@ -96,9 +106,9 @@ contains
       allocate (work(0:plan%inner - 1), stat=stat)
       if (stat == 0) then
          if (allocated(plan%chirp)) then
-            call transform_chirp(plan, x, work, stat)
+            call transform_chirp(plan, x, work, stat, error, progress)
          else
-            call transform(plan, x, work)
+            call transform(plan, x, work, error, progress)
          end if
       end if
       if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the work space of a Fourier transform")
@@ -107,19 +117,21 @@ contains
    !> Series of a spectrum: the inverse of [[fft_forward]].
    !>
    !> $$ x_j = \frac{1}{n} \sum_{k=0}^{n-1} X_k e^{2\pi i jk/n} $$
-   subroutine fft_backward(plan, x, error)
+   subroutine fft_backward(plan, x, error, progress)
       !> Plan of the length of x
       type(fft_plan_type), intent(in) :: plan
       !> Spectrum in, series out: [n]
       complex(dp), intent(inout), contiguous :: x(0:)
-      !> invalid_argument: another length than the plan's; no_memory
+      !> invalid_argument: another length than the plan's; no_memory; cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       integer(int64) :: j
 
       do j = 0, size(x, kind=int64) - 1
          x(j) = conjg(x(j))
       end do
-      call fft_forward(plan, x, error)
+      call fft_forward(plan, x, error, progress)
       if (allocated(error)) return
       do j = 0, plan%length - 1
          x(j) = conjg(x(j))/plan%length
@@ -211,10 +223,12 @@ contains
    end subroutine factorise
 
    !> The mixed-radix transform, in place with a work array.
-   pure subroutine transform(plan, x, work)
+   subroutine transform(plan, x, work, error, progress)
       type(fft_plan_type), intent(in) :: plan
       complex(dp), intent(inout), contiguous :: x(0:)
       complex(dp), intent(inout), contiguous :: work(0:)
+      type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
       integer :: i
       integer(int64) :: done, left
       logical :: in_work
@@ -223,6 +237,9 @@ contains
       in_work = .false.
       do i = 1, size(plan%radix)
          left = plan%inner/(done*plan%radix(i))
+         if (plan%inner > told_points) call tell_progress("Fourier transform", (i - 1)*plan%inner, size(plan%radix)*plan%inner, &
+            & error, progress)
+         if (allocated(error)) return
          if (in_work) then
             call apply_radix(plan%radix(i), done, left, work, x, plan%twiddle)
          else
@@ -235,9 +252,10 @@ contains
    end subroutine transform
 
    !> Bluestein's tables: the chirp and the spectrum of its conjugate, wrapped round the inner length.
-   subroutine prepare_chirp(plan, error)
+   subroutine prepare_chirp(plan, error, progress)
       type(fft_plan_type), intent(inout) :: plan
       type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
       complex(dp), allocatable :: work(:)
       integer(int64) :: j, square
       integer :: stat
@@ -252,20 +270,24 @@ contains
       plan%filter(:) = 0
       square = 0                                   ! j**2 modulo 2 n
       do j = 0, plan%length - 1
+         if (iand(j, told_points) == 0) call tell_progress("Fourier transform", j, plan%length, error, progress)
+         if (allocated(error)) return
          plan%chirp(j) = conjg(unit_root(square, 2*plan%length))
          plan%filter(j) = conjg(plan%chirp(j))
          if (j > 0) plan%filter(plan%inner - j) = plan%filter(j)
          square = mod(square + 2*j + 1, 2*plan%length)
       end do
-      call transform(plan, plan%filter, work)
+      call transform(plan, plan%filter, work, error, progress)
    end subroutine prepare_chirp
 
    !> Bluestein: X_k = chirp_k sum_j (x_j chirp_j) conjg(chirp_{k-j}), a convolution of the inner length.
-   pure subroutine transform_chirp(plan, x, work, stat)
+   subroutine transform_chirp(plan, x, work, stat, error, progress)
       type(fft_plan_type), intent(in) :: plan
       complex(dp), intent(inout), contiguous :: x(0:)
       complex(dp), intent(inout), contiguous :: work(0:)
       integer, intent(out) :: stat
+      type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
       complex(dp), allocatable :: a(:)
       integer(int64) :: j
 
@@ -275,11 +297,13 @@ contains
          a(j) = x(j)*plan%chirp(j)
       end do
       a(plan%length:) = 0
-      call transform(plan, a, work)
+      call transform(plan, a, work, error, progress)
+      if (allocated(error)) return
       do j = 0, plan%inner - 1
          a(j) = conjg(a(j)*plan%filter(j))
       end do
-      call transform(plan, a, work)
+      call transform(plan, a, work, error, progress)
+      if (allocated(error)) return
       do j = 0, plan%length - 1
          x(j) = plan%chirp(j)*conjg(a(j))/plan%inner
       end do

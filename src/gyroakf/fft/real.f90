@@ -10,8 +10,9 @@
 !> Source: C. Van Loan, Computational Frameworks for the FFT (SIAM, 1992), sec. 4.3.
 module gyroakf_fft_real
    use gyroakf_kinds, only : dp, int64
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_fft_plan, only : fft_plan_type, new_fft_plan, fft_forward, fft_backward, unit_root, max_length
+   use gyroakf_fft_plan, only : fft_plan_type, new_fft_plan, fft_forward, fft_backward, unit_root, max_length, told_points
    implicit none (type, external)
    private
    public :: real_fft_plan_type, new_real_fft_plan, real_fft_forward, real_fft_backward
@@ -29,13 +30,15 @@ module gyroakf_fft_real
 contains
 
    !> Prepares real transforms of one length.
-   subroutine new_real_fft_plan(plan, length, error)
+   subroutine new_real_fft_plan(plan, length, error, progress)
       !> The plan
       type(real_fft_plan_type), intent(out) :: plan
       !> Number of points, 1 .. 2**40, of any factorisation
       integer(int64), intent(in) :: length
-      !> invalid_argument: length out of range; no_memory
+      !> invalid_argument: length out of range; no_memory; cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       integer(int64) :: k
       integer :: stat
 
@@ -45,10 +48,10 @@ contains
       end if
       plan%length = length
       if (mod(length, 2_int64) == 1) then
-         call new_fft_plan(plan%complex, length, error)
+         call new_fft_plan(plan%complex, length, error, progress)
          return
       end if
-      call new_fft_plan(plan%complex, length/2, error)
+      call new_fft_plan(plan%complex, length/2, error, progress)
       if (allocated(error)) return
       allocate (plan%twiddle(0:length/2), stat=stat)
       if (stat /= 0) then
@@ -56,6 +59,8 @@ contains
          return
       end if
       do k = 0, length/2
+         if (iand(k, told_points) == 0) call tell_progress("Fourier transform", k, length/2, error, progress)
+         if (allocated(error)) return
          plan%twiddle(k) = conjg(unit_root(k, length))
       end do
    end subroutine new_real_fft_plan
@@ -63,15 +68,17 @@ contains
    !> Spectrum of a real series, from frequency 0 to the highest.
    !>
    !> $$ X_k = \sum_{j=0}^{n-1} x_j e^{-2\pi i jk/n}, \quad k = 0 \ldots \lfloor n/2 \rfloor; \quad X_{n-k} = X_k^* $$
-   subroutine real_fft_forward(plan, x, spectrum, error)
+   subroutine real_fft_forward(plan, x, spectrum, error, progress)
       !> Plan of the length of x
       type(real_fft_plan_type), intent(in) :: plan
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(0:)
       !> Spectrum: [n/2 + 1], the quotient rounded down
       complex(dp), intent(out), contiguous :: spectrum(0:)
-      !> invalid_argument: lengths that do not fit the plan; no_memory
+      !> invalid_argument: lengths that do not fit the plan; no_memory; cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       complex(dp), allocatable :: full(:)
       integer(int64) :: k, half
       integer :: stat
@@ -86,28 +93,30 @@ contains
             return
          end if
          full(:) = x(:)
-         call fft_forward(plan%complex, full, error)
+         call fft_forward(plan%complex, full, error, progress)
          spectrum(:) = full(:half)
          return
       end if
       do k = 0, half - 1
          spectrum(k) = cmplx(x(2*k), x(2*k + 1), dp)
       end do
-      call fft_forward(plan%complex, spectrum(:half - 1), error)
+      call fft_forward(plan%complex, spectrum(:half - 1), error, progress)
       if (.not. allocated(error)) call unpack_spectrum(plan, spectrum)
    end subroutine real_fft_forward
 
    !> Series of a half spectrum: the inverse of [[real_fft_forward]]. The imaginary parts of the first value and, for an
    !> even length, of the last are ignored (they are zero for a real series).
-   subroutine real_fft_backward(plan, spectrum, x, error)
+   subroutine real_fft_backward(plan, spectrum, x, error, progress)
       !> Plan of the length of x
       type(real_fft_plan_type), intent(in) :: plan
       !> Spectrum: [n/2 + 1]; used as work space, its values are lost
       complex(dp), intent(inout), contiguous :: spectrum(0:)
       !> Series: [n]
       real(dp), intent(out), contiguous :: x(0:)
-      !> invalid_argument: lengths that do not fit the plan; no_memory
+      !> invalid_argument: lengths that do not fit the plan; no_memory; cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       complex(dp), allocatable :: full(:)
       integer(int64) :: k, half
       integer :: stat
@@ -126,12 +135,12 @@ contains
             full(k) = spectrum(k)
             full(plan%length - k) = conjg(spectrum(k))
          end do
-         call fft_backward(plan%complex, full, error)
+         call fft_backward(plan%complex, full, error, progress)
          x(:) = real(full, dp)
          return
       end if
       call pack_spectrum(plan, spectrum)
-      call fft_backward(plan%complex, spectrum(:half - 1), error)
+      call fft_backward(plan%complex, spectrum(:half - 1), error, progress)
       if (allocated(error)) return
       do k = 0, half - 1
          x(2*k) = real(spectrum(k), dp)

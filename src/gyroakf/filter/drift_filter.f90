@@ -11,6 +11,7 @@
 !> What is filtered is the model; what counts as drift is the caller's word: fast processes are noise with a memory. Only R is
 !> adapted: of Q and R together the innovations show the sum, and a Q that follows them takes a louder sensor for a faster drift.
 module gyroakf_filter_drift_filter
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_filter_components, only : component_model_type, component_state_type, most_components, check_components, &
@@ -49,7 +50,10 @@ contains
       allocate (filter%phi(1), filter%x(1), filter%p(1, 1), filter%gain(1), filter%gain_sum(1), filter%steady_gain(1), &
                 filter%work(1))
       filter%order = 1
-      filter%drift_model = model
+      filter%drift_model%count = model%count                      ! what is beyond the count is anything
+      filter%drift_model%phi(:model%count) = model%phi(:model%count)
+      filter%drift_model%q(:model%count) = model%q(:model%count)
+      filter%drift_model%r = model%r
       filter%slow(:model%count) = slow
       filter%drift_shifted = maxloc(model%phi(:model%count), 1)
       filter%phi(1) = maxval(model%phi(:model%count), mask=slow)
@@ -70,6 +74,11 @@ contains
       end if
       if (model%count == 2) filter%drift_determinant = (filter%drift_state%p(1, 1)/filter%drift_unit)*filter%drift_state%p(2, 2)
       call show_drift(filter)
+      if (.not. (ieee_is_finite(filter%drift_determinant) .and. ieee_is_finite(filter%p(1, 1)))) then
+         call fatal_error(error, status%non_finite, "the variances of a drift filter overflow: those of the model, and the "// &
+                          "initial one, are too far apart")
+         return
+      end if
       call find_steady(filter, error)
    end subroutine new_drift_filter
 

@@ -2,8 +2,9 @@
 !> The Anderson-Darling test of normality, mean and variance estimated from the series.
 module gyroakf_series_anderson_darling
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_chunks, only : chunk_group, threads_from, chunk_count, chunk_first, chunk_last
    use gyroakf_special, only : log1p
    use gyroakf_sort, only : sort_values
    use gyroakf_series_moments, only : moments_type, compute_moments
@@ -51,7 +52,7 @@ contains
    !> Memory: 16 bytes for each sample that is tested. Threaded; the result does not depend on the threads.
    !> Source: Stephens, J. Amer. Stat. Assoc. 69 (1974) 730-737; modification and p-value: D'Agostino & Stephens,
    !> Goodness-of-Fit Techniques (1986), Table 4.7, 4.9.
-   subroutine test_anderson_darling(x, options, result, error, valid)
+   subroutine test_anderson_darling(x, options, result, error, valid, progress)
       !> Series: [n], at least 8 present samples; finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> How many samples are tested
@@ -62,6 +63,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: z(:)
       type(moments_type) :: moments
       real(dp) :: n
@@ -75,10 +78,12 @@ contains
          call fatal_error(error, status%constant_input, "the series has no variance, normality cannot be tested")
          return
       end if
-      call sort_values(z, error)
+      call sort_values(z, error, progress)
       if (allocated(error)) return
       n = real(result%samples, dp)
-      result%statistic = max(0.0_dp, statistic_of(z, moments%mean, moments%std))
+      call sum_statistic(z, moments%mean, moments%std, result%statistic, error, progress)
+      if (allocated(error)) return
+      result%statistic = max(0.0_dp, result%statistic)
       result%modified = result%statistic*(1.0_dp + 0.75_dp/n + 2.25_dp/(n*n))
       result%p_value = anderson_darling_p(result%modified)
       result%distance = sqrt(result%statistic/n)
@@ -131,21 +136,33 @@ contains
    end subroutine take_samples
 
    !> A^2 of sorted samples.
-   real(dp) function statistic_of(x, mean, std) result(statistic)
+   subroutine sum_statistic(x, mean, std, statistic, error, progress)
       !> Sorted: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> Their mean and standard deviation
       real(dp), intent(in) :: mean, std
+      !> The sum
+      real(dp), intent(out) :: statistic
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp) :: part(2, chunk_count(size(x, kind=int64))), total(2)
       integer(int64) :: n
-      integer :: chunk
+      integer :: chunk, from, group
 
       n = size(x, kind=int64)
-      !$omp parallel do if (n >= threads_from) default(shared) schedule(dynamic)
-      do chunk = 1, chunk_count(n)
-         part(:, chunk) = sum_chunk(x, mean, std, chunk)
+      statistic = 0.0_dp
+      group = chunk_group(chunk_count(n), present(progress))
+      do from = 1, chunk_count(n), group
+         call tell_progress("normality test", chunk_first(n, from) - 1, n, error, progress)
+         if (allocated(error)) return
+         !$omp parallel do if (n >= threads_from) default(shared) schedule(dynamic)
+         do chunk = from, min(from + group - 1, chunk_count(n))
+            part(:, chunk) = sum_chunk(x, mean, std, chunk)
+         end do
+         !$omp end parallel do
       end do
-      !$omp end parallel do
       total(1) = -real(n, dp)
       total(2) = 0.0_dp
       do chunk = 1, chunk_count(n)
@@ -153,7 +170,7 @@ contains
          call add(-part(2, chunk), total)
       end do
       statistic = total(1) + total(2)
-   end function statistic_of
+   end subroutine sum_statistic
 
    !> The chunk's share of the sum over n: a sum and what rounding took from it.
    pure function sum_chunk(x, mean, std, chunk) result(total)

@@ -3,6 +3,7 @@
 !> numbers: one pass for the mean, one for all lags.
 module gyroakf_series_correlation
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_progress, only : progress_type
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_special, only : chi_square_survival
    use gyroakf_series_lag_transform, only : many_autocovariances
@@ -53,7 +54,7 @@ contains
    !> $$1.96 \sqrt{(1 + 2 \sum_{i<k} \hat\rho_i^2)/n}$$ at lag k (Bartlett, J. R. Stat. Soc. B 8 (1946) 27-41). With missing
    !> samples r_k comes from the m_k present pairs, and m_k takes the place of n - k. More than some hundred lags take the
    !> Fourier transform of blocks.
-   subroutine compute_correlation(x, lags, fitted, result, error, valid)
+   subroutine compute_correlation(x, lags, fitted, result, error, valid, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> Largest lag h, 1 .. n-1, > fitted
@@ -66,11 +67,13 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: r(:)
       integer(int64), allocatable :: pairs(:)
       real(dp) :: mean
 
-      call many_autocovariances(x, lags, mean, r, error, valid, pairs)
+      call many_autocovariances(x, lags, mean, r, error, valid, pairs, progress)
       if (allocated(error)) return
       if (present(valid)) then
          call correlation_of(r, size(x, kind=int64), fitted, result, error, pairs)

@@ -6,6 +6,7 @@
 module gyroakf_series_fisher
    use, intrinsic :: iso_c_binding, only : c_double
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_progress, only : progress_type
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_fft, only : real_fft_plan_type, new_real_fft_plan, real_fft_forward
    implicit none (type, external)
@@ -52,15 +53,17 @@ contains
    !> at the exact length n, without zero padding, without frequency 0 and the highest. With missing samples the sums go over the
    !> present ones: the ordinates of white noise are then as large everywhere but a little correlated, and p is approximate.
    !> Source: R. A. Fisher, Tests of significance in harmonic analysis, Proc. R. Soc. A 125 (1929) 54-59.
-   subroutine test_fisher_g(x, result, error, valid)
+   subroutine test_fisher_g(x, result, error, valid, progress)
       !> Series: [n], n >= 3; finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> The test
       type(fisher_type), intent(out) :: result
-      !> too_few_samples, constant_input, no_memory
+      !> too_few_samples, constant_input, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(real_fft_plan_type) :: plan
       real(dp), allocatable :: centred(:)
       complex(dp), allocatable :: spectrum(:)
@@ -75,8 +78,8 @@ contains
          call fatal_error(error, status%no_memory, "no memory for the spectrum of the series")
          return
       end if
-      call new_real_fft_plan(plan, n, error)
-      if (.not. allocated(error)) call real_fft_forward(plan, centred, spectrum, error)
+      call new_real_fft_plan(plan, n, error, progress)
+      if (.not. allocated(error)) call real_fft_forward(plan, centred, spectrum, error, progress)
       if (.not. allocated(error)) call fisher_of_spectrum(spectrum, n, result, error)
    end subroutine test_fisher_g
 

@@ -3,8 +3,9 @@
 module gyroakf_series_kpss
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_series_residuals, only : residual_type, fit_residuals, rounding_variance
-   use gyroakf_series_long_run, only : cumulative_type, sum_residuals, bartlett_sum, bartlett_variance, hobijn_lags, schwert_lags
+   use gyroakf_series_long_run, only : cumulative_type, sum_residuals, sum_bartlett, bartlett_variance, hobijn_lags, schwert_lags
    use gyroakf_series_bridge, only : bridge_survival
    implicit none (type, external)
    private
@@ -70,17 +71,19 @@ contains
    !> ones, S grows and counts at present samples only, and the products are those of present pairs, divided by n (so that
    !> they estimate the variance of the sums that S takes, and stay positive definite). Sources: Kwiatkowski et al.,
    !> J. Econometrics 54 (1992) 159-178; for gaps Datta & Du, FRB Int. Finance Disc. Papers 1060 (2012).
-   subroutine test_kpss(x, options, result, error, valid)
+   subroutine test_kpss(x, options, result, error, valid, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> How
       type(kpss_options), intent(in) :: options
       !> The test
       type(kpss_type), intent(out) :: result
-      !> invalid_argument, too_few_samples, constant_input (also a perfect line with ct), non_finite, no_memory
+      !> invalid_argument, too_few_samples, constant_input (also a perfect line with ct), non_finite, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(residual_type) :: residual
       type(cumulative_type) :: sums
       real(dp), allocatable :: products(:)
@@ -89,10 +92,11 @@ contains
 
       call check_options(options, size(x, kind=int64), terms, error)
       if (allocated(error)) return
-      call fit_residuals(x, terms, residual, error, valid)
+      call tell_progress("stationarity test", 0_int64, 0_int64, error, progress)
+      if (.not. allocated(error)) call fit_residuals(x, terms, residual, error, valid)
       if (allocated(error)) return
       q = first_lags(size(x, kind=int64))
-      call sum_residuals(residual, x, q, sums, products, error, valid)
+      call sum_residuals(residual, x, q, sums, products, error, valid, progress)
       if (allocated(error)) return
       call check_sums(residual, sums, products(0), terms, error)
       if (allocated(error)) return
@@ -104,7 +108,9 @@ contains
       if (result%lags <= q) then
          result%long_run_variance = bartlett_variance(products, int(result%lags))/n
       else
-         result%long_run_variance = bartlett_sum(residual, x, result%lags, valid)/n
+         call sum_bartlett(residual, x, result%lags, result%long_run_variance, error, valid, progress)
+         if (allocated(error)) return
+         result%long_run_variance = result%long_run_variance/n
       end if
       result%drift = sqrt(max(sums%squares, 0.0_dp)/n/n/n/line_share(terms))
       call judge(sums%squares/n/n, terms, result, error)

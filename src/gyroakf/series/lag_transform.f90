@@ -3,6 +3,7 @@
 module gyroakf_series_lag_transform
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_chunks, only : chunk_count, chunk_first, chunk_last
    use gyroakf_fft, only : real_fft_plan_type, new_real_fft_plan, real_fft_forward, real_fft_backward, smooth_length
@@ -16,11 +17,13 @@ module gyroakf_series_lag_transform
    integer, parameter :: transform_from = 256
    !> Points of a transform at least, and at least so many times the lags
    integer(int64), parameter :: least_points = 16384, points_a_lag = 4
+   !> Points that are transformed before somebody is told how far it is
+   integer(int64), parameter :: told_points = 1048576_int64
 
 contains
 
    !> As [[compute_autocovariance]], by whichever way is faster for this number of lags; the same to 1e-14 of r(0).
-   subroutine many_autocovariances(x, max_lag, mean, r, error, valid, pairs)
+   subroutine many_autocovariances(x, max_lag, mean, r, error, valid, pairs, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> Largest lag, 0 .. n-1
@@ -35,16 +38,18 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Number of present pairs at each lag: [0:max_lag]
       integer(int64), allocatable, intent(out), optional :: pairs(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       if (max_lag < transform_from) then
-         call compute_autocovariance(x, max_lag, mean, r, error, valid, pairs)
+         call compute_autocovariance(x, max_lag, mean, r, error, valid, pairs, progress)
       else
-         call autocovariances_by_transform(x, max_lag, mean, r, error, valid, pairs)
+         call autocovariances_by_transform(x, max_lag, mean, r, error, valid, pairs, progress)
       end if
    end subroutine many_autocovariances
 
    !> The same by the transform, for any number of lags.
-   subroutine autocovariances_by_transform(x, max_lag, mean, r, error, valid, pairs)
+   subroutine autocovariances_by_transform(x, max_lag, mean, r, error, valid, pairs, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> Largest lag, 0 .. n-1
@@ -59,21 +64,25 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Number of present pairs at each lag: [0:max_lag]
       integer(int64), allocatable, intent(out), optional :: pairs(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(residual_type) :: residual
       real(dp), allocatable :: products(:), number(:)
       integer(int64) :: found, n
       integer :: k
 
       ! lag 0 by the plain way: checks, mean, and the variance to the last digit
-      call compute_autocovariance(x, min(max_lag, 0), mean, r, error, valid)
+      call compute_autocovariance(x, min(max_lag, 0), mean, r, error, valid, progress=progress)
       if (allocated(error)) return
       n = size(x, kind=int64)
       if (int(max_lag, int64) >= n) call fatal_error(error, status%too_few_samples, "more lags than samples")
       if (allocated(error)) return
       residual%samples = n
       call series_mean(x, residual%shift, residual%rest, found, valid)
-      call lagged_sums(residual, x, max_lag, .false., products, error, valid)
-      if (.not. allocated(error) .and. present(valid)) call lagged_sums(residual, x, max_lag, .true., number, error, valid)
+      call lagged_sums(residual, x, max_lag, .false., products, error, valid, progress)
+      if (.not. allocated(error) .and. present(valid)) then
+         call lagged_sums(residual, x, max_lag, .true., number, error, valid, progress)
+      end if
       if (allocated(error)) return
       products(0) = r(0)
       do k = 1, max_lag
@@ -96,7 +105,7 @@ contains
 
    !> Sums of products (or, of flags, of pairs) at all lags: with a block a of the series and b the same block with the
    !> max_lag samples before it, the sum over a(t) b(t - k) is the correlation of both, whose spectrum is conj(A) B.
-   subroutine lagged_sums(residual, x, max_lag, count_pairs, sums, error, valid)
+   subroutine lagged_sums(residual, x, max_lag, count_pairs, sums, error, valid, progress)
       type(residual_type), intent(in) :: residual
       real(dp), intent(in), contiguous :: x(:)
       integer, intent(in) :: max_lag
@@ -104,13 +113,15 @@ contains
       logical, intent(in) :: count_pairs
       !> [0:max_lag]
       real(dp), allocatable, intent(out) :: sums(:)
-      !> no_memory
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(real_fft_plan_type) :: plan
       complex(dp), allocatable :: part(:, :)
       real(dp), allocatable :: line(:)
-      integer(int64) :: points, n
+      integer(int64) :: points, n, first, round
       integer :: parts, i, k, stat, failed
 
       n = residual%samples
@@ -127,12 +138,20 @@ contains
       call new_real_fft_plan(plan, points, error)
       if (allocated(error)) return
       failed = 0
-      !$omp parallel do default(shared) private(stat) schedule(dynamic) reduction(+:failed)
-      do i = 1, parts
-         call add_spectra(residual, x, max_lag, count_pairs, plan, points - max_lag, i, parts, part(:, i), stat, valid)
-         failed = failed + stat
+      part(:, :) = (0.0_dp, 0.0_dp)
+      round = (points - max_lag)*int(parts, int64)
+      round = round*max(1_int64, told_points/(points*int(parts, int64)))
+      do first = 1, n, round
+         call tell_progress("autocovariances", first - 1, n, error, progress)
+         if (allocated(error)) return
+         !$omp parallel do default(shared) private(stat) schedule(dynamic) reduction(+:failed)
+         do i = 1, parts
+            call add_spectra(residual, x, max_lag, count_pairs, plan, points - max_lag, first + (points - max_lag)*(i - 1), &
+               & min(n, first + round - 1), parts, part(:, i), stat, valid)
+            failed = failed + stat
+         end do
+         !$omp end parallel do
       end do
-      !$omp end parallel do
       if (failed /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the buffers of the lagged sums")
          return
@@ -155,18 +174,18 @@ contains
       part_count = int(min(8_int64, (n + block - 1)/block))
    end function part_count
 
-   !> Adds up the spectra of every parts-th block.
-   subroutine add_spectra(residual, x, max_lag, count_pairs, plan, block, first, parts, total, stat, valid)
+   !> Adds the spectra of every parts-th block of a stretch.
+   subroutine add_spectra(residual, x, max_lag, count_pairs, plan, block, first, last, parts, total, stat, valid)
       type(residual_type), intent(in) :: residual
       real(dp), intent(in), contiguous :: x(:)
       integer, intent(in) :: max_lag
       logical, intent(in) :: count_pairs
       type(real_fft_plan_type), intent(in) :: plan
-      !> Samples of a block, first block, distance to the next
-      integer(int64), intent(in) :: block
-      integer, intent(in) :: first, parts
-      !> The spectrum: [points/2 + 1]
-      complex(dp), intent(out), contiguous :: total(:)
+      !> Samples of a block; where the first block begins, where the last may; blocks to the next
+      integer(int64), intent(in) :: block, first, last
+      integer, intent(in) :: parts
+      !> Gets them: [points/2 + 1]
+      complex(dp), intent(inout), contiguous :: total(:)
       !> Not 0 where memory is short
       integer, intent(out) :: stat
       integer(int8), intent(in), optional :: valid(:)
@@ -175,14 +194,15 @@ contains
       type(error_type), allocatable :: error
       integer(int64) :: i, start
 
-      total(:) = (0.0_dp, 0.0_dp)
+      stat = 0
+      if (first > last) return
       allocate (a(plan%length), stat=stat)
       if (stat == 0) allocate (b(plan%length), stat=stat)
       if (stat == 0) allocate (flag(plan%length), stat=stat)
       if (stat == 0) allocate (a_spectrum(size(total)), stat=stat)
       if (stat == 0) allocate (b_spectrum(size(total)), stat=stat)
       if (stat /= 0) return
-      do start = 1 + block*int(first - 1, int64), residual%samples, block*int(parts, int64)
+      do start = first, last, block*int(parts, int64)
          call load_residuals(residual, x, start - max_lag, b, valid, flag)
          if (count_pairs) b(:) = flag
          a(:block) = b(max_lag + 1:)

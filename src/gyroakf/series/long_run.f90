@@ -4,12 +4,13 @@
 module gyroakf_series_long_run
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last, chunk_group
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_ar_autocovariance, only : add_lagged_products
    use gyroakf_series_residuals, only : residual_type, load_residuals, residual_count
    implicit none (type, external)
    private
-   public :: cumulative_type, sum_residuals, bartlett_sum, bartlett_variance, hobijn_lags, schwert_lags
+   public :: cumulative_type, sum_residuals, sum_bartlett, bartlett_variance, hobijn_lags, schwert_lags
 
    !> Sums of a stretch of residuals e_t and of their running sums S_t = e_1 + ... + e_t over the present t
    type :: cumulative_type
@@ -20,7 +21,7 @@ module gyroakf_series_long_run
 contains
 
    !> One pass: cumulative sums, and lagged products at the lags 0 .. q over present pairs.
-   subroutine sum_residuals(residual, x, q, sums, products, error, valid)
+   subroutine sum_residuals(residual, x, q, sums, products, error, valid, progress)
       !> The fit
       type(residual_type), intent(in) :: residual
       !> Series: [n]
@@ -31,26 +32,33 @@ contains
       type(cumulative_type), intent(out) :: sums
       !> Sums of e_t e_(t-k): [0:q]
       real(dp), allocatable, intent(out) :: products(:)
-      !> no_memory
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(cumulative_type) :: part(chunk_count(residual_count(residual)))
       real(dp), allocatable :: partial(:, :)
       integer(int64) :: n
-      integer :: chunk, stat, bad
+      integer :: chunk, from, group, stat, bad
 
       n = residual_count(residual)
       allocate (products(0:q), stat=stat)
       if (stat == 0) allocate (partial(0:q, chunk_count(n)), stat=stat)
       if (stat == 0) then
          partial = 0.0_dp
-         !$omp parallel do if (n >= threads_from) default(shared) private(bad) schedule(dynamic) reduction(+:stat)
-         do chunk = 1, chunk_count(n)
-            call sum_chunk(residual, x, chunk_first(n, chunk), chunk_last(n, chunk), part(chunk), partial(:, chunk), bad, valid)
-            stat = stat + bad
+         group = chunk_group(chunk_count(n), present(progress))
+         do from = 1, chunk_count(n), group
+            call tell_progress("sums of the residuals", chunk_first(n, from) - 1, n, error, progress)
+            if (allocated(error)) return
+            !$omp parallel do if (n >= threads_from) default(shared) private(bad) schedule(dynamic) reduction(+:stat)
+            do chunk = from, min(from + group - 1, chunk_count(n))
+               call sum_chunk(residual, x, chunk_first(n, chunk), chunk_last(n, chunk), part(chunk), partial(:, chunk), bad, valid)
+               stat = stat + bad
+            end do
+            !$omp end parallel do
          end do
-         !$omp end parallel do
       end if
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the sums over residuals")
@@ -118,27 +126,39 @@ contains
    !>
    !> $$\sum_{|i| \le l} \Big(1 - \frac{|i|}{l+1}\Big) \sum_t e_t e_{t-i} = \frac{1}{l+1} \sum_j \Big(\sum_{t=j-l}^{j} e_t\Big)^2$$
    !> with e_t = 0 outside the series and where a residual is missing: one pass, O(n) for any l, never negative.
-   real(dp) function bartlett_sum(residual, x, lags, valid) result(total)
+   subroutine sum_bartlett(residual, x, lags, total, error, valid, progress)
       !> The fit
       type(residual_type), intent(in) :: residual
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> l, 0 .. number of residuals - 1
       integer(int64), intent(in) :: lags
+      !> The sum
+      real(dp), intent(out) :: total
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp) :: part(chunk_count(residual_count(residual) + lags))
       integer(int64) :: n
-      integer :: chunk
+      integer :: chunk, from, group
 
       n = residual_count(residual) + lags
-      !$omp parallel do if (n >= threads_from) default(shared) schedule(dynamic)
-      do chunk = 1, chunk_count(n)
-         call sum_windows(residual, x, chunk_first(n, chunk), chunk_last(n, chunk), lags + 1, part(chunk), valid)
+      total = 0.0_dp
+      group = chunk_group(chunk_count(n), present(progress))
+      do from = 1, chunk_count(n), group
+         call tell_progress("long-run variance", chunk_first(n, from) - 1, n, error, progress)
+         if (allocated(error)) return
+         !$omp parallel do if (n >= threads_from) default(shared) schedule(dynamic)
+         do chunk = from, min(from + group - 1, chunk_count(n))
+            call sum_windows(residual, x, chunk_first(n, chunk), chunk_last(n, chunk), lags + 1, part(chunk), valid)
+         end do
+         !$omp end parallel do
       end do
-      !$omp end parallel do
       total = sum(part)/real(lags + 1, dp)
-   end function bartlett_sum
+   end subroutine sum_bartlett
 
    !> Squares of the sums of the windows that end at first .. last.
    subroutine sum_windows(residual, x, first, last, width, total, valid)

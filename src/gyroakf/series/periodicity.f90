@@ -93,7 +93,7 @@ contains
          else if (present(model)) then
             used = model
          else
-            call fit_ar(x, options%ar, used, error, valid)
+            call fit_ar(x, options%ar, used, error, valid, progress=progress)
             if (allocated(error)) then
                if (error%code == status%singular) deallocate (error)      ! gaps can do that: the series as it is must do
                return

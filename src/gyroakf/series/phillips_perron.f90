@@ -3,10 +3,11 @@
 module gyroakf_series_phillips_perron
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last, chunk_group
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_lapack, only : dpotrf, dtrtrs
    use gyroakf_series_residuals, only : residual_type, fit_residuals, load_residuals, residual_count, rounding_variance
-   use gyroakf_series_long_run, only : bartlett_sum, schwert_lags
+   use gyroakf_series_long_run, only : sum_bartlett, schwert_lags
    use gyroakf_series_mackinnon, only : regression_number, critical_values, p_value
    implicit none (type, external)
    private
@@ -61,7 +62,7 @@ contains
    !> Bartlett's weights (Newey & West) and divisor N. One pass for the regression after that for the mean (two for a line), one
    !> for lambda^2; memory O(1). With missing samples the rows are those whose two samples are present and the products those
    !> of present pairs of residuals. Sources: Phillips & Perron, Biometrika 75 (1988) 335-346; gyroakf_series_mackinnon.
-   subroutine test_phillips_perron(x, options, result, error, valid)
+   subroutine test_phillips_perron(x, options, result, error, valid, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> How
@@ -69,10 +70,12 @@ contains
       !> The test
       type(phillips_perron_type), intent(out) :: result
       !> invalid_argument, too_few_samples, constant_input (also a perfect line with ct), singular (the series is predicted
-      !> perfectly by its last value), non_finite
+      !> perfectly by its last value), non_finite, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(residual_type) :: residual
       real(dp) :: gram(most, most)
       real(dp) :: critical(3)
@@ -81,18 +84,22 @@ contains
 
       call check_options(options, size(x, kind=int64), terms, error)
       if (allocated(error)) return
-      call fit_residuals(x, terms, residual, error, valid)
+      call tell_progress("unit-root test", 0_int64, 0_int64, error, progress)
+      if (.not. allocated(error)) call fit_residuals(x, terms, residual, error, valid)
       if (allocated(error)) return
       result%regression = options%regression
       result%lags = options%lags
       if (options%lags < 0) result%lags = schwert_lags(size(x, kind=int64), .true.)
-      call sum_rows(residual, x, terms, gram, result%observations, valid)
+      call sum_rows(residual, x, terms, gram, result%observations, error, valid, progress)
+      if (allocated(error)) return
       call check_rows(result%observations, terms, residual, gram(terms + 2, terms + 2), error)
       if (allocated(error)) return
       result%lags = min(result%lags, size(x, kind=int64) - 2)
       call regress(gram, terms, residual, result, error)
       if (allocated(error)) return
-      result%long_run_variance = bartlett_sum(residual, x, result%lags, valid)/real(result%observations, dp)
+      call sum_bartlett(residual, x, result%lags, result%long_run_variance, error, valid, progress)
+      if (allocated(error)) return
+      result%long_run_variance = result%long_run_variance/real(result%observations, dp)
       call correct(result, terms + 1, error)
       if (allocated(error)) return
       rows = result%observations
@@ -148,7 +155,7 @@ contains
    end subroutine check_rows
 
    !> Sums of products of constant, line, level and difference over the complete rows.
-   subroutine sum_rows(residual, x, terms, gram, rows, valid)
+   subroutine sum_rows(residual, x, terms, gram, rows, error, valid, progress)
       !> Level or line that is subtracted first
       type(residual_type), intent(in) :: residual
       real(dp), intent(in), contiguous :: x(:)
@@ -158,23 +165,35 @@ contains
       real(dp), intent(out) :: gram(most, most)
       !> Complete rows
       integer(int64), intent(out) :: rows
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp) :: part(most, most, chunk_count(residual%samples - 1))
       type(residual_type) :: difference
       integer(int64) :: n, first
-      integer :: chunk
+      integer :: chunk, from, group
 
       n = residual%samples - 1
+      gram = 0.0_dp
+      rows = 0
       difference = residual
       difference%differences = .true.
-      !$omp parallel do if (n >= threads_from) default(shared) private(first) schedule(dynamic)
-      do chunk = 1, chunk_count(n)
-         part(:, :, chunk) = 0.0_dp
-         do first = chunk_first(n, chunk), chunk_last(n, chunk), block_length
-            call add_rows(difference, x, first, int(min(block_length, chunk_last(n, chunk) - first + 1)), part(:, :, chunk), valid)
+      group = chunk_group(chunk_count(n), present(progress))
+      do from = 1, chunk_count(n), group
+         call tell_progress("unit-root test", chunk_first(n, from) - 1, n, error, progress)
+         if (allocated(error)) return
+         !$omp parallel do if (n >= threads_from) default(shared) private(first) schedule(dynamic)
+         do chunk = from, min(from + group - 1, chunk_count(n))
+            part(:, :, chunk) = 0.0_dp
+            do first = chunk_first(n, chunk), chunk_last(n, chunk), block_length
+               call add_rows(difference, x, first, int(min(block_length, chunk_last(n, chunk) - first + 1)), part(:, :, chunk), &
+                  & valid)
+            end do
          end do
+         !$omp end parallel do
       end do
-      !$omp end parallel do
       gram = sum(part, 3)
       rows = nint(gram(1, 1), int64)
       if (terms == 2) return

@@ -2,6 +2,7 @@
 !> Whiteness of a series: the tests of Ljung and Box, and of Box and Pierce.
 module gyroakf_series_whiteness
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_progress, only : progress_type
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_special, only : chi_square_survival
    use gyroakf_ar_autocovariance, only : compute_autocovariance
@@ -46,7 +47,7 @@ contains
    !> of variance 1/m_k, and $$Q = \frac{n+2}{n} \sum_k m_k \hat\rho_k^2,$$ n the present samples; both
    !> agree without gaps. Source: Ljung & Box, Biometrika 65 (1978) 297-303; Stoffer & Toloi, Stat.
    !> Prob. Lett. 13 (1992) 391-396.
-   subroutine test_ljung_box(x, lags, fitted, result, error, valid)
+   subroutine test_ljung_box(x, lags, fitted, result, error, valid, progress)
       !> Series: [n], n > lags; finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> Number of lags h, > fitted; [[default_lags]] gives the usual number
@@ -59,13 +60,15 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: r(:)
       integer(int64), allocatable :: pairs(:)
       real(dp) :: mean
 
       call check_lags(lags, fitted, error)
       if (allocated(error)) return
-      call compute_autocovariance(x, lags, mean, r, error, valid, pairs)
+      call compute_autocovariance(x, lags, mean, r, error, valid, pairs, progress)
       if (allocated(error)) return
       if (present(valid)) then
          call ljung_box_of(r, size(x, kind=int64), fitted, result, error, pairs)

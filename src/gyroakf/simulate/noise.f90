@@ -18,6 +18,7 @@
 !> [[simulate_record]], its expected Allan variance in test/test_simulate.f90.
 module gyroakf_simulate_noise
    use gyroakf_kinds, only : dp, int64
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_fft, only : convolve
    use gyroakf_simulate_random, only : random_type, next_normal, fill_normal
@@ -25,12 +26,15 @@ module gyroakf_simulate_noise
    private
    public :: add_quantisation_noise, add_white, add_flicker, add_random_walk, add_ramp, add_autoregressive
 
+   !> Variates less one between two calls of the progress: a power of two less one
+   integer(int64), parameter :: told_samples = 1048575_int64
+
 contains
 
    !> Adds the quantisation noise of the angle: differences of independent errors of the angle.
    !>
    !> $$ x_i \mathrel{+}= Q (g_{i+1} - g_i)/t_0 $$
-   pure subroutine add_quantisation_noise(x, q, t0, random)
+   subroutine add_quantisation_noise(x, q, t0, random, error, progress)
       !> Rates: [n]
       real(dp), intent(inout), contiguous :: x(:)
       !> Standard deviation of the angle's error, u s, >= 0 (a step of the angle / sqrt(12))
@@ -39,11 +43,17 @@ contains
       real(dp), intent(in) :: t0
       !> Where the n + 1 variates come from
       type(random_type), intent(inout) :: random
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp) :: before, after
       integer(int64) :: i
 
       call next_normal(random, before)
       do i = 1, size(x, kind=int64)
+         if (iand(i - 1, told_samples) == 0) call tell_progress("simulating", i - 1, size(x, kind=int64), error, progress)
+         if (allocated(error)) return
          call next_normal(random, after)
          x(i) = x(i) + q*(after - before)/t0
          before = after
@@ -53,7 +63,7 @@ contains
    !> Adds white noise, the derivative of the angle's random walk.
    !>
    !> $$ x_i \mathrel{+}= N g_i/\sqrt{t_0} $$
-   pure subroutine add_white(x, n, t0, random)
+   subroutine add_white(x, n, t0, random, error, progress)
       !> Rates: [samples]
       real(dp), intent(inout), contiguous :: x(:)
       !> Angle random walk, u sqrt(s), >= 0
@@ -62,11 +72,17 @@ contains
       real(dp), intent(in) :: t0
       !> Where the variates come from
       type(random_type), intent(inout) :: random
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp) :: g, scale
       integer(int64) :: i
 
       scale = n/sqrt(t0)
       do i = 1, size(x, kind=int64)
+         if (iand(i - 1, told_samples) == 0) call tell_progress("simulating", i - 1, size(x, kind=int64), error, progress)
+         if (allocated(error)) return
          call next_normal(random, g)
          x(i) = x(i) + scale*g
       end do
@@ -79,15 +95,17 @@ contains
    !> floor of the Allan deviation at 0.664 B. Being sampled it has more at the shortest times: the Allan variance is 1.44,
    !> 1.15, 1.05, 1.015 times the floor's at 1, 2, 4, 8 samples. It begins with the record: its variance grows as ln i.
    !> Source: N. Kasdin, Discrete simulation of colored noise, Proc. IEEE 83 (1995) 802.
-   subroutine add_flicker(x, b, random, error)
+   subroutine add_flicker(x, b, random, error, progress)
       !> Rates: [n], n >= 1
       real(dp), intent(inout), contiguous :: x(:)
       !> Bias instability, u, >= 0
       real(dp), intent(in) :: b
       !> Where the n variates come from
       type(random_type), intent(inout) :: random
-      !> no_memory
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: h(:), g(:), noise(:)
       integer(int64) :: i, n
       integer :: stat
@@ -100,12 +118,16 @@ contains
          call fatal_error(error, status%no_memory, "no memory for the flicker noise")
          return
       end if
-      call fill_normal(random, g)
+      do i = 1, n
+         if (iand(i - 1, told_samples) == 0) call tell_progress("simulating", i - 1, size(x, kind=int64), error, progress)
+         if (allocated(error)) return
+         call next_normal(random, g(i))
+      end do
       h(1) = 1
       do i = 1, n - 1
          h(i + 1) = h(i)*((i - 0.5_dp)/i)
       end do
-      call convolve(h, g, noise, error)
+      call convolve(h, g, noise, error, progress)
       if (allocated(error)) return
       do i = 1, n
          x(i) = x(i) + b*noise(i)
@@ -117,7 +139,7 @@ contains
    !> $$ x_i \mathrel{+}= w_i + K\sqrt{t_0} \left(\frac{g_i}{2} + \frac{g'_i}{2\sqrt 3}\right), \quad
    !>    w_{i+1} = w_i + K\sqrt{t_0}\, g_i, \quad w_1 = 0 $$
    !> (mean of a Brownian motion over an interval, given its ends: the g are the increments, the g' the bridges).
-   pure subroutine add_random_walk(x, k, t0, random)
+   subroutine add_random_walk(x, k, t0, random, error, progress)
       !> Rates: [n]
       real(dp), intent(inout), contiguous :: x(:)
       !> Rate random walk, u/sqrt(s), >= 0
@@ -126,6 +148,10 @@ contains
       real(dp), intent(in) :: t0
       !> Where the 2 n variates come from
       type(random_type), intent(inout) :: random
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), parameter :: bridge = 0.28867513459481288225_dp        ! 1/(2 sqrt(3))
       real(dp) :: w, step, g1, g2
       integer(int64) :: i
@@ -133,6 +159,8 @@ contains
       step = k*sqrt(t0)
       w = 0
       do i = 1, size(x, kind=int64)
+         if (iand(i - 1, told_samples) == 0) call tell_progress("simulating", i - 1, size(x, kind=int64), error, progress)
+         if (allocated(error)) return
          call next_normal(random, g1)
          call next_normal(random, g2)
          x(i) = x(i) + (w + step*(0.5_dp*g1 + bridge*g2))
@@ -163,7 +191,7 @@ contains
    !> The first p values are drawn from the stationary distribution, value k given the k - 1 before it: the predictors
    !> of the orders 0 .. p-1 and their error variances follow from the model by Levinson's recursion run downwards.
    !> Source: P. Brockwell, R. Davis, Time Series: Theory and Methods (1991), sec. 5.2 and 8.2.
-   subroutine add_autoregressive(x, phi, variance, random, error)
+   subroutine add_autoregressive(x, phi, variance, random, error, progress)
       !> Series: [n]
       real(dp), intent(inout), contiguous :: x(:)
       !> Coefficients: [p], p >= 1, of a stationary model
@@ -172,8 +200,10 @@ contains
       real(dp), intent(in) :: variance
       !> Where the n variates come from
       type(random_type), intent(inout) :: random
-      !> unstable: the model is not stationary
+      !> unstable: the model is not stationary; cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: predictor(:, :), deviation(:), past(:)
       real(dp) :: g, z
       integer(int64) :: i
@@ -184,6 +214,8 @@ contains
       if (allocated(error)) return
       allocate (past(p), source=0.0_dp)                ! past(j) is the value j samples ago
       do i = 1, size(x, kind=int64)
+         if (iand(i - 1, told_samples) == 0) call tell_progress("simulating", i - 1, size(x, kind=int64), error, progress)
+         if (allocated(error)) return
          order = int(min(i - 1, int(p, int64)))
          call next_normal(random, g)
          z = dot_product(predictor(:order, order), past(:order)) + deviation(order)*g

@@ -7,6 +7,7 @@
 !> Every term draws from a stream of its own: switching one on or off does not change the others' numbers.
 module gyroakf_simulate_record
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_progress, only : progress_type
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_units, only : parse_unit
    use gyroakf_record, only : record_type, add_text
@@ -95,26 +96,29 @@ contains
    !>
    !> Its true drift is what moves slowly or stays: 1/f noise B, random walk K, ramp R, the AR process, trend and offset; not
    !> quantisation noise Q and white noise N, outliers and rounding. It is known where samples are lost, too.
-   subroutine simulate_record(options, record, error, truth)
+   subroutine simulate_record(options, record, error, truth, progress)
       !> What to simulate
       type(simulate_options), intent(in) :: options
       !> The record; `format` is "simulated", `present` is allocated where samples were lost
       type(record_type), intent(out) :: record
-      !> invalid_argument: an option out of its range or an unknown unit; unstable: the AR model is not stationary; no_memory
+      !> invalid_argument: an option out of its range or an unknown unit; unstable: the AR model is not stationary; no_memory;
+      !> cancelled
       type(error_type), allocatable, intent(out) :: error
       !> The true drift, on the same grid
       type(record_type), intent(out), optional :: truth
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       call check_options(options, error)
       if (allocated(error)) return
       call begin_record(options, record, error)
-      if (.not. allocated(error)) call add_noise(options, .true., record%value(:, 1), error)
+      if (.not. allocated(error)) call add_noise(options, .true., record%value(:, 1), error, progress)
       if (.not. allocated(error)) call add_disturbances(options, record, error)
       if (allocated(error)) return
       call audit_record(record)
       if (.not. present(truth)) return
       call begin_record(options, truth, error)
-      if (.not. allocated(error)) call add_noise(options, .false., truth%value(:, 1), error)
+      if (.not. allocated(error)) call add_noise(options, .false., truth%value(:, 1), error, progress)
       if (allocated(error)) return
       call add_deterministic(options, truth%sample_interval, truth%value(:, 1))
       call audit_record(truth)
@@ -148,12 +152,13 @@ contains
    end subroutine begin_record
 
    !> The noise terms that are switched on, each from its stream.
-   subroutine add_noise(options, fast, x, error)
+   subroutine add_noise(options, fast, x, error, progress)
       type(simulate_options), intent(in) :: options
       !> With what is no drift: Q and N
       logical, intent(in) :: fast
       real(dp), intent(inout), contiguous :: x(:)
       type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
       type(random_type) :: random
       real(dp) :: t0
 
@@ -161,26 +166,29 @@ contains
       associate (c => options%coefficient)
          if (fast .and. c(1) > 0) then
             call seed_random(random, options%seed, stream_q)
-            call add_quantisation_noise(x, c(1), t0, random)
+            call add_quantisation_noise(x, c(1), t0, random, error, progress)
+            if (allocated(error)) return
          end if
          if (fast .and. c(2) > 0) then
             call seed_random(random, options%seed, stream_n)
-            call add_white(x, c(2), t0, random)
+            call add_white(x, c(2), t0, random, error, progress)
+            if (allocated(error)) return
          end if
          if (c(3) > 0) then
             call seed_random(random, options%seed, stream_b)
-            call add_flicker(x, c(3), random, error)
+            call add_flicker(x, c(3), random, error, progress)
             if (allocated(error)) return
          end if
          if (c(4) > 0) then
             call seed_random(random, options%seed, stream_k)
-            call add_random_walk(x, c(4), t0, random)
+            call add_random_walk(x, c(4), t0, random, error, progress)
+            if (allocated(error)) return
          end if
       end associate
       if (allocated(options%ar)) then
          if (size(options%ar) > 0) then
             call seed_random(random, options%seed, stream_ar)
-            call add_autoregressive(x, options%ar, options%ar_variance, random, error)
+            call add_autoregressive(x, options%ar, options%ar_variance, random, error, progress)
          end if
       end if
    end subroutine add_noise
