@@ -40,7 +40,7 @@ bad "a JSON file that is there" 2 "w.json: is there already" run w.txt --json w.
 bad "a record that is there" 2 "w.txt: is there already" simulate --output w.txt
 is "it is kept, too" "$(cat w.json)" old
 good "by force" run w.txt --json w.json --out w_csv --series-format f64 --force --quiet
-is "an earlier run's series are gone" "$(ls w_csv | tr '\n' ' ')" "allan.csv ar_spectrum.csv coefficients.csv correlation.csv histogram.csv report.txt results.json series.f64 spectrum.csv "
+is "an earlier run's series are gone" "$(ls w_csv | tr '\n' ' ')" "allan.csv ar_spectrum.csv coefficients.csv correlation.csv histogram.csv report.html report.txt results.json series.f64 spectrum.csv "
 good "a device is no result" run w.txt --json /dev/null
 
 # nothing half written: a full disk, a folder that is read-only, a request to end

@@ -293,10 +293,12 @@ contains
             end do
          end do
       end do
-      do j = 3, size(heads)
-         call move_unit(table, j)
-      end do
-      call fit_names(table)
+      if (.not. writer%markup%on) then                     ! a page is wide enough
+         do j = 3, size(heads)
+            call move_unit(table, j)
+         end do
+         call fit_names(table)
+      end if
       call put_table(writer, table, verbatim=.true.)
       if (.not. writer%markup%on) call put_line(writer, "")
       if (any(rows%code /= 0)) then
