@@ -3,7 +3,8 @@
 !>
 !>     ./run.sh coefficients [RECORDS]
 !>
-!> Record i of every mix has the seed i. The fit is the program's default: octave averaging times, all terms on offer.
+!> Record i of every mix has the seed i. It is fitted twice: as the program does by default, octave averaging times, all terms on
+!> offer; and, what --terms does, with the terms alone that are there.
 program coefficients
    use, intrinsic :: iso_fortran_env, only : error_unit, output_unit
    use gyroakf, only : allan_curve_type, allan_options, compute_allan, dp, error_type, fit_noise, int64, noise_options, &
@@ -13,7 +14,8 @@ program coefficients
 
    !> A noise whose truth is known; sample interval 1 s
    type :: mix_type
-      character(28) :: name
+      !> Its terms
+      character(5) :: name
       integer(int64) :: samples
       !> Q N B K R
       real(dp) :: coefficient(5)
@@ -26,13 +28,12 @@ program coefficients
    end type outcome_type
 
    type(mix_type), parameter :: mixes(*) = [ &
-      & mix_type("white", 16384_int64, [0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]), &
-      & mix_type("quantised", 16384_int64, [1.0_dp, 0.2_dp, 0.0_dp, 0.0_dp, 0.0_dp]), &
-      & mix_type("flicker", 32768_int64, [0.0_dp, 1.0_dp, 0.2_dp, 0.0_dp, 0.0_dp]), &
-      & mix_type("walk", 32768_int64, [0.0_dp, 1.0_dp, 0.0_dp, 0.01_dp, 0.0_dp]), &
-      & mix_type("ramp", 16384_int64, [0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 3.0e-5_dp]), &
-      & mix_type("three", 131072_int64, [0.0_dp, 1.0_dp, 0.1_dp, 0.002_dp, 0.0_dp]), &
-      & mix_type("faint", 16384_int64, [0.0_dp, 1.0_dp, 0.05_dp, 0.002_dp, 0.0_dp])]
+      & mix_type("N", 16384_int64, [0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]), &
+      & mix_type("QN", 16384_int64, [1.0_dp, 0.2_dp, 0.0_dp, 0.0_dp, 0.0_dp]), &
+      & mix_type("NB", 32768_int64, [0.0_dp, 1.0_dp, 0.2_dp, 0.0_dp, 0.0_dp]), &
+      & mix_type("NK", 32768_int64, [0.0_dp, 1.0_dp, 0.0_dp, 0.01_dp, 0.0_dp]), &
+      & mix_type("NR", 16384_int64, [0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 3.0e-5_dp]), &
+      & mix_type("NBK", 16384_int64, [0.0_dp, 1.0_dp, 0.05_dp, 0.002_dp, 0.0_dp])]
    character(1), parameter :: letter(5) = ["Q", "N", "B", "K", "R"]
 
    integer :: records, i
@@ -48,28 +49,37 @@ contains
    subroutine study(mix, records)
       type(mix_type), intent(in) :: mix
       integer, intent(in) :: records
-      type(outcome_type) :: outcome(records)
+      type(outcome_type) :: outcome(2, records)
       integer :: i
 
       !$omp parallel do schedule(dynamic)
       do i = 1, records
-         call one_record(mix, i, outcome(i))
+         call one_record(mix, i, outcome(:, i))
       end do
       !$omp end parallel do
-      call print_table(mix, outcome)
+      write (output_unit, "(/, 2a, i0, a, i0, a)") trim(mix%name), ": ", records, " records of ", mix%samples, " samples"
+      call estimate_head("detected % | limit >= truth % | the same, not detected |")
+      call print_rows(mix, "", outcome(1, :))
+      call print_rows(mix, ", its terms alone", outcome(2, :))
+      write (output_unit, "(/, a, *(a, a, a))") "Not there, but detected (%):", &
+         & (" ", letter(i), fixed(percent(outcome(1, :)%detected(i) .and. mix%coefficient(i) <= 0), 1), i=1, 5)
+      flush (output_unit)
    end subroutine study
 
-   !> A record of a mix.
+   !> A record of a mix, fitted twice.
    subroutine one_record(mix, number, outcome)
       type(mix_type), intent(in) :: mix
       !> Its number, which is its seed
       integer, intent(in) :: number
-      type(outcome_type), intent(out) :: outcome
+      !> All terms on offer, its terms alone
+      type(outcome_type), intent(out) :: outcome(:)
       type(simulate_options) :: options
+      type(noise_options) :: how
       type(record_type) :: record
       type(allan_curve_type) :: curve
       type(noise_type) :: noise
       type(error_type), allocatable :: failure
+      integer :: i
 
       options%samples = mix%samples
       options%rate_hz = 1
@@ -77,39 +87,38 @@ contains
       options%seed = number
       call simulate_record(options, record, failure)
       if (.not. allocated(failure)) call compute_allan(record%value(:, 1), 1.0_dp, allan_options(), curve, failure)
-      if (.not. allocated(failure)) call fit_noise(curve, noise_options(), noise, failure)
-      if (allocated(failure)) then
-         write (error_unit, "(2a, i0, 2a)") trim(mix%name), ", record ", number, ": ", failure%message
-         error stop
-      end if
-      outcome%value = noise%coefficient%value
-      outcome%error = noise%coefficient%std_error
-      outcome%limit = noise%coefficient%upper_limit
-      outcome%detected = noise%coefficient%detected
+      do i = 1, 2
+         if (i == 2) how%terms = trim(mix%name)
+         if (.not. allocated(failure)) call fit_noise(curve, how, noise, failure)
+         if (allocated(failure)) then
+            write (error_unit, "(2a, i0, 2a)") trim(mix%name), ", record ", number, ": ", failure%message
+            error stop
+         end if
+         outcome(i)%value = noise%coefficient%value
+         outcome(i)%error = noise%coefficient%std_error
+         outcome(i)%limit = noise%coefficient%upper_limit
+         outcome(i)%detected = noise%coefficient%detected
+      end do
    end subroutine one_record
 
-   !> A row for every term of the mix: its intervals where it is detected, its limits in all records and where it is not detected;
-   !> then how often a term is detected that is not there.
-   subroutine print_table(mix, outcome)
+   !> A row for every term of the mix: its intervals where it is detected, its limits in all records and where it is not detected.
+   subroutine print_rows(mix, title, outcome)
       type(mix_type), intent(in) :: mix
+      character(*), intent(in) :: title
       type(outcome_type), intent(in) :: outcome(:)
       character(80) :: further
       integer :: j
 
-      write (output_unit, "(/, 2a, i0, a, i0, a)") trim(mix%name), ": ", size(outcome), " records of ", mix%samples, " samples"
-      call estimate_head("detected % | limit >= truth % | the same, not detected |")
       do j = 1, 5
          if (mix%coefficient(j) <= 0) cycle
          associate (found => outcome%detected(j))
             further = fixed(percent(found), 1)//" |"//fixed(percent(outcome%limit(j) >= mix%coefficient(j)), 1)//" |"// &
                & missed(pack(outcome%limit(j) >= mix%coefficient(j), .not. found))//" |"
-            call estimate_row(letter(j), mix%coefficient(j), pack(outcome%value(j), found), pack(outcome%error(j), found), &
-               & trim(further))
+            call estimate_row(letter(j)//title, mix%coefficient(j), pack(outcome%value(j), found), &
+               & pack(outcome%error(j), found), trim(further))
          end associate
       end do
-      write (output_unit, "(/, a, *(a, a, a))") "Not there, but detected (%):", &
-         & (" ", letter(j), fixed(percent(outcome%detected(j) .and. mix%coefficient(j) <= 0), 1), j=1, 5)
-   end subroutine print_table
+   end subroutine print_rows
 
    !> Share of limits that hold where the term is not detected, "-" where that is too rare to say.
    function missed(holds) result(text)
