@@ -31,7 +31,7 @@ fi
 grep -vE '"(path|mean|variance|std)"' streamed.json >expected.json
 if cmp -s piped.json expected.json; then pass; else fail "a pipe that is streamed: $(diff piped.json expected.json | head -n 3)"; fi
 good "results of a streamed record" allan large.txt --memory 30MB --out streamed_results --quiet
-is "result files" "$(cd streamed_results && ls | tr '\n' ' ')" "allan.csv coefficients.csv report.txt results.json "
+is "result files" "$(cd streamed_results && ls | tr '\n' ' ')" "allan.csv coefficients.csv report.html report.txt results.json "
 good "large enough" allan large.txt --memory 1.5GiB --json - --taus 1,10
 is "mode where it fits" "$(grep -c '"mode": "exact"' out)" 2
 bad "run needs" 2 "rows need 62" run large.txt --memory 30MB
@@ -81,14 +81,14 @@ fi
 # the series are written while they go by, the same as in memory but for rounding
 good "series of a streamed filter" filter large.txt --memory 56MB --out filtered_streamed --digits 9 --quiet
 good "series in memory" filter large.txt --out filtered_whole --digits 9 --quiet
-is "result files of a streamed filter" "$(ls filtered_streamed | tr '\n' ' ')" "ar_spectrum.csv report.txt results.json series.csv "
+is "result files of a streamed filter" "$(ls filtered_streamed | tr '\n' ' ')" "ar_spectrum.csv report.html report.txt results.json series.csv "
 is "lines of the series" "$(wc -l <filtered_streamed/series.csv)" 1000001
 is "lines that differ beyond rounding" "$(paste -d, filtered_whole/series.csv filtered_streamed/series.csv |
    awk -F, -v head=time,raw,cleaned,kf,akf,drift,compensated,drift_kf,drift_akf 'NR == 1 { if ($0 != head "," head) n++; next }
    { for (i = 1; i <= 9; i++) if (i < 6 || i > 7) { d = $i - $(i + 9); if (d > 1e-7 || d < -1e-7) n++ }
      if ($15 != "nan" || $16 != "nan") n++ } END { print n + 0 }')" 0
 good "binary series of a streamed filter" filter large.txt --memory 30MB --out filtered_streamed --series-format npy --force --quiet
-is "the other series is gone" "$(ls filtered_streamed | tr '\n' ' ')" "ar_spectrum.csv report.txt results.json series.npy "
+is "the other series is gone" "$(ls filtered_streamed | tr '\n' ' ')" "ar_spectrum.csv report.html report.txt results.json series.npy "
 good "which can be read" inspect filtered_streamed/series.npy --quiet --json npy.json
 holds "samples of the series" '"samples": 1000000' npy.json
 bad "a streamed filter keeps results" 2 "is there already and is kept" filter large.txt --memory 30MB --out filtered_streamed \
