@@ -4,6 +4,7 @@ module gyroakf_app_config
    use gyroakf_io_reader, only : reader_options
    use gyroakf_pipeline, only : pipeline_options
    use gyroakf_record, only : text_type
+   use gyroakf_report_document_origin, only : input_file_type
    use gyroakf_report_files, only : series_output_type
    use gyroakf_simulate_record, only : simulate_options
    implicit none (type, external)
@@ -52,6 +53,10 @@ module gyroakf_app_config
       integer :: number = 1
       !> The memory is a share of what there is, others work beside: what does not fit into it is not streamed but refused
       logical :: shared = .false.
+      !> Of a run that is repeated: the files that have to be the same; unallocated: it is none
+      type(input_file_type), allocatable :: expected(:)
+      !> Names of the options that were given, without their dashes; --dt stands as rate
+      type(text_type), allocatable :: given(:)
    end type reading_config
 
    !> inspect

@@ -11,16 +11,14 @@ module gyroakf_app_config_file
    use gyroakf_release, only : release_string
    use gyroakf_app_config_value, only : read_value, quoted
    use gyroakf_app_file_list, only : read_text
-   use gyroakf_app_option, only : options, command_names, find_option, belongs_to, takes_value, suggest_option
-   use gyroakf_app_words, only : given_type, words_type
+   use gyroakf_app_option, only : options, command_names, find_option, belongs_to, is_of_the_line, takes_value, &
+      & suggest_option
+   use gyroakf_app_words, only : given_type, words_type, is_given
    implicit none (type, external)
    private
-   public :: add_config, config_text
+   public :: add_config, config_text, join
 
    character(*), parameter :: nl = new_line("a")
-   !> Options that a file cannot have
-   character(14), parameter :: of_the_line(7) = [character(14) :: "--config", "--write-config", "--help", "--version", &
-                                                 "--citation", "--man", "--completion"]
 
 contains
 
@@ -103,7 +101,7 @@ contains
       integer :: row
 
       row = find_option(name, "")
-      if (any(of_the_line == name)) row = 0
+      if (is_of_the_line(name)) row = 0
       if (row == 0) then
          known = suggest_option(name)
          if (known == name) known = ""
@@ -126,8 +124,11 @@ contains
 
    !> The file's options first; its command and files where the command line has none.
    subroutine join(more, command, words)
+      !> Of the file
       type(words_type), intent(in) :: more
+      !> Of the file, "" where it has none
       character(*), intent(in) :: command
+      !> Of the line; grows
       type(words_type), intent(inout) :: words
       type(given_type), allocatable :: given(:)
       type(text_type), allocatable :: word(:)
@@ -135,13 +136,16 @@ contains
       logical :: named
 
       allocate (given(more%used + words%used))
+      n = 0
       do i = 1, more%used
-         given(i) = more%given(i)
+         if (is_replaced(trim(options(more%given(i)%row)%name), words)) cycle
+         n = n + 1
+         given(n) = more%given(i)
       end do
       do i = 1, words%used
-         given(more%used + i) = words%given(i)
+         given(n + i) = words%given(i)
       end do
-      words%used = size(given)
+      words%used = n + words%used
       call move_alloc(given, words%given)
       named = .false.
       if (words%positional > 0 .and. .not. words%behind_dashes) named = any(command_names == words%word(1)%text)
@@ -166,6 +170,19 @@ contains
       if (command /= "" .and. .not. named) words%behind_dashes = .false.
    end subroutine join
 
+   !> Whether the line says otherwise what an option of the file says by another name, or what only goes with another option.
+   pure logical function is_replaced(name, words)
+      character(*), intent(in) :: name
+      type(words_type), intent(in) :: words
+
+      select case (name)
+      case ("--rate"); is_replaced = is_given(words, "--dt")
+      case ("--dt"); is_replaced = is_given(words, "--rate")
+      case ("--outlier-threshold", "--outlier-rounds", "--outlier-window"); is_replaced = is_given(words, "--outliers")
+      case default; is_replaced = .false.
+      end select
+   end function is_replaced
+
    !> The file that repeats a command line: what was given, and all else that the command knows as comments.
    function config_text(words, command, first) result(text)
       !> The command line with the options of --config
@@ -189,7 +206,7 @@ contains
          text = text//"# files = [""FILE""]"//nl
       end if
       do i = 1, size(options)
-         if (options(i)%kind == "later" .or. any(of_the_line == options(i)%name)) cycle
+         if (options(i)%kind == "later" .or. is_of_the_line(options(i)%name)) cycle
          if (belongs_to(options(i), command)) text = text//nl//lines_of(i, words)
       end do
    end function config_text

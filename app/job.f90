@@ -9,6 +9,7 @@ module gyroakf_app_job
    use gyroakf_pipeline, only : pipeline_result_type, channel_result_type
    use gyroakf_record, only : record_type, text_type
    use gyroakf_report_document, only : write_document
+   use gyroakf_report_document_origin, only : origin_type
    use gyroakf_report_figures, only : figure_folder, write_figures
    use gyroakf_report_files, only : write_results
    use gyroakf_report_kalibr, only : write_kalibr
@@ -17,6 +18,7 @@ module gyroakf_app_job
    use gyroakf_app_gnuplot, only : draw_figures
    use gyroakf_app_page, only : make_page
    use gyroakf_app_interrupt, only : guard_files, interrupted, release_files
+   use gyroakf_app_origin, only : find_origin
    use gyroakf_app_progress_bar, only : bar_type, clear_bar
    use gyroakf_app_reading, only : read_and_look, read_and_run
    implicit none (type, external)
@@ -36,14 +38,16 @@ contains
       !> As of [[read_record]]; io
       type(error_type), allocatable, intent(out) :: error
       type(writer_type) :: writer
+      type(origin_type) :: origin
 
-      call read_and_look(config, record, error, bar)
+      call find_origin(config, origin, error, bar)
+      if (.not. allocated(error)) call read_and_look(config, record, error, bar)
       if (allocated(error)) return
       call clear_bar(bar)
-      if (allocated(config%out)) call write_inspection(config%out, record, error)
+      if (allocated(config%out)) call write_inspection(config%out, record, origin, error)
       if (allocated(error)) return
       if (allocated(config%json)) then
-         call begin_document(config%json, record, writer, error)
+         call begin_document(config%json, record, origin, writer, error)
          if (.not. allocated(error)) call commit_writer(writer, error)
          if (allocated(error) .or. config%json == "-") return
       end if
@@ -55,9 +59,10 @@ contains
    end subroutine inspect
 
    !> inspect --out: report.txt and results.json.
-   subroutine write_inspection(directory, record, error)
+   subroutine write_inspection(directory, record, origin, error)
       character(*), intent(in) :: directory
       type(record_type), intent(in) :: record
+      type(origin_type), intent(in) :: origin
       type(error_type), allocatable, intent(out) :: error
       type(writer_type) :: report, document
 
@@ -68,7 +73,7 @@ contains
          call report_inspect(report, record)
          call complete_writer(report, error)
       end if
-      if (.not. allocated(error)) call begin_document(directory//"/results.json", record, document, error)
+      if (.not. allocated(error)) call begin_document(directory//"/results.json", record, origin, document, error)
       if (.not. allocated(error)) call complete_writer(document, error)
       if (.not. allocated(error)) call commit_writer(report, error)
       if (.not. allocated(error)) call commit_writer(document, error)
@@ -90,8 +95,10 @@ contains
       !> As of [[read_record]] and [[run_pipeline]]; io; cancelled
       type(error_type), allocatable, intent(out) :: error
       type(writer_type) :: series
+      type(origin_type) :: origin
 
-      call read_and_run(config, record, result, error, bar, series)
+      call find_origin(config, origin, error, bar)
+      if (.not. allocated(error)) call read_and_run(config, record, result, error, bar, series)
       if (.not. allocated(error)) call check_result(config, result, error)
       if (allocated(error)) then
          call discard_writer(series)
@@ -99,13 +106,13 @@ contains
          return
       end if
       call guard_files()
-      call write_files(config, bar, record, result, series, error)
+      call write_files(config, bar, record, result, origin, series, error)
       if (.not. allocated(error) .and. allocated(config%plot)) call draw(config, record, result, error)
       if (.not. allocated(error) .and. allocated(config%out)) call make_page(config, record, result, error)
       call release_files()
       call clear_bar(bar)
       if (.not. allocated(error) .and. interrupted()) call fatal_error(error, status%cancelled, "ended; the files are complete")
-      if (.not. allocated(error)) call print_result(config, record, result, error)
+      if (.not. allocated(error)) call print_result(config, record, result, origin, error)
    end subroutine analyse
 
    !> The figures, from the result files that are there.
@@ -123,11 +130,12 @@ contains
    end subroutine draw
 
    !> The document, Kalibr's file and the result files: all are complete before the first one appears.
-   subroutine write_files(config, bar, record, result, series, error)
+   subroutine write_files(config, bar, record, result, origin, series, error)
       type(analysis_config), intent(in) :: config
       type(bar_type), intent(inout) :: bar
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in) :: result
+      type(origin_type), intent(in) :: origin
       !> Of a streamed record: complete; else not open
       type(writer_type), intent(inout) :: series
       type(error_type), allocatable, intent(out) :: error
@@ -139,12 +147,13 @@ contains
       to_file = .false.
       if (allocated(config%json)) to_file = config%json /= "-"
       if (to_file) then
-         call begin_document(config%json, record, document, error, result)
+         call begin_document(config%json, record, origin, document, error, result)
          if (.not. allocated(error)) call complete_writer(document, error)
       end if
       if (.not. allocated(error) .and. allocated(config%kalibr)) call begin_kalibr(config%kalibr, record, result, kalibr, error)
-      if (.not. allocated(error) .and. allocated(config%out)) call write_results(config%out, config%command, record, &
-                                                                                config%pipeline, result, error, config%series, bar)
+      if (.not. allocated(error) .and. allocated(config%out)) then
+         call write_results(config%out, config%command, record, config%pipeline, result, error, config%series, bar, origin)
+      end if
       if (allocated(error)) then
          call discard_writer(document)
          call discard_writer(kalibr)
@@ -194,10 +203,11 @@ contains
    end function has_result
 
    !> The JSON document or the command's report on standard output.
-   subroutine print_result(config, record, result, error)
+   subroutine print_result(config, record, result, origin, error)
       type(analysis_config), intent(in) :: config
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in) :: result
+      type(origin_type), intent(in) :: origin
       type(error_type), allocatable, intent(out) :: error
       type(writer_type) :: writer
       logical :: as_json
@@ -206,7 +216,7 @@ contains
       if (allocated(config%json)) as_json = config%json == "-"
       if (config%quiet .and. .not. as_json) return
       if (as_json) then
-         call begin_document("-", record, writer, error, result)
+         call begin_document("-", record, origin, writer, error, result)
       else
          call open_writer(writer, "-", error)
       end if
@@ -216,15 +226,16 @@ contains
    end subroutine print_result
 
    !> The JSON document in an open writer; without a result it tells what was read.
-   subroutine begin_document(path, record, writer, error, result)
+   subroutine begin_document(path, record, origin, writer, error, result)
       character(*), intent(in) :: path
       type(record_type), intent(in) :: record
+      type(origin_type), intent(in) :: origin
       type(writer_type), intent(out) :: writer
       type(error_type), allocatable, intent(out) :: error
       type(pipeline_result_type), intent(in), optional :: result
 
       call open_writer(writer, path, error)
-      if (.not. allocated(error)) call write_document(writer, record, result)
+      if (.not. allocated(error)) call write_document(writer, record, result, origin)
    end subroutine begin_document
 
    !> Kalibr's file, complete but not yet in its place.

@@ -7,7 +7,7 @@ module gyroakf_app_option
    implicit none (type, external)
    private
    public :: option_type, options, commands, command_names, group_titles
-   public :: find_option, takes_value, belongs_to, suggest_option, suggest_word
+   public :: find_option, takes_value, belongs_to, is_of_the_line, suggest_option, suggest_word
 
    !> One row
    type :: option_type
@@ -228,6 +228,9 @@ module gyroakf_app_option
                   "how far long work is, on standard error; auto (default): on a terminal, after a second"), &
       option_type("--config", "FILE", "text", any_command, "work", &
                   "take options from FILE, name = value a line; those of the command line come on top"), &
+      option_type("--repeat", "FILE", "text", reading, "work", &
+                  "repeat the run that wrote this results.json: its command, options and file, whose checksum is compared; "// &
+                  "what the command line gives comes instead"), &
       option_type("--write-config", "FILE", "text", any_command, "work", &
                   "write all options into FILE, those that are not given as comments; without a recording nothing else is done"), &
       option_type("--help", "", "flag", any_command, "common", "this text, or that of a command"), &
@@ -239,6 +242,10 @@ module gyroakf_app_option
 
    !> All options
    type(option_type), parameter :: options(*) = [input_options, series_options, record_options, common_options]
+
+   !> Options of a command line alone: no file of options has them, no document tells them
+   character(14), parameter :: of_the_line(8) = [character(14) :: "--config", "--repeat", "--write-config", "--help", &
+                                                 "--version", "--citation", "--man", "--completion"]
 
 contains
 
@@ -275,6 +282,14 @@ contains
 
       belongs_to = index(" "//option%commands//" ", " "//trim(command)//" ") > 0
    end function belongs_to
+
+   !> Whether an option is one of the command line alone.
+   pure logical function is_of_the_line(name)
+      !> With its dashes
+      character(*), intent(in) :: name
+
+      is_of_the_line = any(of_the_line == name)
+   end function is_of_the_line
 
    !> The known option that a misspelt one probably means, "" if none is near.
    !>

@@ -172,7 +172,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       select case (option%name)
-      case ("--config", "--write-config")                 ! of the words as a whole, see gyroakf_app_cli
+      case ("--config", "--repeat", "--write-config")                 ! of the words as a whole, see gyroakf_app_cli
       case ("--quiet"); config%quiet = .true.
       case ("--progress"); config%progress = value%text
       case ("--force"); config%force = .true.

@@ -44,10 +44,13 @@ holds() {
    if grep -qF -- "$2" "$3" || tr -s "[:space:]" " " <"$3" | grep -qF -- "$2"; then pass; else fail "$1: no '$2' in $3"; fi
 }
 
+# a document without what tells its run: options, paths and checksums
+no_origin() { sed '/^  "origin": {/,/^  },/d'; }
+
 # is NAME ACTUAL EXPECTED
 is() { if [ "$2" = "$3" ]; then pass; else fail "$1: '$2' instead of '$3'"; fi; }
 
-for part in usage manual config malformed odd reading formats time truth output memory progress many writing plots page selftest; do
+for part in usage manual config repeat malformed odd reading formats time truth output memory progress many writing plots page selftest; do
    [ $# -lt 2 ] || [ "$2" = "$part" ] || continue
    # shellcheck source=/dev/null
    . "$here/part_$part.sh"

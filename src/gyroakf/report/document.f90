@@ -10,6 +10,7 @@ module gyroakf_report_document
    use gyroakf_pipeline_result, only : pipeline_result_type, channel_result_type
    use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, flush_json
    use gyroakf_report_document_arma, only : put_arma
+   use gyroakf_report_document_origin, only : origin_type, put_origin
    use gyroakf_report_document_preprocess, only : put_preprocess
    use gyroakf_report_document_parts, only : put_tests, put_ar, put_allan, put_coefficients
    use gyroakf_report_document_filters, only : put_drift, put_filters
@@ -24,21 +25,23 @@ module gyroakf_report_document
 contains
 
    !> Writes the whole document.
-   subroutine write_document(writer, record, result)
+   subroutine write_document(writer, record, result, origin)
       !> Open
       type(writer_type), intent(inout) :: writer
       !> What was read
       type(record_type), intent(in) :: record
       !> What came out; absent: "channels" is empty
       type(pipeline_result_type), intent(in), optional :: result
+      !> Command, options and files; absent: "origin" is null
+      type(origin_type), intent(in), optional :: origin
       type(json_type) :: json
 
-      call put_document(json, writer, record, result)
+      call put_document(json, writer, record, result, origin)
       call flush_json(json, writer)
    end subroutine write_document
 
    !> Makes the whole document.
-   subroutine put_document(json, writer, record, result)
+   subroutine put_document(json, writer, record, result, origin)
       !> Empty
       type(json_type), intent(inout) :: json
       !> Takes parts of it now and then; where it is not open all of it is in `json` in the end
@@ -46,6 +49,7 @@ contains
       !> As those of [[write_document]]
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in), optional :: result
+      type(origin_type), intent(in), optional :: origin
       type(record_type) :: view
       integer :: c
 
@@ -53,6 +57,7 @@ contains
       call put_member(json, "schema", schema_number)
       call put_member(json, "program", "gyroakf")
       call put_member(json, "version", release_string)
+      call put_origin(json, origin)
       call put_input(json, record, result)
       call open_array(json, "channels")
       if (present(result)) then
