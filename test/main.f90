@@ -91,6 +91,7 @@ program test_main
    use test_sage_husa, only : collect_sage_husa
    use test_selftest, only : collect_selftest
    use test_simulate, only : collect_simulate
+   use test_status, only : collect_status
    use test_special, only : collect_special
    use test_state_space, only : collect_state_space
    use test_streamed_filter, only : collect_streamed_filter
@@ -198,6 +199,7 @@ program test_main
    call add("sage_husa", collect_sage_husa)
    call add("selftest", collect_selftest)
    call add("simulate", collect_simulate)
+   call add("status", collect_status)
    call add("special", collect_special)
    call add("state_space", collect_state_space)
    call add("streamed_filter", collect_streamed_filter)

@@ -1,0 +1,166 @@
+! SPDX-License-Identifier: MIT
+!> Every status code of the library, and a call that gives it.
+!>
+!> Two codes are not in the table: no procedure of the library gives `usage`, which is the program's for a wrong command line
+!> (test/cli/part_usage.sh), nor `internal`, with which it ends where its self-test fails (test/cli/part_selftest.sh).
+module test_status
+   use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : gyro_error => error_type, status, status_text, status_texts
+   use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
+   use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter
+   use gyroakf_filter_state_space, only : steady_state
+   use gyroakf_io_reader, only : read_record, reader_options
+   use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, run_pipeline
+   use gyroakf_progress, only : progress_type
+   use gyroakf_record, only : record_type
+   use gyroakf_series_stationarity, only : adf_options, adf_type, test_adf
+   use gyroakf_simulate_record, only : simulate_options, simulate_record
+   use scratch_file, only : remove_file, scratch_path, write_bytes
+   use testdrive, only : check, error_type, new_unittest, unittest_type
+   implicit none (type, external)
+   private
+   public :: collect_status
+
+   !> Ends every call
+   type, extends(progress_type) :: impatient_type
+   contains
+      procedure :: advance => end_it
+   end type impatient_type
+
+   !> The codes that the program alone gives
+   integer, parameter :: of_the_program(2) = [status%internal, status%usage]
+
+contains
+
+   !> The tests of this suite.
+   subroutine collect_status(testsuite)
+      !> The tests
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [new_unittest("every_code", test_every_code)]
+   end subroutine collect_status
+
+   subroutine test_every_code(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      integer :: code
+
+      do code = lbound(status_texts, 1), ubound(status_texts, 1)
+         if (any(code == of_the_program)) cycle
+         call provoke(code, failure)
+         if (code == status%ok) then
+            call check(error, .not. allocated(failure), "nothing is wrong")
+            if (allocated(error)) return
+            cycle
+         end if
+         call check(error, allocated(failure), "no error: "//status_text(code))
+         if (allocated(error)) return
+         call check(error, failure%code, code, status_text(code)//": "//failure%message)
+         if (allocated(error)) return
+         call check(error, len(failure%message) > 10, "a message: "//status_text(code))
+         if (allocated(error)) return
+      end do
+   end subroutine test_every_code
+
+   !> A call that gives this code.
+   subroutine provoke(code, failure)
+      integer, intent(in) :: code
+      type(gyro_error), allocatable, intent(out) :: failure
+
+      select case (code)
+      case (status%ok, status%invalid_argument, status%too_few_samples, status%not_supported)
+         call provoke_allan(code, failure)
+      case (status%io, status%parse)
+         call provoke_reading(code, failure)
+      case (status%constant_input, status%singular)
+         call provoke_test(code, failure)
+      case (status%unstable, status%non_finite, status%not_converged)
+         call provoke_filter(code, failure)
+      case (status%no_memory, status%cancelled)
+         call provoke_job(code, failure)
+      end select
+   end subroutine provoke
+
+   !> Allan deviations of a straight line: done; with an interval of 0; of one sample; of an unknown kind.
+   subroutine provoke_allan(code, failure)
+      integer, intent(in) :: code
+      type(gyro_error), allocatable, intent(out) :: failure
+      type(allan_options) :: options
+      type(allan_curve_type) :: curve
+      real(dp) :: rate(1000)
+      integer :: i
+
+      rate = [(real(i, dp), i=1, size(rate))]
+      if (code == status%not_supported) options%kind = "nodev"
+      call compute_allan(rate(:merge(1, size(rate), code == status%too_few_samples)), &
+                         merge(0.0_dp, 1.0_dp, code == status%invalid_argument), options, curve, failure)
+   end subroutine provoke_allan
+
+   !> A file that is not there; one that holds no numbers.
+   subroutine provoke_reading(code, failure)
+      integer, intent(in) :: code
+      type(gyro_error), allocatable, intent(out) :: failure
+      type(record_type) :: record
+      character(:), allocatable :: path
+
+      path = scratch_path("status.txt")
+      if (code == status%parse) call write_bytes(path, "1.0"//new_line("a")//"one point two"//new_line("a"))
+      call read_record(path, reader_options(), record, failure)
+      call remove_file(path)
+   end subroutine provoke_reading
+
+   !> The Dickey-Fuller test of a constant, and of a sinusoid, which its own past predicts exactly.
+   subroutine provoke_test(code, failure)
+      integer, intent(in) :: code
+      type(gyro_error), allocatable, intent(out) :: failure
+      type(adf_type) :: result
+      real(dp) :: x(200)
+      integer :: i
+
+      x = [(sin(real(i, dp)), i=1, size(x))]
+      if (code == status%constant_input) x = 1.0_dp
+      call test_adf(x, adf_options(lags=4), result, failure)
+   end subroutine provoke_test
+
+   !> A filter of a process that grows without end, one whose variance is no number, the gain of one that next to nothing drives.
+   subroutine provoke_filter(code, failure)
+      integer, intent(in) :: code
+      type(gyro_error), allocatable, intent(out) :: failure
+      type(filter_type) :: filter
+      real(dp) :: q, gain(2), prior(2, 2)
+
+      if (code == status%not_converged) then
+         call steady_state([0.0_dp, 1.0_dp], 1.0e-300_dp, 1.0_dp, gain, prior, failure)
+         return
+      end if
+      q = 1.0_dp
+      if (code == status%non_finite) q = ieee_value(q, ieee_quiet_nan)
+      call new_filter(filter, [merge(1.1_dp, 0.5_dp, code == status%unstable)], q, 1.0_dp, filter_options(), failure)
+   end subroutine provoke_filter
+
+   !> A record of more bytes than there are addresses; a job whose caller has had enough.
+   subroutine provoke_job(code, failure)
+      integer, intent(in) :: code
+      type(gyro_error), allocatable, intent(out) :: failure
+      type(simulate_options) :: options
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      type(impatient_type) :: impatient
+
+      if (code == status%no_memory) options%samples = 10_int64**15
+      call simulate_record(options, record, failure)
+      if (allocated(failure)) return
+      call run_pipeline(record, pipeline_options(), result, failure, impatient)
+   end subroutine provoke_job
+
+   subroutine end_it(self, stage, done, total, cancel)
+      class(impatient_type), intent(inout) :: self
+      character(*), intent(in) :: stage
+      integer(int64), intent(in) :: done, total
+      logical, intent(out) :: cancel
+
+      cancel = same_type_as(self, impatient_type()) .and. len(stage) > 0 .and. done <= max(done, total)
+   end subroutine end_it
+
+end module test_status
