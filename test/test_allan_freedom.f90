@@ -92,6 +92,9 @@ contains
       if (allocated(error)) return
       ! m = 400: 201 estimates, r about one half: independent phases, so 201
       call expect(error, 400, 2, 2, .false., .true., 201.0_dp)
+      if (allocated(error)) return
+      ! m = 300: 401 estimates, those m apart share a phase: a correlation of -4/6, whose square counts
+      call expect(error, 300, 2, 2, .false., .true., 401/(1 + 2*(1 - 300/401.0_dp)*(4/6.0_dp)**2))
    end subroutine test_white_phase_short
 
    subroutine test_branches_meet(error)

@@ -4,7 +4,7 @@ module test_allan_halves
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_special, only : chi_square_survival
+   use gyroakf_special, only : chi_square_survival, digamma
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
    use gyroakf_allan_fit_problem, only : trigamma
    use gyroakf_allan_halves, only : compare_halves, halves_options, halves_type
@@ -31,6 +31,7 @@ contains
          & new_unittest("uniform_p_values", test_uniform), &
          & new_unittest("outliers", test_outliers), &
          & new_unittest("gaps", test_gaps), &
+         & new_unittest("unequal_halves", test_unequal), &
          & new_unittest("failures", test_failures)]
    end subroutine collect_allan_halves
 
@@ -232,6 +233,37 @@ contains
       if (allocated(error)) return
       call check(error, all(marked%upper(:5)/marked%lower(:5) > halves%upper(:5)/halves%lower(:5)) .and. marked%p_value > 1e-4_dp)
    end subroutine test_gaps
+
+   !> Halves that lack different shares have logarithms of different bias: psi(nu/2) - ln(nu/2) each, which is taken off. nu as
+   !> in single_tau, of 40 samples, 19 of the second half's 39 differences left.
+   subroutine test_unequal(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      type(noise_type) :: noise
+      type(halves_options) :: options
+      type(halves_type) :: halves
+      type(gyro_error), allocatable :: failed
+      real(dp) :: x(80), z1(39), z2(19), half_nu(2), expected
+      integer(int8) :: valid(80)
+
+      call white_model(1.0_dp, noise)
+      x(:40) = normal_series(40_int64, 71_int64)
+      x(41:) = x(:40)
+      valid = 1
+      valid(61:) = 0
+      options%taus = "1"
+      options%least_edf = 1
+      call compare_halves(x, 1.0_dp, noise, options, halves, failed, valid)
+      call check(error, .not. allocated(failed) .and. size(halves%tau) == 1)
+      if (allocated(error)) return
+      z1 = x(2:40) - x(1:39)
+      z2 = x(42:60) - x(41:59)
+      half_nu = 1/((39*4 + 2*38*1)/(39.0_dp**2*2) + (39*sum(z1**4)/sum(z1**2)**2 + 19*sum(z2**4)/sum(z2**2)**2 - 6)/40)
+      half_nu(2) = half_nu(2)*19/39
+      expected = log((sum(z2**2)/19)/(sum(z1**2)/39)) - (digamma(half_nu(2)) - log(half_nu(2))) &
+         & + (digamma(half_nu(1)) - log(half_nu(1)))
+      call check(error, 2*log(halves%ratio(1)), expected, thr=1e-8_dp)
+   end subroutine test_unequal
 
    subroutine test_failures(error)
       type(error_type), allocatable, intent(out) :: error

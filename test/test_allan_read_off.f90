@@ -21,6 +21,7 @@ contains
 
       testsuite = [ &
          & new_unittest("single_terms", test_single_terms), &
+         & new_unittest("weights", test_weights), &
          & new_unittest("mixture", test_mixture), &
          & new_unittest("bend_is_no_segment", test_bend), &
          & new_unittest("every_grid", test_every_grid), &
@@ -68,6 +69,26 @@ contains
          if (allocated(error)) return
       end do
    end subroutine test_single_terms
+
+   !> Points beside their line count by their degrees of freedom: the mean of the logarithms is weighted with them.
+   subroutine test_weights(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      real(dp), parameter :: beside(5) = [0.004_dp, -0.002_dp, 0.001_dp, 0.003_dp, -0.004_dp]      ! decades
+      real(dp), parameter :: edf(5) = [1600.0_dp, 800.0_dp, 400.0_dp, 200.0_dp, 100.0_dp]
+      type(allan_curve_type) :: curve
+      type(read_off_type) :: read
+      type(gyro_error), allocatable :: failed
+
+      curve%samples = 3200
+      curve%tau = [1.0_dp, 2.0_dp, 4.0_dp, 8.0_dp, 16.0_dp]
+      curve%deviation = 0.3_dp/sqrt(curve%tau)*10**beside
+      curve%edf = edf
+      call read_off(curve, read_off_options(), read, failed)
+      call check(error, .not. allocated(failed) .and. read%found(2) .and. read%to_tau(2) > 15.0_dp)
+      if (allocated(error)) return
+      call check(error, read%value(2), 0.3_dp*10**(sum(edf*beside)/sum(edf)), thr=1e-14_dp, rel=.true.)
+   end subroutine test_weights
 
    !> Terms far apart: each is read, never below the truth, and above it by little: where a neighbour bends the
    !> slope by 0.1, it has raised the deviation by 12 %, and K has a neighbour on both sides.

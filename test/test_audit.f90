@@ -31,6 +31,7 @@ contains
          new_unittest("late-delivery", test_late), &
          new_unittest("gap", test_gap), &
          new_unittest("many-gaps", test_many_gaps), &
+         new_unittest("gaps-in-jitter", test_gaps_in_jitter), &
          new_unittest("losses-on-a-grid", test_losses_on_grid), &
          new_unittest("bursts", test_bursts), &
          new_unittest("bursts-with-loss", test_burst_loss), &
@@ -41,6 +42,7 @@ contains
          new_unittest("clock-set-forward", test_set_forward), &
          new_unittest("missing-stamps", test_missing_stamps), &
          new_unittest("gap-in-a-file", test_gap_in_file), &
+         new_unittest("repeated-rows-and-gap", test_repeated_rows), &
          new_unittest("lines", test_lines)]
    end subroutine collect_audit
 
@@ -141,6 +143,20 @@ contains
       if (allocated(error)) return
       call check(error, audit%line_of_first(3), 1000_int64)
    end subroutine test_gap
+
+   !> Five samples lost at a time: the jitter makes the steps there longer or shorter, and what is lost is rounded, not cut.
+   subroutine test_gaps_in_jitter(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(audit_type) :: audit
+      real(dp) :: t(n)
+      integer :: i, k
+
+      t = even() + 0.2_dp*dt*[(noise(i), i=1, n)]
+      do k = 1, 8
+         t(430*k:) = t(430*k:) + 5*dt
+      end do
+      call expect(error, t, 8, 40, 1.0_dp/n, audit)
+   end subroutine test_gaps_in_jitter
 
    !> One sample lost in fifty, each at another place of the fifty.
    subroutine test_many_gaps(error)
@@ -305,6 +321,36 @@ contains
       if (allocated(error)) return
       call check(error, record%audit%line_of_first(3), 62_int64)
    end subroutine test_gap_in_file
+
+   !> Rows written twice are left out, and a gap behind them stays where it is.
+   subroutine test_repeated_rows(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(gyro_error), allocatable :: failed
+      character(16*402) :: content
+      integer :: i, row
+
+      row = 0
+      do i = 1, 400
+         row = row + 1
+         write (content(16*row - 15:16*row), "(f8.2, i7, a)") 0.01_dp*merge(i, i + 3, i <= 200), i, new_line("a")
+         if (mod(i, 90) /= 0 .or. i > 180) cycle
+         row = row + 1
+         content(16*row - 15:16*row) = content(16*row - 31:16*row - 16)
+      end do
+      call write_bytes(scratch_path("repeated.txt"), "t gx"//new_line("a")//content)
+      call read_record(scratch_path("repeated.txt"), reader_options(), record, failed)
+      call remove_file(scratch_path("repeated.txt"))
+      call check(error, .not. allocated(failed), "read")
+      if (allocated(error)) return
+      call check(error, record%audit%repeated == 2 .and. record%audit%missing == 3 .and. record%audit%gaps == 1, "counts")
+      if (allocated(error)) return
+      call check(error, all(record%present(201:203, 1) == 0) .and. sum(int(record%present)) == 400, "marks")
+      if (allocated(error)) return
+      call check(error, abs(record%value(200, 1) - 200) <= 0.0_dp .and. abs(record%value(204, 1) - 201) <= 0.0_dp, "values")
+      if (allocated(error)) return
+      call check(error, record%audit%line_of_first(3), 204_int64)
+   end subroutine test_repeated_rows
 
    !> Lines are counted with header, comments and blank lines.
    subroutine test_lines(error)

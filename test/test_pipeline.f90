@@ -13,6 +13,7 @@ module test_pipeline
    use gyroakf_ar_model, only : ar_model_type
    use gyroakf_filter_design, only : design_kf, design_akf
    use gyroakf_filter_kalman, only : filter_type
+   use gyroakf_pipeline_coefficients, only : compare_coefficients
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, channel_result_type, stage, apply_preset, run_pipeline
    implicit none (type, external)
    private
@@ -35,6 +36,8 @@ contains
          new_unittest("missing-many", test_missing_many), &
          new_unittest("drift", test_drift), &
          new_unittest("compensated", test_compensated), &
+         new_unittest("stated-figures", test_stated_figures), &
+         new_unittest("reduction", test_reduction), &
          new_unittest("drift-options", test_drift_options), &
          new_unittest("channels", test_channels), &
          new_unittest("nothing-known", test_nothing_known), &
@@ -368,6 +371,56 @@ contains
       options%missing = 0.01_dp
       call simulate_record(options, record, failed)
    end subroutine walking_record
+
+   !> Shares of variances, and the correlation time of a process.
+   subroutine test_stated_figures(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      type(simulate_options) :: options
+      type(gyro_error), allocatable :: failed
+
+      options%samples = 6000
+      options%rate_hz = 10
+      options%coefficient(2) = 0.01_dp
+      options%ar = [0.98_dp]
+      options%ar_variance = 1.0e-4_dp
+      call simulate_record(options, record, failed)
+      call check(error, run(record, result), "the job fails")
+      if (allocated(error)) return
+      associate (c => result%channel(1))
+         call check(error, c%kf_figures%variance_ratio, c%kf%variance/c%cleaned%variance, thr=1.0e-14_dp, rel=.true.)
+         if (allocated(error)) return
+         call check(error, c%akf_figures%raw_variance_ratio, c%akf%variance/c%raw%variance, thr=1.0e-14_dp, rel=.true.)
+         if (allocated(error)) return
+         call check(error, c%drift%found .and. size(c%drift_process) == 1, "one process")
+         if (allocated(error)) return
+         call check(error, .not. c%drift_process(1)%walk, "a correlated process")
+         if (allocated(error)) return
+         call check(error, c%drift_process(1)%time, -0.1_dp/log(c%drift%model%phi(1)), thr=1.0e-14_dp, rel=.true.)
+      end associate
+   end subroutine test_stated_figures
+
+   !> What the adaptive filter leaves of a coefficient: of 10, 4 is 60 % less; an upper limit of 2 at least 80 %; 11 says nothing.
+   subroutine test_reduction(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(channel_result_type) :: channel
+
+      channel%allan%fitted = .true.
+      channel%allan(stage%cleaned)%stated%term%detected = .true.
+      channel%allan(stage%cleaned)%stated%term%value = 10
+      channel%allan(stage%cleaned)%stated%term(5)%detected = .false.
+      channel%allan(stage%akf)%stated%term%fitted = .true.
+      channel%allan(stage%akf)%stated%term%value = 4
+      channel%allan(stage%akf)%stated%term%detected = [.true., .true., .false., .false., .true.]
+      channel%allan(stage%akf)%stated%term%upper_limit = [6.0_dp, 6.0_dp, 2.0_dp, 11.0_dp, 6.0_dp]
+      call compare_coefficients(channel)
+      call check(error, all(channel%reduction_known .eqv. [.true., .true., .false., .false., .false.]), "known")
+      if (allocated(error)) return
+      call check(error, maxval(abs(channel%reduction_percent(:2) - 60)) < 1.0e-12_dp, "60 %")
+      if (allocated(error)) return
+      call check(error, abs(channel%reduction_at_least(3) - 80) < 1.0e-12_dp .and. channel%reduction_at_least(4) <= 0.0_dp, "80 %")
+   end subroutine test_reduction
 
    !> What is left without the smoothed drift: raw is drift and compensated; the white noise of 0.0316; no random walk any more.
    subroutine test_compensated(error)

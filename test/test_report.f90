@@ -562,6 +562,10 @@ contains
       if (allocated(error)) return
       call check(error, json_real(items, c//"/coefficients/reduction_percent/N"), 80.0_dp, thr=1.0e-9_dp)
       if (allocated(error)) return
+      call check(error, json_real(items, c//"/tests/adf/critical/1%"), -3.43_dp, thr=1.0e-12_dp)
+      if (allocated(error)) return
+      call check(error, json_real(items, c//"/tests/adf/critical/10%"), -2.57_dp, thr=1.0e-12_dp)
+      if (allocated(error)) return
       call check(error, json_text_at(items, c//"/coefficients/reduction_percent/B")// &
                  json_text_at(items, c//"/coefficients/akf/R/value")//json_text_at(items, c//"/allan/compensated"), "nullnullnull")
    end subroutine test_document_values

@@ -6,6 +6,7 @@ module test_sage_husa
    use gyroakf_error, only : gyro_error => error_type
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
    use gyroakf_filter_sage_husa, only : consistency_factor
+   use gyroakf_filter_packed, only : is_packed, pack_filter, packed_length, packed_numbers, step_packed
    use filter_library, only : companion_matrix, fill_noise, make_series, paper_phi
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)
@@ -42,6 +43,7 @@ contains
          & new_unittest("missing_does_not_adapt", test_missing), &
          & new_unittest("freeze", test_freeze), &
          & new_unittest("offset_goes_into_r", test_offset), &
+         & new_unittest("packed", test_packed), &
          & new_unittest("million_steps", test_million)]
    end subroutine collect_sage_husa
 
@@ -172,6 +174,42 @@ contains
          if (allocated(error)) return
       end do
    end subroutine test_scalar_vector
+
+   !> A filter held as numbers, as FORTRAN 77 has it, gives what the filter gives, at its bounds too.
+   subroutine test_packed(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      type(filter_type) :: filter
+      type(filter_options) :: options
+      real(dp) :: z(3000), state(packed_length(3)), numbers(9), x, estimate
+      integer :: i, k
+
+      call make_series(13, 0.9_dp, 1.0_dp, 2.0_dp, z)
+      z(500) = ieee_value(1.0_dp, ieee_quiet_nan)
+      z(1000) = 300
+      do i = 1, size(forms)
+         options = adapting("qrQR", forms(i), 0.95_dp)
+         options%huber = merge(2.5_dp, 0.0_dp, mod(i, 2) == 0)
+         options%q_lower = 0.7_dp
+         options%q_upper = 1.5_dp
+         options%r_lower = 0.3_dp
+         options%r_upper = 3.0_dp
+         options%burn_in = 30
+         call new_filter(filter, phi3, 0.5_dp, 2.0_dp, options, failure)
+         call pack_filter(filter, state)
+         call check(error, is_packed(state) .and. .not. allocated(failure), "it is one")
+         if (allocated(error)) return
+         do k = 1, size(z)
+            call step_filter(filter, z(k), x)
+            call step_packed(state, z(k), estimate)
+            call check(error, estimate, x, thr=1.0e-12_dp, rel=.true.)
+            if (allocated(error)) return
+         end do
+         call packed_numbers(state, numbers)
+         call check(error, filter%clamped > 0 .and. maxval(abs(numbers(8:9)/[filter%q, filter%r] - 1)) < 1.0e-12_dp, "Q, R")
+         if (allocated(error)) return
+      end do
+   end subroutine test_packed
 
    !> d_k = (1 - b)/(1 - b^(k+1)); 1/(k + 1) where b = 1; 1 - b in the end
    subroutine test_weights(error)

@@ -246,9 +246,10 @@ is "nothing is written where it is refused" "$(ls -d none* .none* 2>/dev/null)" 
 
 bad "JSON into a directory that is not there" 2 "nowhere" run "$example" --json nowhere/x.json
 bad "JSON over a directory" 2 "results" run "$example" --json results
-bad "directory over a file" 2 "plain.txt" run "$example" --out plain.txt
-bad "JSON over the recording" 1 "overwrite" run plain.txt --json ./plain.txt
-cp plain.txt results/series.csv
+cp "$example" recording.txt
+bad "directory over a file" 2 "recording.txt" run "$example" --out recording.txt
+bad "JSON over the recording" 1 "overwrite" run recording.txt --json ./recording.txt
+cp recording.txt results/series.csv
 bad "results over the recording" 1 "overwrite" run ./results/series.csv --out results
 yes 5 | head -n 60 >constant.txt
 for command in tests ar filter; do
