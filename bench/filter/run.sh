@@ -4,29 +4,32 @@
 # environment, made on first use) in the same run: ./run.sh
 set -eu
 cd "$(dirname "$0")"
-root=$(cd ../.. && pwd)
-venv=${XDG_CACHE_HOME:-$HOME/.cache}/gyroakf/bench-filter
-if ! "$venv/bin/python" -c "import filterpy, statsmodels" 2>/dev/null; then
-  python3 -m venv "$venv"
-  "$venv/bin/pip" install --quiet numpy scipy matplotlib setuptools wheel 'statsmodels==0.15.0'
-  "$venv/bin/pip" install --quiet --no-build-isolation filterpy==1.4.5
-fi
 mkdir -p build
-(cd "$root" && ./setup.sh fpm install --prefix "$root/bench/filter/build/prefix" >/dev/null 2>&1)
-gcc -O2 -I"$root/c_api/include" -c c/step.c -o build/step.o
-gcc -fopenmp build/step.o -Lbuild/prefix/lib -lgyroakf -llapack -lblas -lgfortran -lm -ldl -o build/step
+python=$(../peers.sh numpy filterpy statsmodels)
+program=$(../program.sh filter)
+library=$(dirname "$(dirname "$(../program.sh gyroakf)")")/lib
+gcc -O2 -I../../c_api/include -c c/step.c -o build/step.o
+gcc -fopenmp build/step.o -L"$library" -lgyroakf -llapack -lblas -lgfortran -lm -ldl -o build/step
 {
   echo "ns a step"
-  ../../setup.sh fpm run bench_filter 2>/dev/null | grep -E 'median|[0-9]\.[0-9]'
+  "$program"
   build/step
-  OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 "$venv/bin/python" compare.py
+  OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 "$python" compare.py
 } | tee build/lines
 awk '
-  /^Fortran/ { from = "run" } /^C, step/ { from = "step" }
-  /^Kalman +[0-9]/ { ours[from] = $2 }
+  function figure(what, value, target) { printf "figure: a filter step, ns: %s | %s | %s\n", what, value, target }
+  /^Fortran/ { from = "a series" } /^C, step/ { from = "step by step from C" }
+  /^Kalman +[0-9]/ { ours[from] = $2; figure("Kalman, " from, $2, from == "a series" ? "<= 8" : "<= 25") }
+  /^Sage-Husa Q R +[0-9]/ { figure("Sage-Husa Q R, " from, $4, from == "a series" ? "<= 15" : "<= 25") }
+  /^Sage-Husa (Q )?R, Huber/ {
+    name = $0; sub(/ +[0-9].*/, "", name); value = substr($0, 31) + 0
+    figure(name ", " from, value, from == "a series" ? "<= 20" : "<= 25")
+  }
   /^filterpy/ { theirs["step"] = $5 }
   /^statsmodels/ { theirs["run"] = $4 }
   END {
-    printf "filterpy over gyroakf, step by step    %9.0f\n", theirs["step"]/ours["step"]
-    printf "statsmodels over gyroakf, a series     %9.0f\n", theirs["run"]/ours["run"]
+    printf "filterpy over gyroakf, step by step    %9.0f\n", theirs["step"]/ours["step by step from C"]
+    printf "statsmodels over gyroakf, a series     %9.0f\n", theirs["run"]/ours["a series"]
+    figure("filterpy over this library, step by step", int(theirs["step"]/ours["step by step from C"]), "-")
+    figure("statsmodels over this library, a series", int(theirs["run"]/ours["a series"]), "-")
   }' build/lines

@@ -7,12 +7,7 @@
 set -eu
 cd "$(dirname "$0")"
 : "${THREADS:=1 2}"
-venv=${XDG_CACHE_HOME:-$HOME/.cache}/gyroakf/bench-series
-if ! "$venv/bin/python" -c "import statsmodels" 2>/dev/null; then
-  python3 -m venv "$venv"
-  "$venv/bin/pip" install --quiet numpy scipy 'statsmodels==0.15.0'
-fi
+python=$(../peers.sh numpy scipy statsmodels)
+program=$(../program.sh series)
 mkdir -p build
-../../setup.sh fpm build >/dev/null
-program=$(../../setup.sh fpm run bench_series --runner echo 2>/dev/null | tail -n 1)
-OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 "$venv/bin/python" compare.py "$program" "$THREADS" "$@"
+OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 "$python" compare.py "$program" "$THREADS" "$@"
