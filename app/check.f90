@@ -3,6 +3,7 @@
 module gyroakf_app_check
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_writer, only : is_file
+   use gyroakf_record, only : text_type
    use gyroakf_report_files, only : existing_result, result_files
    use gyroakf_app_config, only : cli_config, has_many_files, reading_config, analysis_config, simulate_config, &
       selftest_config
@@ -70,6 +71,8 @@ contains
    subroutine check_many(config, error)
       class(reading_config), intent(in) :: config
       type(error_type), allocatable, intent(out) :: error
+      character(10) :: option(4)
+      type(text_type) :: target(4)
       integer :: i, inputs
 
       inputs = 0
@@ -93,14 +96,19 @@ contains
             call usage_error(error, "--truth is that of one recording; many files have one each: give them one by one")
             return
          end if
-         if (.not. allocated(config%kalibr)) return
-         if (.not. allocated(config%out)) then
-            call usage_error(error, "--kalibr with many files needs --out: it is written into the folder of each")
-         else if (scan(config%kalibr, "/") > 0) then
-            call usage_error(error, "--kalibr with many files needs a name without a folder: it is written into that of each")
-         else if (any(result_files == config%kalibr)) then
-            call usage_error(error, "--kalibr and --out name the same file '"//config%kalibr//"'")
-         end if
+         call list_targets(config, option, target)
+         do i = 2, size(option)
+            if (target(i)%text == "" .or. allocated(error)) cycle
+            if (.not. allocated(config%out)) then
+               call usage_error(error, trim(option(i))//" with many files needs --out: it is written into the folder of each")
+            else if (scan(target(i)%text, "/") > 0 .or. target(i)%text == "-") then
+               call usage_error(error, trim(option(i))//" with many files needs a name without a folder: it is written into "// &
+                                "that of each")
+            else if (any(result_files == target(i)%text)) then
+               call usage_error(error, trim(option(i))//" and --out name the same file '"//target(i)%text//"'")
+            end if
+         end do
+         if (.not. allocated(error)) call check_different(option(2:), target(2:), error)
       end select
    end subroutine check_many
 
@@ -126,7 +134,11 @@ contains
       end select
       select type (config)
       type is (analysis_config)
-         if (path == "" .and. .not. has_many_files(config)) path = existing(config%kalibr)
+         if (.not. has_many_files(config)) then
+            if (path == "") path = existing(config%kalibr)
+            if (path == "") path = existing(config%markdown)
+            if (path == "") path = existing(config%latex)
+         end if
       end select
       call keep_file(path, error)
    end subroutine check_existing
@@ -157,36 +169,77 @@ contains
    subroutine check_outputs(config, error)
       class(reading_config), intent(in) :: config
       type(error_type), allocatable, intent(out) :: error
+      character(10) :: option(4)
+      type(text_type) :: target(4)
+      integer :: i
 
-      call check_target(config, "--json", config%json, error)
+      if (allocated(config%json)) call check_target(config, "--json", config%json, error)
       if (allocated(error)) return
       select type (config)
       type is (analysis_config)
-         call check_target(config, "--kalibr", config%kalibr, error)
-         if (.not. allocated(error)) call check_source(config, error)
+         call list_targets(config, option, target)
+         do i = 2, size(option)
+            if (.not. allocated(error) .and. target(i)%text /= "") call check_target(config, trim(option(i)), target(i)%text, error)
+         end do
+         if (.not. allocated(error)) call check_source(config, target, error)
+         if (.not. allocated(error)) call check_different(option, target, error)
          if (allocated(error)) return
-         if (allocated(config%json) .and. allocated(config%kalibr)) then
-            if (without_dot(config%json) == without_dot(config%kalibr)) then
-               call usage_error(error, "--json and --kalibr name the same file '"//config%json//"'")
-               return
-            end if
-         end if
       end select
       if (config%path == "-" .or. .not. allocated(config%out)) return
       if (is_result(config%out, config%path)) call usage_error(error, "--out would overwrite the recording '"// &
                                                                without_dot(config%path)//"'")
    end subroutine check_outputs
 
-   !> The true drift is not overwritten by a result.
-   subroutine check_source(config, error)
+   !> The options that name a file, and the files, "" where they were not given.
+   subroutine list_targets(config, option, target)
       type(analysis_config), intent(in) :: config
+      character(10), intent(out) :: option(4)
+      type(text_type), intent(out) :: target(4)
+      integer :: i
+
+      option = [character(10) :: "--json", "--kalibr", "--markdown", "--latex"]
+      do i = 1, size(target)
+         target(i)%text = ""
+      end do
+      if (allocated(config%json)) target(1)%text = config%json
+      if (allocated(config%kalibr)) target(2)%text = config%kalibr
+      if (allocated(config%markdown)) target(3)%text = config%markdown
+      if (allocated(config%latex)) target(4)%text = config%latex
+   end subroutine list_targets
+
+   !> No two options write the same file, or both standard output.
+   subroutine check_different(option, target, error)
+      character(*), intent(in) :: option(:)
+      type(text_type), intent(in) :: target(:)
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i, j
+
+      do i = 2, size(option)
+         do j = 1, i - 1
+            if (target(i)%text == "" .or. without_dot(target(i)%text) /= without_dot(target(j)%text)) cycle
+            if (target(i)%text == "-") then
+               call usage_error(error, trim(option(j))//" and "//trim(option(i))//" would both be on standard output ('-')")
+            else
+               call usage_error(error, trim(option(j))//" and "//trim(option(i))//" name the same file '"//target(j)%text//"'")
+            end if
+            return
+         end do
+      end do
+   end subroutine check_different
+
+   !> The true drift is not overwritten by a result.
+   subroutine check_source(config, target, error)
+      type(analysis_config), intent(in) :: config
+      type(text_type), intent(in) :: target(:)
       type(error_type), allocatable, intent(out) :: error
       logical :: overwritten
+      integer :: i
 
       if (.not. allocated(config%truth)) return
       overwritten = .false.
-      if (allocated(config%json)) overwritten = without_dot(config%json) == without_dot(config%truth)
-      if (allocated(config%kalibr)) overwritten = overwritten .or. without_dot(config%kalibr) == without_dot(config%truth)
+      do i = 1, size(target)
+         overwritten = overwritten .or. without_dot(target(i)%text) == without_dot(config%truth)
+      end do
       if (allocated(config%out)) overwritten = overwritten .or. is_result(config%out, config%truth)
       if (overwritten) call usage_error(error, "a result would overwrite the true drift '"//config%truth//"'")
    end subroutine check_source
@@ -195,10 +248,9 @@ contains
    subroutine check_target(config, option, target, error)
       class(reading_config), intent(in) :: config
       character(*), intent(in) :: option
-      character(:), allocatable, intent(in) :: target
+      character(*), intent(in) :: target
       type(error_type), allocatable, intent(out) :: error
 
-      if (.not. allocated(target)) return
       if (target == "-") return
       if (without_dot(target) == without_dot(config%path)) then
          call usage_error(error, option//" would overwrite the recording '"//without_dot(config%path)//"'")

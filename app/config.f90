@@ -44,6 +44,9 @@ module gyroakf_app_config
       character(:), allocatable :: json
       !> Directory of the result files; unallocated: none
       character(:), allocatable :: out
+      !> Colours of the report: "auto", "always", "never"; no signs beyond ASCII in it
+      character(6) :: colour = "auto"
+      logical :: ascii = .false.
       !> Further recordings, `path` first, and the file that names more; unallocated: none
       type(text_type), allocatable :: paths(:)
       character(:), allocatable :: list
@@ -73,8 +76,10 @@ module gyroakf_app_config
       character(:), allocatable :: plot
       !> Not even for report.html
       logical :: no_figures = .false.
-      !> File of Kalibr's imu.yaml; unallocated: none
-      character(:), allocatable :: kalibr
+      !> Files of Kalibr's imu.yaml, of the tables in Markdown and in LaTeX ("-" is standard output); unallocated: none
+      character(:), allocatable :: kalibr, markdown, latex
+      !> Draw the Allan deviation in characters
+      logical :: chart = .true.
       !> File of the true drift; unallocated: none
       character(:), allocatable :: truth
    end type analysis_config

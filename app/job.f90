@@ -13,6 +13,8 @@ module gyroakf_app_job
    use gyroakf_report_figures, only : figure_folder, write_figures
    use gyroakf_report_files, only : write_results
    use gyroakf_report_kalibr, only : write_kalibr
+   use gyroakf_report_latex, only : write_latex
+   use gyroakf_report_markdown, only : write_markdown
    use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_app_config, only : analysis_config, inspect_config
    use gyroakf_app_gnuplot, only : draw_figures
@@ -21,6 +23,7 @@ module gyroakf_app_job
    use gyroakf_app_origin, only : find_origin
    use gyroakf_app_progress_bar, only : bar_type, clear_bar
    use gyroakf_app_reading, only : read_and_look, read_and_run
+   use gyroakf_app_terminal, only : adapt_writer
    implicit none (type, external)
    private
    public :: inspect, analyse
@@ -54,6 +57,7 @@ contains
       if (config%quiet) return
       call open_writer(writer, "-", error)
       if (allocated(error)) return
+      call adapt_writer(writer, config%colour, config%ascii)
       call report_inspect(writer, record)
       call commit_writer(writer, error)
    end subroutine inspect
@@ -129,7 +133,7 @@ contains
       if (.not. allocated(error)) call draw_figures(folder, config%plot, figures, error)
    end subroutine draw
 
-   !> The document, Kalibr's file and the result files: all are complete before the first one appears.
+   !> The files that options name and the result files: all are complete before the first one appears.
    subroutine write_files(config, bar, record, result, origin, series, error)
       type(analysis_config), intent(in) :: config
       type(bar_type), intent(inout) :: bar
@@ -139,31 +143,82 @@ contains
       !> Of a streamed record: complete; else not open
       type(writer_type), intent(inout) :: series
       type(error_type), allocatable, intent(out) :: error
-      type(writer_type) :: document, kalibr
-      logical :: to_file
+      character(10), parameter :: kinds(4) = [character(10) :: "--json", "--kalibr", "--markdown", "--latex"]
+      type(writer_type) :: writer(size(kinds))
+      integer :: i
 
-      if (allocated(config%kalibr) .and. allocated(config%out)) call make_directory(config%out, error)
-      if (allocated(error)) return
-      to_file = .false.
-      if (allocated(config%json)) to_file = config%json /= "-"
-      if (to_file) then
-         call begin_document(config%json, record, origin, document, error, result)
-         if (.not. allocated(error)) call complete_writer(document, error)
-      end if
-      if (.not. allocated(error) .and. allocated(config%kalibr)) call begin_kalibr(config%kalibr, record, result, kalibr, error)
-      if (.not. allocated(error) .and. allocated(config%out)) then
-         call write_results(config%out, config%command, record, config%pipeline, result, error, config%series, bar, origin)
-      end if
+      if (allocated(config%out)) call make_directory(config%out, error)
+      do i = 1, size(kinds)
+         if (.not. allocated(error)) call begin_file(trim(kinds(i)), config, record, result, origin, writer(i), error)
+      end do
+      if (.not. allocated(error) .and. allocated(config%out)) call write_results(config%out, config%command, record, &
+         config%pipeline, result, error, config%series, bar, origin, config%chart)
       if (allocated(error)) then
-         call discard_writer(document)
-         call discard_writer(kalibr)
+         do i = 1, size(kinds)
+            call discard_writer(writer(i))
+         end do
          call discard_writer(series)
          return
       end if
-      if (to_file) call commit_writer(document, error)
-      if (.not. allocated(error) .and. allocated(config%kalibr)) call commit_writer(kalibr, error)
+      do i = 1, size(kinds)
+         if (.not. allocated(error) .and. writer(i)%complete) call commit_writer(writer(i), error)
+      end do
       if (.not. allocated(error)) call commit_writer(series, error)
    end subroutine write_files
+
+   !> A file that an option names, complete but not yet in its place; nothing where it is not asked for, or is standard output.
+   subroutine begin_file(kind, config, record, result, origin, writer, error)
+      !> The option
+      character(*), intent(in) :: kind
+      type(analysis_config), intent(in) :: config
+      type(record_type), intent(in) :: record
+      type(pipeline_result_type), intent(in) :: result
+      type(origin_type), intent(in) :: origin
+      type(writer_type), intent(out) :: writer
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: path
+
+      call find_target(config, kind, path)
+      if (path == "" .or. path == "-") return
+      call write_kind(kind, path, record, result, origin, writer, error)
+      if (.not. allocated(error)) call complete_writer(writer, error)
+      if (allocated(error)) call discard_writer(writer)
+   end subroutine begin_file
+
+   !> The content of a file that an option names, in an open writer.
+   subroutine write_kind(kind, path, record, result, origin, writer, error)
+      !> The option, and its value
+      character(*), intent(in) :: kind, path
+      type(record_type), intent(in) :: record
+      type(pipeline_result_type), intent(in) :: result
+      type(origin_type), intent(in) :: origin
+      type(writer_type), intent(out) :: writer
+      type(error_type), allocatable, intent(out) :: error
+
+      call open_writer(writer, path, error)
+      if (allocated(error)) return
+      select case (kind)
+      case ("--json"); call write_document(writer, record, result, origin)
+      case ("--kalibr"); call write_kalibr(writer, record, result, error)
+      case ("--markdown"); call write_markdown(writer, record, result)
+      case default; call write_latex(writer, record, result)
+      end select
+   end subroutine write_kind
+
+   !> The file of an option, "" where it was not given.
+   subroutine find_target(config, kind, path)
+      type(analysis_config), intent(in) :: config
+      character(*), intent(in) :: kind
+      character(:), allocatable, intent(out) :: path
+
+      path = ""
+      select case (kind)
+      case ("--json"); if (allocated(config%json)) path = config%json
+      case ("--kalibr"); if (allocated(config%kalibr)) path = config%kalibr
+      case ("--markdown"); if (allocated(config%markdown)) path = config%markdown
+      case default; if (allocated(config%latex)) path = config%latex
+      end select
+   end subroutine find_target
 
    !> Where not one channel gives what the command is for, there is nothing to report: an error of the data.
    subroutine check_result(config, result, error)
@@ -202,53 +257,43 @@ contains
       end select
    end function has_result
 
-   !> The JSON document or the command's report on standard output.
+   !> What an option wants on standard output, or the command's report.
    subroutine print_result(config, record, result, origin, error)
       type(analysis_config), intent(in) :: config
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in) :: result
       type(origin_type), intent(in) :: origin
       type(error_type), allocatable, intent(out) :: error
+      character(10), parameter :: kinds(3) = [character(10) :: "--json", "--markdown", "--latex"]
       type(writer_type) :: writer
-      logical :: as_json
+      character(:), allocatable :: path
+      integer :: i
 
-      as_json = .false.
-      if (allocated(config%json)) as_json = config%json == "-"
-      if (config%quiet .and. .not. as_json) return
-      if (as_json) then
-         call begin_document("-", record, origin, writer, error, result)
-      else
-         call open_writer(writer, "-", error)
-      end if
+      do i = 1, size(kinds)
+         call find_target(config, trim(kinds(i)), path)
+         if (path /= "-") cycle
+         call write_kind(trim(kinds(i)), "-", record, result, origin, writer, error)
+         if (.not. allocated(error)) call commit_writer(writer, error)
+         return
+      end do
+      if (config%quiet) return
+      call open_writer(writer, "-", error)
       if (allocated(error)) return
-      if (.not. as_json) call write_report(writer, config%command, record, config%pipeline, result)
+      call adapt_writer(writer, config%colour, config%ascii)
+      call write_report(writer, config%command, record, config%pipeline, result, config%chart)
       call commit_writer(writer, error)
    end subroutine print_result
 
-   !> The JSON document in an open writer; without a result it tells what was read.
-   subroutine begin_document(path, record, origin, writer, error, result)
+   !> The JSON document in an open writer: it tells what was read.
+   subroutine begin_document(path, record, origin, writer, error)
       character(*), intent(in) :: path
       type(record_type), intent(in) :: record
       type(origin_type), intent(in) :: origin
       type(writer_type), intent(out) :: writer
       type(error_type), allocatable, intent(out) :: error
-      type(pipeline_result_type), intent(in), optional :: result
 
       call open_writer(writer, path, error)
-      if (.not. allocated(error)) call write_document(writer, record, result, origin)
+      if (.not. allocated(error)) call write_document(writer, record, origin=origin)
    end subroutine begin_document
-
-   !> Kalibr's file, complete but not yet in its place.
-   subroutine begin_kalibr(path, record, result, writer, error)
-      character(*), intent(in) :: path
-      type(record_type), intent(in) :: record
-      type(pipeline_result_type), intent(in) :: result
-      type(writer_type), intent(out) :: writer
-      type(error_type), allocatable, intent(out) :: error
-
-      call open_writer(writer, path, error)
-      if (.not. allocated(error)) call write_kalibr(writer, record, result, error)
-      if (.not. allocated(error)) call complete_writer(writer, error)
-   end subroutine begin_kalibr
 
 end module gyroakf_app_job

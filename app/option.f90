@@ -204,6 +204,11 @@ module gyroakf_app_option
       option_type("--kalibr", "FILE", "text", "run allan", "output", &
                   "write N and K as Kalibr's imu.yaml: SI, of each sensor the largest axis; needs rate and unit; of many "// &
                   "files into the folder of each"), &
+      option_type("--markdown", "FILE", "text", "run", "output", &
+                  "write the tables (tests, AR models, filters, noise coefficients) as Markdown; - is standard output; of many "// &
+                  "files into the folder of each"), &
+      option_type("--latex", "FILE", "text", "run", "output", &
+                  "write the same tables as LaTeX, for \input into a paper; they need the package booktabs"), &
       option_type("--plot", "png|svg|pdf|none", "choice", analysing, "output", &
                   "draw figures with gnuplot into DIR/plots of --out DIR, beside the scripts that draw them; none: not even "// &
                   "for DIR/report.html, which has them where gnuplot is found"), &
@@ -215,6 +220,12 @@ module gyroakf_app_option
       option_type("--truth", "FILE", "text", "run filter", "output", &
                   "the true drift (simulate --truth, a reference sensor) on the record's grid: every filter, and others, "// &
                   "are scored against it"), &
+      option_type("--chart", "on|off", "choice", "run allan", "output", &
+                  "draw the Allan deviation in characters in the report (default on)"), &
+      option_type("--color", "auto|always|never", "choice", reading, "output", &
+                  "colours in the report on standard output; auto (default): on a terminal, unless NO_COLOR is set"), &
+      option_type("--ascii", "", "flag", reading, "output", &
+                  "the report on standard output in ASCII (default where the locale is not UTF-8)"), &
       option_type("--force", "", "flag", any_command, "output", "overwrite results that are there already (default: keep them)"), &
       option_type("--quiet", "", "flag", reading//" selftest", "output", "print no report"), &
       option_type("--list", "FILE", "text", reading, "work", &

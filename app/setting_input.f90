@@ -219,6 +219,19 @@ contains
             config%kalibr = value%text
             if (value%text == "-") call value_error(option, "it needs the name of a file", error)
          end select
+      case ("--markdown", "--latex", "--chart")
+         select type (config)
+         type is (analysis_config)
+            if (option%name == "--markdown") config%markdown = value%text
+            if (option%name == "--latex") config%latex = value%text
+            if (option%name == "--chart") config%chart = value%text == "on"
+         end select
+      case ("--color", "--ascii")
+         select type (config)
+         class is (reading_config)
+            if (option%name == "--color") config%colour = value%text
+            if (option%name == "--ascii") config%ascii = .true.
+         end select
       case ("--truth")
          select type (config)
          type is (analysis_config)

@@ -7,6 +7,7 @@ module gyroakf_app_summary
    use gyroakf_report_summary, only : summary_row_type, write_summary_csv, write_summary_json, write_summary_table
    use gyroakf_app_config, only : reading_config
    use gyroakf_app_folders, only : summary_files
+   use gyroakf_app_terminal, only : adapt_writer
    implicit none (type, external)
    private
    public :: write_summary
@@ -33,6 +34,7 @@ contains
       if (as_json) then
          call write_summary_json(writer, config%command, rows)
       else
+         call adapt_writer(writer, config%colour, config%ascii)
          call write_summary_table(writer, config%command, rows)
       end if
       call commit_writer(writer, error)

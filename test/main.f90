@@ -17,6 +17,7 @@ program test_main
    use test_allan_grid, only : collect_allan_grid
    use test_allan_halves, only : collect_allan_halves
    use test_allan_noise_fit, only : collect_allan_noise_fit
+   use test_chart, only : collect_chart
    use test_allan_terms, only : collect_allan_terms
    use test_allan_read_off, only : collect_allan_read_off
    use test_allan_statistics, only : collect_allan_statistics
@@ -97,6 +98,7 @@ program test_main
    use test_streamed_filter, only : collect_streamed_filter
    use test_summary, only : collect_summary
    use test_table, only : collect_table
+   use test_tables, only : collect_tables
    use test_text, only : collect_text
    use test_trend, only : collect_trend
    use test_columns_writer, only : collect_columns_writer
@@ -205,6 +207,8 @@ program test_main
    call add("streamed_filter", collect_streamed_filter)
    call add("summary", collect_summary)
    call add("table", collect_table)
+   call add("tables", collect_tables)
+   call add("chart", collect_chart)
    call add("text", collect_text)
    call add("trend", collect_trend)
    call add("columns_writer", collect_columns_writer)

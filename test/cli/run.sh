@@ -10,6 +10,8 @@ root=$(cd "$here/../.." && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work" || exit 1
+export LC_ALL=C                 # reports in ASCII
+unset NO_COLOR
 passed=0
 failed=0
 
@@ -50,7 +52,7 @@ no_origin() { sed '/^  "origin": {/,/^  },/d'; }
 # is NAME ACTUAL EXPECTED
 is() { if [ "$2" = "$3" ]; then pass; else fail "$1: '$2' instead of '$3'"; fi; }
 
-for part in usage manual config repeat malformed odd reading formats time truth output memory progress many writing plots page selftest; do
+for part in usage manual config repeat malformed odd reading formats time truth output memory progress many writing plots page selftest terminal; do
    [ $# -lt 2 ] || [ "$2" = "$part" ] || continue
    # shellcheck source=/dev/null
    . "$here/part_$part.sh"

@@ -46,7 +46,7 @@ contains
    !> tests), report.txt and results.json; those that an earlier run left and this one does not write are removed.
    !> report.html is one of these: [[write_page]] writes it when there are figures.
    !> The series of a streamed record are not here: they are written while it goes by.
-   subroutine write_results(directory, command, record, options, result, error, output, progress, origin)
+   subroutine write_results(directory, command, record, options, result, error, output, progress, origin, chart)
       !> Made where it does not exist
       character(*), intent(in) :: directory
       !> Which report: run, allan, tests, ar, filter
@@ -65,6 +65,8 @@ contains
       class(progress_type), intent(inout), optional :: progress
       !> Command, options and files, for results.json
       type(origin_type), intent(in), optional :: origin
+      !> Draw the Allan deviations in report.txt (default: yes)
+      logical, intent(in), optional :: chart
       type(writer_type) :: writer(size(result_files))
       type(series_output_type) :: series
       logical :: wanted(size(result_files))
@@ -81,7 +83,7 @@ contains
          if (.not. wanted(i)) cycle
          call open_writer(writer(i), directory//"/"//trim(result_files(i)), error)
          if (.not. allocated(error)) call write_file(writer(i), trim(result_files(i)), command, record, options, result, series, &
-                                                     error, progress, origin)
+                                                     error, progress, origin, chart)
          if (.not. allocated(error)) call complete_writer(writer(i), error)
          if (.not. allocated(error)) cycle
          call discard_all(writer, wanted, i)
@@ -99,7 +101,7 @@ contains
    end subroutine write_results
 
    !> Content of one file.
-   subroutine write_file(writer, name, command, record, options, result, series, error, progress, origin)
+   subroutine write_file(writer, name, command, record, options, result, series, error, progress, origin, chart)
       type(writer_type), intent(inout) :: writer
       character(*), intent(in) :: name, command
       type(record_type), intent(in) :: record
@@ -109,6 +111,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       class(progress_type), intent(inout), optional :: progress
       type(origin_type), intent(in), optional :: origin
+      logical, intent(in), optional :: chart
 
       select case (name)
       case ("allan.csv"); call write_allan(writer, result)
@@ -118,7 +121,7 @@ contains
       case ("histogram.csv"); call write_histogram(writer, result)
       case ("correlation.csv"); call write_correlation(writer, result)
       case ("spectrum.csv"); call write_spectrum(writer, result)
-      case ("report.txt"); call write_report(writer, command, record, options, result)
+      case ("report.txt"); call write_report(writer, command, record, options, result, chart)
       case ("results.json"); call write_document(writer, record, result, origin)
       case default; call write_series(writer, record, result, series, error, progress)
       end select

@@ -257,7 +257,8 @@ contains
 
       is_break = text(i:i) == " "
       if (.not. is_break .or. i == 1 .or. i == len(text)) return
-      is_break = scan(text(i + 1:i + 1), "%=+") == 0 .and. text(i - 1:i - 1) /= "=" .and. text(max(1, i - 3):i - 1) /= "+/-"
+      is_break = scan(text(i + 1:i + 1), "%=+<>") == 0 .and. scan(text(i - 1:i - 1), "=<>") == 0 .and. &
+                 text(max(1, i - 3):i - 1) /= "+/-"
       if (is_break) is_break = text(i + 1:min(len(text), i + 2)) /= "±" .and. text(max(1, i - 2):i - 1) /= "±"
    end function is_break
 

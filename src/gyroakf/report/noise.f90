@@ -2,21 +2,56 @@
 !> Allan curve and Table III (noise coefficients before and after) of a report.
 module gyroakf_report_noise
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_record, only : record_type
+   use gyroakf_record, only : record_type, text_type
    use gyroakf_units, only : term_names, quantity
-   use gyroakf_io_writer, only : writer_type
+   use gyroakf_io_writer, only : writer_type, put_line
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stated_coefficient_type, stage, stage_names
+   use gyroakf_report_chart, only : draw_chart
    use gyroakf_report_conventions, only : put_conventions
-   use gyroakf_report_layout, only : put_heading, put_item, number, count_text
+   use gyroakf_report_layout, only : put_heading, put_item, put_paragraph, number, count_text
    use gyroakf_report_table, only : table_type, new_table, set_exact, set_cell, put_table, put_numbered
    use gyroakf_report_fit, only : put_fit, put_visible
    use gyroakf_report_input, only : unit_name
    implicit none (type, external)
    private
-   public :: put_curves_of, put_coefficients, put_comparison, make_comparison, term_title
+   public :: put_chart, put_curves_of, put_coefficients, put_comparison, make_comparison, term_title
 
 contains
+
+   !> The deviation drawn in characters; nothing where there is none.
+   subroutine put_chart(writer, record, allan, title)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> For the units
+      type(record_type), intent(in) :: record
+      !> Curve, and the fit where there is one
+      type(allan_result_type), intent(in) :: allan
+      !> Which series
+      character(*), intent(in) :: title
+      type(text_type), allocatable :: lines(:)
+      integer :: i
+
+      if (.not. allan%available) return
+      if (.not. allocated(allan%curve%tau)) return
+      associate (curve => allan%curve)
+         if (allan%fitted) then
+            call draw_chart(curve%tau, curve%deviation, curve%lower, curve%upper, writer%unicode, lines, allan%noise%model)
+         else
+            call draw_chart(curve%tau, curve%deviation, curve%lower, curve%upper, writer%unicode, lines)
+         end if
+         if (size(lines) == 0) return
+         call put_heading(writer, title//": "//trim(curve%kind)//" in "//unit_name(record)//" against tau in "// &
+                          trim(merge("s      ", "samples", record%rate_known)))
+         call put_line(writer, "")
+         do i = 1, size(lines)
+            call put_line(writer, lines(i)%text)
+         end do
+         call put_paragraph(writer, "o measured, | its "//number(100*curve%confidence, 4)//" % limits"// &
+                            trim(merge(", . fitted", "          ", allan%fitted))//". Of the slopes -1/2 is that of white "// &
+                            "noise (N), 0 of bias instability (B), +1/2 of random walk (K).", 2)
+      end associate
+   end subroutine put_chart
 
    !> The deviation curve with its confidence limits, and the fitted model beside it.
    subroutine put_curves_of(writer, record, allan, title, name)

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Signs of a report: its texts are written in ASCII, and shown with the signs of a terminal in UTF-8 or of LaTeX.
 !>
-!> "0.41 +/- 0.01 deg/sqrt(h)", "sigma^2", "tau <= 3", "|rho|" become "0.41 ± 0.01 deg/√h", "σ²", "τ ≤ 3", "|ρ|". A word counts where it
-!> stands alone: the name of an option or a file keeps its letters.
+!> "0.41 +/- 0.01 deg/sqrt(h)", "sigma^2", "tau <= 3", "|rho|" become "0.41 ± 0.01 deg/√h", "σ²", "τ ≤ 3", "|ρ|". A word counts
+!> where it stands alone: the name of an option or a file keeps its letters.
 module gyroakf_report_sign
    implicit none (type, external)
    private

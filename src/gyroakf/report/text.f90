@@ -13,7 +13,7 @@ module gyroakf_report_text
    use gyroakf_report_drift, only : put_drift_model
    use gyroakf_report_filters, only : put_filter_table, put_filter_details
    use gyroakf_report_arma, only : put_arma
-   use gyroakf_report_noise, only : put_curves_of, put_coefficients, put_comparison
+   use gyroakf_report_noise, only : put_chart, put_curves_of, put_coefficients, put_comparison
    use gyroakf_report_changes, only : put_changes
    use gyroakf_report_truth, only : put_truth
    use gyroakf_report_periodicity, only : put_periodicity
@@ -25,7 +25,7 @@ module gyroakf_report_text
 contains
 
    !> The report of a command: what was read, then each channel.
-   subroutine write_report(writer, command, record, options, result)
+   subroutine write_report(writer, command, record, options, result, chart)
       !> Open; "-" is standard output
       type(writer_type), intent(inout) :: writer
       !> run, allan, tests, ar or filter
@@ -36,33 +36,41 @@ contains
       type(pipeline_options), intent(in) :: options
       !> What came out
       type(pipeline_result_type), intent(in) :: result
+      !> Draw the Allan deviations in characters (default: yes)
+      logical, intent(in), optional :: chart
       type(record_type) :: view
+      logical :: drawn
       integer :: c
+
+      drawn = .true.
+      if (present(chart)) drawn = chart
 
       call put_title(writer, "gyroakf "//release_string//": "//report_subject(command)//preset_name(options))
       call put_input(writer, record)
       do c = 1, size(result%channel)
          call view_channel(record, c, view)
-         call put_channel(writer, command, view, options, result%channel(c))
+         call put_channel(writer, command, view, options, result%channel(c), drawn)
       end do
    end subroutine write_report
 
    !> One channel: its sections, and what to make of them.
-   subroutine put_channel(writer, command, record, options, channel)
+   subroutine put_channel(writer, command, record, options, channel, chart)
       type(writer_type), intent(inout) :: writer
       character(*), intent(in) :: command
       type(record_type), intent(in) :: record
       type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(in) :: channel
+      !> Draw the deviation
+      logical, intent(in) :: chart
 
       call put_heading(writer, "Channel "//channel%name, "=", verbatim=.true.)
-      call put_sections(writer, command, record, options, channel)
+      call put_sections(writer, command, record, options, channel, chart)
       if (command == "run") call put_advice(writer, record, channel)
       call put_warnings(writer, channel)
    end subroutine put_channel
 
    !> The sections of a command, for one channel; those of `run` are in the order of the paper's results.
-   subroutine put_sections(writer, command, record, options, channel)
+   subroutine put_sections(writer, command, record, options, channel, chart)
       !> The report
       type(writer_type), intent(inout) :: writer
       !> run, allan, tests, ar or filter
@@ -73,11 +81,13 @@ contains
       type(pipeline_options), intent(in) :: options
       !> What came out
       type(channel_result_type), intent(in) :: channel
+      !> Draw the deviation in characters
+      logical, intent(in) :: chart
 
       if (channel%available%preprocess .or. command == "run") call put_removed(writer, record, channel)
       select case (command)
       case ("allan")
-         call put_curves(writer, record, options, channel)
+         call put_curves(writer, record, options, channel, chart)
          call put_changes(writer, record, channel)
       case ("tests")
          call put_tests(writer, channel)
@@ -100,23 +110,27 @@ contains
          call put_filter_details(writer, channel)
          call put_truth(writer, record, channel)
          call put_drift_model(writer, record, channel)
+         if (chart) call put_chart(writer, record, channel%allan(stage%input), "As read")
          call put_comparison(writer, record, channel)
          call put_changes(writer, record, channel)
       end select
    end subroutine put_sections
 
    !> Deviation curves and coefficients, as read and, where something was removed, cleaned.
-   subroutine put_curves(writer, record, options, channel)
+   subroutine put_curves(writer, record, options, channel, chart)
       type(writer_type), intent(inout) :: writer
       type(record_type), intent(in) :: record
       type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(in) :: channel
+      logical, intent(in) :: chart
 
+      if (chart) call put_chart(writer, record, channel%allan(stage%input), "As read")
       call put_curves_of(writer, record, channel%allan(stage%input), "As read", "input")
       if (channel%allan(stage%input)%curve%streamed) call put_item(writer, "", "streamed: at averaging times of m >= 64 "// &
          "samples every m/32-th term was taken (white noise keeps 99.9 % of its degrees of freedom)")
       call put_coefficients(writer, record, channel%allan(stage%input), "input")
       if (channel%available%preprocess .and. options%clean%degree >= 0) then
+         if (chart) call put_chart(writer, record, channel%allan(stage%cleaned), "Cleaned")
          call put_curves_of(writer, record, channel%allan(stage%cleaned), "Cleaned", "cleaned")
          call put_coefficients(writer, record, channel%allan(stage%cleaned), "cleaned")
       end if

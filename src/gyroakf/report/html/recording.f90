@@ -141,7 +141,7 @@ contains
       associate (channel => result%channel(c))
          if (command == "run") call put_advice(writer, record, channel)
          call put_figures(writer, own, c, record, result, drawings)
-         call put_sections(writer, command, record, options, channel)
+         call put_sections(writer, command, record, options, channel, .false.)
          if (command == "run" .and. channel%allan(stage%input)%available) then
             call close_list(writer)
             call put_line(writer, "<details><summary>The Allan deviation in numbers</summary>")

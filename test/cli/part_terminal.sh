@@ -1,0 +1,106 @@
+# shellcheck shell=bash
+# SPDX-License-Identifier: MIT
+# What a report looks like: width, signs, colours, the chart; tables for papers.
+example=$root/example/data/mems_gyro_x.txt
+beyond() { LC_ALL=C grep -c '[^ -~]' "$1"; }              # lines with a byte that is not printable ASCII
+widest() { LC_ALL=C tr -d '\200-\277' <"$1" | LC_ALL=C awk 'length > w { w = length } END { print w + 0 }'; }   # characters
+narrow() { if [ "$(widest "$2")" -le 80 ]; then pass; else fail "$1: a line of $(widest "$2") characters"; fi; }
+
+# every report in 80 columns and, in the C locale, in ASCII; the same in UTF-8 has its signs
+awk 'BEGIN { print "# rate_hz: 100\n# units: deg/s deg/s deg/s m/s^2 m/s^2\n# columns: wx wy wz acceleration_forward acceleration_y";
+   for (i = 0; i < 1200; i++) print (i*7919)%101/1e3, (i*104729)%211/1e3, (i*611953)%307/1e4, (i*15485863)%401/1e2, (i*32452843)%503/1e2 }' >five.txt
+grep -v '^#' "$example" | awk 'NR <= 100' >hundred.txt
+grep -v '^#' "$example" | awk 'NR <= 4000' >bare.txt
+"$gyroakf" simulate --samples 6000 --rate 10 --coefficients N=0.005,K=0.0005 --missing 0.01 --output drift.txt --truth drift_truth.txt
+for arguments in "run $example" "run $example --preset paper" "run $example --akf robust" "run $example --ma-order auto" \
+   "run $example --adf-table" "run five.txt" "allan five.txt --kinds mdev,tdev,hdev,totdev --dynamic 5" "run hundred.txt" "run bare.txt" \
+   "inspect five.txt" "tests bare.txt" "ar $example" "filter drift.txt --truth drift_truth.txt" "run drift.txt --truth drift_truth.txt" \
+   "filter bare.txt --estimate q,r,Q,R" "run bare.txt drift.txt five.txt" "inspect bare.txt five.txt" "filter bare.txt drift.txt"; do
+   # shellcheck disable=SC2086
+   LC_ALL=C good "$arguments" $arguments
+   narrow "$arguments" out
+   is "$arguments: ASCII" "$(beyond out)" 0
+   mv out ascii.txt
+   # shellcheck disable=SC2086
+   LC_ALL=C.UTF-8 good "$arguments in UTF-8" $arguments
+   narrow "$arguments in UTF-8" out
+   # shellcheck disable=SC2086
+   LC_ALL=C.UTF-8 good "$arguments --ascii" $arguments --ascii
+   if cmp -s out ascii.txt; then pass; else fail "$arguments: --ascii is not the report of the C locale"; fi
+done
+LC_ALL=C.UTF-8 good "signs" run "$example"
+for text in "±" "deg/√h" "(deg/s)²" "|ρ|" "σ² = N²/τ" "└" "┤"; do holds "signs of UTF-8" "$text" out; done
+mv out utf8.txt
+LC_ALL= LC_CTYPE=C.utf8 LANG=C good "LC_CTYPE" run "$example"
+if cmp -s out utf8.txt; then pass; else fail "LC_CTYPE does not choose UTF-8"; fi
+LANG=C.UTF-8 LC_ALL=POSIX good "LC_ALL is first" run "$example"
+is "LC_ALL comes before LANG" "$(beyond out)" 0
+printf '# columns: tau Δω/√h\n' >names.txt
+awk 'BEGIN { for (i = 0; i < 300; i++) print (i*7919)%101, (i*104729)%211 }' >>names.txt
+LC_ALL=C good "names stay as the user has them" run names.txt --time-column none --rate 10
+holds "a name beyond ASCII" "Channel Δω/√h" out
+LC_ALL=C.UTF-8 good "names stay in UTF-8" run names.txt --time-column none --rate 10
+holds "a name that is a sign's" "Channel tau" out
+
+# colours
+escape=$(printf '\033')
+good "no colours into a file" run "$example" --out coloured --color always
+holds "colours on request" "$escape[1mTable II. Before" out
+holds "warnings are yellow" "$escape[33m  Warning" out
+is "report.txt has no colours" "$(grep -c "$escape" coloured/report.txt)" 0
+is "report.txt is ASCII" "$(LC_ALL=C.UTF-8 "$gyroakf" run "$example" --out coloured --force >/dev/null; beyond coloured/report.txt)" 0
+sed "s/$escape\[[0-9]*m//g" out >plain.txt
+good "no colours by themselves" run "$example"
+if cmp -s plain.txt out; then pass; else fail "a report without its colours is another one"; fi
+good "NO_COLOR" run "$example" --color never
+is "--color never" "$(grep -c "$escape" out)" 0
+if script --version >/dev/null 2>&1; then
+   terminal() { script -qec "$* '$gyroakf' tests '$example'" /dev/null </dev/null | grep -c "$escape"; }
+   if [ "$(terminal env -u NO_COLOR TERM=xterm)" -gt 0 ]; then pass; else fail "no colours on a terminal"; fi
+   is "NO_COLOR on a terminal" "$(terminal env NO_COLOR=1 TERM=xterm)" 0
+   is "an empty NO_COLOR is none" "$([ "$(terminal env NO_COLOR= TERM=xterm)" -gt 0 ] && echo coloured)" coloured
+   is "a dumb terminal" "$(terminal env TERM=dumb)" 0
+   is "no TERM" "$(terminal env -u TERM)" 0
+fi
+
+# the chart
+good "a chart" allan "$example"
+holds "what the chart shows" "As read: oadev in deg/s against tau in s" out
+holds "slopes" "-1/2" out
+good "no chart" allan "$example" --chart off --out nochart
+is "no chart in the report" "$(grep -c 'against tau\|1/2' out)" 0
+is "no chart in report.txt" "$(grep -c 'against tau\|1/2' nochart/report.txt)" 0
+bad "--chart of tests" 1 "not one of 'tests'" tests "$example" --chart on
+
+# tables
+good "tables" run "$example" --markdown t.md --latex t.tex --json t.json
+holds "the report beside the tables" "Table III" out
+holds "Table III in Markdown" "**Table III.** Noise coefficients" t.md
+holds "units in Markdown" "| N, deg/√h |" t.md
+holds "Table I in LaTeX" '\caption{AR models' t.tex
+is "LaTeX is ASCII" "$(beyond t.tex)" 0
+bad "tables are kept" 2 "is kept" run "$example" --markdown t.md
+good "tables are replaced" run "$example" --markdown t.md --force --quiet
+good "Markdown on standard output" run "$example" --markdown -
+if cmp -s out t.md; then pass; else fail "--markdown - is not the file"; fi
+good "LaTeX on standard output" run "$example" --latex -
+if cmp -s out t.tex; then pass; else fail "--latex - is not the file"; fi
+bad "two on standard output" 1 "would both be on standard output" run "$example" --latex - --markdown -
+bad "two on standard output" 1 "--json and --markdown would both" run "$example" --json - --markdown -
+bad "two in one file" 1 "name the same file './x'" run "$example" --latex x --markdown ./x
+bad "over the recording" 1 "--latex would overwrite the recording" run bare.txt --latex ./bare.txt
+bad "over a result" 1 "--markdown and --out name the same file" run "$example" --markdown o/report.txt --out o
+bad "over the truth" 1 "overwrite the true drift" run drift.txt --truth drift_truth.txt --latex drift_truth.txt
+bad "tables of many files" 1 "--markdown with many files needs --out" run bare.txt drift.txt --markdown t.md
+bad "tables of many files" 1 "a name without a folder" run bare.txt drift.txt --latex - --out tables
+good "tables of many files" run bare.txt drift.txt --markdown t.md --latex t.tex --out tables --quiet
+is "a folder for each" "$(cd tables && echo */t.md */t.tex)" "bare/t.md drift/t.md bare/t.tex drift/t.tex"
+bad "--latex of allan" 1 "not one of 'allan'" allan "$example" --latex x.tex
+good "five channels" run five.txt --latex five.tex --markdown five.md --quiet
+is "tables of five channels" "$(grep -c '\\begin{table}' five.tex) $(grep -c '^## Channel' five.md)" "20 5"
+if command -v pdflatex >/dev/null && kpsewhich booktabs.sty >/dev/null; then
+   printf '%s\n' '\documentclass{article}' '\usepackage{booktabs}' '\begin{document}' '\input{five.tex}' '\input{t.tex}' '\end{document}' >paper.tex
+   if pdflatex -halt-on-error -interaction=nonstopmode paper.tex >paper.log 2>&1; then pass
+   else fail "pdflatex: $(grep -m 2 '^!' paper.log)"; fi
+   is "no line of a table is too wide" "$(grep -c 'Overfull .hbox' paper.log)" 0
+fi
