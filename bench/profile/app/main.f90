@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Where the time of `gyroakf run` goes: `profile FILE [THREADS]` reads a recording and does the whole job, and takes the time between
-!> the calls of the progress interface. What a stage does after its last call counts as its own; what is told under the same
+!> Where the time of `gyroakf run` goes: `profile FILE [THREADS]` reads a recording and does the whole job, and takes the time
+!> between the calls of the progress interface. What a stage does after its last call counts as its own; what is told under the same
 !> name in several places (the four Allan deviations, the filters) is added up.
 !>
 !> The lines: seconds, share in percent, stage; then the seconds until the drift is identified (reading not included), which is

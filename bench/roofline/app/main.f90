@@ -1,14 +1,14 @@
 ! SPDX-License-Identifier: MIT
-!> What the Allan kernel and the text parser move, beside what the memory gives: `roofline SAMPLES TEXT-FILE`, one and two threads,
-!> medians of five, all in turn.
+!> What the Allan kernel and the text parser move, beside what the memory gives: `roofline SAMPLES TEXT-FILE`, one and two
+!> threads, medians of five, all in turn.
 !>
-!> The memory: a read pass over SAMPLES doubles, and the triad a = b + s c (24 bytes an element, and 8 for the line of a that is read
-!> before it is written). The file: its bytes copied by stream reading, from the page cache.
+!> The memory: a read pass over SAMPLES doubles, and the triad a = b + s c (24 bytes an element, and 8 for the line of a that is
+!> read before it is written). The file: its bytes copied by stream reading, from the page cache.
 !>
 !> The Allan deviation of n samples at octave averaging times moves, where nothing is kept in the caches from pass to pass, 8 bytes
 !> for the sums of the blocks, 8 + 8 + 8 for the integral (rate, phase, the line of the phase before it is written), 8 for all
-!> factors up to 32768 together, and 8 for every four octaves above. Reading text moves each byte three times (page cache, buffer, the
-!> line before it is written) and 16 bytes a sample.
+!> factors up to 32768 together, and 8 for every four octaves above. Reading text moves each byte three times (page cache, buffer,
+!> the line before it is written) and 16 bytes a sample.
 program roofline
    use, intrinsic :: iso_fortran_env, only : error_unit, int8, output_unit
    use omp_lib, only : omp_get_wtime, omp_set_num_threads
