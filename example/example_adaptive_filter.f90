@@ -2,7 +2,8 @@
 !> Drift under white noise: identified from the record, then followed by a filter that adapts R.
 program example_adaptive_filter
    use gyroakf, only : dp, error_type, record_type, simulate_options, simulate_record, drift_identification_options, &
-      drift_identification_type, identify_drift_model, drift_options, filter_type, design_drift_akf, filter_result_type, filter_series
+      drift_identification_type, identify_drift_model, drift_options, filter_type, design_drift_akf, filter_result_type, &
+      & filter_series
    implicit none (type, external)
    type(error_type), allocatable :: error
    type(simulate_options) :: noise

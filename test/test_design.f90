@@ -259,8 +259,8 @@ contains
       call check(error, norm2(x - drift) <= 1.05_dp*best, "R is not followed")
    end subroutine test_jump
 
-   !> Identified from the record itself, against the filter that knows the truth, also from R wrong by 1e-3 and 1e3; what the adaptive
-   !> filter is made of
+   !> Identified from the record itself, against the filter that knows the truth, also from R wrong by 1e-3 and 1e3; what the
+   !> adaptive filter is made of
    subroutine test_identified(error)
       type(error_type), allocatable, intent(out) :: error
       type(gyro_error), allocatable :: failure

@@ -79,6 +79,8 @@ contains
          call provoke_filter(code, failure)
       case (status%no_memory, status%cancelled)
          call provoke_job(code, failure)
+      case default
+         continue
       end select
    end subroutine provoke
 

@@ -78,8 +78,8 @@ contains
       z = drift + (z - drift)*sqrt(white/4.2e-4_dp)
    end subroutine make_loud
 
-   !> Of a record of 200 samples a burn-in of 20 at most: a slow walk whose gain settles after thousands of samples leaves the rest to
-   !> the adaptation, which sees that the white noise is a tenth of what the model says.
+   !> Of a record of 200 samples a burn-in of 20 at most: a slow walk whose gain settles after thousands of samples leaves the rest
+   !> to the adaptation, which sees that the white noise is a tenth of what the model says.
    subroutine test_short(error)
       type(error_type), allocatable, intent(out) :: error
       type(component_model_type) :: model
