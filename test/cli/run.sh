@@ -52,7 +52,7 @@ no_origin() { sed '/^  "origin": {/,/^  },/d'; }
 # is NAME ACTUAL EXPECTED
 is() { if [ "$2" = "$3" ]; then pass; else fail "$1: '$2' instead of '$3'"; fi; }
 
-for part in usage manual config repeat malformed odd reading formats time truth output memory progress many writing plots page selftest terminal; do
+for part in usage manual config repeat malformed odd reading formats time truth output memory progress many writing plots page selftest terminal determinism; do
    [ $# -lt 2 ] || [ "$2" = "$part" ] || continue
    # shellcheck source=/dev/null
    . "$here/part_$part.sh"

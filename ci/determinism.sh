@@ -1,0 +1,75 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# The program built in two ways gives the same numbers:   ci/determinism.sh PROGRAM PROGRAM
+#
+# such as the optimised and the checked one. All of results.json agrees to 1e-10, but for
+#   - what tells the run (`origin`);
+#   - means of series that have none: below 1e-15 they are rounding;
+#   - what is loose below, to 1e-6 or 1e-8: there stands why.
+# Not a step of CI. The last line is "N passed, N failed".
+set -u
+[ $# -eq 2 ] && [ -x "$1" ] && [ -x "$2" ] || { echo "usage: $0 PROGRAM PROGRAM" >&2; exit 1; }
+programs=()
+for program in "$@"; do programs+=("$(cd "$(dirname "$program")" && pwd)/$(basename "$program")"); done
+cd "$(dirname "$0")/.." || exit 1
+printf 'program: %s\n' "${programs[@]}"
+cmp -s "${programs[@]}" && { echo "both programs are the same"; echo "0 passed, 1 failed"; exit 1; }
+
+# What is suspected of them (seen are only the differences, not their causes): standard errors of noise coefficients scatter drawn
+# estimates along the axes of a covariance whose smallest axes are 1e-7 of the largest, and rounding grows by that; residuals of that
+# fit are differences of logarithms, some of them near 0; orders of ARMA and kinds of drift that were compared and not chosen may have
+# a parameter too many, and where on such a ridge of the likelihood a search ends is a matter of rounding; the standard errors of a
+# drift come from differences of the likelihood's slope over 1e-4, and the slope's rounding grows ten-thousandfold.
+loose='/coefficients/.*/std_error(_si)?$|/coefficients/.*/residual$|/arma/table/|/drift/candidates/|/drift/.*std_error$ 1e-6'
+# The parameters of a drift are where a search ends: it stops at a slope of 1e-8 of a sample's likelihood, not at none. From them follow
+# its filters and what is left without the drift.
+loose+=' /drift/|/filters/drift_|/compensated 1e-8'
+rounded='/mean$|/intercept$'
+# With -O3 -march=native gfortran 12 fuses complex products and sums in spite of -ffp-contract=off, in fft/ and series/lag_transform;
+# simulated 1/f noise differs from that of the other builds by up to 5.6e-17.
+record_tolerance=1e-15
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+passed=0
+failed=0
+
+# results.json without what tells its run: paths, options, checksums
+no_origin() { sed '/^  "origin": {/,/^  },/d' "$1"; }
+
+# compare NAME FILE OPTION...
+compare() {
+   local name=$1 i
+   shift
+   for i in 0 1; do
+      if ! MALLOC_PERTURB_='' "${programs[i]}" run "$@" --quiet --json "$work/$i.json" --force 2>"$work/err"; then
+         echo "$name: $(cat "$work/err")"
+         failed=$((failed + 1))
+         return
+      fi
+   done
+   if awk -v tolerance=1e-10 -v loose="$loose" -v rounded="$rounded" -f ci/compare_json.awk -- \
+      <(no_origin "$work/0.json") <(no_origin "$work/1.json") >"$work/said"; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
+   sed "s/^/$name: /" "$work/said"
+}
+
+# one record by both programs: the same bytes, with 1/f noise the same numbers to rounding
+terms=(--samples 40000 --rate 50 --unit deg/s --ar 0.97 --ar-variance 2e-5 --outlier-count 20 --outlier-size 9 --missing 0.01
+   --trend "0,1e-7" --seed 5)
+for i in 0 1; do
+   "${programs[i]}" simulate "${terms[@]}" --coefficients Q=0.002,N=0.01,K=0.0008 --output "$work/walk$i.txt"
+   "${programs[i]}" simulate "${terms[@]}" --coefficients Q=0.002,N=0.01,B=0.003,K=0.0008 --output "$work/mix$i.txt" \
+      --truth "$work/drift$i.txt"
+done
+if cmp -s "$work/walk0.txt" "$work/walk1.txt"; then passed=$((passed + 1))
+else echo "the simulated records differ"; failed=$((failed + 1)); fi
+if paste "$work/mix0.txt" "$work/mix1.txt" | grep -v '^#' | awk -v tolerance=$record_tolerance '
+   { d = $1 - $2; if (d < 0) d = -d; if (d > worst) worst = d; if (($1 == "nan") != ($2 == "nan")) worst = 1 }
+   END { printf "1/f noise of both: %d rates, %.1e apart at most\n", NR, worst; exit !(NR == 40000 && worst <= tolerance) }'
+then passed=$((passed + 1)); else echo "the simulated records with 1/f noise differ"; failed=$((failed + 1)); fi
+compare "the example" example/data/mems_gyro_x.txt
+compare "the example, paper" example/data/mems_gyro_x.txt --preset paper
+compare "a mixture" "$work/mix0.txt" --kinds adev,mdev,tdev,hdev,ohdev,totdev --ma-order auto --truth "$work/drift0.txt"
+compare "a mixture, burg" "$work/mix0.txt" --ar-method burg --akf robust --outliers mad --taus log:8 --max-order 8
+compare "a mixture, ols" "$work/mix0.txt" --ar-method ols --outliers hampel --adf-regression ct --kpss-regression ct --drift-source allan
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]
