@@ -227,8 +227,8 @@ ${object##*/}
 done
 
 # --- flags -----------------------------------------------------------------------------------
-# Without --profile fpm builds for debugging. No fused multiply-add by the compiler's choice: the
-# results are then the same to the last digit on every level of optimisation.
+# Without --profile fpm builds for debugging. No fused multiply-add of real
+# numbers by the compiler's choice: results depend less on the optimisation.
 : "${FPM_FFLAGS=-O3 $native -ffp-contract=off -fPIC -g -fbacktrace}"
 : "${FPM_CFLAGS=-O3 $native -ffp-contract=off -fPIC -g}"
 : "${OMP_WAIT_POLICY=passive}" # waiting threads sleep: other work on the machine does not slow us down
