@@ -73,7 +73,7 @@ is "no chart in report.txt" "$(grep -c 'against tau\|1/2' nochart/report.txt)" 0
 bad "--chart of tests" 1 "not one of 'tests'" tests "$example" --chart on
 
 # tables
-good "tables" run "$example" --markdown t.md --latex t.tex --json t.json
+good "tables" run "$example" --markdown t.md --latex t.tex --json t_tables.json --force
 holds "the report beside the tables" "Table III" out
 holds "Table III in Markdown" "**Table III.** Noise coefficients" t.md
 holds "units in Markdown" "| N, deg/√h |" t.md
