@@ -69,7 +69,11 @@ blocks() { # FILE
     /^```/ { inside = 0; close(name); next }
     inside { print >name; next }
     { rest = $0
-      while (match(rest, /\]\([^)#]+\)/)) { linked = substr(rest, RSTART + 2, RLENGTH - 3); rest = substr(rest, RSTART + RLENGTH) } }
+      while (match(rest, /\]\([^)#]+\)/)) {
+        linked = substr(rest, RSTART + 2, RLENGTH - 3)
+        rest = substr(rest, RSTART + RLENGTH)
+      }
+    }
   ' "$1"
 }
 
@@ -81,7 +85,10 @@ shows() {
     NR == FNR { want[++n] = $0; next }
     { have[++m] = $0 }
     function fits(at, first, last,   i) { # the furthest line that differs is kept for the message
-      for (i = first; i <= last; i++) if (have[at + i - first] != want[i]) { if (i - first >= near) { near = i - first; miss = i }; return 0 }
+      for (i = first; i <= last; i++) if (have[at + i - first] != want[i]) {
+        if (i - first >= near) { near = i - first; miss = i }
+        return 0
+      }
       return at + last - first <= m
     }
     END {
