@@ -12,6 +12,7 @@
 #   GYROAKF_PLOTS=1     install gnuplot too (figures)
 #   GYROAKF_PAGE=1      install gnuplot, a browser without a window and tidy too (ci/page.sh)
 #   GYROAKF_LINT=1      install fortitude too (style checks)
+#   GYROAKF_SITE=1      install FORD too (ci/site.sh: pages of the doc comments)
 #   GYROAKF_FUZZ=1      install clang too (libFuzzer for ci/fuzz)
 #   GYROAKF_HDF5=1      install the HDF5 library too (ci/hdf5.sh builds with it)
 #   GYROAKF_CMAKE=1     install CMake, Ninja and pkg-config too (ci/cmake.sh)
@@ -23,6 +24,7 @@ cache=${XDG_CACHE_HOME:-${HOME:-/tmp}/.cache}/gyroakf
 venv=$cache/venv
 fpm_version=0.12.0
 fortitude_version=0.10.0
+ford_version=7.0.13
 unset GIT_DIR GIT_WORK_TREE GIT_INDEX_FILE
 
 say()  { printf 'setup: %s\n' "$*" >&2; }
@@ -65,7 +67,8 @@ have git || need="$need git"
 own_fpm=
 if have fpm && is_fpm fpm; then :; else own_fpm=yes; fi
 if { [ -n "$own_fpm" ] && ! is_fpm "$venv/bin/fpm"; } ||
-   { [ -n "${GYROAKF_LINT:-}" ] && ! have fortitude && [ ! -x "$venv/bin/fortitude" ]; }; then
+   { [ -n "${GYROAKF_LINT:-}" ] && ! have fortitude && [ ! -x "$venv/bin/fortitude" ]; } ||
+   { [ -n "${GYROAKF_SITE:-}" ] && ! have ford && [ ! -x "$venv/bin/ford" ]; }; then
   have python3 && python3 -c 'import ensurepip, venv' >/dev/null 2>&1 || need="$need python"
 fi
 [ -z "${GYROAKF_PLOTS:-}" ] || have gnuplot || need="$need gnuplot"
@@ -168,6 +171,9 @@ if [ -n "$own_fpm" ]; then
 fi
 if [ -n "${GYROAKF_LINT:-}" ] && ! have fortitude && [ ! -x "$venv/bin/fortitude" ]; then
   in_venv "fortitude-lint==$fortitude_version"
+fi
+if [ -n "${GYROAKF_SITE:-}" ] && ! have ford && [ ! -x "$venv/bin/ford" ]; then
+  in_venv "ford==$ford_version"
 fi
 if [ -d "$venv/bin" ]; then
   if [ -n "$own_fpm" ]; then PATH=$venv/bin:$PATH; else PATH=$PATH:$venv/bin; fi

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> gyroakf: random errors of gyroscopes, characterised and compensated.
+!> Random errors of gyroscopes, characterised and compensated.
 !>
 !> The whole public interface under one name; this module holds no code. Where it comes from is
 !> told by the names: `gyroakf_allan_deviations` is in `src/gyroakf/allan/deviations.f90`.

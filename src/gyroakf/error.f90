@@ -14,7 +14,7 @@ module gyroakf_error
 
    !> What went wrong
    type :: error_type
-      !> One of the components of [[status]]
+      !> One of the components of [[gyroakf_error:status]]
       integer :: code = 0
       !> For humans, with the numbers in it; several lines where a place in a file is shown
       character(:), allocatable :: message
@@ -83,7 +83,7 @@ contains
    pure subroutine fatal_error(error, code, message)
       !> The error of the caller, allocated here
       type(error_type), allocatable, intent(out) :: error
-      !> One of the components of [[status]]
+      !> One of the components of [[gyroakf_error:status]]
       integer, intent(in) :: code
       !> What is wrong and what to do
       character(*), intent(in) :: message
@@ -93,7 +93,7 @@ contains
       error%message = message
    end subroutine fatal_error
 
-   !> A component of [[status]].
+   !> A component of [[gyroakf_error:status]].
    pure logical function is_status(code)
       integer, intent(in) :: code
 
@@ -110,7 +110,7 @@ contains
 
    !> A short text for a code, "unknown status" for a number that is none.
    pure function status_text(code) result(text)
-      !> A component of [[status]]
+      !> A component of [[gyroakf_error:status]]
       integer, intent(in) :: code
       character(text_length(code)) :: text
 
@@ -120,7 +120,7 @@ contains
 
    !> The exit code of a program that stops with this error: 1 usage, 2 data or file, 3 numerical.
    pure integer function exit_code(code)
-      !> A component of [[status]]
+      !> A component of [[gyroakf_error:status]]
       integer, intent(in) :: code
 
       select case (code)

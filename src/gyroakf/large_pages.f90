@@ -15,7 +15,7 @@ module gyroakf_large_pages
    integer(c_intptr_t), parameter :: page_bytes = 2097152
    !> The same in values
    integer(int64), parameter :: page_values = page_bytes/8
-   !> Linux: MADV_HUGEPAGE; everywhere: MADV_DONTNEED
+   !> MADV_HUGEPAGE, of Linux, and MADV_DONTNEED, the same everywhere
    integer(c_int), parameter :: huge_page_advice = 14, release_advice = 4
 
    interface

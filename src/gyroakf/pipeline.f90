@@ -46,7 +46,7 @@ contains
       character(*), intent(in) :: name
       !> Changed
       type(pipeline_options), intent(inout) :: options
-      !> invalid_argument: no such preset
+      !> `invalid_argument`: no such preset
       type(error_type), allocatable, intent(out) :: error
 
       select case (name)
@@ -110,8 +110,8 @@ contains
       type(pipeline_options), intent(in) :: options
       !> One entry per channel
       type(pipeline_result_type), intent(out) :: result
-      !> too_few_samples: fewer than [[minimum_samples]]; no_memory; cancelled; invalid_argument, not_supported from an option.
-      !> A room that fails for one channel is no error: see `channel%unavailable`
+      !> `too_few_samples`: fewer than [[gyroakf_pipeline:minimum_samples]]; no_memory; cancelled; invalid_argument,
+      !> not_supported from an option. A room that fails for one channel is no error: see `channel%unavailable`
       type(error_type), allocatable, intent(out) :: error
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional, target :: progress

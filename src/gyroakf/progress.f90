@@ -44,7 +44,7 @@ contains
 
    !> Tells somebody, if there is somebody, how far the work is.
    subroutine tell_progress(stage, done, total, error, progress)
-      !> As those of [[advance_interface]]
+      !> As those of `advance_interface`
       character(*), intent(in) :: stage
       integer(int64), intent(in) :: done, total
       !> Allocated where the caller wants no more: cancelled

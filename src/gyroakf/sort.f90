@@ -21,7 +21,7 @@ contains
    subroutine sort_values(x, error, progress)
       !> Numbers: [n], n >= 0, no NaN; sorted afterwards
       real(dp), intent(inout), contiguous, target :: x(:)
-      !> no_memory: another n numbers are needed as work space; x is unchanged then; cancelled: x is
+      !> `no_memory`: another n numbers are needed as work space; x is unchanged then; `cancelled`: x is
       !> in some other order
       type(error_type), allocatable, intent(out) :: error
       !> Told how far it is; may cancel

@@ -214,7 +214,7 @@ contains
       end do
    end function spelling_of
 
-   !> The length of [[meant]].
+   !> The length of `meant`.
    pure integer function meant_length(text)
       character(*), intent(in) :: text
 

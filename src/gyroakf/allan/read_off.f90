@@ -70,7 +70,7 @@ contains
       type(read_off_options), intent(in) :: options
       !> What is read; a term without a segment is not found, and that is no error
       type(read_off_type), intent(out) :: result
-      !> invalid_argument: another kind, an empty curve, options out of range
+      !> `invalid_argument`: another kind, an empty curve, options out of range
       type(error_type), allocatable, intent(out) :: error
 
       real(dp), allocatable :: x(:), y(:), weight(:), slope(:)

@@ -105,7 +105,7 @@ contains
       integer(int64), intent(in) :: m(:)
       !> Number of the part, from 1, and how many there are
       integer(int64), intent(in) :: s, parts
-      !> Sums: [size(m)]
+      !> Sums, [size(m)]
       real(dp), intent(out) :: sums(:)
 
       integer(int64) :: n, k, row, end_before
@@ -285,7 +285,7 @@ contains
       real(dp), intent(in) :: min_coverage
       !> First k of the part, and of the next one
       integer(int64), intent(in) :: begin, end_before
-      !> Sums: [>= size(m)]
+      !> Sums, [>= size(m)]
       type(gap_sums_type), intent(inout) :: part(:)
 
       integer(int64) :: n, k, k1, k2, terms, last, allowed

@@ -72,7 +72,7 @@ contains
       integer(int64), intent(in) :: m(:)
       !> First k of the stretch, and of the next one
       integer(int64), intent(in) :: begin, end_before
-      !> Sums: [>= size(m)]
+      !> Sums, [>= size(m)]
       real(dp), intent(inout) :: part(:)
 
       integer(int64) :: n, k, last

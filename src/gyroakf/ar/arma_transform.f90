@@ -49,7 +49,7 @@ contains
       real(dp), intent(in) :: phi(:)
       !> Free parameters: [p]; 0 where not stationary
       real(dp), intent(out) :: u(:)
-      !> All partial autocorrelations are inside (-1, 1), and within [[farthest]]
+      !> All partial autocorrelations are inside (-1, 1), and within [[gyroakf_ar_arma_transform:farthest]]
       logical, intent(out) :: stationary
       real(dp) :: a(size(phi)), old(size(phi)), k
       integer :: m, j

@@ -14,8 +14,8 @@ module gyroakf_ar_types
 
    !> How the model is found
    type :: ar_options
-      !> yw: Yule-Walker by Levinson's recursion; burg: Burg's recursion; ols: least squares ("covariance"), with intercept;
-      !> mcov: forward and backward least squares ("modified covariance") about the mean
+      !> `yw`: Yule-Walker by Levinson's recursion; `burg`: Burg's recursion; `ols`: least squares ("covariance"), with intercept;
+      !> `mcov`: forward and backward least squares ("modified covariance") about the mean
       character(4) :: method = "yw"
       !> aic, aicc, bic, hqic, fpe (formulas in gyroakf_ar_criteria)
       character(4) :: criterion = "aic"

@@ -63,8 +63,8 @@ contains
       type(design_options), intent(in) :: options
       !> The filter
       type(filter_type), intent(out) :: filter
-      !> constant_input: the series has no variance; unstable: the model is not stationary, as least squares may give it;
-      !> invalid_argument: r_factor; those of new_filter
+      !> `constant_input`: the series has no variance; `unstable`: the model is not stationary, as least squares may give it;
+      !> `invalid_argument`: r_factor; those of new_filter
       type(error_type), allocatable, intent(out) :: error
       type(filter_options) :: plain
 
@@ -132,7 +132,7 @@ contains
       type(drift_identification_type), intent(in) :: drift
       !> The filter; its output is the sum of the slow processes
       type(filter_type), intent(out) :: filter
-      !> invalid_argument: no drift was found; those of new_drift_filter
+      !> `invalid_argument`: no drift was found; those of new_drift_filter
       type(error_type), allocatable, intent(out) :: error
       type(filter_options) :: plain
 
@@ -154,7 +154,7 @@ contains
       type(drift_options), intent(in) :: options
       !> The filter; its output is the sum of the slow processes
       type(filter_type), intent(out) :: filter
-      !> invalid_argument: no drift was found; those of new_drift_filter
+      !> `invalid_argument`: no drift was found; those of new_drift_filter
       type(error_type), allocatable, intent(out) :: error
 
       call check_found(drift, error)
@@ -227,7 +227,7 @@ contains
       character(*), intent(in) :: usual
       !> Its flags are set
       type(filter_options), intent(inout) :: options
-      !> invalid_argument: another letter
+      !> `invalid_argument`: another letter
       type(error_type), allocatable, intent(out) :: error
       character(len(letters) + len(usual)) :: chosen
       integer :: i

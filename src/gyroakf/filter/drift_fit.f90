@@ -310,7 +310,7 @@ contains
       type(likelihood_objective), intent(inout) :: objective
       !> That of the polynomial by least squares; the common minimum afterwards
       type(minimum_type), intent(inout) :: minimum
-      !> As of [[finish]]
+      !> As of `finish`
       real(dp), intent(out) :: inverse(:, :)
       logical, intent(out) :: known
       type(component_model_type) :: model

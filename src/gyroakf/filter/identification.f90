@@ -41,7 +41,7 @@ module gyroakf_filter_identification
       real(dp) :: measurement_variance = 0
       !> Correlation time in samples, -1/ln(phi)
       real(dp) :: correlation_samples = 0
-      !> False: no drift of that kind in the series (white, or faster than the limit); the numbers then
+      !> False if there is no drift of that kind in the series (white, or faster than the limit); the numbers then
       !> are those of the fastest component, as far as there is one
       logical :: found = .false.
       !> Samples that were used: all, or the middle part of a huge record

@@ -77,7 +77,7 @@ contains
       integer(int64), intent(in) :: word(:)
       !> The filter
       type(filter_type), intent(out) :: filter
-      !> parse: these are no words of a filter, of another version or byte order, cut short, or damaged; what making a filter
+      !> `parse`: these are no words of a filter, of another version or byte order, cut short, or damaged; what making a filter
       !> can give
       type(error_type), allocatable, intent(out) :: error
       type(filter_type) :: made

@@ -18,7 +18,7 @@ module gyroakf_filter_state_space
    real(dp), parameter :: tolerance = 1.0e-15_dp
    !> Doublings after which it has failed: 2^60 steps of the recursion
    integer, parameter :: max_doublings = 60
-   !> Order from which the gain is found by [[settle_gain]], and its steps at most
+   !> Order from which the gain is found by `settle_gain`, and its steps at most
    integer, parameter :: long_order = 50, most_steps = 100000
    !> Variance per unit of driving noise that no stationary series has in double precision
    real(dp), parameter :: explosive = 1.0e60_dp
@@ -131,7 +131,7 @@ contains
    !> One coefficient: the closed form
    !> $$ P^- = \tfrac12 \left[ c + \sqrt{c^2 + 4 q r} \right],\quad c = q - r (1 - \phi^2),\quad K = P^-/(P^- + r) $$
    !> More: the structure-preserving doubling iteration for the discrete Riccati equation, quadratically
-   !> convergent, O(p^3) a round (Chu, Fan, Lin & Wang, Int. J. Control 77, 2004, 767-788); 50 and more: [[settle_gain]], O(p) a
+   !> convergent, O(p^3) a round (Chu, Fan, Lin & Wang, Int. J. Control 77, 2004, 767-788); 50 and more: `settle_gain`, O(p) a
    !> step, and doubling only where that does not settle in 100000 steps.
    subroutine steady_state(phi, q, r, gain, prior, error)
       !> Coefficients, [p], p >= 1

@@ -25,7 +25,7 @@ module gyroakf_filter_trace
       integer(int64) :: stretch = 0
       !> Innovations over their standard deviations
       type(extremes_type) :: innovation
-      !> Variance R of the measurement noise, at the ends of stretches and every [[variance_step]] samples in between
+      !> Variance R of the measurement noise, at the ends of stretches and every `variance_step` samples in between
       type(extremes_type) :: variance
    end type trace_type
 

@@ -97,7 +97,7 @@ contains
    !> The word for a unit of time.
    pure function unit_word(scale) result(word)
       real(dp), intent(in) :: scale
-      character(merge(2, 1, scale < 0.5_dp)) :: word
+      character(1 + count([scale < 0.5_dp])) :: word
 
       word = "s"
       if (scale < 0.5_dp) word = "ms"

@@ -29,7 +29,7 @@ contains
       logical, intent(in) :: decimal
       !> Of the columns, as far as they are known
       type(column_names_type), intent(in) :: names
-      !> A component of [[comma_mode]]
+      !> A component of [[gyroakf_io_stamp_columns:comma_mode]]
       integer, intent(inout) :: mode
       !> Told where decimal commas were recognised
       type(text_type), allocatable, intent(inout) :: warnings(:)

@@ -55,7 +55,7 @@ contains
       integer(int8), intent(in), contiguous :: bytes(:)
       !> First byte of the stamp, perhaps a quote; afterwards the byte after it, unchanged where there is none
       integer(int64), intent(inout) :: at
-      !> One of the components of [[stamp_kind]], not `number`
+      !> One of the components of [[gyroakf_io_date:stamp_kind]], not `number`
       integer, intent(in) :: kind
       !> Counted from this day (1970-01-01 is 0), or from this whole number
       integer(int64), intent(in) :: origin

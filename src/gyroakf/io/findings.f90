@@ -79,7 +79,7 @@ contains
    pure function counted(number, noun) result(text)
       integer(int64), intent(in) :: number
       character(*), intent(in) :: noun
-      character(integer_length(number) + 1 + len(noun) + merge(0, 1, number == 1)) :: text
+      character(integer_length(number) + 1 + len(noun) + count([number /= 1])) :: text
 
       text = integer_text(number)//" "//noun
       if (number /= 1) text(len(text):) = "s"

@@ -39,7 +39,7 @@ contains
       character(*), intent(in) :: dataset
       !> To be closed by [[close_hdf5]], after a failure too
       type(hdf5_type), intent(out) :: hdf5
-      !> Allocated: not_supported
+      !> Always not_supported
       type(error_type), allocatable, intent(out) :: error
 
       hdf5%path = dataset
@@ -59,7 +59,7 @@ contains
       integer(int64), intent(in) :: first, count, from, to
       !> [count*(to - from + 1)] filled
       real(dp), intent(inout), contiguous :: value(:)
-      !> Allocated: not_supported
+      !> Always not_supported
       type(error_type), allocatable, intent(out) :: error
 
       call fatal_error(error, status%not_supported, "this build reads no HDF5")

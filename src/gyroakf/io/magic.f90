@@ -64,7 +64,7 @@ contains
       integer(int8), intent(in), contiguous :: bytes(:)
       !> "npy" or "hdf5"; unchanged for others
       character(*), intent(inout) :: kind
-      !> Of [[magics]], 0 for none
+      !> Of [[gyroakf_io_magic:magics]], 0 for none
       integer, intent(out) :: found
       integer(int64) :: at
       integer :: i

@@ -24,7 +24,7 @@ contains
    !> Whether what follows may follow is the caller's business. Thread-safe; no allocation but for a number of more than
    !> 120 characters.
    pure subroutine scan_number(bytes, at, value, found)
-      !> The text; [[digits_ahead]] more bytes than the text, the first of them no digit
+      !> The text; [[gyroakf_io_quick_number:digits_ahead]] more bytes than the text, the first of them no digit
       integer(int8), intent(in), contiguous :: bytes(:)
       !> First byte of the number; afterwards the byte after it, unchanged where there is no number
       integer(int64), intent(inout) :: at

@@ -55,7 +55,7 @@ contains
 
    !> The number that begins at a byte. What follows it is the caller's business.
    pure function quick_number(bytes, at) result(quick)
-      !> The text; [[digits_ahead]] more bytes than the text, the first of them no digit
+      !> The text; [[gyroakf_io_quick_number:digits_ahead]] more bytes than the text, the first of them no digit
       integer(int8), intent(in), contiguous :: bytes(:)
       !> First byte of the number
       integer(int64), intent(in), value :: at
@@ -223,7 +223,7 @@ contains
 
    !> Moves behind digits, eight at a time.
    pure subroutine skip_digits(bytes, at)
-      !> The text; [[digits_ahead]] more bytes than the text, the first of them no digit
+      !> The text; [[gyroakf_io_quick_number:digits_ahead]] more bytes than the text, the first of them no digit
       integer(int8), intent(in), contiguous :: bytes(:)
       !> Any byte; afterwards the next that is no digit
       integer(int64), intent(inout) :: at

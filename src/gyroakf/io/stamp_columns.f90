@@ -267,7 +267,7 @@ contains
       !> Lines at first:last, a line feed at last
       integer(int8), intent(inout), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
-      !> One of the components of [[comma_mode]]
+      !> One of the components of [[gyroakf_io_stamp_columns:comma_mode]]
       integer, intent(in) :: mode
       integer(int64) :: i
 

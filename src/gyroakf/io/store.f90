@@ -43,7 +43,7 @@ contains
       integer, intent(out) :: failed
       !> At least so many, 1 if absent
       integer(int64), intent(in), optional :: rows
-      !> So many rows are expected from here on, [[chunk_rows]] if absent; a new chunk has room for them unless it would be
+      !> So many rows are expected from here on, `chunk_rows` if absent; a new chunk has room for them unless it would be
       !> too large
       integer(int64), intent(in), optional :: expected
       integer(int64) :: least, room

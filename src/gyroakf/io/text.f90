@@ -41,7 +41,7 @@ contains
       !> Holds the line at first:last, without its end
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
-      !> One of the components of [[split]]
+      !> One of the components of [[gyroakf_io_text:split]]
       integer, intent(in) :: way
       !> The fields; its arrays are reused
       type(fields_type), intent(inout) :: fields

@@ -19,7 +19,7 @@ module gyroakf_pipeline_channel_progress
 
 contains
 
-   !> As [[advance_interface]].
+   !> As `advance_interface`.
    subroutine pass_on(self, stage, done, total, cancel)
       !> With a listener
       class(channel_progress_type), intent(inout) :: self

@@ -33,7 +33,7 @@ contains
       type(unit_type), intent(in) :: unit
       !> Options of the main job
       type(pipeline_options), intent(in) :: options
-      !> Component of [[stage]]
+      !> Component of [[gyroakf_pipeline_result:stage]]
       integer, intent(in) :: which
       !> `allan(which)` is filled
       type(channel_result_type), intent(inout) :: channel
@@ -64,7 +64,7 @@ contains
       type(unit_type), intent(in) :: unit
       !> Options of the main job
       type(pipeline_options), intent(in) :: options
-      !> Component of [[stage]]
+      !> Component of [[gyroakf_pipeline_result:stage]]
       integer, intent(in) :: which
       !> The rest of `allan(which)` is filled
       type(channel_result_type), intent(inout) :: channel
@@ -116,7 +116,7 @@ contains
       real(dp), intent(in) :: step
       !> Options of the main job
       type(pipeline_options), intent(in) :: options
-      !> Component of [[stage]]
+      !> Component of [[gyroakf_pipeline_result:stage]]
       integer, intent(in) :: which
       !> `allan(which)%other` is filled
       type(channel_result_type), intent(inout) :: channel

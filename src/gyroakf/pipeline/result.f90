@@ -273,7 +273,7 @@ module gyroakf_pipeline_result
       real(dp) :: compensated_ratio = 0.0_dp
       !> How near the filters come to the true drift, where that was given
       type(truth_result_type) :: truth
-      !> By [[stage]]
+      !> By [[gyroakf_pipeline_result:stage]]
       type(allan_result_type) :: allan(5)
       !> Whether the curve of the record as read changed from its first to its second half
       type(halves_type) :: halves

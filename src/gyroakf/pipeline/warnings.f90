@@ -55,18 +55,20 @@ contains
       !> It is in seconds
       logical, intent(in) :: rate_known
       character(:), allocatable :: times
+      real(dp) :: seconds
       integer(int64) :: i, last
 
       if (.not. channel%clean%converged .and. channel%clean%passes > 1) call add_text(channel%warnings, &
          "the search for outliers did not settle within "//integer_text(int(channel%clean%passes, int64))//" rounds")
       if (channel%clean%fraction <= outlier_share) return
       times = ""
+      seconds = merge(step, 0.0_dp, rate_known)
       if (allocated(channel%clean%outlier)) then
          last = size(channel%clean%outlier, kind=int64)
          do i = 1, min(last, int(named_outliers, int64))
-            times = times//moment(channel%clean%outlier(i), step, rate_known)//", "
+            times = times//moment(channel%clean%outlier(i), seconds)//", "
          end do
-         if (last > named_outliers) times = times//"..., "//moment(channel%clean%outlier(last), step, rate_known)//", "
+         if (last > named_outliers) times = times//"..., "//moment(channel%clean%outlier(last), seconds)//", "
       end if
       if (rate_known) then
          times = "at "//times(:max(len(times) - 2, 0))//" s"
@@ -137,13 +139,12 @@ contains
                     format_real(channel%cleaned%mean, 5)//"; their outputs are without it")
    end subroutine warn_centred
 
-   !> The length of [[moment]].
-   pure integer function moment_length(index, step, rate_known)
+   !> The length of `moment`.
+   pure integer function moment_length(index, step)
       integer(int64), intent(in) :: index
       real(dp), intent(in) :: step
-      logical, intent(in) :: rate_known
 
-      if (rate_known) then
+      if (step > 0.0_dp) then
          moment_length = real_length(real(index - 1, dp)*step, 7)
       else
          moment_length = integer_length(index)
@@ -151,13 +152,14 @@ contains
    end function moment_length
 
    !> Time of a sample in s, or its number.
-   pure function moment(index, step, rate_known) result(text)
+   pure function moment(index, step) result(text)
+      !> From 1
       integer(int64), intent(in) :: index
+      !> Sample interval in s, 0 where it is not known
       real(dp), intent(in) :: step
-      logical, intent(in) :: rate_known
-      character(moment_length(index, step, rate_known)) :: text
+      character(moment_length(index, step)) :: text
 
-      if (rate_known) then
+      if (step > 0.0_dp) then
          text = format_real(real(index - 1, dp)*step, 7)
       else
          text = integer_text(index)

@@ -32,7 +32,7 @@ module gyroakf_report_csv
 
 contains
 
-   !> series.csv: time and the columns of [[series_names]], a line per sample; or the same columns as binary rows.
+   !> series.csv: time and the columns of `series_names`, a line per sample; or the same columns as binary rows.
    !>
    !> Several channels stand side by side, `gx_raw, gx_cleaned, ..., gx_drift_akf, gy_raw, ...`. Time is in s from the first
    !> sample, the sample's number from 0 where no rate is known. `cleaned` is nan where an outlier was removed; the filters
@@ -223,7 +223,7 @@ contains
    subroutine put_coefficient(writer, channel, which, name, stated, term)
       type(writer_type), intent(inout) :: writer
       type(channel_result_type), intent(in) :: channel
-      !> Component of [[stage]]
+      !> Component of [[gyroakf_pipeline_result:stage]]
       integer, intent(in) :: which
       !> Letter of the term
       character(*), intent(in) :: name
@@ -255,7 +255,7 @@ contains
    subroutine put_further(writer, channel, which, name, stated, parameter)
       type(writer_type), intent(inout) :: writer
       type(channel_result_type), intent(in) :: channel
-      !> Component of [[stage]]
+      !> Component of [[gyroakf_pipeline_result:stage]]
       integer, intent(in) :: which
       !> Letter of the term
       character(*), intent(in) :: name

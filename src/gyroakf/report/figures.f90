@@ -29,9 +29,9 @@ contains
 
    !> Writes the scripts of all figures that the result has, and what they draw that no csv file holds.
    subroutine write_figures(folder, form, record, options, result, figures, error)
-      !> Made where it does not exist: [[figure_folder]] in that of [[write_results]], or another
+      !> Made where it does not exist: [[gyroakf_report_figures:figure_folder]] in that of [[write_results]], or another
       character(*), intent(in) :: folder
-      !> One of [[figure_formats]]
+      !> One of [[gyroakf_report_figure_script:figure_formats]]
       character(*), intent(in) :: form
       !> What was read; series are drawn where they were kept
       type(record_type), intent(in) :: record
@@ -142,7 +142,7 @@ contains
 
    !> The figure of a channel, without ending.
    function figure_name(kind, result, c) result(name)
-      !> One of [[figure_kinds]]
+      !> One of [[gyroakf_report_figures:figure_kinds]]
       character(*), intent(in) :: kind
       !> What came out
       type(pipeline_result_type), intent(in) :: result

@@ -210,7 +210,7 @@ contains
       call append(json, "]")
    end subroutine put_texts
 
-   !> The length of [[json_number]].
+   !> The length of `json_number`.
    pure integer function number_length(value)
       real(dp), intent(in) :: value
 

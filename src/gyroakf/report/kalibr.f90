@@ -28,7 +28,7 @@ contains
    subroutine check_kalibr(record, error)
       !> As read
       type(record_type), intent(in) :: record
-      !> invalid_argument: the rate or every unit is missing; the message says which option gives it
+      !> `invalid_argument`: the rate or every unit is missing; the message says which option gives it
       type(error_type), allocatable, intent(out) :: error
 
       if (.not. record%rate_known) then

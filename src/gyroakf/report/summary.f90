@@ -137,7 +137,7 @@ contains
       type(record_type), intent(in) :: record
       integer, intent(in) :: c
       type(channel_result_type), intent(in) :: channel
-      !> False: nothing was computed
+      !> False where nothing was computed
       logical, intent(in) :: there
       type(record_type) :: view
       integer :: term
@@ -178,7 +178,7 @@ contains
    subroutine put_methods(json, channel, there)
       type(json_type), intent(inout) :: json
       type(channel_result_type), intent(in) :: channel
-      !> False: nothing was computed
+      !> False where nothing was computed
       logical, intent(in) :: there
 
       call put_known(json, "adf_p_value", channel%adf%p_value, channel%available%adf)

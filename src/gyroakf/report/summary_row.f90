@@ -153,7 +153,7 @@ contains
    !> The columns of a channel's result, each with a comma in front.
    function csv_channel(channel, there) result(line)
       type(channel_result_type), intent(in) :: channel
-      !> False: nothing was computed
+      !> False where nothing was computed
       logical, intent(in) :: there
       character(:), allocatable :: line
       integer :: term

@@ -20,7 +20,7 @@ module gyroakf_selftest_references
    public :: check_references
 
    integer, parameter :: n = 1000
-   !> Relative: sums of a thousand terms. Statistics of a series that is nearly not stationary lose one digit more
+   !> Relative, of sums of a thousand terms. Statistics of a series that is nearly not stationary lose one digit more
    real(dp), parameter :: exact = 1.0e-12_dp, near_unit_root = 1.0e-11_dp
 
 contains

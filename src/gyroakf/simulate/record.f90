@@ -69,7 +69,7 @@ contains
    !> $$ T'(i) = c (i - 2221)(i - 7999), \quad c = 1.26 \cdot 10^{-13}\ \mathrm{deg/s}, $$
    !> with the mean zero over the record. (The paper's own digits of eq. (10) are not known to us.)
    pure function paper_preset(seed) result(options)
-      !> Seed; [[paper_seed]] gives the example record
+      !> Seed; [[gyroakf_simulate_record:paper_seed]] gives the example record
       integer(int64), intent(in) :: seed
       !> The options, free to be changed
       type(simulate_options) :: options
@@ -101,7 +101,7 @@ contains
       type(simulate_options), intent(in) :: options
       !> The record; `format` is "simulated", `present` is allocated where samples were lost
       type(record_type), intent(out) :: record
-      !> invalid_argument: an option out of its range or an unknown unit; unstable: the AR model is not stationary; no_memory;
+      !> `invalid_argument`: an option out of its range or an unknown unit; `unstable`: the AR model is not stationary; no_memory;
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
       !> The true drift, on the same grid

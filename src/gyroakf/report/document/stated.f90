@@ -123,7 +123,7 @@ contains
       character(*), intent(in) :: key
       !> The number
       real(dp), intent(in) :: value
-      !> False: null
+      !> False gives null
       logical, intent(in) :: known
 
       if (known) then

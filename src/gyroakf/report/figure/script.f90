@@ -64,7 +64,7 @@ contains
       type(writer_type), intent(inout) :: writer
       !> Of the figure, without ending
       character(*), intent(in) :: name
-      !> One of [[figure_formats]]
+      !> One of [[gyroakf_report_figure_script:figure_formats]]
       character(*), intent(in) :: form
       !> Above the figure
       character(*), intent(in) :: title
