@@ -6,7 +6,7 @@ module test_allan_terms
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
    use gyroakf_allan_noise_fit, only : fit_noise, noise_options, noise_type
-   use gyroakf_allan_noise_model, only : model_variance, noise_model_type
+   use gyroakf_allan_noise_model, only : model_shape, model_variance, noise_model_type
    use gyroakf_allan_record_length, only : never, record_to_see
    use gyroakf_record, only : record_type
    use gyroakf_simulate_record, only : simulate_options, simulate_record
@@ -37,6 +37,8 @@ contains
          & new_unittest("record_length", test_record_length), &
          & new_unittest("terms_that_miss", test_terms_that_miss), &
          & new_unittest("oscillating_steps", test_oscillating), &
+         & new_unittest("chance_low_at_the_end", test_chance_low), &
+         & new_unittest("limits_of_a_misfit", test_misfit_limits), &
          & new_unittest("letters", test_letters)]
    end subroutine collect_allan_terms
 
@@ -406,6 +408,72 @@ contains
          if (allocated(error)) return
       end do
    end subroutine test_oscillating
+
+   subroutine test_chance_low(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! the last variance, of one degree of freedom, is by chance 1e-4 of what is expected: it must not forbid the random walk
+      type(simulate_options) :: options
+      type(record_type) :: record
+      type(allan_curve_type) :: curve
+      type(noise_type) :: noise
+      type(gyro_error), allocatable :: failure
+      character(4), parameter :: terms(2) = ["NK  ", "auto"]
+      real(dp), parameter :: truth(2) = [1.0_dp, 0.01_dp]
+      integer :: i
+
+      options%samples = 32768
+      options%rate_hz = 1
+      options%seed = 1272
+      options%coefficient = [0.0_dp, truth(1), 0.0_dp, truth(2), 0.0_dp]
+      do i = 1, size(terms)
+         call simulate_record(options, record, failure)
+         if (.not. allocated(failure)) call fit_record(record%value(:, 1), noise_options(terms=terms(i)), curve, noise, failure)
+         call check(error, .not. allocated(failure), "the fit failed")
+         if (allocated(error)) return
+         call check(error, curve%deviation(size(curve%m)) < 0.02_dp*noise%model(size(curve%m)), "the record is the unlucky one")
+         if (allocated(error)) return
+         call check(error, noise%acceptable .and. .not. noise%markov%fitted, "described by "//terms(i))
+         if (allocated(error)) return
+         call check(error, all(noise%coefficient%detected .eqv. [.false., .true., .false., .true., .false.]), "N and K")
+         if (allocated(error)) return
+         associate (found => noise%coefficient([2, 4]))
+            call check(error, all(abs(found%value - truth) < 3*found%std_error .and. found%std_error < 0.2_dp*truth), "values")
+         end associate
+         if (allocated(error)) return
+      end do
+   end subroutine test_chance_low
+
+   subroutine test_misfit_limits(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! slopes between those of Q and N under a hump, and a low last point: no sum of the terms. The fit stays at the curve, and no
+      ! limit is a term that would lie far above the whole curve
+      type(noise_model_type) :: unused
+      type(allan_curve_type) :: curve
+      type(noise_type) :: noise
+      type(gyro_error), allocatable :: failure
+      integer :: hump, term
+
+      unused%squares(2) = 1
+      do hump = 1, 5
+         call exact_curve(unused, 36000_int64, curve)
+         curve%deviation = 45*curve%tau**(-0.8_dp)*(1 + hump*exp(-(log(curve%tau/12)/log(2.0_dp))**2))
+         curve%deviation(size(curve%m)) = curve%deviation(size(curve%m))/3
+         call fit_noise(curve, noise_options(), noise, failure)
+         call check(error, .not. allocated(failure) .and. .not. noise%acceptable .and. noise%misfit > 0, "a misfit")
+         if (allocated(error)) return
+         call check(error, abs(sum(log(noise%model/curve%deviation)))/size(curve%m) < log(2.0_dp), "the fit is at the curve")
+         if (allocated(error)) return
+         call check(error, noise%misfit < 2, "the misfit does not run away")
+         if (allocated(error)) return
+         do term = 1, 5
+            call check(error, minval(noise%coefficient(term)%upper_limit*sqrt(model_shape(noise%mixture, term, &
+               & curve%tau))/curve%deviation) < 3, "a limit above the whole curve")
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_misfit_limits
 
    subroutine test_letters(error)
       type(error_type), allocatable, intent(out) :: error

@@ -100,17 +100,23 @@ contains
       allocate (rest%basis%pair, source=problem%basis%pair(left_out + 1:, left_out + 1:))
    end function without_first
 
-   !> Squares to start from: weights from the degrees of freedom known before and the variances themselves.
+   !> A mixture to start from: weights from the degrees of freedom known before.
+   !>
+   !> Least squares relative to the variances themselves, then of their logarithms. The first alone can be far from the curve: a
+   !> variance of one degree of freedom that is small by chance, a thousandth of what is expected, would forbid every term that
+   !> is larger there.
    subroutine first_guess(problem, model, error)
       !> Points and terms
       type(problem_type), intent(in) :: problem
-      !> Its squares are set; its times are used where such terms are offered
+      !> Its squares are set, and its times, from those where they are, where such terms are offered
       type(noise_model_type), intent(inout) :: model
       !> not_converged
       type(error_type), allocatable, intent(out) :: error
 
       real(dp) :: weight(size(problem%m)), length(count(problem%offered))
       real(dp) :: design(size(problem%m), count(problem%offered)), x(count(problem%offered))
+      type(noise_model_type) :: better
+      type(error_type), allocatable :: failure
       integer :: term(count(problem%offered)), j
       logical :: converged
 
@@ -124,7 +130,13 @@ contains
       call solve_nonnegative(design, weight, x, converged)
       model%squares = 0
       model%squares(term) = x/length
-      if (.not. converged) call fail_to_converge(error)
+      if (.not. converged) then
+         call fail_to_converge(error)
+         return
+      end if
+      better = model
+      call minimise(problem, .false., max(problem%edf, edf_least)/2, better, failure)
+      if (.not. allocated(failure)) model = better
    end subroutine first_guess
 
    !> Finds the squares, and the parameters of the last two terms, that fit best with the weights of a given scatter.

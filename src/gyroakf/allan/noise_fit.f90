@@ -122,6 +122,7 @@ contains
       type(description_type), intent(inout) :: description
 
       type(noise_model_type) :: start
+      type(error_type), allocatable :: failure
       real(dp), dimension(size(description%problem%m)) :: model, half
       real(dp) :: before
       integer :: round
@@ -134,6 +135,8 @@ contains
             problem%misfit = extra_variance(log(problem%variance/model) - digamma(half) + log(half), 1/half, &
                & count(selection%chosen))
             start = selection%model
+            call minimise(problem, .false., half, start, failure)
+            if (allocated(failure)) start = selection%model
             call select_terms(problem, start, selection)
             if (abs(problem%misfit - before) <= 1e-2_dp*problem%misfit) exit
          end do

@@ -15,10 +15,10 @@
 !> chosen mixture itself; choice and covariance are renewed until they agree.
 module gyroakf_allan_term_selection
    use gyroakf_kinds, only : dp
-   use gyroakf_special, only : chi_square_survival
+   use gyroakf_special, only : chi_square_survival, digamma
    use gyroakf_lapack, only : dposv
    use gyroakf_allan_fit_problem, only : model_at, move_parameters, offered_terms, prepare_basis, problem_type, &
-      & relative_columns, relative_covariance, tangents_of
+      & relative_columns, relative_covariance, tangents_of, trigamma
    use gyroakf_allan_noise_model, only : column_count, noise_model_type
    use gyroakf_allan_whitening, only : whitening
    implicit none (type, external)
@@ -45,6 +45,8 @@ module gyroakf_allan_term_selection
       !> A'A, A'y, y'y for columns of length 1, and their lengths
       real(dp), allocatable :: square(:, :), right(:), length(:)
       real(dp) :: total = 0.0_dp
+      !> Chi-square of the mixture itself
+      real(dp) :: chi_square = 0.0_dp
       !> Independent combinations of the points
       integer :: kept = 0
    end type normal_type
@@ -52,6 +54,8 @@ module gyroakf_allan_term_selection
    !> Rounds of choice and covariance, and relative change of the model at which they agree
    integer, parameter :: rounds_max = 12
    real(dp), parameter :: agreed = 1e-4_dp
+   !> Greatest and least variance of a point's own relative scatter: half a degree of freedom, and a ramp alone
+   real(dp), parameter :: own_most = 4.0_dp, own_least = 2e-15_dp
    !> A model is wrong where chi-square is as large by chance in fewer than one of so many records
    real(dp), parameter :: chance_least = 1e-4_dp
    !> Standard normal quantile of 95 %, and what of it remains of a limit that a chance low may not undercut (one standard error)
@@ -64,6 +68,9 @@ module gyroakf_allan_term_selection
 contains
 
    !> Chooses the terms.
+   !>
+   !> A curve that no mixture describes can lead from one choice to another for ever, each the best where things are linear at the
+   !> last. Of the mixtures met that one is taken then whose own chi-square and price are least.
    subroutine select_terms(problem, start, selection)
       !> Points and terms; its basis is renewed where a correlation time moves
       type(problem_type), intent(inout) :: problem
@@ -74,23 +81,42 @@ contains
 
       type(normal_type) :: normal
       type(noise_model_type) :: before
+      type(selection_type) :: best
       logical :: same
       integer :: round
+      real(dp) :: cost, least
 
       selection%model = start
+      least = huge(1.0_dp)
       do round = 1, rounds_max
          before = selection%model
          call prepare_basis(problem, before)
          call normal_equations(problem, before, normal)
+         cost = normal%chi_square + problem%price*unknowns_of(normal, before)
+         if (cost < least .and. any(before%squares > 0)) then
+            least = cost
+            best = selection_type(before, before%squares > 0, normal%chi_square, normal%kept - unknowns_of(normal, before))
+         end if
          same = .true.
          call choose_set(problem, normal, before, selection, same)
          if (same .and. maxval(abs(model_at(problem, selection%model)/model_at(problem, before) - 1)) < agreed) exit
       end do
+      if (round > rounds_max .and. least < huge(1.0_dp)) selection = best
       selection%probability = 1
       if (selection%freedom > 0) then
          selection%probability = chi_square_survival(selection%chi_square, real(selection%freedom, dp))
       end if
    end subroutine select_terms
+
+   !> Unknowns of a mixture: its squares, and the parameters that go with them.
+   pure integer function unknowns_of(normal, model)
+      !> Its equations
+      type(normal_type), intent(in) :: normal
+      !> The mixture
+      type(noise_model_type), intent(in) :: model
+
+      unknowns_of = count(model%squares > 0) + size(normal%tangent)
+   end function unknowns_of
 
    !> Standard errors that a square must have to be chosen in 95 % of records.
    pure real(dp) function detection_size(price)
@@ -119,20 +145,41 @@ contains
       real(dp) :: covariance(size(problem%m), size(problem%m))
       integer :: i
 
-      call relative_covariance(problem, model, covariance)
-      residual = problem%variance/model_at(problem, model)
-      do i = 1, size(residual)
-         residual(i) = near_normal(residual(i), covariance(i, i))/sqrt(covariance(i, i))
-      end do
+      call near_normal(problem, model, residual, covariance)
+      residual = residual/[(sqrt(covariance(i, i)), i=1, size(residual))]
    end function normal_residuals
 
-   !> The nearly normal residual of a variance relative to the model.
-   elemental real(dp) function near_normal(ratio, variance)
-      !> Variance over model, and the variance of that
-      real(dp), intent(in) :: ratio, variance
+   !> The nearly normal residuals of the variances relative to the model, and their covariance.
+   !>
+   !> A misfit is one of the logarithms, of either sign: no chi-square of few degrees of freedom, whose skewness would be put right
+   !> with it. With a misfit the residuals are therefore logarithms, only the bias of the points' own scatter removed.
+   subroutine near_normal(problem, model, residual, covariance)
+      !> Points, with a basis for the model
+      type(problem_type), intent(in) :: problem
+      !> The mixture
+      type(noise_model_type), intent(in) :: model
+      !> Residuals: [points]
+      real(dp), intent(out) :: residual(:)
+      !> Their covariance: [points, points]
+      real(dp), intent(out) :: covariance(:, :)
 
-      near_normal = 3*(ratio**(1/3.0_dp) - 1 + min(variance, 4.0_dp)/9)
-   end function near_normal
+      real(dp) :: own(size(residual)), factor(size(residual))
+      integer :: i
+
+      call relative_covariance(problem, model, covariance)
+      own = [(min(covariance(i, i) - problem%misfit, own_most), i=1, size(residual))]
+      residual = problem%variance/model_at(problem, model)
+      if (problem%misfit <= 0) then
+         residual = 3*(residual**(1/3.0_dp) - 1 + own/9)
+         return
+      end if
+      own = max(own, own_least)
+      residual = log(residual) - digamma(1/own) - log(own)
+      factor = sqrt(trigamma(1/own)/own)                    ! the logarithm spreads more where nu is small
+      do i = 1, size(factor)
+         covariance(:, i) = covariance(:, i)*factor*factor(i)
+      end do
+   end subroutine near_normal
 
    !> Whitens the points at a model and forms the normal equations.
    subroutine normal_equations(problem, model, normal)
@@ -149,10 +196,7 @@ contains
       integer :: i, j, p
 
       reference = model_at(problem, model)
-      call relative_covariance(problem, model, covariance)
-      do i = 1, size(reference)
-         residual(i) = near_normal(problem%variance(i)/reference(i), covariance(i, i))
-      end do
+      call near_normal(problem, model, residual, covariance)
       normal%term = offered_terms(problem)
       normal%tangent = tangents_of(problem, model)
       call relative_columns(problem, model, reference, normal%term, normal%tangent, columns)
@@ -172,6 +216,7 @@ contains
          end do
       end do
       normal%total = sum(target(:normal%kept)**2)
+      normal%chi_square = sum(matmul(axes, residual)**2)
    end subroutine normal_equations
 
    !> The set of terms that is worth its price, and its mixture.
