@@ -101,7 +101,7 @@ contains
       end do
       call add_bytes(hash, padding(:n))
       do i = 1, 64
-         nibble = int(ibits(hash%state((i + 7)/8), 28 - 4*mod(i - 1, 8), 4))
+         nibble = int(ibits(hash%state(shiftr(i + 7, 3)), 28 - 4*mod(i - 1, 8), 4))
          digest(i:i) = digits(nibble + 1:nibble + 1)
       end do
    end subroutine finish_sha256

@@ -139,7 +139,7 @@ contains
       type(real_fft_plan_type) :: plan
       type(error_type), allocatable :: error
       real(dp) :: x(n)
-      complex(dp) :: spectrum(n/2 + 1)
+      complex(dp) :: spectrum((n + 1)/2)
       integer :: i
 
       x = [(cos(2.0_dp*pi*real(mod(k*i, n), dp)/n), i=0, n - 1)]
