@@ -22,7 +22,7 @@ module gyroakf_app_many
    use gyroakf_app_job, only : analyse, inspect
    use gyroakf_app_pool, only : answer_type, run_pool, task_type
    use gyroakf_app_progress_bar, only : bar_type, clear_bar, start_bar
-   use gyroakf_app_reading, only : find_bound
+   use gyroakf_app_reading, only : find_bound, with_path
    use gyroakf_app_row_text, only : row_from_text, row_to_text
    use gyroakf_app_summary, only : write_summary
    use gyroakf_app_words, only : usage_error
@@ -254,15 +254,5 @@ contains
          if (allocated(config%latex)) config%latex = folder//"/"//config%latex
       end select
    end subroutine prepare_one
-
-   !> A message that names the file.
-   pure function with_path(path, message) result(text)
-      character(*), intent(in) :: path, message
-      character(:), allocatable :: text
-
-      text = message
-      if (path == "-" .and. index(message, "<stdin>") == 1) return
-      if (index(message, path) /= 1) text = path//": "//message
-   end function with_path
 
 end module gyroakf_app_many

@@ -2,7 +2,7 @@
 !> Reads a recording within the memory that is allowed, and works on it: whole, or in blocks as it goes by.
 module gyroakf_app_reading
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : error_type
+   use gyroakf_error, only : error_type, status
    use gyroakf_io_machine_memory, only : free_memory
    use gyroakf_io_reader, only : complete_record, read_record, reader_options
    use gyroakf_io_record_summary, only : summarise_record
@@ -18,7 +18,7 @@ module gyroakf_app_reading
    use gyroakf_app_truth, only : read_truth
    implicit none (type, external)
    private
-   public :: find_bound, read_and_look, read_and_run
+   public :: find_bound, read_and_look, read_and_run, with_path
 
    !> Share of the memory that can be had which a recording may take
    real(dp), parameter :: usable_share = 0.95_dp
@@ -109,6 +109,8 @@ contains
       else
          call run_pipeline(record, config%pipeline, result, error, progress)
       end if
+      if (.not. allocated(error)) return
+      if (error%code == status%too_few_samples) error%message = with_path(config%path, error%message)
    end subroutine read_and_run
 
    !> Filters what is larger than the memory, and writes the series with --out while they go by.
@@ -136,5 +138,19 @@ contains
       if (allocated(error)) call release_files()
       if (.not. allocated(error)) series = file%writer
    end subroutine filter_in_blocks
+
+   !> A message that names the file.
+   pure function with_path(path, message) result(text)
+      character(*), intent(in) :: path, message
+      character(:), allocatable :: text
+
+      text = path
+      if (path == "-") text = "<stdin>"
+      if (index(message, text) == 1) then
+         text = message
+      else
+         text = text//": "//message
+      end if
+   end function with_path
 
 end module gyroakf_app_reading

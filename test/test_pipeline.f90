@@ -657,7 +657,7 @@ contains
       call run_pipeline(record, pipeline_options(), result, failed)
       call check(error, allocated(failed))
       if (allocated(error)) return
-      call check(error, failed%code == status%too_few_samples .and. index(failed%message, "9 samples") > 0)
+      call check(error, failed%code == status%too_few_samples .and. index(failed%message, "record: 9;") > 0)
    end subroutine test_too_short
 
    !> 10 to 60 samples: no error, and every room that failed is named.

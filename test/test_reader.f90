@@ -248,6 +248,9 @@ contains
       call check(error, record%unit%name//record%unit_source//warned(record), &
                  "noneline 1: the header's unit 'dogs' is not known and is ignored|")
       if (allocated(error)) return
+      values = shown("# units: angle increment counts, 0.1 arcsec each"//nl//"1", options, record)
+      call check(error, index(warned(record), "is not known and is ignored|if the numbers are increments") > 0, warned(record))
+      if (allocated(error)) return
       values = shown("# units: deg/h"//nl//"1", options, record)
       call check(error, record%unit%name//" "//record%unit_source, "deg/h header")
       if (allocated(error)) return

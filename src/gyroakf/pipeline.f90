@@ -127,7 +127,7 @@ contains
       end if
       if (size(record%value, 1, kind=int64) < minimum_samples) then
          write (digits, "(i0)") size(record%value, 1, kind=int64)
-         call fatal_error(error, status%too_few_samples, "the record has "//trim(digits)//" samples; at least 10 are needed")
+         call fatal_error(error, status%too_few_samples, "samples in the record: "//trim(digits)//"; at least 10 are needed")
          return
       end if
       if (present(truth)) call check_truth(truth, record, error)

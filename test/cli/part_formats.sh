@@ -112,6 +112,8 @@ done <<'CASES'
 \375\067\172\130\132\000 xz -dc other | gyroakf run -
 BZh91AY bzip2 -dc other | gyroakf run -
 PK\003\004\024\000 a zip archive
+\211PNG\r\n\032\n a picture (PNG)
+\377\330\377\340 a picture (JPEG)
 \377\376\061\000\012\000 iconv -f UTF-16 -t UTF-8 other | gyroakf run -
 1\0002\0003\000\012\0004\000 iconv -f UTF-16LE -t UTF-8 other | gyroakf run -
 \0001\0002\0003\000\012\0004 iconv -f UTF-16BE -t UTF-8 other | gyroakf run -

@@ -176,6 +176,8 @@ contains
       end if
       if (allocated(failed)) then
          call warn(bytes, first, last, line, key, "is not known", warnings)
+         if (index(value, "increment") > 0) call add_text(warnings, "if the numbers are increments of an angle, say so: "// &
+            "--input increment --unit arcsec (deg, rad, ...), and --scale F where a count is F of that unit")
       else
          header%unit = unit
          if (allocated(header%units)) deallocate (header%units)

@@ -53,6 +53,8 @@ module gyroakf_io_magic
       magic_type("TDSm", 4, "a TDMS file (LabVIEW)", to_text), &
       magic_type("RIFF", 4, "a RIFF file (WAV)", "leave its header out: --format i16 --skip 44, with --channels N"), &
       magic_type(char(128)//char(4)//char(149), 3, "a pickle of Python", "numpy.save('x.npy', x)"), &
+      magic_type(char(137)//"PNG", 4, "a picture (PNG)", "give the file with the numbers"), &
+      magic_type(char(255)//char(216)//char(255), 3, "a picture (JPEG)", "give the file with the numbers"), &
       magic_type("%PDF", 4, "a PDF document", "give the file with the numbers"), &
       magic_type(char(127)//"ELF", 4, "a program", "give the file with the numbers")]
 
