@@ -6,6 +6,7 @@ module gyroakf_c_api_arrays
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_arrays, only : finish_record
    use gyroakf_record, only : record_type
+   use gyroakf_utf8, only : make_readable
    use gyroakf_c_api_record, only : record_handle, new_handle, hand_over
    use gyroakf_c_api_support, only : error_c, host_type, enter_library, leave_library, check_aligned, copy_c_text, max_samples
    implicit none (type, external)
@@ -77,7 +78,7 @@ contains
       end do
    end subroutine copy_values
 
-   !> The names of the channels.
+   !> The names of the channels, without what cannot be shown, as those of files.
    subroutine copy_names(names, channels, record)
       type(c_ptr), intent(in) :: names
       integer(c_int32_t), intent(in) :: channels
@@ -95,6 +96,7 @@ contains
          if (associated(given)) name = given(j)
          write (usual, '("column", i0)') j
          call copy_c_text(name, trim(usual), record%channel(j)%text)
+         call make_readable(record%channel(j)%text)
       end do
    end subroutine copy_names
 
