@@ -77,6 +77,8 @@ contains
          case ("--out"); value = text_value(config%out)
          case ("--json"); value = text_value(config%json)
          case ("--list"); value = text_value(config%list)
+         case ("--color"); value = text_value(trim(config%colour))
+         case ("--ascii"); value = logical_value(config%ascii)
          case default                          ! of another group
          end select
       end associate
@@ -91,6 +93,9 @@ contains
       select case (name)
       case ("--preset"); if (config%pipeline%preset /= "default") value = text_value(trim(config%pipeline%preset))
       case ("--kalibr"); value = text_value(config%kalibr)
+      case ("--markdown"); value = text_value(config%markdown)
+      case ("--latex"); value = text_value(config%latex)
+      case ("--chart"); value = text_value(trim(merge("on ", "off", config%chart)))
       case ("--plot"); value = text_value(config%plot)
       case ("--truth"); value = text_value(config%truth)
       case ("--series-format"); value = text_value(trim(config%series%form))

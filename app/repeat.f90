@@ -19,8 +19,8 @@ module gyroakf_app_repeat
 
    character(*), parameter :: nl = new_line("a")
    !> Options that do not change a number of the results
-   character(10), parameter :: of_the_place(10) = [character(10) :: "--out", "--json", "--kalibr", "--plot", "--force", "--quiet", &
-                                                  "--list", "--progress", "--threads", "--dt"]
+   character(10), parameter :: of_the_place(15) = [character(10) :: "--out", "--json", "--kalibr", "--plot", "--force", "--quiet", &
+      & "--list", "--progress", "--threads", "--dt", "--markdown", "--latex", "--chart", "--color", "--ascii"]
    character(*), parameter :: advice = "gyroakf run FILE --out DIR writes a results.json that can be repeated"
 
 contains

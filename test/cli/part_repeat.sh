@@ -78,3 +78,16 @@ printf '{"schema": 1, "program": "gyroakf", "origin": null}' >rep_bad.json
 bad "a document of the library" 2 "does not tell the options of its run" --repeat rep_bad.json
 printf '{"a": 1}' >rep_bad.json
 bad "another program's" 2 "was not written by gyroakf" --repeat rep_bad.json
+
+# an option that was given has a value in the document, whatever it does
+good "options of every kind" run rep_away.txt --quiet --force --ascii --color never --chart off --markdown rep_t.md --latex rep_t.tex \
+   --json rep_all.json
+given=$(sed -n 's/^.*"given": \[\(.*\)\].*$/\1/p' rep_all.json | tr -d '",')
+is "what was given" "$given" "json markdown latex chart color ascii force quiet"
+for word in $given; do
+   if grep -qF "\"$word\": null" rep_all.json; then fail "--$word was given and has no value"; else pass; fi
+done
+rm rep_t.md
+good "a run whose tables are not repeated" run --repeat rep_all.json --json rep_again.json --quiet
+if [ -e rep_t.md ]; then fail "the tables were repeated"; else pass; fi
+if cmp -s <(numbers rep_all.json) <(numbers rep_again.json); then pass; else fail "repeated without the tables: other numbers"; fi
