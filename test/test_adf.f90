@@ -3,6 +3,7 @@
 !> (integer cross products of the doubles of the series, 60 digits) and rounded once; series of
 !> series_library, 1000 samples each, at most 22 lags: adf_reference.
 module test_adf
+   use expectations, only : check_refused
    use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
@@ -474,9 +475,7 @@ contains
       type(gyro_error), allocatable :: problem
 
       call run_adf(x, options, adf, problem, valid)
-      call check(error, allocated(problem), "bad input was accepted")
-      if (allocated(error)) return
-      call check(error, problem%code, code, problem%message)
+      call check_refused(error, problem, code)
    end subroutine refused
 
 end module test_adf

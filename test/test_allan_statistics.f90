@@ -5,6 +5,7 @@
 !> the same series in rational arithmetic. PHASE.DAT: results of Stable32 1.60 for the integral of the same series.
 module test_allan_statistics
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   use expectations, only : agree
    use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
@@ -79,27 +80,6 @@ contains
       end if
       if (allocated(failure)) call check(error, .false., failure%message)
    end subroutine curve_of
-
-   !> Fails unless actual agrees with expected, relatively.
-   subroutine agree(error, actual, expected, allowed, what)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
-      !> What came out, what should, the relative error allowed
-      real(dp), intent(in) :: actual(:), expected(:), allowed
-      !> Name
-      character(*), intent(in) :: what
-
-      character(120) :: text
-      integer :: i
-
-      call check(error, size(actual), size(expected), what//": number of values")
-      if (allocated(error)) return
-      do i = 1, size(expected)
-         write (text, '(2a, i0, ": ", es23.16, " is not ", es23.16)') what, " number ", i, actual(i), expected(i)
-         call check(error, abs(actual(i) - expected(i)) <= allowed*abs(expected(i)), trim(text))
-         if (allocated(error)) return
-      end do
-   end subroutine agree
 
    subroutine test_nbs14_short(error)
       type(error_type), allocatable, intent(out) :: error

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of the Allan deviation of a streamed record, against the exact one and against direct sums.
 module test_allan_stream
+   use expectations, only : agree
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_allan_degrees_of_freedom, only : sampling_efficiency
@@ -102,27 +103,6 @@ contains
       end if
       if (allocated(failure)) call check(error, .false., failure%message)
    end subroutine exact_curve_of
-
-   !> Fails unless actual agrees with expected, relatively.
-   subroutine agree(error, actual, expected, allowed, what)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
-      !> What came out, what should, the relative error allowed
-      real(dp), intent(in) :: actual(:), expected(:), allowed
-      !> Name
-      character(*), intent(in) :: what
-
-      character(120) :: text
-      integer :: i
-
-      call check(error, size(actual), size(expected), what//": number of values")
-      if (allocated(error)) return
-      do i = 1, size(expected)
-         write (text, '(2a, i0, ": ", es23.16, " is not ", es23.16)') what, " number ", i, actual(i), expected(i)
-         call check(error, abs(actual(i) - expected(i)) <= allowed*abs(expected(i)), trim(text))
-         if (allocated(error)) return
-      end do
-   end subroutine agree
 
    subroutine test_published(error)
       type(error_type), allocatable, intent(out) :: error

@@ -2,6 +2,7 @@
 !> Tests of the AR models and their criteria. The reference values were computed in exact arithmetic
 !> from the doubles of the series (series_library, 1000 samples each) and rounded once.
 module test_ar
+   use expectations, only : check_refused
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_ar_criteria, only : ar_order_type, best_order, criterion_number, order_criteria
@@ -360,9 +361,7 @@ contains
       type(gyro_error), allocatable :: problem
 
       call fit_ar(x, options, model, problem, valid)
-      call check(error, allocated(problem), "bad input was accepted")
-      if (allocated(error)) return
-      call check(error, problem%code, code, problem%message)
+      call check_refused(error, problem, code)
    end subroutine refused
 
 end module test_ar

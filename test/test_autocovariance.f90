@@ -2,6 +2,7 @@
 !> Tests of the lagged sums. The reference values were computed in exact arithmetic from the doubles
 !> of the series (series_library, 1000 samples each) and rounded once.
 module test_autocovariance
+   use expectations, only : check_refused
    use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
@@ -234,34 +235,20 @@ contains
       x = [1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp]
       valid = 0_int8
       call compute_autocovariance(x, -1, mean, r, problem)
-      call refused(error, problem, status%invalid_argument)
+      call check_refused(error, problem, status%invalid_argument)
       if (allocated(error)) return
       call compute_autocovariance(x, 4, mean, r, problem)
-      call refused(error, problem, status%too_few_samples)
+      call check_refused(error, problem, status%too_few_samples)
       if (allocated(error)) return
       call compute_autocovariance(x, 1, mean, r, problem, valid(:3))
-      call refused(error, problem, status%invalid_argument)
+      call check_refused(error, problem, status%invalid_argument)
       if (allocated(error)) return
       call compute_autocovariance(x, 1, mean, r, problem, valid)
-      call refused(error, problem, status%too_few_samples)
+      call check_refused(error, problem, status%too_few_samples)
       if (allocated(error)) return
       valid = [1_int8, 0_int8, 1_int8, 0_int8]
       call residual_autocovariance(x, 0.0_dp, [0.5_dp], 1, r, problem, valid)
-      call refused(error, problem, status%too_few_samples)
+      call check_refused(error, problem, status%too_few_samples)
    end subroutine test_failures
-
-   !> Fails unless the problem has the code.
-   subroutine refused(error, problem, code)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
-      !> What the library said
-      type(gyro_error), allocatable, intent(in) :: problem
-      !> What it should have said
-      integer, intent(in) :: code
-
-      call check(error, allocated(problem), "bad input was accepted")
-      if (allocated(error)) return
-      call check(error, problem%code, code, problem%message)
-   end subroutine refused
 
 end module test_autocovariance

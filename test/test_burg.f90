@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of AR models by Burg's recursion.
 module test_burg
+   use expectations, only : check_refused
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_ar_autocovariance, only : compute_autocovariance, series_mean
@@ -340,9 +341,7 @@ contains
       type(gyro_error), allocatable :: problem
 
       call fit_ar(x, ar_options(method="burg"), model, problem, valid)
-      call check(error, allocated(problem), "bad input was accepted")
-      if (allocated(error)) return
-      call check(error, problem%code, code, problem%message)
+      call check_refused(error, problem, code)
    end subroutine refused
 
 end module test_burg

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Drift models by maximum likelihood: parameters within their errors, invariance, failures.
 module test_drift_fit
+   use expectations, only : check_refused
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
@@ -400,19 +401,11 @@ contains
 
       call fill_noise(40, z)
       call fit_drift(z(:49), fit, failed)
-      call check(error, code_of(failed), status%too_few_samples)
+      call check_refused(error, failed, status%too_few_samples)
       if (allocated(error)) return
       z = 3.0_dp
       call fit_drift(z, fit, failed)
-      call check(error, code_of(failed), status%constant_input)
+      call check_refused(error, failed, status%constant_input)
    end subroutine test_refused
-
-   !> 0 where there is no error.
-   integer function code_of(failed)
-      type(gyro_error), allocatable, intent(in) :: failed
-
-      code_of = 0
-      if (allocated(failed)) code_of = failed%code
-   end function code_of
 
 end module test_drift_fit

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The drift of a record: what is found, what is not, and how well.
 module test_drift_identification
+   use expectations, only : check_refused
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
@@ -361,7 +362,7 @@ contains
       call check(error, .not. allocated(failed) .and. model%count == 0)
       if (allocated(error)) return
       call make_allan_model(allan_terms_type(n=-1.0_dp), model, failed)
-      call check(error, code_of(failed), status%invalid_argument)
+      call check_refused(error, failed, status%invalid_argument)
    end subroutine test_allan_terms
 
    !> The true N and K are below the maximum, by what chance makes; wrong ones by more; asked for, they are the model.
@@ -401,7 +402,7 @@ contains
       call make_series(95, 0.9_dp, 1.0_dp, 1.0_dp, z)
       patience%enough = 30
       call identify_drift_model(z, drift_identification_options(), found, failed, progress=patience)
-      call check(error, code_of(failed), status%cancelled)
+      call check_refused(error, failed, status%cancelled)
       if (allocated(error)) return
       call check(error, patience%calls, 30)
       if (allocated(error)) return
@@ -418,23 +419,23 @@ contains
 
       call fill_noise(5, z)
       call identify_drift_model(z(:40), drift_identification_options(), found, failed)
-      call check(error, code_of(failed), status%too_few_samples)
+      call check_refused(error, failed, status%too_few_samples)
       if (allocated(error)) return
       call identify_drift_model(z, drift_identification_options(drift_samples=0.0_dp), found, failed)
-      call check(error, code_of(failed), status%invalid_argument)
+      call check_refused(error, failed, status%invalid_argument)
       if (allocated(error)) return
       call identify_drift_model(z, drift_identification_options(most=49_int64), found, failed)
-      call check(error, code_of(failed), status%invalid_argument)
+      call check_refused(error, failed, status%invalid_argument)
       if (allocated(error)) return
       call identify_drift_model(z, drift_identification_options(source="guess"), found, failed)
-      call check(error, code_of(failed), status%invalid_argument)
+      call check_refused(error, failed, status%invalid_argument)
       if (allocated(error)) return
       call identify_drift_model(z, drift_identification_options(source="allan"), found, failed)
-      call check(error, code_of(failed), status%invalid_argument)
+      call check_refused(error, failed, status%invalid_argument)
       if (allocated(error)) return
       z = 3.0_dp
       call identify_drift_model(z, drift_identification_options(), found, failed)
-      call check(error, code_of(failed), status%constant_input)
+      call check_refused(error, failed, status%constant_input)
    end subroutine test_refused
 
    !> Counts, and ends it.
@@ -449,13 +450,5 @@ contains
       self%last = done
       cancel = self%calls >= self%enough
    end subroutine advance
-
-   !> 0 where there is no error.
-   integer function code_of(failed)
-      type(gyro_error), allocatable, intent(in) :: failed
-
-      code_of = 0
-      if (allocated(failed)) code_of = failed%code
-   end function code_of
 
 end module test_drift_identification

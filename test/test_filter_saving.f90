@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Filters put away and taken up again.
 module test_filter_saving
+   use expectations, only : check_refused
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : gyro_error => error_type, status
@@ -172,20 +173,20 @@ contains
             bad = word
             bad(k) = ieor(bad(k), shiftl(1_int64, bit))
             call restore_filter(bad, other, failed)
-            call check(error, code_of(failed), status%parse)
+            call check_refused(error, failed, status%parse)
             if (allocated(error)) return
          end do
          call restore_filter(word(:k - 1), other, failed)
-         call check(error, code_of(failed), status%parse)
+         call check_refused(error, failed, status%parse)
          if (allocated(error)) return
       end do
       call restore_filter([word, 0_int64], other, failed)
-      call check(error, code_of(failed), status%parse)
+      call check_refused(error, failed, status%parse)
       if (allocated(error)) return
       bad = word
       bad(5:6) = word([6, 5])
       call restore_filter(bad, other, failed)
-      call check(error, code_of(failed), status%parse)
+      call check_refused(error, failed, status%parse)
    end subroutine test_damaged
 
    !> What was never made.
@@ -196,18 +197,10 @@ contains
       integer(int64), allocatable :: word(:)
 
       call save_filter(filter, word, failed)
-      call check(error, code_of(failed), status%invalid_argument)
+      call check_refused(error, failed, status%invalid_argument)
       if (allocated(error)) return
       call reset_filter(filter, failed)
-      call check(error, code_of(failed), status%invalid_argument)
+      call check_refused(error, failed, status%invalid_argument)
    end subroutine test_refused
-
-   !> 0 where there is no error.
-   integer function code_of(failed)
-      type(gyro_error), allocatable, intent(in) :: failed
-
-      code_of = 0
-      if (allocated(failed)) code_of = failed%code
-   end function code_of
 
 end module test_filter_saving

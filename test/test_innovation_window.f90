@@ -2,6 +2,7 @@
 !> R from a window of innovations: against the recursion written out, and against the filter that knows R.
 module test_innovation_window
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   use expectations, only : check_refused
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : dp, int8
    use gyroakf_error, only : gyro_error => error_type, status
@@ -225,9 +226,7 @@ contains
    contains
 
       subroutine expect()
-         call check(error, allocated(gyro))
-         if (allocated(error)) return
-         call check(error, gyro%code, status%invalid_argument)
+         call check_refused(error, gyro, status%invalid_argument)
       end subroutine expect
    end subroutine test_refused
 

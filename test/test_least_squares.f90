@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of AR models by least squares, forward (ols) and forward and backward (mcov).
 module test_least_squares
+   use expectations, only : check_refused
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_lapack, only : dgels
@@ -429,9 +430,7 @@ contains
       type(gyro_error), allocatable :: problem
 
       call fit_ar(x, ar_options(method=method), model, problem, valid)
-      call check(error, allocated(problem), "bad input was accepted")
-      if (allocated(error)) return
-      call check(error, problem%code, code, problem%message)
+      call check_refused(error, problem, code)
    end subroutine refused
 
 end module test_least_squares

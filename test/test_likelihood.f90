@@ -2,6 +2,7 @@
 !> The likelihood of drift models against dense Gaussians, and its gradient.
 module test_likelihood
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   use expectations, only : check_refused
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
@@ -305,32 +306,24 @@ contains
 
       z = normal_series(10_int64, 14)
       call component_likelihood(model, z, value, failed)
-      call check(error, code_of(failed), status%invalid_argument)
+      call check_refused(error, failed, status%invalid_argument)
       if (allocated(error)) return
       model = mixture(.true.)
       model%phi(1) = 1.0_dp
       call component_likelihood(model, z, value, failed)
-      call check(error, code_of(failed), status%invalid_argument)
+      call check_refused(error, failed, status%invalid_argument)
       if (allocated(error)) return
       model%phi(1) = -1.2_dp
       call component_likelihood(model, z, value, failed)
-      call check(error, code_of(failed), status%unstable)
+      call check_refused(error, failed, status%unstable)
       if (allocated(error)) return
       model = mixture(.true.)
       call component_likelihood(model, z(:1), value, failed)
-      call check(error, code_of(failed), status%too_few_samples)
+      call check_refused(error, failed, status%too_few_samples)
       if (allocated(error)) return
       model%r = ieee_value(1.0_dp, ieee_quiet_nan)
       call component_likelihood(model, z, value, failed)
-      call check(error, code_of(failed), status%non_finite)
+      call check_refused(error, failed, status%non_finite)
    end subroutine test_refused
-
-   !> 0 where there is no error.
-   integer function code_of(failed)
-      type(gyro_error), allocatable, intent(in) :: failed
-
-      code_of = 0
-      if (allocated(failed)) code_of = failed%code
-   end function code_of
 
 end module test_likelihood

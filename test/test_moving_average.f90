@@ -2,6 +2,7 @@
 !> The moving average against the sums written out.
 module test_moving_average
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   use expectations, only : check_refused
    use testdrive, only : new_unittest, unittest_type, error_type, check, test_failed
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
@@ -175,9 +176,7 @@ contains
    contains
 
       subroutine expect()
-         call check(error, allocated(gyro))
-         if (allocated(error)) return
-         call check(error, gyro%code, status%invalid_argument)
+         call check_refused(error, gyro, status%invalid_argument)
       end subroutine expect
    end subroutine test_refused
 

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Records written as text.
 module test_record_writer
+   use expectations, only : check_refused
    use testdrive, only : error_type, unittest_type, new_unittest, check, test_failed
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : gyro_error => error_type, status
@@ -100,15 +101,11 @@ contains
       record%value(1, 1) = 0
       do i = 1, 2
          call write_record(path(), record, header, digits(i), failure)
-         call check(error, allocated(failure))
-         if (allocated(error)) return
-         call check(error, failure%code, status%invalid_argument)
+         call check_refused(error, failure, status%invalid_argument)
          if (allocated(error)) return
       end do
       call write_record("no/such/directory/x.txt", record, header, 9, failure)
-      call check(error, allocated(failure))
-      if (allocated(error)) return
-      call check(error, failure%code, status%io)
+      call check_refused(error, failure, status%io)
       if (allocated(error)) return
       call check(error, index(failure%message, "no/such/directory/x.txt") > 0)
    end subroutine test_failures

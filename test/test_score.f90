@@ -2,6 +2,7 @@
 !> The score of an estimate: errors that are known in closed form.
 module test_score
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   use expectations, only : check_refused
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
@@ -227,9 +228,7 @@ contains
       subroutine expect(code)
          integer, intent(in) :: code
 
-         call check(error, allocated(gyro))
-         if (allocated(error)) return
-         call check(error, gyro%code, code)
+         call check_refused(error, gyro, code)
       end subroutine expect
    end subroutine test_refused
 

@@ -2,6 +2,7 @@
 !> The smoother of drift models against dense conditional means.
 module test_smoother
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   use expectations, only : check_refused
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
@@ -247,22 +248,14 @@ contains
 
       call fill_noise(25, z)
       call smooth_drift(model_of([0.9_dp], [0.1_dp], 1.0_dp), [.true.], z, drift(:9), failed)
-      call check(error, code_of(failed), status%invalid_argument)
+      call check_refused(error, failed, status%invalid_argument)
       if (allocated(error)) return
       call smooth_drift(model_of([1.1_dp], [0.1_dp], 1.0_dp), [.true.], z, drift, failed)
-      call check(error, code_of(failed), status%unstable)
+      call check_refused(error, failed, status%unstable)
       if (allocated(error)) return
       z = ieee_value(1.0_dp, ieee_quiet_nan)
       call smooth_drift(model_of([0.9_dp], [0.1_dp], 1.0_dp), [.true.], z, drift, failed)
-      call check(error, code_of(failed), status%too_few_samples)
+      call check_refused(error, failed, status%too_few_samples)
    end subroutine test_refused
-
-   !> 0 where there is no error.
-   integer function code_of(failed)
-      type(gyro_error), allocatable, intent(in) :: failed
-
-      code_of = 0
-      if (allocated(failed)) code_of = failed%code
-   end function code_of
 
 end module test_smoother

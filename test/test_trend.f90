@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of the polynomial trend.
 module test_trend
+   use expectations, only : check_refused
    use gyroakf_threads, only : thread_count, set_thread_count
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
    use gyroakf_kinds, only : dp, int8, int64
@@ -302,37 +303,23 @@ contains
       x = 1.0_dp
       valid = [1_int8, 0_int8, 0_int8, 1_int8]
       call fit_trend(x, 10, trend, problem)
-      call refused(error, problem, status%invalid_argument)
+      call check_refused(error, problem, status%invalid_argument)
       if (allocated(error)) return
       call fit_trend(x, -2, trend, problem)
-      call refused(error, problem, status%invalid_argument)
+      call check_refused(error, problem, status%invalid_argument)
       if (allocated(error)) return
       call fit_trend(x, 4, trend, problem)
-      call refused(error, problem, status%too_few_samples)
+      call check_refused(error, problem, status%too_few_samples)
       if (allocated(error)) return
       call fit_trend(x, 2, trend, problem, valid)
-      call refused(error, problem, status%too_few_samples)
+      call check_refused(error, problem, status%too_few_samples)
       if (allocated(error)) return
       call fit_trend(x, 1, trend, problem, valid(:3))
-      call refused(error, problem, status%invalid_argument)
+      call check_refused(error, problem, status%invalid_argument)
       if (allocated(error)) return
       x(2) = ieee_value(x(2), ieee_quiet_nan)
       call fit_trend(x, 1, trend, problem)
-      call refused(error, problem, status%non_finite)
+      call check_refused(error, problem, status%non_finite)
    end subroutine test_failures
-
-   !> Fails unless the problem has the code.
-   subroutine refused(error, problem, code)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
-      !> What the library said
-      type(gyro_error), allocatable, intent(in) :: problem
-      !> What it should have said
-      integer, intent(in) :: code
-
-      call check(error, allocated(problem), "bad input was accepted")
-      if (allocated(error)) return
-      call check(error, problem%code, code, problem%message)
-   end subroutine refused
 
 end module test_trend

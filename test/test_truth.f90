@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The main job where the true drift is known.
 module test_truth
+   use expectations, only : check_refused
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
@@ -199,9 +200,7 @@ contains
       subroutine expect(fragment)
          character(*), intent(in) :: fragment
 
-         call check(error, allocated(gyro))
-         if (allocated(error)) return
-         call check(error, gyro%code, status%invalid_argument)
+         call check_refused(error, gyro, status%invalid_argument)
          if (allocated(error)) return
          call check(error, index(gyro%message, fragment) > 0, gyro%message)
       end subroutine expect

@@ -2,6 +2,7 @@
 !> Files that appear whole or not at all.
 module test_writer
    use, intrinsic :: iso_c_binding, only : c_char, c_int, c_null_char
+   use expectations, only : check_refused
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : gyro_error => error_type, status
@@ -168,9 +169,7 @@ contains
       call open_writer(writer, "/dev/full", failed)
       call put_line(writer, "one")
       call complete_writer(writer, failed)
-      call check(error, allocated(failed))
-      if (allocated(error)) return
-      call check(error, failed%code, status%io)
+      call check_refused(error, failed, status%io)
       if (allocated(error)) return
       call commit_writer(writer, failed)
       call check(error, .not. allocated(failed))
