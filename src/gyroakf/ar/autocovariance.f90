@@ -11,9 +11,10 @@ module gyroakf_ar_autocovariance
    use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last, chunk_group
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_ar_lagged_products, only : add_lagged_products
+   use gyroakf_ar_residual_block, only : residual_block
    implicit none (type, external)
    private
-   public :: compute_autocovariance, residual_autocovariance, add_lagged_products, series_mean, load_centred
+   public :: compute_autocovariance, residual_autocovariance, add_lagged_products, series_mean
 
 contains
 
@@ -172,7 +173,7 @@ contains
          number(chunk) = 0.0_dp
          do first = chunk_first(n, chunk), chunk_last(n, chunk), block_length
             length = min(block_length, chunk_last(n, chunk) - first + 1)
-            call load_centred(x, centre, phi, 0.0_dp, first, first + length - 1, e, flag, valid)
+            call residual_block(x, centre, phi, 0.0_dp, first, e(:length), flag(:length), valid)
             total(chunk) = total(chunk) + sum_of(e(:length))
             number(chunk) = number(chunk) + sum_of(flag(:length))
          end do
@@ -273,7 +274,7 @@ contains
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: e(:), flag(:)
-      integer(int64) :: n, first, last, step
+      integer(int64) :: n, first, step
       integer :: chunk, bad, length, from, group
 
       n = size(x, kind=int64)
@@ -283,7 +284,7 @@ contains
       do from = 1, size(partial, 2), group
          call tell_progress("autocovariances", chunk_first(n, from) - 1, n, error, progress)
          if (allocated(error)) return
-         !$omp parallel if (n >= threads_from) default(shared) private(e, flag, first, last, length, bad)
+         !$omp parallel if (n >= threads_from) default(shared) private(e, flag, first, length, bad)
          allocate (e(1 - max_lag:step), stat=bad)
          if (bad == 0) allocate (flag(1 - max_lag:step), stat=bad)
          !$omp atomic
@@ -294,9 +295,8 @@ contains
             partial(:, chunk) = 0.0_dp
             if (present(valid)) number(:, chunk) = 0.0_dp
             do first = chunk_first(n, chunk), chunk_last(n, chunk), step
-               last = min(first + step - 1, chunk_last(n, chunk))
-               length = int(last - first) + 1
-               call load_centred(x, centre, phi, offset, first - max_lag, last, e, flag, valid)
+               length = int(min(step, chunk_last(n, chunk) - first + 1))
+               call residual_block(x, centre, phi, offset, first - max_lag, e(:length), flag(:length), valid)
                call add_lagged_products(e(1:), e, length, max_lag, partial(:, chunk))
                if (present(valid)) call add_lagged_products(flag(1:), flag, length, max_lag, number(:, chunk))
             end do
@@ -307,49 +307,5 @@ contains
          !$omp end parallel
       end do
    end subroutine sum_chunks
-
-   !> Copies a stretch of the series, centre (or the AR prediction) subtracted; 0 where there is none.
-   pure subroutine load_centred(x, centre, phi, offset, first, last, e, flag, valid)
-      !> Series: [n]
-      real(dp), intent(in), contiguous :: x(:)
-      !> Subtracted first, AR coefficients, subtracted last
-      real(dp), intent(in) :: centre, phi(:), offset
-      !> The stretch; its begin may lie before the series
-      integer(int64), intent(in) :: first, last
-      !> Values: [last - first + 1 or more]
-      real(dp), intent(inout), contiguous :: e(:)
-      !> 1 where there is a value: same length
-      real(dp), intent(inout), contiguous :: flag(:)
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: i, start, shift
-      integer :: j
-
-      start = max(first, 1_int64 + size(phi))
-      shift = 1 - first
-      e(:min(start, last + 1) - first) = 0.0_dp
-      flag(:min(start, last + 1) - first) = 0.0_dp
-      do i = start, last
-         e(i + shift) = x(i) - centre - offset
-         flag(i + shift) = 1.0_dp
-      end do
-      do j = 1, size(phi)
-         do i = start, last
-            e(i + shift) = e(i + shift) - phi(j)*(x(i - j) - centre)
-         end do
-      end do
-      if (.not. present(valid)) return
-      do i = start, last
-         flag(i + shift) = real(valid(i), dp)
-      end do
-      do j = 1, size(phi)
-         do i = start, last
-            flag(i + shift) = flag(i + shift)*real(valid(i - j), dp)
-         end do
-      end do
-      do i = start, last
-         e(i + shift) = merge(e(i + shift), 0.0_dp, flag(i + shift) > 0.5_dp)
-      end do
-   end subroutine load_centred
 
 end module gyroakf_ar_autocovariance

@@ -6,7 +6,7 @@ module gyroakf_ar_residual_stream
    use gyroakf_error, only : error_type
    use gyroakf_chunks, only : block_length
    use gyroakf_ar_lag_stream, only : lag_stream_type, begin_lag_stream, feed_lag_stream, finish_lag_stream
-   use gyroakf_ar_residuals, only : residual_block
+   use gyroakf_ar_residual_block, only : residual_block
    use gyroakf_series_moments, only : moments_type, compute_moments, join_moments
    implicit none (type, external)
    private

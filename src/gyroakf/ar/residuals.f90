@@ -6,10 +6,11 @@ module gyroakf_ar_residuals
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_chunks, only : chunk_group, block_length, threads_from, chunk_count, chunk_first, chunk_last
    use gyroakf_series_moments, only : moments_type, compute_moments, join_moments
-   use gyroakf_ar_autocovariance, only : add_lagged_products
+   use gyroakf_ar_lagged_products, only : add_lagged_products
+   use gyroakf_ar_residual_block, only : residual_block
    implicit none (type, external)
    private
-   public :: analyse_residuals, residual_block
+   public :: analyse_residuals
 
 contains
 
@@ -126,46 +127,6 @@ contains
          !$omp end parallel
       end do
    end subroutine sum_chunks
-
-   !> Residuals of a stretch of the series; 0 where there is none.
-   pure subroutine residual_block(x, mean, phi, constant, first, e, flag, valid)
-      !> Series: [n]
-      real(dp), intent(in), contiguous :: x(:)
-      !> Its mean, coefficients, subtracted last
-      real(dp), intent(in) :: mean, phi(:), constant
-      !> Place of the first one, which may lie before the series
-      integer(int64), intent(in) :: first
-      !> Residuals, 1 where there is one and 0 elsewhere: [m]
-      real(dp), intent(out), contiguous :: e(:), flag(:)
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: i, start, last, shift
-      integer :: j
-
-      start = max(first, 1_int64 + size(phi))
-      last = first + size(e) - 1
-      shift = 1 - first
-      e(:min(start, last + 1) - first) = 0.0_dp
-      flag(:min(start, last + 1) - first) = 0.0_dp
-      do i = start, last
-         e(i + shift) = x(i) - mean - constant
-         flag(i + shift) = 1.0_dp
-      end do
-      do j = 1, size(phi)
-         do i = start, last
-            e(i + shift) = e(i + shift) - phi(j)*(x(i - j) - mean)
-         end do
-      end do
-      if (.not. present(valid)) return
-      do j = 0, size(phi)
-         do i = start, last
-            flag(i + shift) = flag(i + shift)*real(valid(i - j), dp)
-         end do
-      end do
-      do i = start, last
-         e(i + shift) = merge(e(i + shift), 0.0_dp, flag(i + shift) > 0.5_dp)
-      end do
-   end subroutine residual_block
 
    !> Adds the sums over the pairs of a block.
    pure subroutine add_block(e, flag, m, max_lag, s)

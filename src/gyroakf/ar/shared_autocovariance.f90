@@ -12,7 +12,7 @@ module gyroakf_ar_shared_autocovariance
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last
-   use gyroakf_ar_autocovariance, only : load_centred
+   use gyroakf_ar_residual_block, only : residual_block
    use gyroakf_ar_lagged_products, only : add_lagged_products
    implicit none (type, external)
    private
@@ -152,7 +152,7 @@ contains
 
       begin = first - shared%max_lag
       m = int(last - first) + 1
-      call load_centred(x, shared%mean, no_phi, shared%remainder, begin, last, buffer%value, buffer%here, valid)
+      call residual_block(x, shared%mean, no_phi, shared%remainder, begin, buffer%value(:m), buffer%here(:m), valid)
       call add_lagged_products(buffer%value(1:), buffer%value, m, shared%max_lag, products)
       if (begin >= 1 .and. .not. present(valid)) then
          number = number + real(m, dp)
