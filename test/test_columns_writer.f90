@@ -105,7 +105,9 @@ contains
       real(dp) :: back(3, n)
       integer :: i
 
-      x = [(sin(real(i, dp)), i=1, n)]
+      do i = 1, n
+         x(i) = sin(real(i, dp))
+      end do
       present = 1_int8
       present(7) = 0_int8
       call make_columns(columns, x, present)
@@ -135,8 +137,10 @@ contains
       character(:), allocatable :: one, three
       integer :: i, before
 
-      x = [(sin(real(i, dp))*10.0_dp**mod(i, 30), i=1, n)]
-      present = [(int(min(1, mod(i, 11)), int8), i=1, n)]
+      do i = 1, n
+         x(i) = sin(real(i, dp))*10.0_dp**mod(i, 30)
+         present(i) = int(min(1, mod(i, 11)), int8)
+      end do
       call make_columns(columns, x, present)
       before = thread_count()
       call set_thread_count(1)

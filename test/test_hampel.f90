@@ -321,7 +321,10 @@ contains
       type(gyro_error), allocatable :: problem
       integer :: i
 
-      x = [(1.0e-9_dp*real(i - 3000, dp)**3, i = 1, n)] + reference_series("unif", n)*[(1.0e-4_dp*real(i, dp), i = 1, n)]
+      x = reference_series("unif", n)
+      do i = 1, n
+         x(i) = 1.0e-9_dp*real(i - 3000, dp)**3 + 1.0e-4_dp*real(i, dp)*x(i)
+      end do
       x(place) = x(place) + [5.0_dp, -3.0_dp, 3.0_dp, 40.0_dp]
       call clean_series(x, clean_options(method="hampel", threshold=6.0_dp), cleaned, mask, result, problem)
       call check(error, .not. allocated(problem), "it failed")
@@ -353,7 +356,8 @@ contains
       if (allocated(error)) return
       call check(error, result%removed == 1 .and. mask(5000) == 0_int8, "auto")
       if (allocated(error)) return
-      mask = merge(0_int8, 1_int8, [(i > 4995 .and. i < 5000, i = 1, 8000)])
+      mask = spread(1_int8, 1, 8000)
+      mask(4996:4999) = 0_int8
       call mark_isolated(x, 0.0_dp, 4.0_dp, 4.0_dp, 0.0_dp, .true., mask, changed, removed, problem)
       call check(error, changed == 1 .and. removed == 5, "marks that stay")
    end subroutine test_isolated

@@ -89,7 +89,9 @@ contains
       integer :: i
 
       allocate (value(n))
-      value(:) = [(sin(real(i, dp)), i=1, n)]
+      do i = 1, n
+         value(i) = sin(real(i, dp))
+      end do
       value(77) = ieee_value(1.0_dp, ieee_positive_inf)
       value(n) = ieee_value(1.0_dp, ieee_quiet_nan)
       allocate (character(8*n) :: content)
