@@ -71,6 +71,7 @@ contains
       integer(hid_t) :: file, opened
       integer :: failed
       logical :: suits
+      character(:), allocatable :: list
 
       call h5open_f(failed)
       call h5eset_auto_f(0, failed)
@@ -86,16 +87,16 @@ contains
       if (allocated(error)) return
       call h5dopen_f(file, hdf5%path, opened, failed)
       if (failed /= 0) then
-         call fatal_error(error, status%invalid_argument, path//": there is no dataset '"//hdf5%path//"'; "// &
-                          listed(hdf5))
+         call list_datasets(hdf5, list)
+         call fatal_error(error, status%invalid_argument, path//": there is no dataset '"//hdf5%path//"'; "//list)
          return
       end if
       hdf5%dataset = opened
       call describe(opened, hdf5%element, hdf5%rank, hdf5%shape, suits)
       if (.not. suits) then
+         call list_datasets(hdf5, list)
          call fatal_error(error, status%not_supported, path//": the dataset '"//hdf5%path// &
-            "' holds no numbers in one or two "// &
-                          "dimensions; "//listed(hdf5))
+                          "' holds no numbers in one or two dimensions; "//list)
          return
       end if
       call read_attributes(opened, hdf5)
@@ -108,6 +109,7 @@ contains
       type(hdf5_type), intent(inout) :: hdf5
       type(error_type), allocatable, intent(out) :: error
       type(text_type), allocatable :: found(:)
+      character(:), allocatable :: list
 
       allocate (found(0))
       call list_group(int(hdf5%file, hid_t), "", 1, found)
@@ -116,15 +118,16 @@ contains
       else if (size(found) == 0) then
          call fatal_error(error, status%parse, path//": it holds no dataset of numbers in one or two dimensions")
       else
+         call list_datasets(hdf5, list)
          call fatal_error(error, status%invalid_argument, path//": it holds "//integer_text(size(found, kind=int64))// &
-                          " datasets of numbers"//new_line("a")//"choose one with --dataset; "//listed(hdf5))
+                          " datasets of numbers"//new_line("a")//"choose one with --dataset; "//list)
       end if
    end subroutine find_only
 
    !> "the file has /gyro (1000, 3), /accel (1000, 3)".
-   function listed(hdf5) result(text)
+   subroutine list_datasets(hdf5, text)
       type(hdf5_type), intent(in) :: hdf5
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
       type(text_type), allocatable :: found(:)
       type(element_type) :: element
       integer(int64) :: shape(2)
@@ -146,7 +149,7 @@ contains
          text = text//")"
       end do
       if (size(found) > 20) text = text//", ..."
-   end function listed
+   end subroutine list_datasets
 
    !> Datasets of numbers below a group.
    recursive subroutine list_group(file, group, depth, found)
