@@ -29,6 +29,7 @@ contains
          new_unittest("nothing", test_nothing), &
          new_unittest("ridge", test_ridge), &
          new_unittest("quantised", test_quantised), &
+         new_unittest("reversal", test_reversal), &
          new_unittest("gaps", test_gaps), &
          new_unittest("long", test_long), &
          new_unittest("slow", test_slow), &
@@ -336,6 +337,46 @@ contains
          if (allocated(error)) return
       end do
    end subroutine test_invariance
+
+   !> Backwards in time the likelihood is the same, all its sums are formed in another order: where the search ends, and what it says
+   !> of the errors, does not depend on rounding.
+   subroutine test_reversal(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: rounding = 1.0e-11_dp
+      type(drift_fit_type) :: fit, other
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(6000), slow(6000), back(6000)
+      integer :: k
+
+      call make_series(45, 0.9_dp, 0.3_dp, 1.0_dp, z)
+      call make_walk(46, 2.0e-3_dp, 0.0_dp, slow)
+      z = z + slow
+      call fit_drift(z, fit, failed)
+      back = z(size(z):1:-1)
+      call fit_drift(back, other, failed)
+      call check(error, size(fit%candidate) == 3 .and. size(other%candidate) == 3 .and. fit%best == other%best)
+      if (allocated(error)) return
+      do k = 1, 3
+         associate (one => fit%candidate(k), two => other%candidate(k))
+            call check(error, one%errors_known .and. two%errors_known, trim(one%name)//": no errors")
+            if (allocated(error)) return
+            call check(error, distance(one%model, two%model) < rounding, trim(one%name)//": the model")
+            if (allocated(error)) return
+            call check(error, distance(one%std_error, two%std_error) < rounding, trim(one%name)//": its errors")
+            if (allocated(error)) return
+         end associate
+      end do
+   end subroutine test_reversal
+
+   !> Largest difference of the numbers of two models, over the numbers.
+   pure real(dp) function distance(one, two)
+      type(component_model_type), intent(in) :: one, two
+      real(dp) :: a(2*one%count + 1), b(2*one%count + 1)
+
+      a = [one%phi(:one%count), one%q(:one%count), one%r]
+      b = [two%phi(:one%count), two%q(:one%count), two%r]
+      distance = maxval(abs(a - b)/max(abs(a), tiny(a)))
+   end function distance
 
    !> A tenth of the samples is missing, with nonsense in their place.
    subroutine test_gaps(error)

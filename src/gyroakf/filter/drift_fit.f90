@@ -75,6 +75,10 @@ module gyroakf_filter_drift_fit
    !> Log-likelihood that is not worth a step: of a search (the parameters are then
    !> within 5 % of their errors), of the last steps (5e-4)
    real(dp), parameter :: nearly = 1.0e-3_dp, exactly = 1.0e-7_dp
+   !> Distance of the minimum in standard errors from which Newton's steps lead there, and most of them: with a curvature from
+   !> farther away each divides the distance by 2 or more, with that of the place by 1e3
+   real(dp), parameter :: close_by = 0.1_dp
+   integer, parameter :: most_settling = 8
    !> Log-likelihood that makes no difference between a variance and 0
    real(dp), parameter :: indistinct = 1.0e-2_dp
    !> Groups whose best starts are followed to their end, the two best of the first
@@ -379,15 +383,50 @@ contains
       logical :: settled, dropped
 
       n = real(objective%measurements, dp)
-      call invert_curvature(objective, minimum%parameter, minimum%gradient, inverse, known)
+      call invert_curvature(objective, minimum%parameter, inverse, known)
       if (known) call go_on(objective, last_steps, minimum, n*inverse)
       settled = known .and. minimum%converged
       if (.not. settled) call go_on(objective, most_iterations, minimum)
       call drop_nothing(objective, minimum, dropped)
-      if (settled .and. .not. dropped) return
-      call invert_curvature(objective, minimum%parameter, minimum%gradient, inverse, known)
-      if (known) call go_on(objective, last_steps, minimum, n*inverse)
+      if (.not. settled .or. dropped) then
+         call invert_curvature(objective, minimum%parameter, inverse, known)
+         if (known) call go_on(objective, last_steps, minimum, n*inverse)
+      end if
+      if (.not. known) return
+      call settle(objective, inverse, minimum)
+      call invert_curvature(objective, minimum%parameter, inverse, known)
+      if (known) call settle(objective, inverse, minimum)
    end subroutine finish
+
+   !> Newton's steps to where the slope is its own rounding: a model then depends on the series alone, not on the way of the search,
+   !> which the order of a sum may change.
+   subroutine settle(objective, inverse, minimum)
+      type(likelihood_objective), intent(inout) :: objective
+      !> Covariance of the parameters
+      real(dp), intent(in) :: inverse(:, :)
+      !> Nearly a minimum; that minimum afterwards
+      type(minimum_type), intent(inout) :: minimum
+      real(dp), dimension(size(minimum%parameter)) :: move, there, gradient
+      real(dp) :: distance, n, value
+      logical :: feasible
+      integer :: step
+
+      n = real(objective%measurements, dp)
+      move = -n*matmul(inverse, minimum%gradient)
+      distance = -n*dot_product(move, minimum%gradient)
+      if (distance > close_by**2) return
+      do step = 1, most_settling
+         there = minimum%parameter + move
+         call objective%evaluate(there, value, gradient, feasible)
+         if (.not. feasible) exit
+         move = -n*matmul(inverse, gradient)
+         if (-n*dot_product(move, gradient) >= distance) exit          ! it falls no more
+         distance = -n*dot_product(move, gradient)
+         minimum%parameter = there
+         minimum%gradient = gradient
+         minimum%value = value
+      end do
+   end subroutine settle
 
    !> Goes on from a point that is nearly a minimum.
    subroutine go_on(objective, steps, minimum, inverse)

@@ -42,8 +42,9 @@ module gyroakf_filter_drift_objective
 
    !> Logarithms of variances beyond it are nothing or everything; artanh(phi) beyond which phi is 1
    real(dp), parameter :: widest = 60.0_dp, steepest = 9.0_dp
-   !> Step of the differences of the gradient
-   real(dp), parameter :: difference = 1.0e-4_dp
+   !> Step of the differences of the gradient to both sides: what they leave out is a few 1e-5 of the curvature (the next term of the
+   !> series, difference^2/6), and the gradient's rounding grows no more than by 1/difference
+   real(dp), parameter :: difference = 1.0e-2_dp
    !> Evaluations after which half of a candidate's work is said to be done
    integer, parameter :: usual_evaluations = 20
 
@@ -164,30 +165,35 @@ contains
 
    !> Covariance of the transformed parameters: inverse of the curvature of the log-likelihood. What is nothing is not varied: the
    !> others have the errors that they have without it.
-   subroutine invert_curvature(objective, parameter, gradient, inverse, known)
+   subroutine invert_curvature(objective, parameter, inverse, known)
       type(likelihood_objective), intent(inout) :: objective
-      !> Where it is wanted, and the gradient there
-      real(dp), intent(in) :: parameter(:), gradient(:)
+      !> Where it is wanted
+      real(dp), intent(in) :: parameter(:)
       real(dp), intent(out) :: inverse(:, :)
       !> False where it is not that of a maximum
       logical, intent(out) :: known
-      real(dp), dimension(size(parameter)) :: near, there
+      real(dp), dimension(size(parameter)) :: near, below, above
       real(dp) :: value
       integer :: i, k, n, info
 
       n = size(parameter)
       inverse = 0.0_dp
+      known = .true.
       do k = 1, n
+         if (objective%nothing(k)) then
+            inverse(k, k) = 1.0_dp
+            cycle
+         end if
          near = parameter
-         near(k) = near(k) + difference
-         call objective%evaluate(near, value, there, known)
+         near(k) = parameter(k) - difference
+         call objective%evaluate(near, value, below, known)
          if (.not. known) return
-         inverse(:, k) = (there - gradient)/difference*real(objective%measurements, dp)
+         near(k) = parameter(k) + difference
+         call objective%evaluate(near, value, above, known)
+         if (.not. known) return
+         inverse(:, k) = (above - below)/(2.0_dp*difference)*real(objective%measurements, dp)
       end do
       inverse = 0.5_dp*(inverse + transpose(inverse))
-      do k = 1, n
-         if (objective%nothing(k)) inverse(k, k) = 1.0_dp
-      end do
       call dpotrf("L", n, inverse, n, info)
       if (info == 0) call dpotri("L", n, inverse, n, info)
       known = info == 0
