@@ -1,12 +1,13 @@
 ! SPDX-License-Identifier: MIT
-!> Tests of the filters over a recording that goes by in blocks: gyroakf_pipeline_streamed_filter, gyroakf_ar_lag_stream, and the
-!> sums of gyroakf_series_differences. What they give is what the record in memory gives.
+!> Tests of the filters over a recording that goes by in blocks: gyroakf_pipeline_streamed_filter, gyroakf_ar_lag_stream, the sums
+!> of gyroakf_series_differences, gyroakf_filter_block_stream. What they give is what the record in memory gives.
 module test_streamed_filter
    use testdrive, only : check, error_type, new_unittest, unittest_type
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : fatal_error, gyro_error => error_type, status
    use gyroakf_ar_autocovariance, only : compute_autocovariance, residual_autocovariance
    use gyroakf_ar_lag_stream, only : begin_lag_stream, feed_lag_stream, finish_lag_stream, lag_stream_type
+   use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_series, only : filter_result_type
    use gyroakf_io_reader, only : read_record, reader_options
    use gyroakf_io_recording, only : base_bytes, close_recording, open_recording, recording_type
@@ -53,6 +54,7 @@ contains
          new_unittest("part", test_part), &
          new_unittest("robust", test_robust), &
          new_unittest("fixed-order", test_fixed_order), &
+         new_unittest("slow-drift", test_slow), &
          new_unittest("constant", test_constant), &
          new_unittest("refused", test_refused), &
          new_unittest("sink-fails", test_sink_fails)]
@@ -240,10 +242,12 @@ contains
    end function filters_only
 
    !> Filters the file in memory and in blocks and fails unless both are alike; the file is removed.
-   subroutine compare(error, reader, options)
+   subroutine compare(error, reader, options, least_block)
       type(error_type), allocatable, intent(out) :: error
       type(reader_options), intent(in) :: reader
       type(pipeline_options), intent(in) :: options
+      !> The drift comes from means of as many samples at least
+      integer(int64), intent(in), optional :: least_block
       type(comparer_type) :: sink
       type(recording_type) :: recording
       type(record_type) :: record
@@ -270,6 +274,8 @@ contains
       if (.not. allocated(error)) call check(error, size(result%channel), size(sink%result%channel), "channels")
       do c = 1, size(result%channel)
          if (.not. allocated(error)) call compare_channel(error, c, result, sink%result)
+         if (allocated(error)) return
+         if (present(least_block)) call check(error, result%channel(c)%drift%block >= least_block, "block means are not used")
       end do
    end subroutine compare
 
@@ -292,6 +298,9 @@ contains
          if (.not. allocated(error)) call compare_filter(error, a%akf, b%akf)
          if (.not. allocated(error)) call check(error, (a%available%drift .eqv. b%available%drift) .and. &
             (a%drift%found .eqv. b%drift%found) .and. alike(a%drift_time, b%drift_time), "drift")
+         if (.not. allocated(error)) call check(error, a%drift%block == b%drift%block .and. &
+            a%drift%samples == b%drift%samples .and. a%drift%of_samples == b%drift%of_samples, "what the drift was found in")
+         if (.not. allocated(error)) call compare_model(error, a%drift%model, b%drift%model)
          if (.not. allocated(error)) call compare_filter(error, a%drift_kf, b%drift_kf)
          if (.not. allocated(error)) call compare_filter(error, a%drift_akf, b%drift_akf)
          if (.not. allocated(error)) call check(error, alike(a%kf_figures%variance_ratio, b%kf_figures%variance_ratio) .and. &
@@ -322,6 +331,30 @@ contains
              a%gated == b%gated
       call check(error, same, "innovations and counts of a filter")
    end subroutine compare_filter
+
+   !> The same processes and white noise, to `in_parts`: coefficients near 1 by their distance from it.
+   subroutine compare_model(error, a, b)
+      type(error_type), allocatable, intent(out) :: error
+      type(component_model_type), intent(in) :: a, b
+      real(dp) :: worst
+      integer :: i
+
+      call check(error, a%count, b%count, "processes of the drift")
+      if (allocated(error)) return
+      worst = relative(a%r, b%r)
+      do i = 1, a%count
+         worst = max(worst, relative(1.0_dp - a%phi(i), 1.0_dp - b%phi(i)), relative(a%q(i), b%q(i)))
+      end do
+      call check(error, worst <= in_parts, "the drift's model, streamed and in memory")
+   end subroutine compare_model
+
+   !> Distance of two numbers over the second, 0 where both are 0.
+   pure real(dp) function relative(a, b)
+      real(dp), intent(in) :: a, b
+
+      relative = abs(a - b)
+      if (relative > 0.0_dp) relative = relative/max(abs(b), tiny(b))
+   end function relative
 
    !> Equal but for rounding.
    pure logical function alike(a, b)
@@ -369,6 +402,45 @@ contains
       call write_rows("gx", .false., 1, .true.)
       call compare(error, reader_options(), options)
    end subroutine test_robust
+
+   !> A random walk that the part does not show: the means of blocks of the whole record do, those of 16 samples here, for there are
+   !> more than 32,768 of four; samples are missing, and whole blocks.
+   subroutine test_slow(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: n = 150000
+      type(pipeline_options) :: options
+      real(dp) :: level, noise
+      integer :: i, unit
+      integer(int64) :: state
+
+      level = 1.0_dp
+      state = 12345_int64
+      open (newunit=unit, file=scratch_path("filter.txt"), status="replace", action="write")
+      write (unit, "(a)") "# rate_hz: 100"
+      do i = 1, n
+         call draw(state, noise)
+         level = level + 1.0e-3_dp*noise
+         call draw(state, noise)
+         if (modulo(i, 50) == 7 .or. (i > 70000 .and. i < 70100)) then
+            write (unit, "(a)") "nan"
+         else
+            write (unit, "(es22.15)") level + noise
+         end if
+      end do
+      close (unit)
+      options = filters_only()
+      options%identification%most = 2000_int64
+      call compare(error, reader_options(), options, 16_int64)
+   end subroutine test_slow
+
+   !> The next of a sequence of numbers between -0.5 and 0.5.
+   pure subroutine draw(state, number)
+      integer(int64), intent(inout) :: state
+      real(dp), intent(out) :: number
+
+      state = modulo(16807_int64*state, 2147483647_int64)
+      number = real(state, dp)/2147483647.0_dp - 0.5_dp
+   end subroutine draw
 
    subroutine test_fixed_order(error)
       type(error_type), allocatable, intent(out) :: error

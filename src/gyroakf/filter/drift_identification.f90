@@ -18,6 +18,7 @@ module gyroakf_filter_drift_identification
    use gyroakf_progress, only : progress_type
    use gyroakf_filter_allan_model, only : allan_terms_type, make_allan_model
    use gyroakf_filter_components, only : component_model_type
+   use gyroakf_filter_block_stream, only : block_means_type, most_means, widening
    use gyroakf_filter_drift_blocks, only : model_of_means, process_of_samples
    use gyroakf_filter_drift_choice, only : choose_model, drift_identification_options, drift_identification_type, evident, &
       set_model, state_numbers
@@ -29,10 +30,8 @@ module gyroakf_filter_drift_identification
    implicit none (type, external)
    private
    public :: drift_identification_options, drift_identification_type, identify_drift_model
-   public :: allan_terms_type
+   public :: allan_terms_type, block_means_type
 
-   !> Block means that the likelihood uses at most, and how their length grows
-   integer(int64), parameter :: most_means = 32768, widening = 4
    !> Blocks a correlation time that block means resolve
    real(dp), parameter :: resolved = 2.0_dp
    !> Share of the time that the part takes where there are block means too
@@ -41,8 +40,8 @@ module gyroakf_filter_drift_identification
 contains
 
    !> Identifies the drift of a series.
-   subroutine identify_drift_model(z, options, identification, error, valid, noise, progress)
-      !> Series, [n], n >= 50, any offset
+   subroutine identify_drift_model(z, options, identification, error, valid, noise, progress, means)
+      !> Series, [n], n >= 50, any offset; with `means` the middle part of it, at most `options%most` samples
       real(dp), intent(in), contiguous :: z(:)
       !> The limit, the part, the source
       type(drift_identification_options), intent(in) :: options
@@ -56,14 +55,19 @@ contains
       type(allan_terms_type), intent(in), optional :: noise
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional, target :: progress
+      !> Block means of the whole series, where that is longer than what is at hand
+      type(block_means_type), intent(in), optional :: means
       type(drift_fit_type) :: fit
       type(progress_share_type) :: share
+      integer(int64) :: length
 
       call check_options(options, present(noise), error)
       if (allocated(error)) return
       if (present(progress)) share%whole => progress
-      share%total = size(z, kind=int64)
-      if (share%total > options%most) share%share = part_share
+      length = size(z, kind=int64)
+      share%total = length
+      if (present(means)) length = max(length, means%of_samples)
+      if (length > options%most) share%share = part_share
       call fit_drift(z, fit, error, valid, options%most, share, options%degree)
       if (allocated(error)) then
          if (error%code /= status%not_converged) return
@@ -73,11 +77,11 @@ contains
          call choose_model(fit, options%drift_samples, identification)
          identification%trend = fit%trend
          call move_alloc(fit%candidate, identification%candidate)
-         call look_at_means(z, fit, options%drift_samples, share, identification, error, valid)
+         if (length > fit%samples) call look_at_means(z, fit, options%drift_samples, share, identification, error, valid, means)
       end if
       if (allocated(error)) return
       identification%samples = fit%samples
-      identification%of_samples = size(z, kind=int64)
+      identification%of_samples = length
       if (present(noise)) call compare_allan(z, noise, fit, options, identification, error, valid)
       if (.not. allocated(error)) call state_numbers(identification)
    end subroutine identify_drift_model
@@ -127,7 +131,7 @@ contains
    end subroutine take_autocovariances
 
    !> Looks in block means of a record that is longer than the part for what is slower than the part shows.
-   subroutine look_at_means(z, fit, limit, share, identification, error, valid)
+   subroutine look_at_means(z, fit, limit, share, identification, error, valid, known)
       real(dp), intent(in), contiguous :: z(:)
       !> Of the part
       type(drift_fit_type), intent(in) :: fit
@@ -140,39 +144,54 @@ contains
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
+      !> The means, where they are known
+      type(block_means_type), intent(in), optional :: known
       type(drift_identification_type) :: slow
       type(drift_fit_type) :: coarse
       type(component_model_type) :: model, expected
       type(error_type), allocatable :: failed
-      real(dp), allocatable :: means(:)
-      integer(int8), allocatable :: here(:)
-      integer(int64) :: m
+      type(block_means_type) :: means
       real(dp) :: value
 
-      if (size(z, kind=int64) <= fit%samples) return
-      m = widening
-      do while (size(z, kind=int64)/m > most_means)
-         m = widening*m
-      end do
-      call block_means(z, m, means, here, error, valid)
-      if (allocated(error)) return
+      if (present(known)) then
+         means = known
+      else
+         call take_block_means(z, means, error, valid)
+         if (allocated(error)) return
+      end if
       share%before = part_share
       share%share = 1.0_dp - part_share
-      call fit_drift(means, coarse, failed, here, progress=share, degree=fit%degree)
+      call fit_drift(means%value, coarse, failed, means%present, progress=share, degree=fit%degree)
       if (allocated(failed)) then
          if (failed%code == status%cancelled .or. failed%code == status%no_memory) call move_alloc(failed, error)
          return                                     ! too few means: the part says it all
       end if
       call choose_model(coarse, resolved, slow)
       if (.not. slow%found) return
-      call model_of_means(identification%model, m, expected)
-      call likelihood_of(expected, means, coarse, value, failed, here)
+      call model_of_means(identification%model, means%width, expected)
+      call likelihood_of(expected, means%value, coarse, value, failed, means%present)
       if (.not. allocated(failed) .and. value >= slow%log_likelihood - 0.5_dp*evident) return
-      call take_means(slow, m, identification, model)
+      call take_means(slow, means%width, identification, model)
       call set_model(model, limit, identification)
-      identification%block = m
+      identification%block = means%width
       call likelihood_of(model, z, fit, identification%log_likelihood, failed, valid)
    end subroutine look_at_means
+
+   !> Means of a power of four samples, at most 32,768.
+   subroutine take_block_means(z, means, error, valid)
+      real(dp), intent(in), contiguous :: z(:)
+      type(block_means_type), intent(out) :: means
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8), intent(in), optional :: valid(:)
+
+      means%of_samples = size(z, kind=int64)
+      means%width = widening
+      do while (means%of_samples/means%width > most_means)
+         means%width = widening*means%width
+      end do
+      call block_means(z, means%width, means%value, means%present, error, valid)
+   end subroutine take_block_means
 
    !> The processes of the part that are faster than two blocks, those of the means that are not, the white noise of the part.
    subroutine take_means(slow, m, identification, model)

@@ -224,9 +224,8 @@ contains
       type(filter_result_type) :: measured
       logical :: there
 
-      if (.not. channel%available%ar) return
       if (lane%tests_residuals) call test_residuals(lane, channel)
-      call warn_order(channel)
+      if (channel%available%ar) call warn_order(channel)
       call warn_model(channel)
       if (lane%centred) call warn_centred(channel)
       call measure(lane%kf, "Kalman filter", measured, channel, there, error)

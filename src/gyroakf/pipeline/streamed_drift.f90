@@ -1,11 +1,12 @@
 ! SPDX-License-Identifier: MIT
-!> The drift of a recording that is larger than the memory, identified from its middle part as [[identify_drift_model]] does it: a
-!> pass of its own up to the end of that part, where the memory is enough to hold it.
+!> The drift of a recording that is larger than the memory, identified from its middle part and from block means of the whole as
+!> [[identify_drift_model]] does it: a pass of its own up to the end of that part, where the memory is enough to hold it.
 module gyroakf_pipeline_streamed_drift
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : add_text, record_type, view_channel
+   use gyroakf_filter_block_stream, only : block_means_type
    use gyroakf_io_recording, only : base_bytes, bytes_text, close_recording, open_recording, recording_type
    use gyroakf_io_record_stream, only : begin_record_stream, next_record_block, record_stream_type
    use gyroakf_pipeline_drift, only : find_drift
@@ -32,7 +33,7 @@ module gyroakf_pipeline_streamed_drift
 contains
 
    !> Identifies the drift of every channel and makes its filters; where the memory does not allow it the channels say so.
-   subroutine identify_streamed(recording, record, columns, differences, options, lane, result, error, progress)
+   subroutine identify_streamed(recording, record, columns, differences, means, options, lane, result, error, progress)
       !> Its path and options are used
       type(recording_type), intent(in) :: recording
       !> What was read, without the samples
@@ -41,6 +42,8 @@ contains
       integer, intent(in) :: columns(:)
       !> Variance of the differences: [channel]
       real(dp), intent(in) :: differences(:)
+      !> Of the series less its mean: [channel]
+      type(block_means_type), intent(in) :: means(:)
       !> Of the main job
       type(pipeline_options), intent(in) :: options
       !> Get the drift's filters: [channel]
@@ -60,16 +63,15 @@ contains
       needed = base_bytes + channel_bytes*size(lane) + part%samples*(kept_bytes*size(lane) + work_bytes)
       if (recording%options%memory < needed) then
          do k = 1, size(lane)
-            if (result%channel(k)%available%ar) call add_text(result%channel(k)%unavailable, "drift and its filters: to "// &
-               "identify it from a part of the record takes "//bytes_text(needed)//" of memory")
+            call add_text(result%channel(k)%unavailable, "drift and its filters: to identify it from a part of the record "// &
+                          "takes "//bytes_text(needed)//" of memory")
          end do
          return
       end if
       call hold_part(recording, record, columns, part, error, progress)
       if (allocated(error)) return
       do k = 1, size(lane)
-         if (.not. result%channel(k)%available%ar) cycle
-         call identify_channel(record, part, k, differences(k), options, lane(k), result, error)
+         call identify_channel(record, part, k, differences(k), means(k), options, lane(k), result, error)
          if (allocated(error)) return
       end do
    end subroutine identify_streamed
@@ -131,12 +133,14 @@ contains
    end subroutine keep_block
 
    !> The drift of one channel and its filters.
-   subroutine identify_channel(record, part, k, difference_variance, options, lane, result, error)
+   subroutine identify_channel(record, part, k, difference_variance, means, options, lane, result, error)
       type(record_type), intent(in) :: record
       !> Its values lose the mean
       type(part_type), intent(inout) :: part
       integer, intent(in) :: k
       real(dp), intent(in) :: difference_variance
+      !> Of the whole channel
+      type(block_means_type), intent(in) :: means
       type(pipeline_options), intent(in) :: options
       type(filter_lane_type), intent(inout) :: lane
       type(pipeline_result_type), intent(inout) :: result
@@ -150,12 +154,12 @@ contains
       call view_channel(record, k, view)
       if (allocated(part%present)) then
          call find_drift(part%value(:, k), view%sample_interval, view%rate_known, view%unit, options, result%channel(k), &
-                         error, part%present(:, k))
+                         error, part%present(:, k), means=means)
       else
-         call find_drift(part%value(:, k), view%sample_interval, view%rate_known, view%unit, options, result%channel(k), error)
+         call find_drift(part%value(:, k), view%sample_interval, view%rate_known, view%unit, options, result%channel(k), &
+                         error, means=means)
       end if
       if (allocated(error)) return
-      result%channel(k)%drift%of_samples = record%audit%samples
       call begin_drift_lane(lane, difference_variance, record%audit%samples, options, result%channel(k), error)
    end subroutine identify_channel
 

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The filters over a recording that is larger than the memory: one pass for the model, one for the drift, one that filters.
 !>
-!> The first pass sums moments, autocovariances and differences; the AR model and the filters are made of them. Where the
+!> The first pass sums moments, autocovariances, differences and blocks; the AR model and the filters are made of them. Where the
 !> memory allows it a second looks for the drift in the middle part. The last filters block by block, hands the series on and
 !> measures what the filters did. All of them give what [[run_pipeline]] gives of the record in memory, but for rounding.
 module gyroakf_pipeline_streamed_filter
@@ -12,10 +12,11 @@ module gyroakf_pipeline_streamed_filter
    use gyroakf_io_recording, only : base_bytes, bytes_text, close_recording, open_recording, recording_type, say_too_large
    use gyroakf_io_record_stream, only : begin_record_stream, end_record_stream, next_record_block, record_stream_type
    use gyroakf_io_record_summary, only : find_interval
-   use gyroakf_series_differences, only : difference_stream_type, feed_differences, variance_of_differences
-   use gyroakf_series_moments, only : compute_moments, join_moments, moments_type
-   use gyroakf_ar_lag_stream, only : begin_lag_stream, feed_lag_stream, finish_lag_stream, lag_stream_type
+   use gyroakf_series_differences, only : variance_of_differences
+   use gyroakf_ar_lag_stream, only : finish_lag_stream
    use gyroakf_ar_model, only : fit_ar_of
+   use gyroakf_filter_block_stream, only : block_means_type, finish_block_stream
+   use gyroakf_pipeline_channel_sums, only : begin_channel_sums, channel_sums_type, feed_channel_sums
    use gyroakf_pipeline_filter_lane, only : begin_lane, feed_lane, filter_lane_type, finish_lane, free_block
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_pipeline_series_sink, only : series_sink_type
@@ -25,13 +26,6 @@ module gyroakf_pipeline_streamed_filter
    implicit none (type, external)
    private
    public :: filter_streamed, check_filter
-
-   !> Sums of one channel in the first pass
-   type :: sums_type
-      type(moments_type) :: moments
-      type(lag_stream_type) :: lags
-      type(difference_stream_type) :: differences
-   end type sums_type
 
 contains
 
@@ -53,13 +47,14 @@ contains
       class(progress_type), intent(inout), optional :: progress
       type(filter_lane_type), allocatable :: lane(:)
       real(dp), allocatable :: differences(:)
+      type(block_means_type), allocatable :: means(:)
       integer, allocatable :: columns(:)
 
       call check_filter(recording, options, error)
       if (allocated(error)) return
-      call first_pass(recording, options, record, result, lane, columns, differences, error, progress)
+      call first_pass(recording, options, record, result, lane, columns, differences, means, error, progress)
       if (allocated(error)) return
-      call identify_streamed(recording, record, columns, differences, options, lane, result, error, progress)
+      call identify_streamed(recording, record, columns, differences, means, options, lane, result, error, progress)
       if (allocated(error)) return
       call second_pass(recording, record, columns, lane, result, error, sink, progress)
       if (allocated(error)) return
@@ -97,7 +92,7 @@ contains
    end subroutine check_filter
 
    !> Sums over the recording, the model and the filters of every channel.
-   subroutine first_pass(recording, options, record, result, lane, columns, differences, error, progress)
+   subroutine first_pass(recording, options, record, result, lane, columns, differences, means, error, progress)
       type(recording_type), intent(inout) :: recording
       type(pipeline_options), intent(in) :: options
       type(record_type), intent(out) :: record
@@ -108,10 +103,12 @@ contains
       integer, allocatable, intent(out) :: columns(:)
       !> Variance of the differences: [channel]
       real(dp), allocatable, intent(out) :: differences(:)
+      !> Of the series less its mean: [channel]
+      type(block_means_type), allocatable, intent(out) :: means(:)
       type(error_type), allocatable, intent(out) :: error
       class(progress_type), intent(inout), optional :: progress
       type(record_stream_type) :: stream
-      type(sums_type), allocatable :: sums(:)
+      type(channel_sums_type), allocatable :: sums(:)
       real(dp) :: interval, factor
       integer :: c, k
 
@@ -130,10 +127,12 @@ contains
       if (stream%input /= "rate") factor = stream%interval/record%sample_interval
       columns = pack([(c, c=1, size(stream%holds))], stream%holds)
       result%duration = real(record%audit%samples, dp)*record%sample_interval
-      allocate (result%channel(size(columns)), lane(size(columns)), differences(size(columns)))
+      allocate (result%channel(size(columns)), lane(size(columns)), differences(size(columns)), means(size(columns)))
       do k = 1, size(columns)
          result%channel(k)%name = record%channel(k)%text
          call model_channel(sums(columns(k)), record%audit%samples, factor, options, result, k, error)
+         if (allocated(error)) return
+         call finish_block_stream(sums(columns(k))%blocks, factor, result%channel(k)%level%mean, means(k), error)
          if (allocated(error)) return
          differences(k) = factor**2*variance_of_differences(sums(columns(k))%differences)
          call begin_lane(lane(k), differences(k), record%audit%samples, options, result%channel(k), error)
@@ -146,7 +145,7 @@ contains
       type(recording_type), intent(inout) :: recording
       type(record_stream_type), intent(inout) :: stream
       type(pipeline_options), intent(in) :: options
-      type(sums_type), allocatable, intent(out) :: sums(:)
+      type(channel_sums_type), allocatable, intent(out) :: sums(:)
       type(error_type), allocatable, intent(out) :: error
       class(progress_type), intent(inout), optional :: progress
       type(record_type) :: block
@@ -154,41 +153,22 @@ contains
 
       allocate (sums(size(recording%table%chosen)))
       do c = 1, size(sums)
-         call begin_lag_stream(sums(c)%lags, max(0, options%ar%max_order, options%ar%order), error)
+         call begin_channel_sums(sums(c), max(0, options%ar%max_order, options%ar%order), error)
          if (allocated(error)) return
       end do
       do
          call next_record_block(recording, stream, block, error, progress)
          if (allocated(error) .or. stream%done) return
          do c = 1, size(sums)
-            call sum_channel(block, c, sums(c))
+            call feed_channel_sums(sums(c), block, c, error)
+            if (allocated(error)) return
          end do
       end do
    end subroutine sum_blocks
 
-   !> One block of one channel.
-   subroutine sum_channel(block, c, sums)
-      type(record_type), intent(in) :: block
-      integer, intent(in) :: c
-      type(sums_type), intent(inout) :: sums
-      type(moments_type) :: part
-
-      if (size(block%value, 1) == 0) return
-      if (allocated(block%present)) then
-         call compute_moments(block%value(:, c), part, block%present(:, c))
-         call feed_lag_stream(sums%lags, block%value(:, c), block%present(:, c))
-         call feed_differences(sums%differences, block%value(:, c), block%present(:, c))
-      else
-         call compute_moments(block%value(:, c), part)
-         call feed_lag_stream(sums%lags, block%value(:, c))
-         call feed_differences(sums%differences, block%value(:, c))
-      end if
-      call join_moments(sums%moments, part)
-   end subroutine sum_channel
-
    !> Moments and the AR model of one channel.
    subroutine model_channel(sums, samples, factor, options, result, k, error)
-      type(sums_type), intent(in) :: sums
+      type(channel_sums_type), intent(in) :: sums
       !> Of the record
       integer(int64), intent(in) :: samples
       !> The series is so many times what was summed
