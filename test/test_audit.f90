@@ -32,6 +32,7 @@ contains
          new_unittest("gap", test_gap), &
          new_unittest("many-gaps", test_many_gaps), &
          new_unittest("gaps-in-jitter", test_gaps_in_jitter), &
+         new_unittest("losses-in-jitter", test_losses_in_jitter), &
          new_unittest("losses-on-a-grid", test_losses_on_grid), &
          new_unittest("bursts", test_bursts), &
          new_unittest("bursts-with-loss", test_burst_loss), &
@@ -157,6 +158,21 @@ contains
       end do
       call expect(error, t, 8, 40, 1.0_dp/n, audit)
    end subroutine test_gaps_in_jitter
+
+   !> The same where the steps are too uneven to tell a loss by one of them: the level of the lag rises by a little more or less than
+   !> five samples, and five were lost.
+   subroutine test_losses_in_jitter(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(audit_type) :: audit
+      real(dp) :: t(n)
+      integer :: i, k
+
+      t = even() + 0.45_dp*dt*[(noise(i), i=1, n)]
+      do k = 1, 4
+         t(900*k:) = t(900*k:) + 5*dt
+      end do
+      call expect(error, t, 4, 20, 1.0_dp/n, audit)
+   end subroutine test_losses_in_jitter
 
    !> One sample lost in fifty, each at another place of the fifty.
    subroutine test_many_gaps(error)

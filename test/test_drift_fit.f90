@@ -338,8 +338,8 @@ contains
       end do
    end subroutine test_invariance
 
-   !> Backwards in time the likelihood is the same, all its sums are formed in another order: where the search ends, and what it says
-   !> of the errors, does not depend on rounding.
+   !> Backwards in time the likelihood is the same, all its sums are formed in another order: where the search ends and what
+   !> it says of the errors does not depend on rounding.
    subroutine test_reversal(error)
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: rounding = 1.0e-11_dp

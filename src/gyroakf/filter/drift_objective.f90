@@ -42,8 +42,8 @@ module gyroakf_filter_drift_objective
 
    !> Logarithms of variances beyond it are nothing or everything; artanh(phi) beyond which phi is 1
    real(dp), parameter :: widest = 60.0_dp, steepest = 9.0_dp
-   !> Step of the differences of the gradient to both sides: what they leave out is a few 1e-5 of the curvature (the next term of the
-   !> series, difference^2/6), and the gradient's rounding grows no more than by 1/difference
+   !> Step of the differences of the gradient to both sides: what they leave out is a few 1e-5 of the curvature (the next term of
+   !> the series, difference^2/6), and the gradient's rounding grows by 1/difference at most
    real(dp), parameter :: difference = 1.0e-2_dp
    !> Evaluations after which half of a candidate's work is said to be done
    integer, parameter :: usual_evaluations = 20
