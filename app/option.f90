@@ -152,6 +152,9 @@ module gyroakf_app_option
       option_type("--drift-source", "record|allan", "choice", "run filter", "filter", &
                   "where the drift's model comes from: the likelihood of the record itself (default), or N, B and K of its "// &
                   "Allan deviation"), &
+      option_type("--drift-degree", "K", "natural", "run filter", "filter", &
+                  "a polynomial of degree K, 1 to 3, under the drift, fitted with its model and part of the drift "// &
+                  "(default 0: the mean alone)"), &
       option_type("--kinds", "oadev|adev|mdev|tdev|hdev|ohdev|totdev", "choices", "run allan", "allan", &
                   "further kinds of deviation, separated by commas; the terms are fitted to oadev, which is always there"), &
       option_type("--taus", "octave|decade|log:N|all|LIST", "text", "run allan", "allan", &

@@ -3,13 +3,13 @@
 module test_drift_trend
    use expectations, only : check_refused
    use testdrive, only : new_unittest, unittest_type, error_type, check
-   use gyroakf_kinds, only : dp, int8
+   use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_lapack, only : dposv
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_fit, only : drift_fit_type, fit_drift
    use gyroakf_filter_drift_identification, only : drift_identification_options, drift_identification_type, identify_drift_model
-   use gyroakf_filter_drift_trend, only : fit_polynomial
+   use gyroakf_filter_drift_trend, only : fit_polynomial, legendre_sum, subtract_polynomial, whole_polynomial
    use filter_library, only : fill_noise, make_series
    implicit none (type, external)
    private
@@ -22,6 +22,8 @@ contains
 
       testsuite = [ &
          new_unittest("dense", test_dense), &
+         new_unittest("whole-record", test_whole), &
+         new_unittest("errors", test_errors), &
          new_unittest("recovered", test_recovered), &
          new_unittest("walk", test_walk), &
          new_unittest("no-trend", test_no_trend), &
@@ -42,12 +44,13 @@ contains
       end do
    end subroutine make_basis
 
-   !> (X' S^-1 X)^-1 X' S^-1 z with the covariance matrix S of AR(1) and white noise written out, some samples missing.
+   !> (X' S^-1 X)^-1 X' S^-1 z with the covariance matrix S of AR(1) and white noise written out, some samples missing; the columns
+   !> have no mean over those that are there.
    subroutine test_dense(error)
       type(error_type), allocatable, intent(out) :: error
       integer, parameter :: n = 50
       type(component_model_type) :: model
-      real(dp) :: z(n), basis(n, 3), s(n, n), right(n, 4), a(3, 3), b(3, 1), coefficient(3)
+      real(dp) :: z(n), basis(n, 3), s(n, n), right(n, 4), a(3, 3), b(3, 4), coefficient(3), std_error(3)
       integer(int8), allocatable :: here(:)
       integer :: i, j, info
       integer :: row(n - 3)
@@ -68,16 +71,89 @@ contains
          end do
          s(i, i) = s(i, i) + model%r
       end do
+      do j = 1, 3
+         basis(:, j) = basis(:, j) - sum(basis(row, j))/size(row)
+      end do
       right(:size(row), :3) = basis(row, :)
       right(:size(row), 4) = z(row)
       call dposv("L", size(row), 4, s, n, right, n, info)
       a = matmul(transpose(basis(row, :)), right(:size(row), :3))
       b(:, 1) = matmul(transpose(basis(row, :)), right(:size(row), 4))
-      call dposv("L", 3, 1, a, 3, b, 3, info)
+      b(:, 2:) = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 3])
+      call dposv("L", 3, 4, a, 3, b, 3, info)
       coefficient = 0.0_dp
-      call fit_polynomial(model, z, here, coefficient)
+      call fit_polynomial(model, z, here, coefficient, std_error)
       call check(error, maxval(abs(coefficient - b(:, 1))) < 1.0e-9_dp*maxval(abs(b)), "not the generalised least squares")
+      if (allocated(error)) return
+      call check(error, maxval(abs(std_error - sqrt([b(1, 2), b(2, 3), b(3, 4)]))) < 1.0e-9_dp, "standard errors")
    end subroutine test_dense
+
+   !> A record longer than the part, its second half with a long gap: the polynomial is that of the whole of it, whatever the unit
+   !> and the offset of the series; without a process it is that of least squares.
+   subroutine test_whole(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: truth(3) = [30.0_dp, -20.0_dp, 15.0_dp], units(3) = [1.0_dp, 1.0e-100_dp, 1.0e+100_dp]
+      type(drift_identification_type) :: found
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(8000), line(8000), least(1), least_error(1), first(3)
+      integer(int8) :: here(8000)
+      integer :: k
+
+      call make_series(57, 0.95_dp, 1.0_dp, 1.0_dp, z)
+      z = z + [(legendre_sum(truth, int(k, int64), 8000_int64), k=1, 8000)] + 500.0_dp
+      here = 1_int8
+      here(5500:7200) = 0_int8
+      do k = 1, size(units)
+         call identify_drift_model(units(k)*z, drift_identification_options(most=2000_int64, degree=3), found, failed, here)
+         call check(error, .not. allocated(failed) .and. found%found .and. found%degree == 3)
+         if (allocated(error)) return
+         associate (trend => found%trend/units(k), std_error => found%trend_error/units(k))
+            call check(error, all(abs(trend - truth) < 4*std_error), "coefficients")
+            if (allocated(error)) return
+            ! of an AR(1) process with phi = 0.95 the mean of 8000 samples scatters by sqrt(39/8000)
+            call check(error, all(std_error > 0.05_dp) .and. all(std_error < 0.5_dp), "their errors")
+            if (allocated(error)) return
+            if (k == 1) first = trend
+            ! the search for the model ends within 5e-4 of its parameters' errors
+            call check(error, maxval(abs(trend - first)/std_error) < 1.0e-3_dp, "the unit")
+            if (allocated(error)) return
+         end associate
+      end do
+      call fill_noise(58, line)
+      line = line + [(legendre_sum(truth(:1), int(k, int64), 8000_int64), k=1, 8000)]
+      call whole_polynomial(component_model_type(r=1.0_dp), line, least, least_error, failed)
+      line = [((2*k - 8001)/7999.0_dp, k=1, 8000)]*(line - sum(line)/8000)
+      call check(error, least(1), sum(line)/(8001*8000/(3*7999.0_dp)), thr=1.0e-9_dp, rel=.true.)
+      if (allocated(error)) return
+      call check(error, least_error(1), sqrt(3*7999.0_dp/(8001*8000.0_dp)), thr=1.0e-9_dp, rel=.true.)
+      if (allocated(error)) return
+      z = 7.0_dp
+      call subtract_polynomial(truth, z, here)
+      call check(error, abs(sum(z, mask=here == 1_int8)/count(here == 1_int8) - 7) < 1.0e-12_dp, "the mean of the present stays")
+   end subroutine test_whole
+
+   !> The standard errors are those of the scatter over records: of the squares of 40 records and 2 coefficients over their
+   !> variances the mean is 1 to four standard deviations, 4 sqrt(2/80).
+   subroutine test_errors(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: records = 40
+      type(component_model_type) :: model
+      type(gyro_error), allocatable :: failed
+      real(dp) :: z(1000), coefficient(2), std_error(2), squares
+      integer :: k
+
+      model%count = 1
+      model%phi(1) = 0.98_dp
+      model%q(1) = 0.5_dp*(1 - model%phi(1)**2)
+      model%r = 1.0_dp
+      squares = 0.0_dp
+      do k = 1, records
+         call make_series(600 + 2*k, model%phi(1), 0.5_dp, model%r, z)
+         call whole_polynomial(model, z, coefficient, std_error, failed)
+         squares = squares + sum((coefficient/std_error)**2)
+      end do
+      call check(error, abs(squares/(2*records) - 1) < 4*sqrt(2.0_dp/(2*records)), "scatter and standard errors differ")
+   end subroutine test_errors
 
    !> A cubic under AR(1) and white noise: coefficients within their scatter, the model as without the cubic.
    subroutine test_recovered(error)

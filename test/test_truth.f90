@@ -21,6 +21,7 @@ contains
 
       testsuite = [ &
          new_unittest("removed-is-drift", test_removed), &
+         new_unittest("polynomial", test_polynomial), &
          new_unittest("units", test_units), &
          new_unittest("gaps", test_gaps), &
          new_unittest("no-white-noise", test_no_white_noise), &
@@ -84,6 +85,67 @@ contains
       call run_pipeline(record, filters_only(-1), result, gyro)
       call check(error, .not. result%channel(1)%truth%known)
    end subroutine test_removed
+
+   !> A steep parabola in record and truth: with a polynomial under the drift the filters are as near to the truth as without the
+   !> parabola, and what they give has it; drift and what is left are the record. Without it the drift has to follow the parabola.
+   subroutine test_polynomial(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: names(5) = [character(17) :: "drift_kf", "drift_akf", "drift_smoother", "innovation_window", &
+                                             "variational_bayes"]
+      type(record_type) :: record, truth
+      type(pipeline_result_type) :: plain, with, without
+      type(pipeline_options) :: options
+      type(gyro_error), allocatable :: gyro
+      real(dp) :: parabola(4000)
+      integer :: k
+
+      call make(record, truth)
+      options = filters_only(-1)
+      options%keep_series = .true.
+      options%identification%degree = 2
+      call run_pipeline(record, options, plain, gyro, truth=truth)
+      parabola = [(20*(k/4000.0_dp)**2, k=1, 4000)]
+      record%value(:, 1) = record%value(:, 1) + parabola
+      truth%value(:, 1) = truth%value(:, 1) + parabola
+      call run_pipeline(record, options, with, gyro, truth=truth)
+      options%identification%degree = 0
+      if (.not. allocated(gyro)) call run_pipeline(record, options, without, gyro, truth=truth)
+      call check(error, .not. allocated(gyro))
+      if (allocated(error)) return
+      do k = 1, size(names)
+         call check(error, rmse(with, names(k)), rmse(plain, names(k)), thr=1.0e-3_dp, rel=.true.)
+         if (allocated(error)) return
+      end do
+      call check(error, rmse(without, "drift_smoother") > 1.05_dp*rmse(with, "drift_smoother"), "no worse without the polynomial")
+      if (allocated(error)) return
+      associate (c => with%channel(1), here => record%present(:, 1) == 1_int8)
+         call check(error, maxval(abs(c%series_drift + c%series_compensated - record%value(:, 1)), mask=here) < 1.0e-12_dp)
+         if (allocated(error)) return
+         call check(error, sqrt(sum((c%series_drift_kf - truth%value(:, 1))**2, mask=here)/count(here)), &
+                    rmse(with, "drift_kf"), thr=1.0e-9_dp, rel=.true.)
+         if (allocated(error)) return
+         call check(error, variance_of(pack(c%series_drift_akf, here)), c%drift_akf%variance, thr=1.0e-9_dp, rel=.true.)
+         if (allocated(error)) return
+         call check(error, c%drift_smoother_figures%variance_ratio, c%drift_smoother%variance/c%level%variance, thr=1.0e-12_dp)
+         if (allocated(error)) return
+         call check(error, c%drift_akf_figures%variance_ratio > 0.99_dp .and. c%compensated_ratio < 0.01_dp, "what is drift")
+      end associate
+
+   contains
+
+      real(dp) function rmse(result, name)
+         type(pipeline_result_type), intent(in) :: result
+         character(*), intent(in) :: name
+
+         rmse = result%channel(1)%truth%method(score_of(result%channel(1)%truth, name))%score%rmse
+      end function rmse
+
+      pure real(dp) function variance_of(x)
+         real(dp), intent(in) :: x(:)
+
+         variance_of = sum((x - sum(x)/size(x))**2)/(size(x) - 1)
+      end function variance_of
+   end subroutine test_polynomial
 
    !> A truth in another unit is converted; the angle of a gyroscope is in degrees, whatever its unit.
    subroutine test_units(error)

@@ -50,6 +50,7 @@ good "filter streamed with drift" filter large.txt --memory 56MB --json drift.js
 holds "filter with drift says streamed" "streamed, for the recording is larger" out
 holds "a streamed record has no smoother" "drift smoother: it goes through the record from both ends" out
 bad "the drift of the curve, streamed" 2 "without --drift-source allan" filter large.txt --memory 30MB --drift-source allan
+bad "a polynomial under the drift, streamed" 2 "without --drift-degree" filter large.txt --memory 30MB --drift-degree 1
 good "filter without drift" filter large.txt --memory 30MB --json streamed.json --force
 holds "what a streamed filter lacks" "drift and its filters: to identify it from a part of the record" out
 if command -v python3 >/dev/null; then

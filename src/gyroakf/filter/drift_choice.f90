@@ -56,8 +56,11 @@ module gyroakf_filter_drift_choice
       integer :: chosen = 0
       !> Used by the likelihood (the middle of the record), of the record
       integer(int64) :: samples = 0, of_samples = 0
-      !> The polynomial under it, u: coefficients of the Legendre polynomials of degree 1, 2, 3 in time, -1 .. 1 over those samples
-      real(dp) :: trend(largest_degree) = 0.0_dp
+      !> Degree of the polynomial under it; 0: the mean alone
+      integer :: degree = 0
+      !> The polynomial, u: coefficients of the Legendre polynomials of degree 1, 2, 3 in time, -1 .. 1 over the whole record, by
+      !> generalised least squares with the model; their standard errors, the model being known, 0 where not known
+      real(dp) :: trend(largest_degree) = 0.0_dp, trend_error(largest_degree) = 0.0_dp
       !> Samples a mean of those block means that the processes slower than two of them come from; 1: no block means
       integer(int64) :: block = 1
       !> The model of the Allan deviation
@@ -99,10 +102,10 @@ contains
       end associate
       identification%chosen = merge(fit%best, fast, identification%found)
       if (identification%chosen == 0) then
-         identification%model%r = fit%variance
-         identification%std_error%r = fit%variance*sqrt(2.0_dp/real(fit%measurements, dp))
+         identification%model%r = fit%white_variance
+         identification%std_error%r = fit%white_variance*sqrt(2.0_dp/real(fit%measurements, dp))
          identification%errors_known = .true.
-         identification%log_likelihood = 2.0_dp - 0.5_dp*fit%white_aic
+         identification%log_likelihood = 2.0_dp + fit%degree - 0.5_dp*fit%white_aic
          return
       end if
       associate (chosen => fit%candidate(identification%chosen))

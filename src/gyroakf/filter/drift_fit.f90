@@ -61,6 +61,8 @@ module gyroakf_filter_drift_fit
       real(dp) :: mean = 0.0_dp, variance = 0.0_dp
       !> AIC of white noise alone, of mean, polynomial and variance
       real(dp) :: white_aic = 0.0_dp
+      !> Variance of that white noise, u^2
+      real(dp) :: white_variance = 0.0_dp
       !> Degree of the polynomial, and that of the best candidate
       integer :: degree = 0
       real(dp) :: trend(largest_degree) = 0.0_dp
@@ -200,6 +202,8 @@ contains
          objective%z = objective%z/scale
          fit%variance = scale**2
          call start_polynomial(objective, fit%degree)
+         fit%white_variance = fit%variance
+         if (fit%degree > 0) fit%white_variance = fit%variance*mean_square(objective)
          fit%white_aic = real(fit%measurements, dp)*(log_two_pi + 1.0_dp + log(scale**2*mean_square(objective))) &
                          + 2.0_dp*(2 + fit%degree)
       end if
@@ -228,8 +232,11 @@ contains
 
       objective%polynomial = coefficient
       objective%z = objective%whole
-      call subtract_polynomial(coefficient, objective%z)
-      if (.not. allocated(objective%here)) return
+      if (.not. allocated(objective%here)) then
+         call subtract_polynomial(coefficient, objective%z)
+         return
+      end if
+      call subtract_polynomial(coefficient, objective%z, objective%here)
       where (objective%here == 0_int8) objective%z = 0.0_dp
    end subroutine set_polynomial
 

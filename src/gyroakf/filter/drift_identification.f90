@@ -9,7 +9,9 @@
 !> whole record, of a power of four samples each, at most 32,768 of them: their model is of the same kind
 !> ([[gyroakf_filter_drift_blocks]]). Where the means have a model with processes slower than two blocks that is better by 8 of AIC
 !> than what the model of the part says of them, those processes take the place of all that are as slow in the part's model;
-!> faster ones and the white noise remain.
+!> faster ones and the white noise remain. A polynomial under the drift is fitted with it where one is asked for, in the part and in
+!> the means; that of the record follows by generalised least squares once the model is chosen ([[gyroakf_filter_drift_trend]]). It
+!> is that of the whole record: it tells nothing of what comes before and behind.
 !>
 !> Source: Durbin & Koopman, Time Series Analysis by State Space Methods, 2nd ed. (2012), 7.3, 7.4.
 module gyroakf_filter_drift_identification
@@ -23,7 +25,7 @@ module gyroakf_filter_drift_identification
    use gyroakf_filter_drift_choice, only : choose_model, drift_identification_options, drift_identification_type, evident, &
       set_model, state_numbers
    use gyroakf_filter_drift_fit, only : drift_fit_type, fit_drift, is_slow
-   use gyroakf_filter_drift_trend, only : subtract_polynomial
+   use gyroakf_filter_drift_trend, only : largest_degree, subtract_polynomial, whole_polynomial
    use gyroakf_filter_identification, only : block_means, drift_model_type, identify_drift
    use gyroakf_filter_likelihood, only : component_likelihood
    use gyroakf_filter_progress_share, only : progress_share_type
@@ -75,7 +77,6 @@ contains
          call take_autocovariances(z, options, identification, error, valid)
       else
          call choose_model(fit, options%drift_samples, identification)
-         identification%trend = fit%trend
          call move_alloc(fit%candidate, identification%candidate)
          if (length > fit%samples) call look_at_means(z, fit, options%drift_samples, share, identification, error, valid, means)
       end if
@@ -83,7 +84,11 @@ contains
       identification%samples = fit%samples
       identification%of_samples = length
       if (present(noise)) call compare_allan(z, noise, fit, options, identification, error, valid)
-      if (.not. allocated(error)) call state_numbers(identification)
+      if (allocated(error)) return
+      call state_numbers(identification)
+      identification%degree = options%degree
+      call whole_polynomial(identification%model, z, identification%trend(:options%degree), &
+                            identification%trend_error(:options%degree), error, valid)
    end subroutine identify_drift_model
 
    !> Refuses options out of range.
@@ -97,6 +102,8 @@ contains
          call fatal_error(error, status%invalid_argument, "the correlation time from which a process is drift must be positive")
       else if (options%most < 50) then
          call fatal_error(error, status%invalid_argument, "the likelihood of a drift model needs a part of at least 50 samples")
+      else if (options%degree < 0 .or. options%degree > largest_degree) then
+         call fatal_error(error, status%invalid_argument, "the polynomial under a drift has a degree of 0 to 3")
       else if (options%source /= "record" .and. options%source /= "allan") then
          call fatal_error(error, status%invalid_argument, "the source of a drift model is record or allan, not '"// &
                           trim(options%source)//"'")
@@ -220,6 +227,7 @@ contains
       end do
       do i = 1, slow%model%count
          if (.not. slow%slow(i)) cycle
+         if (.not. slow%model%q(i) > 0.0_dp) cycle       ! not there, or a constant
          model%count = model%count + 1
          associate (phi => model%phi(model%count), q => model%q(model%count))
             call process_of_samples(slow%model%phi(i), slow%model%q(i), m, phi, q)
@@ -244,13 +252,15 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
       real(dp), parameter :: log_two_pi = 1.8378770664093454835606594728112_dp
+      type(component_model_type) :: scaled
       real(dp), allocatable :: part(:)
+      real(dp) :: scale
       integer :: stat
 
       value = 0.0_dp
       if (model%count == 0) then
          if (.not. model%r > 0.0_dp) return
-         value = -0.5_dp*real(fit%measurements, dp)*(log_two_pi + log(model%r) + fit%variance/model%r)
+         value = -0.5_dp*real(fit%measurements, dp)*(log_two_pi + log(model%r) + fit%white_variance/model%r)
          return
       end if
       allocate (part(fit%samples), stat=stat)
@@ -259,14 +269,19 @@ contains
          return
       end if
       part(:) = z(fit%first:fit%first + fit%samples - 1)
-      part(:) = part - fit%mean
-      call subtract_polynomial(fit%trend, part)
+      scale = sqrt(fit%variance)
+      part(:) = (part - fit%mean)/scale
+      scaled = model
+      scaled%q = model%q/scale/scale
+      scaled%r = model%r/scale/scale
       if (present(valid)) then
-         call component_likelihood(model, part, value, error, valid(fit%first:fit%first + fit%samples - 1))
+         call subtract_polynomial(fit%trend/scale, part, valid(fit%first:fit%first + fit%samples - 1))
+         call component_likelihood(scaled, part, value, error, valid(fit%first:fit%first + fit%samples - 1))
       else
-         call component_likelihood(model, part, value, error)
+         call subtract_polynomial(fit%trend/scale, part)
+         call component_likelihood(scaled, part, value, error)
       end if
-      if (any(model%phi(:model%count) >= 1.0_dp)) value = value - 0.5_dp*log(fit%variance)
+      value = value - real(fit%measurements, dp)*log(scale)
    end subroutine likelihood_of
 
    !> The model of the Allan deviation, its likelihood, and its place where it was asked for.

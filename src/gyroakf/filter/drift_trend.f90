@@ -4,18 +4,19 @@
 !> For a given model the log-likelihood of z - X beta is quadratic in beta,
 !> $$ \ln L(\beta) = \ln L(0) + b^T \beta - \tfrac12 \beta^T A \beta, \quad A = X^T \Sigma^{-1} X, \quad b = X^T \Sigma^{-1} z, $$
 !> so its values at 0, at the unit vectors, their opposites and their sums give A and b exactly; beta = A^-1 b. The columns of X are
-!> Legendre polynomials of the time, -1 .. 1 over the samples.
+!> Legendre polynomials of the time, -1 .. 1 over the samples, less their means over those that are present: the mean is not theirs.
+!> The covariance of beta is A^-1.
 !>
 !> Source: Harvey, Forecasting, Structural Time Series Models and the Kalman Filter (1989), 3.4.2.
 module gyroakf_filter_drift_trend
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type
+   use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_lapack, only : dposv
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_likelihood, only : component_likelihood
    implicit none (type, external)
    private
-   public :: largest_degree, fit_polynomial, rough_polynomial, subtract_polynomial
+   public :: largest_degree, fit_polynomial, whole_polynomial, rough_polynomial, subtract_polynomial, legendre_sum
 
    !> Degrees that a polynomial may have; the mean is not among them
    integer, parameter :: largest_degree = 3
@@ -25,23 +26,27 @@ module gyroakf_filter_drift_trend
 contains
 
    !> Coefficients by generalised least squares; left as they are where the likelihood cannot tell them.
-   subroutine fit_polynomial(model, z, here, coefficient)
-      !> The drift and the white noise
+   subroutine fit_polynomial(model, z, here, coefficient, std_error)
+      !> The drift and the white noise; without a process the noise is white
       type(component_model_type), intent(in) :: model
-      !> Series, [n]
+      !> Series of mean 0 and a standard deviation near 1: [n]
       real(dp), intent(in), contiguous :: z(:)
       !> 1 present, 0 missing: [n]; not allocated where all are present
       integer(int8), allocatable, intent(in) :: here(:)
       !> Of the Legendre polynomials of degree 1, 2, ...: [degree]
       real(dp), intent(inout) :: coefficient(:)
-      real(dp) :: a(size(coefficient), size(coefficient)), b(size(coefficient), 1)
+      !> Their standard errors, the model being known, [degree]; 0 where the likelihood cannot tell them
+      real(dp), intent(out), optional :: std_error(:)
+      real(dp) :: a(size(coefficient), size(coefficient)), b(size(coefficient), size(coefficient) + 1)
       real(dp) :: base, both, plus(size(coefficient)), minus(size(coefficient)), point(size(coefficient))
       integer :: i, j, n, info
       logical :: known
 
       n = size(coefficient)
+      if (present(std_error)) std_error = 0.0_dp
       point = 0.0_dp
       known = .true.
+      b = 0.0_dp
       call take_value(model, z, here, point, base, known)
       do i = 1, n
          point(i) = far
@@ -51,6 +56,7 @@ contains
          point(i) = 0.0_dp
          a(i, i) = (2.0_dp*base - plus(i) - minus(i))/far**2
          b(i, 1) = 0.5_dp*(plus(i) - minus(i))/far
+         b(i, i + 1) = 1.0_dp
       end do
       do j = 2, n
          do i = 1, j - 1
@@ -62,8 +68,10 @@ contains
          end do
       end do
       if (.not. known) return
-      call dposv("L", n, 1, a, n, b, n, info)
-      if (info == 0) coefficient = b(:, 1)
+      call dposv("L", n, n + 1, a, n, b, n, info)
+      if (info /= 0) return
+      coefficient = b(:, 1)
+      if (present(std_error)) std_error = [(sqrt(max(b(i, i + 1), 0.0_dp)), i=1, n)]
    end subroutine fit_polynomial
 
    !> Log-likelihood of a series less a polynomial.
@@ -72,24 +80,99 @@ contains
       real(dp), intent(in), contiguous :: z(:)
       integer(int8), allocatable, intent(in) :: here(:)
       real(dp), intent(in) :: coefficient(:)
-      !> 0 where there is none
+      !> 0 where there is none; of white noise without what does not depend on the coefficients
       real(dp), intent(out) :: value
       !> False from the first on that there is none
       logical, intent(inout) :: known
       real(dp), allocatable :: rest(:)
       type(error_type), allocatable :: failed
+      integer :: stat
 
       value = 0.0_dp
       if (.not. known) return
-      rest = z
-      call subtract_polynomial(coefficient, rest)
+      allocate (rest(size(z, kind=int64)), stat=stat)
+      known = stat == 0
+      if (.not. known) return
+      rest(:) = z
       if (allocated(here)) then
-         call component_likelihood(model, rest, value, failed, here)
+         call subtract_polynomial(coefficient, rest, here)
+         if (model%count > 0) call component_likelihood(model, rest, value, failed, here)
+         if (model%count == 0) value = -0.5_dp*sum(rest**2, mask=here /= 0_int8)/model%r
       else
-         call component_likelihood(model, rest, value, failed)
+         call subtract_polynomial(coefficient, rest)
+         if (model%count > 0) call component_likelihood(model, rest, value, failed)
+         if (model%count == 0) value = -0.5_dp*sum(rest**2)/model%r
       end if
       known = .not. allocated(failed)
    end subroutine take_value
+
+   !> The polynomial under a whole series, for a model that was found in whatever part of it.
+   subroutine whole_polynomial(model, z, coefficient, std_error, error, valid)
+      !> The drift and the white noise, u being the unit of the series
+      type(component_model_type), intent(in) :: model
+      !> Series, u: [n], any offset
+      real(dp), intent(in), contiguous :: z(:)
+      !> Of the Legendre polynomials of degree 1, 2, ... over the series, u: [degree]; 0 where the likelihood cannot tell them
+      real(dp), intent(out) :: coefficient(:)
+      !> Their standard errors, the model being known, u: [degree]; 0 where they are not known
+      real(dp), intent(out) :: std_error(:)
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      type(component_model_type) :: scaled
+      real(dp), allocatable :: x(:)
+      integer(int8), allocatable :: here(:)
+      real(dp) :: scale
+      integer :: stat
+
+      coefficient = 0.0_dp
+      std_error = 0.0_dp
+      if (size(coefficient) == 0) return
+      allocate (x(size(z, kind=int64)), stat=stat)
+      if (stat == 0 .and. present(valid)) allocate (here(size(z, kind=int64)), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for a series less the polynomial under its drift")
+         return
+      end if
+      x(:) = z
+      if (present(valid)) then
+         here(:) = valid
+         where (here == 0_int8) x = 0.0_dp
+      end if
+      call centre(x, scale, valid)
+      if (.not. scale > 0.0_dp) return
+      scaled = model
+      scaled%q = model%q/scale/scale
+      scaled%r = model%r/scale/scale
+      if (model%count == 0 .and. .not. scaled%r > 0.0_dp) scaled%r = 1.0_dp
+      call rough_polynomial(x, here, coefficient)
+      call fit_polynomial(scaled, x, here, coefficient, std_error)
+      coefficient = scale*coefficient
+      std_error = scale*std_error
+   end subroutine whole_polynomial
+
+   !> Takes the mean and divides by the standard deviation.
+   pure subroutine centre(x, scale, valid)
+      !> 0 where missing, also afterwards
+      real(dp), intent(inout), contiguous :: x(:)
+      !> The standard deviation; 0 where there is none
+      real(dp), intent(out) :: scale
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp) :: n, largest
+
+      scale = 0.0_dp
+      n = real(size(x, kind=int64), dp)
+      if (present(valid)) n = real(count(valid /= 0_int8, kind=int64), dp)
+      largest = maxval(abs(x))
+      if (.not. (n > 0.0_dp .and. largest > 0.0_dp)) return
+      x = x/largest
+      x = x - sum(x)/n
+      if (present(valid)) where (valid == 0_int8) x = 0.0_dp
+      scale = sqrt(sum(x**2)/n)
+      if (scale > 0.0_dp) x = x/scale
+      scale = scale*largest
+   end subroutine centre
 
    !> Coefficients as if the polynomials were orthogonal and the noise white: where a search begins.
    pure subroutine rough_polynomial(z, here, coefficient)
@@ -115,20 +198,44 @@ contains
       where (squares > 0.0_dp) coefficient = coefficient/squares
    end subroutine rough_polynomial
 
-   !> Takes a polynomial from a series.
-   pure subroutine subtract_polynomial(coefficient, series)
+   !> Takes a polynomial from a series, less its mean over the samples that are present: theirs stays as it is.
+   pure subroutine subtract_polynomial(coefficient, series, valid)
       !> Of the Legendre polynomials of degree 1, 2, ...: [degree]
       real(dp), intent(in) :: coefficient(:)
       !> [n]
       real(dp), intent(inout), contiguous :: series(:)
-      real(dp) :: p(largest_degree)
-      integer(int64) :: k
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp) :: mean
+      integer(int64) :: k, n, there
 
-      do k = 1, size(series, kind=int64)
-         p = legendre(k, size(series, kind=int64))
-         series(k) = series(k) - dot_product(coefficient, p(:size(coefficient)))
+      n = size(series, kind=int64)
+      mean = 0.0_dp
+      there = 0
+      do k = 1, n
+         if (present(valid)) then
+            if (valid(k) == 0_int8) cycle
+         end if
+         there = there + 1
+         mean = mean + legendre_sum(coefficient, k, n)
+      end do
+      if (there > 0) mean = mean/real(there, dp)
+      do k = 1, n
+         series(k) = series(k) - (legendre_sum(coefficient, k, n) - mean)
       end do
    end subroutine subtract_polynomial
+
+   !> A polynomial at a sample.
+   pure real(dp) function legendre_sum(coefficient, k, n) result(value)
+      !> Of the Legendre polynomials of degree 1, 2, ...: [degree]
+      real(dp), intent(in) :: coefficient(:)
+      !> Number of the sample, 1 .. n, and that of all: time is -1 at the first, 1 at the last
+      integer(int64), intent(in) :: k, n
+      real(dp) :: p(largest_degree)
+
+      p = legendre(k, n)
+      value = dot_product(coefficient, p(:size(coefficient)))
+   end function legendre_sum
 
    !> The Legendre polynomials of degree 1, 2, 3 at a sample.
    pure function legendre(k, n) result(p)

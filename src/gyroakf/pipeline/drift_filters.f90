@@ -2,13 +2,15 @@
 !> The recommended filters of one channel: of the drift that the record itself shows.
 !>
 !> They work on the record as read without its outliers: a polynomial that was fitted to the whole record is not there while a
-!> sensor is in use, and a random walk follows what it would remove. Off line the smoother sees the record from both sides; what
-!> is left of the record without the smoothed drift is `compensated`.
+!> sensor is in use, and a random walk follows what it would remove. Where a polynomial under the drift is asked for all the same it
+!> is taken from what is filtered, and off the truth, and put back on every output, as a part of the drift. Off line the smoother
+!> sees the record from both sides; what is left of the record without the smoothed drift is `compensated`.
 module gyroakf_pipeline_drift_filters
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
+   use gyroakf_filter_drift_trend, only : subtract_polynomial
    use gyroakf_filter_design, only : adaptive_drift, design_drift_akf, design_drift_kf
    use gyroakf_filter_kalman, only : filter_type
    use gyroakf_filter_series, only : filter_result_type, filter_series
@@ -62,37 +64,41 @@ contains
       call find_drift(z, record%sample_interval, record%rate_known, record%unit, options, channel, error, valid, progress)
       if (allocated(error) .or. .not. channel%drift%found) return
       call restore_truth(channel%level%mean, channel)
+      if (channel%drift%degree > 0) then
+         call subtract_polynomial(channel%drift%trend(:channel%drift%degree), z, valid)
+         if (channel%truth%known) call subtract_polynomial(channel%drift%trend(:channel%drift%degree), channel%truth%drift, valid)
+      end if
       differences = difference_variance(z, valid)
       call run_one(z, record%sample_interval, differences, .false., options, channel, error, valid, progress)
       if (.not. allocated(error)) call run_one(z, record%sample_interval, differences, .true., options, channel, error, valid, &
                                                progress)
       if (.not. allocated(error)) call reserve(drift, size(x, kind=int64), error)
-      if (.not. allocated(error)) call run_smoother(z, drift, differences, options, channel, error, valid, progress)
-      if (.not. allocated(error)) call score_drift(z, drift, record%sample_interval, channel, error, valid)
+      if (.not. allocated(error)) call run_smoother(z, record%sample_interval, drift, differences, options, channel, error, valid, &
+                                                    progress)
+      if (.not. allocated(error)) call score_adaptive(z, record%sample_interval, channel%drift%model, &
+                                                      channel%drift%slow(:channel%drift%model%count), channel%truth, error, valid)
       if (allocated(error) .or. .not. channel%available%drift_smoother) return
       deallocate (z)
       call compensate(record, x, drift, options, channel, error, valid, progress)
    end subroutine run_drift_filters
 
-   !> Where the true drift is known: the smoother against it, and other ways to adapt R.
-   subroutine score_drift(z, drift, interval, channel, error, valid)
-      !> Filtered, and its smoothed drift where that is available: [n]
-      real(dp), intent(in), contiguous :: z(:), drift(:)
-      !> Sample interval
-      real(dp), intent(in) :: interval
-      !> Its truth gets scores
-      type(channel_result_type), intent(inout) :: channel
-      !> no_memory
-      type(error_type), allocatable, intent(out) :: error
+   !> Puts the polynomial under the drift on an output, and measures that anew.
+   subroutine put_polynomial_back(channel, x, result, valid)
+      !> Its drift is found
+      type(channel_result_type), intent(in) :: channel
+      !> An estimate of the drift without the level: [n]
+      real(dp), intent(inout), contiguous :: x(:)
+      !> Its mean and variance are set
+      type(filter_result_type), intent(inout) :: result
       integer(int8), intent(in), optional :: valid(:)
+      type(moments_type) :: moments
 
-      associate (model => channel%drift%model, slow => channel%drift%slow(:channel%drift%model%count))
-         if (channel%available%drift_smoother) call score_output("drift_smoother", drift, interval, channel%truth, error, valid, &
-                                                                 model_decay(model, slow), .true.)
-         if (allocated(error)) return
-         call score_adaptive(z, interval, model, slow, channel%truth, error, valid)
-      end associate
-   end subroutine score_drift
+      if (channel%drift%degree == 0) return
+      call subtract_polynomial(-channel%drift%trend(:channel%drift%degree), x, valid)
+      call compute_moments(x, moments, valid)
+      result%mean = moments%mean
+      result%variance = moments%variance
+   end subroutine put_polynomial_back
 
    !> One of the drift's two filters.
    subroutine run_one(z, interval, differences, adaptive, options, channel, error, valid, progress)
@@ -129,6 +135,11 @@ contains
                            model_decay(drift%model, drift%slow(:drift%model%count)))
       end associate
       if (allocated(error)) return
+      if (adaptive) then
+         call put_polynomial_back(channel, x, channel%drift_akf, valid)
+      else
+         call put_polynomial_back(channel, x, channel%drift_kf, valid)
+      end if
       if (options%keep_series) x(:) = x + channel%level%mean
       if (adaptive) then
          channel%available%drift_akf = .true.
@@ -144,10 +155,12 @@ contains
    end subroutine run_one
 
    !> The drift from both sides, the variance of the white noise at each sample too.
-   subroutine run_smoother(z, drift, differences, options, channel, error, valid, progress)
+   subroutine run_smoother(z, interval, drift, differences, options, channel, error, valid, progress)
       !> Without its mean: [n]
       real(dp), intent(in), contiguous :: z(:)
-      !> Smoothed: [n]
+      !> Sample interval
+      real(dp), intent(in) :: interval
+      !> Smoothed, with the polynomial under it: [n]
       real(dp), intent(out), contiguous :: drift(:)
       !> Variance of the differences
       real(dp), intent(in) :: differences
@@ -166,6 +179,10 @@ contains
          channel%available%drift_smoother = .not. allocated(error)
          call note_failure(channel, "drift smoother", error)
          if (.not. channel%available%drift_smoother) return
+         call score_output("drift_smoother", drift, interval, channel%truth, error, valid, &
+                           model_decay(model, channel%drift%slow(:model%count)), .true.)
+         if (allocated(error)) return
+         if (channel%drift%degree > 0) call subtract_polynomial(-channel%drift%trend(:channel%drift%degree), drift, valid)
          call compute_moments(drift, moments, valid)
          result%mean = moments%mean + channel%level%mean
          result%variance = moments%variance

@@ -77,6 +77,7 @@ contains
       if (options%clean%method /= "none") what = "--outliers"
       if (options%clean%degree >= 0) what = "--detrend"
       if (options%identification%source /= "record") what = "--drift-source "//trim(options%identification%source)
+      if (options%identification%degree > 0) what = "--drift-degree"
       if (options%ar%method /= "yw") what = "--ar-method "//trim(options%ar%method)
       least = base_bytes + channel_bytes*size(recording%table%chosen)
       if (what /= "") then

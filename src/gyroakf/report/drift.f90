@@ -40,11 +40,37 @@ contains
          else if (drift%source == "likelihood") then
             call put_item(writer, "White noise", "none: the likelihood does not tell it from 0")
          end if
+         if (drift%degree > 0) call put_item(writer, "Polynomial", polynomial_text(record, channel))
          call put_item(writer, "Found by", source_text(channel))
          call put_candidates(writer, channel)
          if (drift%allan_known .and. drift%source /= "allan") call put_item(writer, "Allan", allan_text(channel))
       end associate
    end subroutine put_drift_model
+
+   !> The polynomial under the drift, coefficient by coefficient.
+   pure function polynomial_text(record, channel) result(text)
+      !> For the unit
+      type(record_type), intent(in) :: record
+      !> Its drift has a polynomial
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
+      character(2) :: name
+      integer :: i
+
+      text = ""
+      do i = 1, channel%drift%degree
+         write (name, '("P", i1)') i
+         text = text//name//" "//with_error(channel%drift%trend(i), channel%drift%trend_error(i))//", "
+      end do
+      text = text(:len(text) - 2)//" "//unit_name(record)//": Legendre polynomials of time, -1 at the first sample "// &
+             "and 1 at the last. "
+      if (channel%drift%found) then
+         text = text//"It is taken from what the drift's filters see and put back on what they give; known from the whole "// &
+                "record, it is not known while the sensor is in use."
+      else
+         text = text//"It is all the drift there is: --detrend removes it."
+      end if
+   end function polynomial_text
 
    !> Where the model comes from, and what is not known of it.
    pure function source_text(channel) result(text)

@@ -4,6 +4,7 @@ module gyroakf_report_document_filters
    use gyroakf_kinds, only : dp
    use gyroakf_record, only : text_type
    use gyroakf_filter_components, only : component_model_type
+   use gyroakf_filter_drift_choice, only : drift_identification_type
    use gyroakf_filter_drift_fit, only : drift_candidate_type
    use gyroakf_filter_series, only : filter_result_type
    use gyroakf_pipeline_result, only : channel_result_type
@@ -128,6 +129,7 @@ contains
          call put_member(json, "samples", drift%samples)
          call put_member(json, "of_samples", drift%of_samples)
          call put_member(json, "block_samples", drift%block)
+         call put_polynomial(json, drift)
          if (drift%allan_known) then
             call open_object(json, "allan")
             call put_model(json, drift%from_allan)
@@ -141,6 +143,26 @@ contains
       end associate
       call close_object(json)
    end subroutine put_drift
+
+   !> "polynomial": what is under the drift.
+   subroutine put_polynomial(json, drift)
+      type(json_type), intent(inout) :: json
+      type(drift_identification_type), intent(in) :: drift
+
+      if (drift%degree == 0) then
+         call put_null(json, "polynomial")
+         return
+      end if
+      call open_object(json, "polynomial")
+      call put_member(json, "degree", drift%degree)
+      call put_member(json, "coefficients", drift%trend(:drift%degree))
+      if (any(drift%trend_error(:drift%degree) > 0.0_dp)) then
+         call put_member(json, "std_errors", drift%trend_error(:drift%degree))
+      else
+         call put_null(json, "std_errors")
+      end if
+      call close_object(json)
+   end subroutine put_polynomial
 
    !> Members "phi", "q", "r".
    subroutine put_model(json, model)
