@@ -131,6 +131,22 @@ static int run_outliers(listener *l) {
   return status;
 }
 
+static int run_hampel(listener *l) {
+  gyroakf_outlier_options opt;
+  int8_t *inlier = (int8_t *)malloc(samples);
+  int status;
+  if (inlier == NULL) abort();
+  gyroakf_outlier_options_init(&opt);
+  opt.method = "hampel";
+  opt.half_width = 2000;
+  opt.degree = -1;
+  opt.progress = listen;
+  opt.progress_user = l;
+  status = gyroakf_mark_outliers(x, samples, &opt, inlier, NULL, &err);
+  free(inlier);
+  return status;
+}
+
 static int run_simulate(listener *l) {
   gyroakf_simulate_options opt;
   gyroakf_record *r = NULL;
@@ -175,6 +191,10 @@ static int run_fisher(listener *l) {
 }
 
 static int run_welch(listener *l) { return gyroakf_welch_spectrum_watched(x, samples, 1.0, 1024, NULL, NULL, NULL, listen, l, &err); }
+
+static int run_one_segment(listener *l) {
+  return gyroakf_welch_spectrum_watched(x, samples, 1.0, samples, NULL, NULL, NULL, listen, l, &err);
+}
 
 static int run_lines(listener *l) {
   gyroakf_spectral_line lines[4];
@@ -255,6 +275,17 @@ static int run_arma(listener *l) {
   return gyroakf_arma_fit(x, samples, &opt, &arma, &err);
 }
 
+static int run_given_arma(listener *l) {
+  gyroakf_arma_options opt;
+  gyroakf_arma arma;
+  gyroakf_arma_options_init(&opt);
+  opt.p = opt.q = 1;
+  opt.max_samples = 100000;
+  opt.progress = listen;
+  opt.progress_user = l;
+  return gyroakf_arma_fit(x, samples, &opt, &arma, &err);
+}
+
 static int run_drift(listener *l) {
   gyroakf_drift_options opt;
   gyroakf_drift_model model;
@@ -284,6 +315,16 @@ static int run_parse(listener *l) {
   gyroakf_record_free(r);
   free(text);
   return status;
+}
+
+/* It is told so often at least: there is no long silence. */
+static void check_often(int (*run)(listener *), int least, const char *what) {
+  listener whole;
+  memset(&whole, 0, sizeof whole);
+  whole.good = 1;
+  check_success(run(&whole), what);
+  check(whole.calls >= least && whole.good, what);
+  if (whole.calls < least) printf("  %d calls\n", whole.calls);
 }
 
 /* All that is told, then the same cancelled at the first, a middle and the last call. */
@@ -324,6 +365,8 @@ void test_progress(void) {
   check_progress(run_least_squares, "progress of the AR model by least squares", "autocovariances");
   check_progress(run_gapped_burg, "progress of the AR model by Burg's recursion", "autocovariances");
   check_progress(run_outliers, "progress of the outliers", "cleaning");
+  check_progress(run_hampel, "progress of the Hampel filter", "cleaning");
+  check_often(run_hampel, 10, "windows of the Hampel filter");
   check_progress(run_simulate, "progress of a simulation", "simulating");
   check_progress(run_correlation, "progress of the autocorrelation", "autocovariances");
   check_progress(run_ljung_box, "progress of the Ljung-Box test", "autocovariances");
@@ -331,11 +374,14 @@ void test_progress(void) {
   check_progress(run_histogram, "progress of a histogram", "histogram");
   check_progress(run_fisher, "progress of Fisher's test", "Fourier");
   check_progress(run_welch, "progress of a spectrum", "spectrum");
+  check_progress(run_one_segment, "progress of a spectrum of one segment", "spectrum");
   check_progress(run_lines, "progress of the lines", "lines");
   check_progress(run_filter, "progress of a filter", "filtering");
   check_progress(run_smoother, "progress of the smoother", "weighing");
   check_progress(run_adf, "progress of the ADF test", "unit-root");
   check_progress(run_arma, "progress of the ARMA model", "ARMA");
+  check_progress(run_given_arma, "progress of an ARMA model of given orders", "ARMA");
+  check_often(run_given_arma, 20, "evaluations of the likelihood of an ARMA model");
   check_progress(run_drift, "progress of the drift", "identifying");
   check_progress(run_parse, "progress of the reader", "reading");
   free(x);

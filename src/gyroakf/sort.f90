@@ -14,6 +14,8 @@ module gyroakf_sort
 
    !> Numbers that are sorted by insertion
    integer(int64), parameter :: run_length = 32
+   !> Numbers that are sorted into runs, or merged, between two reports of progress, a multiple of it
+   integer(int64), parameter :: told_numbers = 4194304
 
 contains
 
@@ -28,7 +30,7 @@ contains
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable, target :: work(:)
       real(dp), pointer, contiguous :: from(:), to(:), other(:)
-      integer(int64) :: n, i, width
+      integer(int64) :: n, i, first, width, step
       integer :: stat
 
       n = size(x, kind=int64)
@@ -39,19 +41,26 @@ contains
             return
          end if
       end if
-      !$omp parallel do if (n >= threads_from) default(shared) schedule(static)
-      do i = 1, n, run_length
-         call sort_run(x(i:min(i + run_length - 1, n)))
+      do first = 1, n, told_numbers
+         if (n > told_numbers) call tell_progress("sorting", first - 1, n, error, progress)
+         if (allocated(error)) return
+         !$omp parallel do if (n >= threads_from) default(shared) schedule(static)
+         do i = first, min(first + told_numbers - 1, n), run_length
+            call sort_run(x(i:min(i + run_length - 1, n)))
+         end do
+         !$omp end parallel do
       end do
-      !$omp end parallel do
       if (n <= run_length) return
       from => x
       to => work
       width = run_length
       do while (width < n)
-         call tell_progress("sorting", width, n, error, progress)
-         if (allocated(error)) return
-         call merge_level(from, to, width)
+         step = 2*width*max(told_numbers/(2*width), 1_int64)
+         do first = 1, n, step
+            call tell_progress("sorting", width, n, error, progress)
+            if (allocated(error)) return
+            call merge_level(from, to, width, first, min(first + step - 1, n))
+         end do
          other => from
          from => to
          to => other
@@ -77,21 +86,22 @@ contains
       end do
    end subroutine sort_run
 
-   !> Merges all pairs of sorted runs.
-   subroutine merge_level(from, to, width)
+   !> Merges some pairs of sorted runs.
+   subroutine merge_level(from, to, width, begin, end)
       !> Runs of `width` numbers, the last may be shorter: [n]
       real(dp), intent(in), contiguous :: from(:)
       !> Runs of twice as many: [n]
       real(dp), intent(inout), contiguous :: to(:)
       !> Length of a run
       integer(int64), intent(in) :: width
-      integer(int64) :: n, first, middle, last
+      !> First and last number of the pairs
+      integer(int64), intent(in) :: begin, end
+      integer(int64) :: first, middle, last
 
-      n = size(from, kind=int64)
-      !$omp parallel do if (n >= threads_from) default(shared) private(middle, last) schedule(static)
-      do first = 1, n, 2*width
-         middle = min(first + width - 1, n)
-         last = min(first + 2*width - 1, n)
+      !$omp parallel do if (end - begin >= threads_from) default(shared) private(middle, last) schedule(static)
+      do first = begin, end, 2*width
+         middle = min(first + width - 1, end)
+         last = min(first + 2*width - 1, end)
          call merge_runs(from(first:middle), from(middle + 1:last), to(first:last))
       end do
       !$omp end parallel do

@@ -113,7 +113,7 @@ contains
       call check_arguments(sample_interval, options, error)
       if (.not. allocated(error)) call choose_factors(options, size(rate, kind=int64), sample_interval, m, error)
       if (.not. allocated(error)) call tell_progress("Allan deviation", 0_int64, 0_int64, error, progress)
-      if (.not. allocated(error)) call integrate_rate(rate, phase, missing, error, valid)
+      if (.not. allocated(error)) call integrate_rate(rate, phase, missing, error, valid, progress)
       if (.not. allocated(error)) call curve_of_phase(phase, missing, m, sample_interval, options, curve, error, progress)
    end subroutine compute_allan
 

@@ -12,6 +12,7 @@ module gyroakf_allan_phase
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_large_pages, only : prefer_large_pages
    implicit none (type, external)
    private
@@ -19,6 +20,8 @@ module gyroakf_allan_phase
 
    !> Samples in a block
    integer(int64), parameter :: block_length = 2048
+   !> Blocks between two reports of progress, a multiple of four
+   integer(int64), parameter :: told_blocks = 512
    !> Records shorter than this are not worth a second thread
    integer(int64), parameter :: parallel_from = 200000
    !> Samples that a first guess of the mean looks at
@@ -30,17 +33,19 @@ contains
    !>
    !> Missing and non-finite samples add nothing, and `missing(k)` counts them among the first k; it is
    !> allocated only where there are any. Cost: two passes.
-   subroutine integrate_rate(rate, phase, missing, error, valid)
+   subroutine integrate_rate(rate, phase, missing, error, valid, progress)
       !> Rate samples: [n], n >= 1
       real(dp), intent(in), contiguous :: rate(:)
       !> The integral: [0:n]
       real(dp), allocatable, intent(out) :: phase(:)
       !> Missing samples so far: [0:n], unallocated when every sample is there
       integer(int32), allocatable, intent(out) :: missing(:)
-      !> invalid_argument (lengths differ), too_few_samples (no sample at all), no_memory
+      !> invalid_argument (lengths differ), too_few_samples (no sample at all), no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]; all present if absent
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       real(dp), allocatable :: sums(:)
       integer(int64), allocatable :: absent(:)
@@ -79,7 +84,7 @@ contains
          end if
       end if
       call offsets_of_blocks(n, pilot, sums, absent, mean)
-      call write_phase(rate, mean, sums, absent, phase, missing, valid)
+      call write_phase(rate, mean, sums, absent, phase, missing, error, valid, progress)
    end subroutine integrate_rate
 
    !> Phases without the straight line through the first and the last, in units of rate times sample.
@@ -330,7 +335,7 @@ contains
    end subroutine add_compensated
 
    !> Writes the phase, four complete blocks at a time where nothing is missing.
-   subroutine write_phase(rate, mean, offset, absent, phase, missing, valid)
+   subroutine write_phase(rate, mean, offset, absent, phase, missing, error, valid, progress)
       !> Rate samples: [n]
       real(dp), intent(in), contiguous :: rate(:)
       !> Taken off each
@@ -343,30 +348,40 @@ contains
       real(dp), intent(inout), contiguous :: phase(0:)
       !> Missing samples so far: [0:n]
       integer(int32), allocatable, intent(inout) :: missing(:)
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
-      integer(int64) :: n, blocks, group, b, first, lost
+      integer(int64) :: n, blocks, from, step, group, b, first, lost
 
       n = size(rate, kind=int64)
       blocks = size(offset, kind=int64)
       phase(0) = 0
       if (allocated(missing)) missing(0) = 0
-      !$omp parallel do schedule(static) private(b, first, lost) if (n >= parallel_from)
-      do group = 1, blocks, 4
-         first = (group - 1)*block_length
-         if (first + 4*block_length <= n .and. .not. allocated(missing)) then
-            call integrate_four(rate(first + 1:first + 4*block_length), mean, offset(group:group + 3), &
-               & phase(first + 1:first + 4*block_length))
-            cycle
-         end if
-         do b = group, min(group + 3, blocks)
-            lost = absent(b)
-            call integrate_one(rate, (b - 1)*block_length + 1, min(n, b*block_length), mean, offset(b), lost, &
-               & absent(b + 1) == absent(b), phase, missing, valid)
+      step = max(blocks, 1_int64)
+      if (present(progress)) step = told_blocks
+      do from = 1, blocks, step
+         call tell_progress("Allan deviation", 0_int64, 0_int64, error, progress)
+         if (allocated(error)) return
+         !$omp parallel do schedule(static) private(b, first, lost) if (n >= parallel_from)
+         do group = from, min(from + step - 1, blocks), 4
+            first = (group - 1)*block_length
+            if (first + 4*block_length <= n .and. .not. allocated(missing)) then
+               call integrate_four(rate(first + 1:first + 4*block_length), mean, offset(group:group + 3), &
+                  & phase(first + 1:first + 4*block_length))
+               cycle
+            end if
+            do b = group, min(group + 3, blocks)
+               lost = absent(b)
+               call integrate_one(rate, (b - 1)*block_length + 1, min(n, b*block_length), mean, offset(b), lost, &
+                  & absent(b + 1) == absent(b), phase, missing, valid)
+            end do
          end do
+         !$omp end parallel do
       end do
-      !$omp end parallel do
    end subroutine write_phase
 
    !> Four blocks side by side, so that the additions of one do not wait for each other.

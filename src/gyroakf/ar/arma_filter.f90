@@ -7,6 +7,8 @@
 !> with variance ratio 1, and their derivatives from equations of the same kind, in O(p + q) a sample.
 module gyroakf_ar_arma_filter
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_ar_arma_state, only : arma_sums_type, arma_state_type, begin_state, observe, skip, restore_state, most, lanes, &
       mean_lane
    implicit none (type, external)
@@ -15,6 +17,8 @@ module gyroakf_ar_arma_filter
 
    !> Samples that are worked on together
    integer, parameter :: block = 128
+   !> Samples between two reports of progress, a multiple of it
+   integer(int64), parameter :: told_samples = 65536
 
    !> A series, centred and scaled
    type :: arma_series_type
@@ -27,7 +31,8 @@ module gyroakf_ar_arma_filter
 contains
 
    !> Sums over the innovations of a model.
-   subroutine sum_innovations(series, phi, theta, mean, sums, stationary, with_information, switch, residual)
+   subroutine sum_innovations(series, phi, theta, mean, sums, stationary, with_information, switch, residual, progress, &
+      & cancelled)
       !> The series
       type(arma_series_type), intent(in) :: series
       !> AR coefficients, MA coefficients, mean: [p], [q]; p, q <= 3
@@ -42,9 +47,13 @@ contains
       logical, intent(in), optional :: switch
       !> Innovations over the root of their variance ratio, 0 where missing: [n]
       real(dp), intent(inout), contiguous, optional :: residual(:)
+      !> Told how far it is; may cancel: the model is then called not stationary
+      class(progress_type), intent(inout), optional :: progress
+      !> Goes with `progress`
+      type(error_type), allocatable, intent(out), optional :: cancelled
       type(arma_state_type) :: state
       real(dp) :: v, f
-      integer(int64) :: t, last, n
+      integer(int64) :: t, last, n, told
       logical :: may_switch, observed
 
       n = size(series%y, kind=int64)
@@ -53,14 +62,21 @@ contains
       call begin_state(phi, theta, state, stationary)
       if (.not. stationary) return
       t = 1
+      told = 1
       do while (t <= n)
+         if (present(progress) .and. t >= told) then
+            call tell_progress("ARMA model", t - 1, n, cancelled, progress)
+            stationary = .not. allocated(cancelled)
+            if (.not. stationary) return
+            told = t + told_samples
+         end if
          observed = .true.
          if (allocated(series%valid)) observed = series%valid(t) /= 0_int8
          if (.not. observed) then
             call skip(state)
             if (present(residual)) residual(t) = 0.0_dp
          else if (may_switch .and. state%settled >= state%r) then
-            last = end_of_run(series, t)
+            last = end_of_run(series, t, told_samples)
             if (present(residual)) then
                call sum_steady(series%y(t:last), mean, state, sums, with_information, residual(t:last))
             else
@@ -78,17 +94,20 @@ contains
       end do
    end subroutine sum_innovations
 
-   !> The last sample before the next missing one.
-   pure integer(int64) function end_of_run(series, first) result(last)
+   !> The last of some samples that none is missing before.
+   pure integer(int64) function end_of_run(series, first, longest) result(last)
       type(arma_series_type), intent(in) :: series
-      integer(int64), intent(in) :: first
+      !> The first of them, and how many at most
+      integer(int64), intent(in) :: first, longest
+      integer(int64) :: end
 
-      last = size(series%y, kind=int64)
+      end = min(size(series%y, kind=int64), first + longest - 1)
+      last = end
       if (.not. allocated(series%valid)) return
-      do last = first, size(series%y, kind=int64) - 1
+      do last = first, end - 1
          if (series%valid(last + 1) == 0_int8) return
       end do
-      last = size(series%y, kind=int64)
+      last = end
    end function end_of_run
 
    !> A run of present samples while the covariance is steady.

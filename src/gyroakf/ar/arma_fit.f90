@@ -9,6 +9,7 @@
 module gyroakf_ar_arma_fit
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type
+   use gyroakf_progress, only : progress_type
    use gyroakf_quasi_newton, only : minimise, minimise_options, minimum_type
    use gyroakf_ar_arma_transform, only : free_of, shrink
    use gyroakf_ar_arma_start, only : regress_on_past, drift_as_arma
@@ -54,7 +55,7 @@ module gyroakf_ar_arma_fit
 contains
 
    !> Largest likelihood of orders p and q.
-   subroutine maximise_likelihood(series, hint, p, q, optimum, quick, first)
+   subroutine maximise_likelihood(series, hint, p, q, optimum, quick, listener, error, first)
       !> The series, centred and scaled
       type(arma_series_type), intent(in) :: series
       !> What is known of it
@@ -65,6 +66,10 @@ contains
       type(arma_optimum_type), intent(out) :: optimum
       !> A search from the best start alone, and not to the last digit: good enough to compare orders
       logical, intent(in) :: quick
+      !> Told how far it is, may cancel; not associated: nobody
+      class(progress_type), pointer, intent(in) :: listener
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
       !> Free parameters of a maximum of a part of the series: [p + q + 1]; it is one of the starts, and one search is enough
       real(dp), intent(in), optional :: first(:)
       type(arma_objective_type) :: objective
@@ -77,6 +82,7 @@ contains
       optimum%q = q
       objective%p = p
       objective%q = q
+      objective%share%whole => listener
       call gather_starts(hint, p, q, start, starts)
       long = size(series%y, kind=int64) >= 2*trial_length
       if (present(first)) then
@@ -103,6 +109,7 @@ contains
             call improve(objective, start(:, i), optimum, quick)
          end do
       end if
+      if (allocated(objective%cancelled)) call move_alloc(objective%cancelled, error)
    end subroutine maximise_likelihood
 
    !> Of the best of a part and the starts, the one that the whole series likes best.

@@ -13,6 +13,7 @@ module gyroakf_ar_arma_likelihood
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_lapack, only : dpotrf, dpotri
    use gyroakf_quasi_newton, only : objective_type
+   use gyroakf_filter_progress_share, only : progress_share_type
    use gyroakf_ar_arma_transform, only : coefficients_of, farthest
    use gyroakf_ar_arma_state, only : arma_sums_type, most, mean_lane
    use gyroakf_ar_arma_filter, only : arma_series_type, sum_innovations
@@ -21,6 +22,8 @@ module gyroakf_ar_arma_likelihood
    public :: arma_objective_type, arma_log_likelihood, log_likelihood_of, split_free, information_of, start_inverse
 
    real(dp), parameter :: log_two_pi = 1.8378770664093454835606594728112_dp
+   !> Evaluations after which half of the work is said to be done
+   integer, parameter :: usual_evaluations = 30
 
    !> -ln L/n of a series as a function of free parameters: p of the AR, q of the MA polynomial, the mean
    type, extends(objective_type) :: arma_objective_type
@@ -28,6 +31,10 @@ module gyroakf_ar_arma_likelihood
       type(arma_series_type) :: series
       !> Orders
       integer :: p = 0, q = 0
+      !> Who is told; evaluations begun; allocated where no more are wanted
+      type(progress_share_type) :: share
+      integer :: begun = 0
+      type(error_type), allocatable :: cancelled
    contains
       procedure :: evaluate => evaluate_arma
    end type arma_objective_type
@@ -111,10 +118,12 @@ contains
 
       value = 0.0_dp
       gradient(:) = 0.0_dp
-      feasible = all(abs(parameter(:self%p + self%q)) <= farthest)
+      feasible = all(abs(parameter(:self%p + self%q)) <= farthest) .and. .not. allocated(self%cancelled)
       if (.not. feasible) return
+      call begin_evaluation(self)
       call split_free(parameter, phi, theta, jacobian)
-      call sum_innovations(self%series, phi, theta, parameter(size(parameter)), sums, feasible, .false.)
+      call sum_innovations(self%series, phi, theta, parameter(size(parameter)), sums, feasible, .false., progress=self%share, &
+         & cancelled=self%cancelled)
       if (feasible) feasible = sums%square > 0.0_dp
       if (.not. feasible) return
       n = real(sums%count, dp)
@@ -122,6 +131,16 @@ contains
       natural(:) = pick(sums%square_slope, self%p, self%q)/sums%square + 0.5_dp*pick(sums%log_f_slope, self%p, self%q)/n
       gradient(:) = matmul(natural, jacobian)
    end subroutine evaluate_arma
+
+   !> The share of the work that the next pass of the series is: that of what is left gets smaller and smaller.
+   pure subroutine begin_evaluation(objective)
+      class(arma_objective_type), intent(inout) :: objective
+
+      objective%share%total = size(objective%series%y, kind=int64)
+      objective%share%before = real(objective%begun, dp)/real(objective%begun + usual_evaluations, dp)
+      objective%begun = objective%begun + 1
+      objective%share%share = real(objective%begun, dp)/real(objective%begun + usual_evaluations, dp) - objective%share%before
+   end subroutine begin_evaluation
 
    !> Coefficients of free parameters.
    pure subroutine split_free(parameter, phi, theta, jacobian)
@@ -185,7 +204,7 @@ contains
    !> Inverse Hessian of the objective, from the information at a point.
    subroutine start_inverse(objective, parameter, inverse, known)
       !> The objective
-      type(arma_objective_type), intent(in) :: objective
+      type(arma_objective_type), intent(inout) :: objective
       !> Free parameters
       real(dp), intent(in) :: parameter(:)
       !> The matrix
@@ -197,8 +216,12 @@ contains
       integer :: i, j, k, info
 
       k = size(parameter)
+      known = .not. allocated(objective%cancelled)
+      if (.not. known) return
+      call begin_evaluation(objective)
       call split_free(parameter, phi, theta, jacobian)
-      call sum_innovations(objective%series, phi, theta, parameter(k), sums, known, .true.)
+      call sum_innovations(objective%series, phi, theta, parameter(k), sums, known, .true., progress=objective%share, &
+         & cancelled=objective%cancelled)
       if (known) known = sums%square > 0.0_dp
       if (.not. known) return
       call information_of(sums, objective%p, objective%q, inverse)

@@ -12,6 +12,7 @@ module gyroakf_ar_arma_model
    use gyroakf_ar_autocovariance, only : compute_autocovariance, series_mean
    use gyroakf_ar_criteria, only : criterion_number
    use gyroakf_filter_identification, only : drift_model_type, identify_drift
+   use gyroakf_filter_progress_share, only : progress_share_type
    use gyroakf_ar_arma_state, only : arma_sums_type, most
    use gyroakf_ar_arma_filter, only : arma_series_type, sum_innovations
    use gyroakf_ar_arma_start, only : long_order
@@ -52,7 +53,8 @@ contains
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
       !> Told how far it is; may cancel
-      class(progress_type), intent(inout), optional :: progress
+      class(progress_type), intent(inout), optional, target :: progress
+      class(progress_type), pointer :: listener
       type(arma_series_type) :: series
       type(arma_hint_type) :: hint
       type(arma_optimum_type) :: optimum
@@ -63,7 +65,10 @@ contains
       call check_options(options, error)
       if (allocated(error)) return
       model%criterion = options%criterion
-      call take_series(x, options, model, most_samples, series, hint, centre, scale, error, valid)
+      call tell_progress("ARMA model", 0_int64, 0_int64, error, progress)
+      if (allocated(error)) return
+      call take_series(x, options, model, most_samples, series, hint, centre, scale, error, valid, progress)
+      if (.not. allocated(error)) call tell_progress("ARMA model", 0_int64, model%length, error, progress)
       if (allocated(error)) return
       model%p = options%p
       model%q = options%q
@@ -71,10 +76,10 @@ contains
          call choose_orders(series, hint, options, most_samples, model, scale, chosen, error, progress)
          if (allocated(error)) return
       end if
-      call tell_progress("ARMA model", model%length/2, model%length, error, progress)
-      if (allocated(error)) return
-      call maximise_likelihood(series, hint, model%p, model%q, optimum, .false., chosen)
-      call complete_model(series, hint, optimum, centre, scale, model, error)
+      listener => null()
+      if (present(progress)) listener => progress
+      call maximise_likelihood(series, hint, model%p, model%q, optimum, .false., listener, error, chosen)
+      if (.not. allocated(error)) call complete_model(series, hint, optimum, centre, scale, listener, model, error)
    end subroutine fit_arma
 
    !> Refuses options out of range.
@@ -94,7 +99,7 @@ contains
    end subroutine check_options
 
    !> The part of the series that is used, centred and scaled by a power of 2, and what its autocovariances show.
-   subroutine take_series(x, options, model, most_samples, series, hint, centre, scale, error, valid)
+   subroutine take_series(x, options, model, most_samples, series, hint, centre, scale, error, valid, progress)
       real(dp), intent(in), contiguous :: x(:)
       type(arma_options), intent(in) :: options
       !> Gets the samples used
@@ -107,6 +112,7 @@ contains
       real(dp), intent(out) :: centre(2), scale
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
+      class(progress_type), intent(inout), optional :: progress
       real(dp) :: mean
       integer(int64) :: n, last
       integer :: lags, failed
@@ -142,7 +148,7 @@ contains
       series%y(:) = (series%y - centre(1)) - centre(2)
       if (present(valid)) where (series%valid == 0_int8) series%y = 0.0_dp
       lags = int(min(int(long_order(real(model%samples, dp)) + most, int64), model%length - 1))
-      call compute_autocovariance(series%y, lags, mean, hint%r, error, series%valid)
+      call compute_autocovariance(series%y, lags, mean, hint%r, error, series%valid, progress=progress)
       if (allocated(error)) return
       if (hint%r(0) <= (16.0_dp*epsilon(mean)*max(abs(centre(1)), abs(centre(2))))**2) then
          call fatal_error(error, status%constant_input, "the series has no variance, no ARMA model describes it")
@@ -199,16 +205,19 @@ contains
    end subroutine look_for_drift
 
    !> Everything that follows from the maximum.
-   subroutine complete_model(series, hint, optimum, centre, scale, model, error)
+   subroutine complete_model(series, hint, optimum, centre, scale, listener, model, error)
       type(arma_series_type), intent(in) :: series
       type(arma_hint_type), intent(in) :: hint
       type(arma_optimum_type), intent(in) :: optimum
       real(dp), intent(in) :: centre(2), scale
+      !> Told how far it is, may cancel; not associated: nobody
+      class(progress_type), pointer, intent(in) :: listener
       type(arma_model_type), intent(inout) :: model
-      !> singular, no_memory
+      !> singular, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       type(arma_sums_type) :: sums
       type(arma_optimum_type) :: reduced
+      type(progress_share_type) :: share
       real(dp), allocatable :: residual(:)
       real(dp), dimension(model%p + model%q + 1, model%p + model%q + 1) :: matrix, covariance
       real(dp) :: gain
@@ -227,7 +236,11 @@ contains
       end if
       allocate (model%phi(model%p), model%theta(model%q), model%phi_error(model%p), model%theta_error(model%q))
       call split_free(optimum%parameter, model%phi, model%theta, matrix)
-      call sum_innovations(series, model%phi, model%theta, optimum%parameter(k), sums, stationary, .true., residual=residual)
+      share%whole => listener
+      share%total = model%length
+      call sum_innovations(series, model%phi, model%theta, optimum%parameter(k), sums, stationary, .true., residual=residual, &
+         & progress=share, cancelled=error)
+      if (allocated(error)) return
       if (.not. stationary .or. sums%square <= perfect*hint%r(0)*real(sums%count, dp)) then
          call fatal_error(error, status%singular, "the ARMA model predicts the series perfectly: it has no noise")
          return
@@ -247,7 +260,8 @@ contains
       call find_drift(covariance, model)
       gain = -1.0_dp
       if (model%p > 0 .and. model%q > 0) then
-         call maximise_likelihood(series, hint, model%p - 1, model%q - 1, reduced, .true.)
+         call maximise_likelihood(series, hint, model%p - 1, model%q - 1, reduced, .true., listener, error)
+         if (allocated(error)) return
          gain = max(2.0_dp*real(sums%count, dp)*(reduced%value - optimum%value), 0.0_dp)
       end if
       call warn_of(model, gain)

@@ -4,11 +4,13 @@ module gyroakf_ar_arma_orders
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_threads, only : thread_count
    use gyroakf_ar_criteria, only : criterion_number
    use gyroakf_ar_arma_state, only : arma_sums_type, most
    use gyroakf_ar_arma_filter, only : arma_series_type, sum_innovations
    use gyroakf_ar_arma_likelihood, only : arma_objective_type, split_free
    use gyroakf_ar_arma_fit, only : arma_hint_type, arma_optimum_type, maximise_likelihood, improve, part_of
+   use gyroakf_filter_progress_share, only : progress_share_type
    use gyroakf_ar_arma_result, only : arma_options, arma_model_type, arma_criteria, best_line
    implicit none (type, external)
    private
@@ -16,6 +18,8 @@ module gyroakf_ar_arma_orders
 
    !> Of the samples that a fit may use at most the orders are compared on one in so many at most
    integer(int64), parameter :: compared_share = 4
+   !> From this length of the part on one order at a time is fitted, so that each of its evaluations can be told
+   integer(int64), parameter :: told_alone = 65536
    !> A difference of ln L that changes no choice
    real(dp), parameter :: no_matter = 1.0e-2_dp
 
@@ -40,14 +44,16 @@ contains
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
       !> Told how far it is; may cancel
-      class(progress_type), intent(inout), optional :: progress
+      class(progress_type), intent(inout), optional, target :: progress
       type(arma_optimum_type), allocatable :: optimum(:)
       type(arma_objective_type) :: part
+      class(progress_type), pointer :: listener
       real(dp), allocatable :: variance(:)
       real(dp) :: samples
       integer(int64) :: length
-      integer :: i, lines, best, first, last, p, q
+      integer :: i, lines, best, first, last, group
 
+      listener => null()
       length = max(most_samples/compared_share, 1000_int64)
       if (size(series%y, kind=int64) > length) then
          call part_of(series, length, part%series)
@@ -60,15 +66,17 @@ contains
       call list_orders(options, optimum)
       lines = size(optimum)
       allocate (model%table(lines), variance(lines))
-      call tell_progress("ARMA orders", 0_int64, model%length, error, progress)
-      if (allocated(error)) return
-      !$omp parallel do default(shared) private(p, q) schedule(dynamic) if (samples > 1.0e3_dp)
-      do i = lines, 1, -1
-         p = optimum(i)%p
-         q = optimum(i)%q
-         call maximise_likelihood(part%series, hint, p, q, optimum(i), .true.)
+      group = lines
+      if (present(progress)) group = thread_count()
+      if (present(progress) .and. model%compared_length > told_alone) then
+         listener => progress
+         group = 1
+      end if
+      do last = lines, 1, -group
+         call tell_progress("ARMA orders", ((lines - last)*model%length)/(2*lines), model%length, error, progress)
+         if (.not. allocated(error)) call fit_orders(part%series, hint, optimum(max(last - group + 1, 1):last), listener, error)
+         if (allocated(error)) return
       end do
-      !$omp end parallel do
       last = 0
       do while (last < lines)                ! models of the same p + q do not contain each other
          first = last + 1
@@ -76,14 +84,9 @@ contains
             if (optimum(last + 1)%p + optimum(last + 1)%q > optimum(first)%p + optimum(first)%q) exit
             last = last + 1
          end do
-         call tell_progress("ARMA orders", model%length*first/(4*lines), model%length, error, progress)
+         call tell_progress("ARMA orders", model%length/2 + (model%length*first)/(2*lines), model%length, error, progress)
+         if (.not. allocated(error)) call improve_orders(part%series, optimum(:last), first, listener, variance, error)
          if (allocated(error)) return
-         !$omp parallel do default(shared) schedule(dynamic) if (samples > 1.0e3_dp)
-         do i = first, last
-            call learn_from_smaller(part%series, optimum(:first - 1), optimum(i))
-            variance(i) = variance_of(part%series, optimum(i))
-         end do
-         !$omp end parallel do
       end do
       do i = 1, lines
          model%table(i) = arma_criteria(optimum(i)%p, optimum(i)%q, log_likelihood(optimum(i)%value, samples, scale), &
@@ -95,6 +98,58 @@ contains
       model%q = model%table(best)%q
       if (allocated(optimum(best)%parameter)) chosen = optimum(best)%parameter
    end subroutine choose_orders
+
+   !> Fits some orders, each in a thread of its own.
+   subroutine fit_orders(series, hint, optimum, listener, error)
+      !> The part
+      type(arma_series_type), intent(in) :: series
+      !> What is known of it
+      type(arma_hint_type), intent(in) :: hint
+      !> Their orders are set
+      type(arma_optimum_type), intent(inout) :: optimum(:)
+      !> Told of every evaluation where it is associated; one thread then
+      class(progress_type), pointer, intent(in) :: listener
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable :: failed
+      integer :: i, p, q
+
+      !$omp parallel do default(shared) private(p, q, failed) schedule(dynamic) &
+      !$omp& if (size(series%y, kind=int64) > 1000 .and. .not. associated(listener))
+      do i = size(optimum), 1, -1
+         p = optimum(i)%p
+         q = optimum(i)%q
+         call maximise_likelihood(series, hint, p, q, optimum(i), .true., listener, failed)
+         if (allocated(failed)) call move_alloc(failed, error)       ! only where one thread is told
+      end do
+      !$omp end parallel do
+   end subroutine fit_orders
+
+   !> Searches again what a smaller model is better than, and finds sigma^2.
+   subroutine improve_orders(series, optimum, first, listener, variance, error)
+      !> The part
+      type(arma_series_type), intent(in) :: series
+      !> Maxima, p + q growing
+      type(arma_optimum_type), intent(inout) :: optimum(:)
+      !> From this one on; those before are smaller
+      integer, intent(in) :: first
+      !> As of fit_orders
+      class(progress_type), pointer, intent(in) :: listener
+      !> sigma^2 of these
+      real(dp), intent(inout) :: variance(:)
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable :: failed
+      integer :: i
+
+      !$omp parallel do default(shared) private(failed) schedule(dynamic) &
+      !$omp& if (size(series%y, kind=int64) > 1000 .and. .not. associated(listener))
+      do i = first, size(optimum)
+         call learn_from_smaller(series, optimum(:first - 1), listener, optimum(i), variance(i), failed)
+         if (allocated(failed)) call move_alloc(failed, error)       ! only where one thread is told
+      end do
+      !$omp end parallel do
+   end subroutine improve_orders
 
    !> The search ended at a maximum, away from the edge of the invertible models.
    pure logical function usable(optimum, samples)
@@ -147,19 +202,26 @@ contains
    end function is_asked_for
 
    !> A model is never less likely than one that it contains: where it seems so, it is searched from there.
-   subroutine learn_from_smaller(series, smaller, optimum)
+   subroutine learn_from_smaller(series, smaller, listener, optimum, variance, error)
       !> The part
       type(arma_series_type), intent(in) :: series
       !> Maxima of models with a smaller p + q
       type(arma_optimum_type), intent(in) :: smaller(:)
+      !> As of fit_orders
+      class(progress_type), pointer, intent(in) :: listener
       !> Gets better, or stays
       type(arma_optimum_type), intent(inout) :: optimum
+      !> sigma^2
+      real(dp), intent(out) :: variance
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
       type(arma_objective_type) :: objective
       real(dp) :: start(optimum%p + optimum%q + 1)
       integer :: j, p, q
 
       objective%p = optimum%p
       objective%q = optimum%q
+      objective%share%whole => listener
       do j = 1, size(smaller)
          p = smaller(j)%p
          q = smaller(j)%q
@@ -173,21 +235,28 @@ contains
          if (.not. allocated(objective%series%y)) objective%series = series
          call improve(objective, start, optimum, .true.)
       end do
+      call find_variance(series, objective%share, optimum, variance, objective%cancelled)
+      if (allocated(objective%cancelled)) call move_alloc(objective%cancelled, error)
    end subroutine learn_from_smaller
 
    !> sigma^2 at a maximum.
-   real(dp) function variance_of(series, optimum) result(variance)
+   subroutine find_variance(series, share, optimum, variance, cancelled)
       type(arma_series_type), intent(in) :: series
+      type(progress_share_type), intent(inout) :: share
       type(arma_optimum_type), intent(in) :: optimum
+      real(dp), intent(out) :: variance
+      !> Nothing is done where it is allocated already
+      type(error_type), allocatable, intent(inout) :: cancelled
       type(arma_sums_type) :: sums
       real(dp) :: phi(optimum%p), theta(optimum%q), jacobian(optimum%p + optimum%q + 1, optimum%p + optimum%q + 1)
       logical :: stationary
 
       variance = 0.0_dp
-      if (.not. allocated(optimum%parameter)) return
+      if (.not. allocated(optimum%parameter) .or. allocated(cancelled)) return
       call split_free(optimum%parameter, phi, theta, jacobian)
-      call sum_innovations(series, phi, theta, optimum%parameter(size(optimum%parameter)), sums, stationary, .false.)
+      call sum_innovations(series, phi, theta, optimum%parameter(size(optimum%parameter)), sums, stationary, .false., &
+         & progress=share, cancelled=cancelled)
       if (stationary) variance = sums%square/real(sums%count, dp)
-   end function variance_of
+   end subroutine find_variance
 
 end module gyroakf_ar_arma_orders

@@ -146,14 +146,14 @@ contains
       end if
       call dpotrs("U", order, 1, a, order + 1, fit%phi, max(order, 1), info)
       fit%phi = fit%phi*scale(order + 1)/scale(:order)
-      call correct(x, shift, rest, backward, gram, a, scale, fit, error, valid)
+      call correct(x, shift, rest, backward, gram, a, scale, fit, error, valid, progress)
       if (allocated(error)) return
       call dpotri("U", order, a, order + 1, info)
       call spread_of(gram, backward, a, scale, rest + shift, fit)
    end subroutine fit_order
 
    !> Corrects the solution by the residuals that it leaves.
-   subroutine correct(x, shift, rest, backward, gram, factor, scale, fit, error, valid)
+   subroutine correct(x, shift, rest, backward, gram, factor, scale, fit, error, valid, progress)
       !> Series, its mean, whether backward too
       real(dp), intent(in), contiguous :: x(:)
       real(dp), intent(in) :: shift, rest
@@ -168,6 +168,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(residual_sums_type) :: sums
       real(dp) :: step(size(fit%phi)), gradient(size(fit%phi)), equations
       integer :: p, info
@@ -175,7 +177,7 @@ contains
       p = size(fit%phi)
       equations = real(gram%rows, dp)
       if (.not. backward) fit%constant = (gram%total(0) - dot_product(fit%phi, gram%total(1:)))/equations
-      call sum_residuals(x, shift, rest, fit%phi, fit%constant, backward, sums, error, valid)
+      call sum_residuals(x, shift, rest, fit%phi, fit%constant, backward, sums, error, valid, progress)
       if (allocated(error)) return
       gradient = sums%product(1:)
       if (.not. backward) gradient = gradient - sums%total*(gram%total(1:)/equations)

@@ -4,7 +4,8 @@
 module gyroakf_ar_row_residuals
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last, chunk_group
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_ar_autocovariance, only : add_lagged_products
    use gyroakf_ar_complete_rows, only : load_rows
    implicit none (type, external)
@@ -22,7 +23,7 @@ module gyroakf_ar_row_residuals
 contains
 
    !> Sums of the residuals of given coefficients over the complete rows of their order.
-   subroutine sum_residuals(x, shift, rest, phi, constant, backward, sums, error, valid)
+   subroutine sum_residuals(x, shift, rest, phi, constant, backward, sums, error, valid, progress)
       !> Series: [n], finite
       real(dp), intent(in), contiguous :: x(:)
       !> Subtracted in turn; constant of the regression of what is left
@@ -33,17 +34,20 @@ contains
       logical, intent(in) :: backward
       !> The sums
       type(residual_sums_type), intent(out) :: sums
-      !> no_memory
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: partial(:, :)
       integer :: p, stat
 
       p = size(phi)
       allocate (sums%product(0:p), stat=stat)
       if (stat == 0) allocate (partial(0:2*p + 3, chunk_count(size(x, kind=int64))), stat=stat)
-      if (stat == 0) call sum_products(x, shift, rest, phi, constant, backward, partial, stat, valid)
+      if (stat == 0) call sum_products(x, shift, rest, phi, constant, backward, partial, stat, error, valid, progress)
+      if (allocated(error)) return
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the sums of the AR regression")
          return
@@ -54,7 +58,7 @@ contains
    end subroutine sum_residuals
 
    !> The pass of [[sum_residuals]].
-   subroutine sum_products(x, shift, rest, phi, constant, backward, partial, stat, valid)
+   subroutine sum_products(x, shift, rest, phi, constant, backward, partial, stat, error, valid, progress)
       !> Series, subtracted in turn, coefficients, constant, whether backward too
       real(dp), intent(in), contiguous :: x(:)
       real(dp), intent(in) :: shift, rest, phi(:), constant
@@ -63,41 +67,53 @@ contains
       real(dp), intent(out) :: partial(0:, :)
       !> Not 0 where memory is short
       integer, intent(out) :: stat
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: y(:), weight(:), e(:)
       integer(int64) :: n, first, step
-      integer :: chunk, bad, m, p
+      integer :: chunk, bad, m, p, from, group
 
       n = size(x, kind=int64)
       p = size(phi)
       step = max(block_length, 4*int(p, int64))
       stat = 0
-      !$omp parallel if (n >= threads_from) default(shared) private(y, weight, e, first, bad, m)
-      allocate (y(1 - p:step), stat=bad)
-      if (bad == 0) allocate (weight(step), stat=bad)
-      if (bad == 0) allocate (e(step), stat=bad)
-      !$omp atomic
-      stat = stat + bad
-      !$omp do schedule(dynamic)
-      do chunk = 1, size(partial, 2)
-         partial(:, chunk) = 0.0_dp
-         if (bad /= 0) cycle
-         do first = max(chunk_first(n, chunk), int(p, int64) + 1), chunk_last(n, chunk), step
-            m = int(min(step, chunk_last(n, chunk) - first + 1))
-            call load_rows(x, shift, rest, p, first, m, y, weight, valid)
-            call predict(y, weight, phi, constant, .false., m, e)
-            call add_lagged_products(e, y, m, p, partial(0:p, chunk))
-            partial(2*p + 2, chunk) = partial(2*p + 2, chunk) + dot_product(e(:m), e(:m))
-            partial(2*p + 3, chunk) = partial(2*p + 3, chunk) + sum(e(:m))
-            if (.not. backward) cycle
-            call predict(y, weight, phi, constant, .true., m, e)
-            call add_lagged_products(e, y, m, p, partial(p + 1:2*p + 1, chunk))
-            partial(2*p + 2, chunk) = partial(2*p + 2, chunk) + dot_product(e(:m), e(:m))
+      group = chunk_group(size(partial, 2), present(progress))
+      do from = 1, size(partial, 2), group
+         call tell_progress("rows of the AR model", chunk_first(n, from) - 1, n, error, progress)
+         if (allocated(error)) return
+         !$omp parallel if (n >= threads_from) default(shared) private(y, weight, e, first, bad, m)
+         allocate (y(1 - p:step), stat=bad)
+         if (bad == 0) allocate (weight(step), stat=bad)
+         if (bad == 0) allocate (e(step), stat=bad)
+         !$omp atomic
+         stat = stat + bad
+         !$omp do schedule(dynamic)
+         do chunk = from, min(from + group - 1, size(partial, 2))
+            partial(:, chunk) = 0.0_dp
+            if (bad /= 0) cycle
+            do first = max(chunk_first(n, chunk), int(p, int64) + 1), chunk_last(n, chunk), step
+               m = int(min(step, chunk_last(n, chunk) - first + 1))
+               call load_rows(x, shift, rest, p, first, m, y, weight, valid)
+               call predict(y, weight, phi, constant, .false., m, e)
+               call add_lagged_products(e, y, m, p, partial(0:p, chunk))
+               partial(2*p + 2, chunk) = partial(2*p + 2, chunk) + dot_product(e(:m), e(:m))
+               partial(2*p + 3, chunk) = partial(2*p + 3, chunk) + sum(e(:m))
+               if (.not. backward) cycle
+               call predict(y, weight, phi, constant, .true., m, e)
+               call add_lagged_products(e, y, m, p, partial(p + 1:2*p + 1, chunk))
+               partial(2*p + 2, chunk) = partial(2*p + 2, chunk) + dot_product(e(:m), e(:m))
+            end do
          end do
+         !$omp end do
+         if (allocated(y)) deallocate (y)
+         if (allocated(weight)) deallocate (weight)
+         if (allocated(e)) deallocate (e)
+         !$omp end parallel
       end do
-      !$omp end do
-      !$omp end parallel
    end subroutine sum_products
 
    !> Residuals of a block, 0 where no row ends.

@@ -230,25 +230,37 @@ contains
       type(error_type), allocatable, intent(out) :: error
       class(progress_type), intent(inout), optional :: progress
       integer :: i
-      integer(int64) :: done, left
+      integer(int64) :: done, left, piece, pieces
       logical :: in_work
 
+      pieces = 1
+      if (present(progress)) pieces = max(plan%inner/(told_points + 1), 1_int64)
       done = 1
       in_work = .false.
       do i = 1, size(plan%radix)
          left = plan%inner/(done*plan%radix(i))
-         if (plan%inner > told_points) call tell_progress("Fourier transform", (i - 1)*plan%inner, size(plan%radix)*plan%inner, &
-            & error, progress)
-         if (allocated(error)) return
-         if (in_work) then
-            call apply_radix(plan%radix(i), done, left, work, x, plan%twiddle)
-         else
-            call apply_radix(plan%radix(i), done, left, x, work, plan%twiddle)
-         end if
+         do piece = 0, pieces - 1
+            if (plan%inner > told_points) call tell_progress("Fourier transform", &
+               & (i - 1)*plan%inner + (plan%inner/pieces)*piece, size(plan%radix)*plan%inner, error, progress)
+            if (allocated(error)) return
+            if (in_work) then
+               call apply_radix(plan%radix(i), done, left, piece, pieces, work, x, plan%twiddle)
+            else
+               call apply_radix(plan%radix(i), done, left, piece, pieces, x, work, plan%twiddle)
+            end if
+         end do
          in_work = .not. in_work
          done = done*plan%radix(i)
       end do
-      if (in_work) x(:) = work(:)
+      if (plan%inner > told_points) call tell_progress("Fourier transform", size(plan%radix)*plan%inner, &
+         & size(plan%radix)*plan%inner, error, progress)
+      if (.not. in_work) return
+      do piece = 0, plan%inner - 1
+         if (iand(piece + 1, told_points) == 0) call tell_progress("Fourier transform", size(plan%radix)*plan%inner, &
+            & size(plan%radix)*plan%inner, error, progress)
+         if (allocated(error)) return
+         x(piece) = work(piece)
+      end do
    end subroutine transform
 
    !> Bluestein's tables: the chirp and the spectrum of its conjugate, wrapped round the inner length.
@@ -267,6 +279,8 @@ contains
          call fatal_error(error, status%no_memory, "no memory for the tables of a Fourier transform")
          return
       end if
+      call tell_progress("Fourier transform", 0_int64, plan%length, error, progress)
+      if (allocated(error)) return
       plan%filter(:) = 0
       square = 0                                   ! j**2 modulo 2 n
       do j = 0, plan%length - 1
@@ -294,17 +308,24 @@ contains
       allocate (a(0:plan%inner - 1), stat=stat)
       if (stat /= 0) return
       do j = 0, plan%length - 1
+         if (iand(j, told_points) == 0) call tell_progress("Fourier transform", j, plan%length, error, progress)
+         if (allocated(error)) return
          a(j) = x(j)*plan%chirp(j)
       end do
       a(plan%length:) = 0
-      call transform(plan, a, work, error, progress)
+      call tell_progress("Fourier transform", 0_int64, plan%length, error, progress)
+      if (.not. allocated(error)) call transform(plan, a, work, error, progress)
       if (allocated(error)) return
       do j = 0, plan%inner - 1
+         if (iand(j, told_points) == 0) call tell_progress("Fourier transform", j, plan%inner, error, progress)
+         if (allocated(error)) return
          a(j) = conjg(a(j)*plan%filter(j))
       end do
       call transform(plan, a, work, error, progress)
       if (allocated(error)) return
       do j = 0, plan%length - 1
+         if (iand(j, told_points) == 0) call tell_progress("Fourier transform", j, plan%length, error, progress)
+         if (allocated(error)) return
          x(j) = plan%chirp(j)*conjg(a(j))/plan%inner
       end do
    end subroutine transform_chirp

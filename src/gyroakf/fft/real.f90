@@ -98,9 +98,12 @@ contains
          return
       end if
       do k = 0, half - 1
+         if (iand(k + 1, told_points) == 0) call tell_progress("Fourier transform", k, half, error, progress)
+         if (allocated(error)) return
          spectrum(k) = cmplx(x(2*k), x(2*k + 1), dp)
       end do
       call fft_forward(plan%complex, spectrum(:half - 1), error, progress)
+      if (.not. allocated(error) .and. half > told_points) call tell_progress("Fourier transform", half, half, error, progress)
       if (.not. allocated(error)) call unpack_spectrum(plan, spectrum)
    end subroutine real_fft_forward
 
@@ -140,6 +143,8 @@ contains
          return
       end if
       call pack_spectrum(plan, spectrum)
+      if (half > told_points) call tell_progress("Fourier transform", 0_int64, half, error, progress)
+      if (allocated(error)) return
       call fft_backward(plan%complex, spectrum(:half - 1), error, progress)
       if (allocated(error)) return
       do k = 0, half - 1

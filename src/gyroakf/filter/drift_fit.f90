@@ -125,7 +125,7 @@ contains
       call take_part(x, objective, scale, fit, error, valid)
       if (allocated(error)) return
       allocate (fit%candidate(0))
-      if (present(progress)) objective%progress => progress
+      if (present(progress)) objective%progress%whole => progress
       objective%candidates = size(names)
       call look_at_autocovariances(objective, known)
       do k = 1, size(names)

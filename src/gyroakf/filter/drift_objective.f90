@@ -5,9 +5,9 @@
 !> random walk, ln r, for a series of variance 1. The value is minus the log-likelihood of a sample on average.
 module gyroakf_filter_drift_objective
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type
+   use gyroakf_error, only : error_type, status
    use gyroakf_lapack, only : dpotrf, dpotri
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_filter_progress_share, only : progress_share_type
    use gyroakf_quasi_newton, only : objective_type
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_likelihood, only : component_likelihood
@@ -31,8 +31,8 @@ module gyroakf_filter_drift_objective
       !> Parameters of processes that are not there and of variances that are 0
       logical :: nothing(most_parameters) = .false.
       integer(int64) :: measurements = 0
-      !> Told how far it is; valid while the fit is made
-      class(progress_type), pointer :: progress => null()
+      !> Told how far the fit is; its `whole` is valid while the fit is made
+      type(progress_share_type) :: progress
       !> Candidates done and all of them, evaluations for this one; cancelled where the caller wants no more
       integer :: done = 0, candidates = 1, evaluations = 0
       type(error_type), allocatable :: cancelled
@@ -111,14 +111,16 @@ contains
       gradient = 0.0_dp
       feasible = all(abs(parameter) < widest) .and. .not. allocated(self%cancelled)
       if (feasible .and. self%ar) feasible = abs(parameter(1)) < steepest
-      if (feasible) call tell(self)
-      if (allocated(self%cancelled)) feasible = .false.
       if (.not. feasible) return
+      call begin_evaluation(self)
       call model_of(self, parameter, model)
       n = model%count
-      call component_likelihood(model, self%z, value, failed, self%here, slope(:2*n + 1))
+      call component_likelihood(model, self%z, value, failed, self%here, slope(:2*n + 1), self%progress)
       feasible = .not. allocated(failed)
-      if (.not. feasible) return
+      if (.not. feasible) then
+         if (failed%code == status%cancelled) call move_alloc(failed, self%cancelled)
+         return
+      end if
       share = -1.0_dp/real(self%measurements, dp)
       value = share*value
       next = 1
@@ -134,17 +136,18 @@ contains
       gradient(next) = share*slope(2*n + 1)*model%r
    end subroutine evaluate_likelihood
 
-   !> Tells how far the fit is: half of what is left of a candidate is done after so many evaluations.
-   subroutine tell(self)
-      type(likelihood_objective), intent(inout) :: self
-      integer(int64) :: n, part
+   !> The share of the fit that the next pass of the series is: half of what is left of a candidate is done after some evaluations.
+   pure subroutine begin_evaluation(self)
+      class(likelihood_objective), intent(inout) :: self
+      real(dp) :: before, behind
 
+      before = real(self%evaluations, dp)/real(self%evaluations + usual_evaluations, dp)
       self%evaluations = self%evaluations + 1
-      if (.not. associated(self%progress)) return
-      n = size(self%z, kind=int64)
-      part = int(real(n, dp)*self%evaluations/real(self%evaluations + usual_evaluations, dp), int64)
-      call tell_progress("identifying", self%done*n + part, self%candidates*n, self%cancelled, self%progress)
-   end subroutine tell
+      behind = real(self%evaluations, dp)/real(self%evaluations + usual_evaluations, dp)
+      self%progress%total = self%candidates*size(self%z, kind=int64)
+      self%progress%before = (real(self%done, dp) + before)/real(self%candidates, dp)
+      self%progress%share = (behind - before)/real(self%candidates, dp)
+   end subroutine begin_evaluation
 
    !> Minus the log-likelihood without its gradient, huge where there is none.
    real(dp) function value_at(objective, parameter) result(value)
@@ -155,12 +158,13 @@ contains
 
       value = huge(1.0_dp)
       if (allocated(objective%cancelled)) return
-      call tell(objective)
-      if (allocated(objective%cancelled)) return
+      call begin_evaluation(objective)
       call model_of(objective, parameter, model)
-      call component_likelihood(model, objective%z, value, failed, objective%here)
+      call component_likelihood(model, objective%z, value, failed, objective%here, progress=objective%progress)
       value = -value/real(objective%measurements, dp)
-      if (allocated(failed)) value = huge(1.0_dp)
+      if (.not. allocated(failed)) return
+      value = huge(1.0_dp)
+      if (failed%code == status%cancelled) call move_alloc(failed, objective%cancelled)
    end function value_at
 
    !> Covariance of the transformed parameters: inverse of the curvature of the log-likelihood. What is nothing is not varied: the

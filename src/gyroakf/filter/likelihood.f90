@@ -11,6 +11,7 @@
 module gyroakf_filter_likelihood
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_filter_components, only : component_model_type, component_state_type, most_components, &
       check_components, start_components, predict_components, correct_components, settling_type, judge_settling
    use gyroakf_filter_measurement, only : is_sample
@@ -23,6 +24,8 @@ module gyroakf_filter_likelihood
    real(dp), parameter :: log_two_pi = 1.8378770664093454835606594728112_dp
    !> Measurements after which it is looked whether the recursion has come to rest
    integer, parameter :: look_every = 64
+   !> Samples between two reports of progress
+   integer(int64), parameter :: told_samples = 262144
 
    !> What changes from step to step
    type :: lane_type
@@ -44,21 +47,23 @@ module gyroakf_filter_likelihood
 contains
 
    !> Log-likelihood of a series under a model.
-   subroutine component_likelihood(model, z, value, error, valid, gradient)
+   subroutine component_likelihood(model, z, value, error, valid, gradient, progress)
       !> Checked here
       type(component_model_type), intent(in) :: model
       !> Series, [n]; NaN counts as missing
       real(dp), intent(in), contiguous :: z(:)
       !> The natural logarithm
       real(dp), intent(out) :: value
-      !> invalid_argument, non_finite, unstable; too_few_samples (none that counts); singular (S is not positive)
+      !> invalid_argument, non_finite, unstable; too_few_samples (none that counts); singular (S is not positive); cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
       !> By phi of every process (0 for a random walk), q of every process, r: [2 count + 1]
       real(dp), intent(out), optional :: gradient(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(lane_type) :: lane
-      integer(int64) :: k
+      integer(int64) :: k, last
       logical :: here
 
       value = 0.0_dp
@@ -67,9 +72,15 @@ contains
       if (allocated(error)) return
       call begin(model, present(gradient), lane)
       k = 1
+      last = 0
       do while (k <= size(z, kind=int64))
-         if (lane%settling%settled) call run_settled(lane, z, k, valid)
-         if (k > size(z, kind=int64)) exit
+         if (k > last) then
+            call tell_progress("identifying", k - 1, size(z, kind=int64), error, progress)
+            if (allocated(error)) return
+            last = min(k + told_samples - 1, size(z, kind=int64))
+         end if
+         if (lane%settling%settled) call run_settled(lane, z, last, k, valid)
+         if (k > last) cycle
          here = is_sample(z(k))
          if (present(valid)) here = here .and. valid(k) /= 0_int8
          call step(lane, z(k), here)
@@ -249,10 +260,12 @@ contains
    end subroutine look
 
    !> Steps with the steady gain, up to the next missing sample.
-   pure subroutine run_settled(lane, z, k, valid)
+   pure subroutine run_settled(lane, z, end, k, valid)
       type(lane_type), intent(inout) :: lane
       !> The series, [n]
       real(dp), intent(in), contiguous :: z(:)
+      !> The last sample that may be taken
+      integer(int64), intent(in) :: end
       !> The next sample; the first one behind these steps afterwards
       integer(int64), intent(inout) :: k
       integer(int8), intent(in), optional :: valid(:)
@@ -260,7 +273,7 @@ contains
 
       first = k
       last = first - 1
-      do while (last < size(z, kind=int64))
+      do while (last < end)
          if (.not. is_sample(z(last + 1))) exit
          if (present(valid)) then
             if (valid(last + 1) == 0_int8) exit

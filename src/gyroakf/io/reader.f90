@@ -21,7 +21,7 @@ module gyroakf_io_reader
    use gyroakf_io_recording, only : close_recording, hold_rows, advise_memory, open_recording, reader_options, &
       recording_type, say_too_large
    use gyroakf_io_table, only : table_type
-   use gyroakf_progress, only : progress_type
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_record, only : add_text, record_type
    implicit none (type, external)
    private
@@ -53,17 +53,19 @@ contains
          call advise_memory(recording, advice)
          call fatal_error(error, status%no_memory, large//new_line("a")//advice)
       end if
-      if (.not. allocated(error)) call complete_record(recording, record, error)
+      if (.not. allocated(error)) call complete_record(recording, record, error, progress)
    end subroutine read_record
 
    !> Makes a record of the rows that are held.
-   subroutine complete_record(recording, record, error)
+   subroutine complete_record(recording, record, error, progress)
       !> Whole; its rows are moved out
       type(recording_type), intent(inout) :: recording
       !> The recording
       type(record_type), intent(out) :: record
-      !> Allocated on failure: parse, invalid_argument, too_few_samples, non_finite, no_memory
+      !> Allocated on failure: parse, invalid_argument, too_few_samples, non_finite, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told between its parts; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(gap_type) :: gaps
       real(dp), allocatable :: stamps(:)
       character(:), allocatable :: input, unit
@@ -82,15 +84,19 @@ contains
          if (.not. allocated(error)) call warn_of_time(options, table, record)
          if (.not. allocated(error)) call use_stamps(options, table, stamps, record, gaps)
          if (.not. allocated(error)) call set_rate(options, table, record, error)
+         if (.not. allocated(error)) call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
          if (.not. allocated(error)) call place_samples(options, table, stamps, gaps, record, error)
+         if (.not. allocated(error)) call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
          if (.not. allocated(error)) call mark_missing(record, largest_value/max(1.0_dp, abs(options%scale)), error)
          if (.not. allocated(error)) call set_units(unit, input, table, record, error)
          wrap = wrap_of(options, table)
          if (.not. allocated(error) .and. input == "angle" .and. wrap <= 0.0_dp) then
             if (.not. allocated(options%wrap)) call warn_of_wraps(record)
          end if
+         if (.not. allocated(error)) call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
          if (.not. allocated(error)) call make_rates(record, input, options%scale, error, wrap)
          if (.not. allocated(error)) call cut(record, options%from, options%to, error)
+         if (.not. allocated(error)) call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
          if (allocated(error)) return
          call audit_values(record%value, record%present, record%audit)
          call tell(table, record)

@@ -4,7 +4,7 @@ module gyroakf_preprocess_clean
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_series_moments, only : moments_type, compute_moments
    use gyroakf_preprocess_trend, only : largest_degree
    use gyroakf_preprocess_outliers, only : check_method, default_threshold
@@ -63,11 +63,12 @@ contains
       if (options%method == "hampel") result%half_width = options%half_width
       if (options%method == "none") then
          result%threshold = 0.0_dp
-         call detrend(x, options%degree, cleaned, result%trend, error, valid)
+         call detrend(x, options%degree, cleaned, result%trend, error, valid, progress)
       else
          if (.not. options%threshold > 0.0_dp) result%threshold = default_threshold(trim(options%method), found)
          call run_rounds(x, options, cleaned, present_out, moments, result, error, valid, progress)
       end if
+      if (.not. allocated(error)) call tell_progress("cleaning", 0_int64, 0_int64, error, progress)
       if (allocated(error)) return
       call finish(cleaned, present_out, found, options%max_passes, moments, result, error, valid)
    end subroutine clean_series

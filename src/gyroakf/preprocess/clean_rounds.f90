@@ -48,7 +48,7 @@ contains
    end subroutine set_mask
 
    !> Fits the trend to the samples of the mask and subtracts it from all.
-   subroutine detrend(x, degree, cleaned, trend, error, mask)
+   subroutine detrend(x, degree, cleaned, trend, error, mask, progress)
       !> Series
       real(dp), intent(in), contiguous :: x(:)
       !> Degree
@@ -61,8 +61,11 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 inlier, 0 outlier or missing
       integer(int8), intent(in), optional :: mask(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
-      call fit_trend(x, degree, trend, error, mask)
+      call fit_trend(x, degree, trend, error, mask, progress)
+      if (.not. allocated(error)) call tell_progress("cleaning", 0_int64, 0_int64, error, progress)
       if (.not. allocated(error)) call detach_trend(trend, x, cleaned)
    end subroutine detrend
 
@@ -90,16 +93,17 @@ contains
       integer(int64) :: changed, found
       real(dp) :: largest
 
+      call tell_progress("cleaning", 0_int64, 0_int64, error, progress)
+      if (allocated(error)) return
       found = count(mask /= 0_int8, kind=int64)
       call quantisation_step(x, scale%floor, largest, valid)
       scale%floor = 0.5_dp*scale%floor
       scale%rounding = 16.0_dp*epsilon(x)*largest
       scale%robust = options%method == "auto" .or. options%method == "mad"
       do while (result%passes < options%max_passes)
-         call tell_progress("cleaning", result%passes*size(x, kind=int64), 0_int64, error, progress)
-         if (allocated(error)) return
          result%passes = result%passes + 1
-         call detrend(x, options%degree, cleaned, result%trend, error, mask)
+         call detrend(x, options%degree, cleaned, result%trend, error, mask, progress)
+         if (.not. allocated(error)) call tell_progress("cleaning", 0_int64, 0_int64, error, progress)
          if (.not. allocated(error)) call judge(x, cleaned, options, scale, mask, moments, changed, result, error, valid, progress)
          if (allocated(error)) return
          result%converged = changed == 0 .and. .not. (scale%robust .and. options%method == "auto")
@@ -113,7 +117,7 @@ contains
       end do
       moments = moments_type()
       result%converged = options%method == "hampel" .and. options%degree < 1
-      call detrend(x, options%degree, cleaned, result%trend, error, mask)
+      call detrend(x, options%degree, cleaned, result%trend, error, mask, progress)
    end subroutine run_rounds
 
    !> One round: marks the outliers of the detrended series.
@@ -151,7 +155,7 @@ contains
          return
       end if
       if (scale%robust) then
-         call robust_centre(cleaned, 0.0_dp, scale%centre, scale%scale, error, valid)
+         call robust_centre(cleaned, 0.0_dp, scale%centre, scale%scale, error, valid, progress)
          if (allocated(error)) return
       else
          call compute_moments(cleaned, moments, mask)
@@ -160,6 +164,8 @@ contains
          if (options%method == "chauvenet") result%threshold = length_threshold(moments%count)
       end if
       call check_floor(x, scale%scale, scale, valid)
+      call tell_progress("cleaning", 0_int64, 0_int64, error, progress)
+      if (allocated(error)) return
       limit = max(result%threshold*max(scale%scale, scale%floor), scale%rounding)
       keep = result%passes > free_rounds
       if (options%method == "auto" .and. .not. scale%robust) then

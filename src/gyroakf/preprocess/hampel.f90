@@ -14,6 +14,7 @@ module gyroakf_preprocess_hampel
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_chunks, only : threads_from
+   use gyroakf_threads, only : thread_count
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_preprocess_window, only : window_type, insert_value, remove_value, replace_value, window_median, window_deviation
    implicit none (type, external)
@@ -28,15 +29,16 @@ module gyroakf_preprocess_hampel
    real(dp), parameter :: mad_to_sigma = 1.4826022185056018_dp
    !> Samples of a stretch, or so many windows where these are longer
    integer(int64), parameter :: stretch_length = 16384, stretch_windows = 8
-   !> Stretches, and samples, from one call of progress to the next
-   integer(int64), parameter :: group_stretches = 32, group_samples = 2000000
+   !> A step of the window costs about 100 plus its length in fifths of a nanosecond; so much is done between two calls of progress
+   integer(int64), parameter :: told_cost = 50000000
 
 contains
 
    !> Marks the samples that stand out of their neighbourhood.
    !>
    !> Marked is $$|x_i - m_i| > t\,\max(1.4826\,\mathrm{MAD}_i, f)$$ with the median m and the MAD of the window.
-   !> Outliers among the neighbours do not count as long as they are less than half of them. Memory: a window a thread.
+   !> Outliers among the neighbours do not count as long as they are less than half of them. Memory: a window for each of the
+   !> stretches that are worked on at the same time, some times the threads.
    subroutine mark_hampel(x, half_width, threshold, floor, inlier, changed, removed, error, valid, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
@@ -56,7 +58,8 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
-      integer(int64) :: n, length, stretches, group, first
+      type(window_type), allocatable :: window(:)
+      integer(int64) :: n, length, stretches, steps, part, first, last, done, judged
 
       changed = 0
       removed = 0
@@ -65,13 +68,19 @@ contains
       if (allocated(error)) return
       length = max(stretch_length, stretch_windows*int(2*half_width + 1, int64))
       stretches = (n + length - 1)/length
-      group = max(group_stretches, group_samples/length)
-      do first = 1, stretches, group
-         call tell_progress("looking for outliers", (first - 1)*length, n, error, progress)
-         if (allocated(error)) return
-         call mark_stretches(x, first, min(first + group - 1, stretches), length, half_width, threshold, floor, inlier, changed, &
-            & removed, error, valid)
-         if (allocated(error)) return
+      steps = length + 2*half_width
+      part = max(told_cost/(100 + 2*half_width), 1_int64)
+      call make_windows(min(stretches, thread_count()*max(part/steps, 1_int64)), half_width, window, error)
+      if (allocated(error)) return
+      do first = 1, stretches, size(window, kind=int64)
+         last = min(first + size(window, kind=int64) - 1, stretches)
+         do done = 0, steps - 1, part
+            judged = (first - 1)*length + (last - first + 1)*max(done - 2*half_width, 0_int64)
+            call tell_progress("looking for outliers", min(judged, n), n, error, progress)
+            if (allocated(error)) return
+            call mark_stretches(x, first, last, length, done, part, half_width, threshold, floor, window, inlier, changed, &
+               & removed, valid)
+         end do
       end do
    end subroutine mark_hampel
 
@@ -105,53 +114,74 @@ contains
       if (.not. good) call fatal_error(error, status%invalid_argument, "the mask and the series differ in length")
    end subroutine check_arguments
 
-   !> Some stretches, shared by the threads.
-   subroutine mark_stretches(x, first, last, length, half_width, threshold, floor, inlier, changed, removed, error, valid)
+   !> Room for the windows of the stretches that are worked on at the same time.
+   subroutine make_windows(number, half_width, window, error)
+      !> Stretches
+      integer(int64), intent(in) :: number
+      !> k
+      integer, intent(in) :: half_width
+      !> [number]
+      type(window_type), allocatable, intent(out) :: window(:)
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: i
+      integer :: stat
+
+      allocate (window(number), stat=stat)
+      if (stat == 0) then
+         do i = 1, number
+            allocate (window(i)%value(2*half_width + 1), stat=stat)
+            if (stat /= 0) exit
+         end do
+      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the windows of the Hampel filter")
+   end subroutine make_windows
+
+   !> Some steps of some stretches, shared by the threads.
+   subroutine mark_stretches(x, first, last, length, done, steps, half_width, threshold, floor, window, inlier, changed, &
+      & removed, valid)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> The first and the last stretch, and samples of each
       integer(int64), intent(in) :: first, last, length
+      !> Steps made before, and to be made
+      integer(int64), intent(in) :: done, steps
       !> k
       integer, intent(in) :: half_width
       !> t and f
       real(dp), intent(in) :: threshold, floor
+      !> Those of the stretches
+      type(window_type), intent(inout) :: window(:)
       !> The marks: [n]
       integer(int8), intent(inout), contiguous :: inlier(:)
       !> Counted on
       integer(int64), intent(inout) :: changed, removed
-      !> no_memory
-      type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      type(window_type) :: window
       integer(int64) :: n, stretch
-      integer :: bad, failed
 
       n = size(x, kind=int64)
-      failed = 0
-      !$omp parallel if (n >= threads_from) default(shared) private(window, bad) reduction(+:changed, removed, failed)
-      allocate (window%value(2*half_width + 1), stat=bad)
-      failed = failed + abs(bad)
-      !$omp do schedule(dynamic)
+      !$omp parallel do if (n >= threads_from) default(shared) reduction(+:changed, removed) schedule(dynamic)
       do stretch = first, last
-         if (bad == 0) call judge_stretch(x, (stretch - 1)*length + 1, min(stretch*length, n), int(half_width, int64), &
-            & threshold, floor, window, inlier, changed, removed, valid)
+         call judge_stretch(x, (stretch - 1)*length + 1, min(stretch*length, n), done, steps, int(half_width, int64), &
+            & threshold, floor, window(stretch - first + 1), inlier, changed, removed, valid)
       end do
-      !$omp end do
-      if (allocated(window%value)) deallocate (window%value)
-      !$omp end parallel
-      if (failed /= 0) call fatal_error(error, status%no_memory, "no memory for the window of the Hampel filter")
+      !$omp end parallel do
    end subroutine mark_stretches
 
-   !> One stretch.
-   pure subroutine judge_stretch(x, first, last, half_width, threshold, floor, window, inlier, changed, removed, valid)
+   !> Some steps of one stretch: in each a sample enters the window, and that in its middle, if it is of the stretch, is judged.
+   pure subroutine judge_stretch(x, first, last, done, steps, half_width, threshold, floor, window, inlier, changed, removed, valid)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
-      !> The first and the last sample, and k
-      integer(int64), intent(in) :: first, last, half_width
+      !> The first and the last sample
+      integer(int64), intent(in) :: first, last
+      !> Steps made before, and to be made; there are last - first + 1 + 2k at most
+      integer(int64), intent(in) :: done, steps
+      !> k
+      integer(int64), intent(in) :: half_width
       !> t and f
       real(dp), intent(in) :: threshold, floor
-      !> Room for 2k + 1 values
+      !> Room for 2k + 1 values; goes on from step to step
       type(window_type), intent(inout) :: window
       !> The marks: [n]
       integer(int8), intent(inout), contiguous :: inlier(:)
@@ -159,17 +189,17 @@ contains
       integer(int64), intent(inout) :: changed, removed
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: i
+      integer(int64) :: i, entering, begin
       integer(int8) :: mark
       real(dp) :: median
       logical :: there
 
-      window%count = 0
-      do i = max(first - half_width, 1_int64), min(first + half_width, size(x, kind=int64))
-         call advance(x, 0_int64, i, window, valid)
-      end do
-      do i = first, last
-         if (i > first) call advance(x, i - half_width - 1, i + half_width, window, valid)
+      if (done == 0) window%count = 0
+      begin = max(first - half_width, 1_int64) + done
+      do entering = begin, min(begin + steps - 1, last + half_width)
+         i = entering - half_width
+         call advance(x, merge(i - half_width - 1, 0_int64, i > first), entering, window, valid)
+         if (i < first) cycle
          there = .true.
          if (present(valid)) there = valid(i) /= 0_int8
          if (.not. there) cycle

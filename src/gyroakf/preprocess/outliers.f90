@@ -19,6 +19,7 @@ module gyroakf_preprocess_outliers
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_preprocess_select, only : find_median, find_deviation
    use gyroakf_special, only : normal_quantile
    implicit none (type, external)
@@ -72,7 +73,7 @@ contains
    end function length_threshold
 
    !> Median, and 1.4826 times the median distance from it.
-   subroutine robust_centre(x, floor, centre, scale, error, valid)
+   subroutine robust_centre(x, floor, centre, scale, error, valid, progress)
       !> Residuals: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> Least scale: half a quantisation step, so that a record of which more than half sits on one
@@ -80,13 +81,16 @@ contains
       real(dp), intent(in) :: floor
       !> The two
       real(dp), intent(out) :: centre, scale
-      !> too_few_samples, no_memory
+      !> too_few_samples, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told between the two; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       scale = floor
       call find_median(x, centre, error, valid)
+      if (.not. allocated(error)) call tell_progress("cleaning", 0_int64, 0_int64, error, progress)
       if (allocated(error)) return
       call find_deviation(x, centre, scale, error, valid)
       scale = max(mad_to_sigma*scale, floor)

@@ -10,7 +10,8 @@ module gyroakf_preprocess_trend
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_last, chunk_group
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_lapack, only : dpotrf, dpotrs
    implicit none (type, external)
    private
@@ -50,17 +51,19 @@ contains
    !>
    !> Minimises $$\sum_i (x_i - \sum_{k \le d} c_k q_k(t_i))^2$$ by Cholesky factorisation of the normal equations
    !> (LAPACK dpotrf), then again on the residuals. Relative error about 1e-14 of the polynomial.
-   subroutine fit_trend(x, degree, trend, error, valid)
+   subroutine fit_trend(x, degree, trend, error, valid, progress)
       !> Series: [n], any unit u, finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> Degree, -1 .. 9; -1 gives the trend 0
       integer, intent(in) :: degree
       !> The polynomial, in u
       type(trend_type), intent(out) :: trend
-      !> invalid_argument, too_few_samples (degree + 1 must be present), singular, non_finite
+      !> invalid_argument, too_few_samples (degree + 1 must be present), singular, non_finite, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(basis_type) :: basis
       real(dp) :: c(0:largest_degree), step(0:largest_degree), factor(0:largest_degree, 0:largest_degree), shift
       integer :: pass, info
@@ -74,7 +77,8 @@ contains
       c = 0.0_dp
       do pass = 1, 2
          if (info /= 0) exit
-         call project(x, basis, shift, c, step, valid)
+         call project(x, basis, shift, c, step, error, valid, progress)
+         if (allocated(error)) return
          if (.not. all(ieee_is_finite(step(:degree)))) then
             call fatal_error(error, status%non_finite, "the series has a value that is not finite")
             return
@@ -183,7 +187,7 @@ contains
    end subroutine evaluate_basis
 
    !> Projections of the residuals, (1/m) sum (x - shift - sum_k c_k q_k) q_j over the present samples.
-   subroutine project(x, basis, shift, c, projection, valid)
+   subroutine project(x, basis, shift, c, projection, error, valid, progress)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> The basis
@@ -194,16 +198,50 @@ contains
       real(dp), intent(in) :: c(0:)
       !> Projections
       real(dp), intent(out) :: projection(0:)
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      real(dp) :: part(0:largest_degree, chunk_count(basis%samples)), q(stretch, 0:basis%degree), y(stretch), total
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
+      real(dp) :: part(0:largest_degree, chunk_count(basis%samples))
+      integer :: chunks, group, from
+
+      chunks = chunk_count(basis%samples)
+      group = chunk_group(chunks, present(progress))
+      part = 0.0_dp
+      projection = 0.0_dp
+      do from = 1, chunks, group
+         call tell_progress("fitting the trend", chunk_first(basis%samples, from) - 1, basis%samples, error, progress)
+         if (allocated(error)) return
+         call project_chunks(x, basis, shift, c, from, min(from + group - 1, chunks), part, valid)
+      end do
+      projection = sum(part, 2)/real(basis%samples, dp)
+   end subroutine project
+
+   !> The sums of some chunks, shared by the threads.
+   subroutine project_chunks(x, basis, shift, c, from, to, part, valid)
+      !> Series: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> The basis
+      type(basis_type), intent(in) :: basis
+      !> Subtracted first
+      real(dp), intent(in) :: shift
+      !> Coefficients so far
+      real(dp), intent(in) :: c(0:)
+      !> The chunks
+      integer, intent(in) :: from, to
+      !> Their sums are added to
+      real(dp), intent(inout) :: part(0:, :)
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp) :: q(stretch, 0:basis%degree), y(stretch), total
       integer(int64) :: first, length
       integer :: chunk, i, k
 
-      part = 0.0_dp
       !$omp parallel do if (basis%samples >= threads_from) default(shared) schedule(dynamic) &
       !$omp& private(q, y, first, length, total, i, k)
-      do chunk = 1, chunk_count(basis%samples)
+      do chunk = from, to
          do first = chunk_first(basis%samples, chunk), chunk_last(basis%samples, chunk), stretch
             length = min(stretch, chunk_last(basis%samples, chunk) - first + 1)
             call evaluate_basis(basis, first - 1, q(:length, :))
@@ -229,8 +267,7 @@ contains
          end do
       end do
       !$omp end parallel do
-      projection = sum(part, 2)/real(basis%samples, dp)
-   end subroutine project
+   end subroutine project_chunks
 
    !> (1/m) sum q_j q_k over the present samples: the unit matrix less the sum over the missing ones,
    !> or the sum itself where more than half is missing.

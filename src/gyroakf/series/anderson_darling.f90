@@ -72,6 +72,8 @@ contains
       call take_samples(x, options, result, z, error, valid)
       if (allocated(error)) return
       call compute_moments(z, moments)
+      call tell_progress("normality test", 0_int64, result%samples, error, progress)
+      if (allocated(error)) return
       z(:) = z - moments%mean                                            ! an offset costs no digits: its rest is taken out below
       call compute_moments(z, moments)
       if (.not. moments%kurtosis > 0.0_dp) then

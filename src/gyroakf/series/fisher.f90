@@ -6,7 +6,7 @@
 module gyroakf_series_fisher
    use, intrinsic :: iso_c_binding, only : c_double
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_progress, only : progress_type
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_fft, only : real_fft_plan_type, new_real_fft_plan, real_fft_forward
    implicit none (type, external)
@@ -41,6 +41,8 @@ module gyroakf_series_fisher
 
    !> From this expected number of larger ordinates on the sum would cancel: there p is 1 less their Poisson probability of none
    real(dp), parameter :: poisson_from = 17.0_dp
+   !> Samples less one between two reports of progress: a power of two less one
+   integer(int64), parameter :: told_points = 1048575_int64
    !> exp(x) is zero below
    real(dp), parameter :: least_exponent = -708.0_dp
 
@@ -71,7 +73,7 @@ contains
       integer :: stat
 
       n = size(x, kind=int64)
-      call centre_and_scale(x, centred, error, valid)
+      call centre_and_scale(x, centred, error, valid, progress=progress)
       if (allocated(error)) return
       allocate (spectrum(0:n/2), stat=stat)
       if (stat /= 0) then
@@ -80,21 +82,24 @@ contains
       end if
       call new_real_fft_plan(plan, n, error, progress)
       if (.not. allocated(error)) call real_fft_forward(plan, centred, spectrum, error, progress)
+      if (.not. allocated(error)) call tell_progress("Fourier transform", n, n, error, progress)
       if (.not. allocated(error)) call fisher_of_spectrum(spectrum, n, result, error)
    end subroutine test_fisher_g
 
    !> The present samples less their mean, times the power of two that brings the largest to 1/2 .. 1; 0 where missing.
-   subroutine centre_and_scale(x, centred, error, valid, exponents)
+   subroutine centre_and_scale(x, centred, error, valid, exponents, progress)
       !> Series: [n], n >= 3; finite
       real(dp), intent(in), contiguous :: x(:)
       !> [0:n-1]
       real(dp), allocatable, intent(out) :: centred(:)
-      !> too_few_samples, constant_input, no_memory
+      !> too_few_samples, constant_input, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
       !> The result is to be multiplied by two to this power
       integer, intent(out), optional :: exponents
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp) :: lowest, highest, mean
       integer(int64) :: n, i, number
       integer :: stat, power, size_of_all
@@ -120,6 +125,8 @@ contains
       power = exponent(scale(highest, -size_of_all) - lowest)
       if (present(exponents)) exponents = size_of_all + power
       do i = 0, n - 1
+         if (iand(i, told_points) == 0) call tell_progress("Fourier transform", 0_int64, n, error, progress)
+         if (allocated(error)) return
          centred(i) = 0.0_dp
          if (present(valid)) then
             if (valid(i + 1) == 0_int8) cycle

@@ -7,6 +7,7 @@ module gyroakf_series_line_search
    use, intrinsic :: iso_c_binding, only : c_double
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_series_noise_floor, only : noise_floor_type, find_noise_floor, level_of, freedom_of
    implicit none (type, external)
    private
@@ -53,6 +54,9 @@ module gyroakf_series_line_search
       end function log1p
    end interface
 
+   !> Ordinates less one between two reports of progress: a power of two less one
+   integer(int64), parameter :: told_ordinates = 131071_int64
+
 contains
 
    !> Prepares for a series of n samples.
@@ -77,22 +81,26 @@ contains
    end subroutine begin_search
 
    !> Takes a spectrum: ordinates, and the noise around them.
-   subroutine look_at(search, spectrum)
+   subroutine look_at(search, spectrum, error, progress)
       !> Of the beginning
       type(search_type), intent(inout) :: search
       !> Fourier transform of the series: [0:n/2]
       complex(dp), intent(in), contiguous :: spectrum(0:)
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       integer(int64) :: k
 
       do k = 1, search%ordinates
          search%power(k) = real(spectrum(k), dp)**2 + aimag(spectrum(k))**2
       end do
       search%negligible = max(search%negligible, rounding*maxval(search%power))
-      call find_noise_floor(search%power, search%taken, search%floor)
+      call find_noise_floor(search%power, search%taken, search%floor, error, progress)
    end subroutine look_at
 
    !> The ordinate that noise explains worst.
-   pure subroutine find_largest(search, spectrum, place, ratio, log_p)
+   subroutine find_largest(search, spectrum, place, ratio, log_p, error, progress)
       !> After [[look_at]]
       type(search_type), intent(in) :: search
       !> The same
@@ -103,14 +111,21 @@ contains
       real(dp), intent(out) :: ratio
       !> Logarithm of the probability that noise has as large a one anywhere
       real(dp), intent(out) :: log_p
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       integer(int64) :: k, last
       real(dp) :: best, half
 
       place = 0.0_dp
       ratio = 0.0_dp
+      log_p = 0.0_dp
       best = 0.0_dp
       last = search%ordinates - from_end
       do k = fewest_periods, last
+         if (iand(k, told_ordinates) == 0) call tell_progress("looking for lines", k, last, error, progress)
+         if (allocated(error)) return
          if (search%taken(k) /= 0_int8) cycle
          call compare(search, search%power(k), real(k, dp), place, ratio, best)
          if (k == last .or. search%taken(k + 1) /= 0_int8) cycle

@@ -87,7 +87,7 @@ contains
       real(dp), intent(in), optional :: variance
       !> Fisher's test of x, on the way
       type(fisher_type), intent(out), optional :: fisher
-      !> Is told after every line
+      !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(real_fft_plan_type) :: plan
       type(search_type) :: search
@@ -96,8 +96,8 @@ contains
       integer :: number, power, stat
 
       call check_input(size(x, kind=int64), dt, options, error)
-      if (.not. allocated(error)) call centre_and_scale(x, rest, error, valid, power)
-      if (.not. allocated(error)) call new_real_fft_plan(plan, size(x, kind=int64), error)
+      if (.not. allocated(error)) call centre_and_scale(x, rest, error, valid, power, progress)
+      if (.not. allocated(error)) call new_real_fft_plan(plan, size(x, kind=int64), error, progress)
       if (.not. allocated(error)) call begin_search(search, size(x, kind=int64), error)
       if (allocated(error)) return
       allocate (found(min(int(options%most, int64), size(x, kind=int64)/2)), stat=stat)
@@ -154,23 +154,24 @@ contains
       end if
       do
          call tell_progress("looking for lines", int(number, int64), int(max(options%most, 1), int64), error, progress)
-         if (.not. allocated(error)) call real_fft_forward(plan, rest, spectrum, error)
+         if (.not. allocated(error)) call real_fft_forward(plan, rest, spectrum, error, progress)
          if (.not. allocated(error) .and. number == 0 .and. present(fisher)) then
             call fisher_of_spectrum(spectrum, search%samples, fisher, error)
          end if
          if (allocated(error) .or. options%most == 0) return
-         call look_at(search, spectrum)
+         call look_at(search, spectrum, error, progress)
+         if (allocated(error)) return
          if (number > 0) call measure(search, sinusoid, found(number))
          if (number == size(found)) return
-         call find_next(search, spectrum, options%false_alarm, rest, found(number + 1), sinusoid, more, valid)
-         if (.not. more) return
+         call find_next(search, spectrum, options%false_alarm, rest, found(number + 1), sinusoid, more, error, valid, progress)
+         if (allocated(error) .or. .not. more) return
          number = number + 1
          call remove_sinusoid(rest, sinusoid, valid)
       end do
    end subroutine find_all
 
    !> The next line and its sinusoid.
-   subroutine find_next(search, spectrum, false_alarm, rest, line, sinusoid, more, valid)
+   subroutine find_next(search, spectrum, false_alarm, rest, line, sinusoid, more, error, valid, progress)
       type(search_type), intent(inout) :: search
       complex(dp), intent(in), contiguous :: spectrum(0:)
       real(dp), intent(in) :: false_alarm
@@ -180,17 +181,22 @@ contains
       type(sinusoid_type), intent(out) :: sinusoid
       !> There is one
       logical, intent(out) :: more
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
+      class(progress_type), intent(inout), optional :: progress
       real(dp) :: place
       logical :: fitted
       integer :: i
 
+      more = .false.
       do i = 1, most_refusals
-         call find_largest(search, spectrum, place, line%ratio, line%log_p_value)
+         call find_largest(search, spectrum, place, line%ratio, line%log_p_value, error, progress)
+         if (allocated(error)) return
          more = place > 0.0_dp .and. line%log_p_value < log(false_alarm)
          if (.not. more) return
-         call fit_sinusoid(rest, place/real(search%samples, dp), sinusoid, fitted, valid)
-         if (fitted) return
+         call fit_sinusoid(rest, place/real(search%samples, dp), sinusoid, fitted, error, valid, progress)
+         if (fitted .or. allocated(error)) return
          call forbid(search, place)
       end do
       more = .false.

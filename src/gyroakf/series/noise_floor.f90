@@ -6,6 +6,8 @@
 !> The bands are as narrow as an octave at low frequencies, so that the red noise of drift is followed.
 module gyroakf_series_noise_floor
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type
+   use gyroakf_progress, only : progress_type, tell_progress
    implicit none (type, external)
    private
    public :: noise_floor_type, find_noise_floor, level_of, freedom_of
@@ -31,16 +33,23 @@ module gyroakf_series_noise_floor
    !> Steps of the iteration
    integer, parameter :: steps = 6
 
+   !> Bands between two reports of progress
+   integer(int64), parameter :: told_bands = 1024
+
 contains
 
    !> The level of the noise in a periodogram.
-   subroutine find_noise_floor(power, taken, floor)
+   subroutine find_noise_floor(power, taken, floor, error, progress)
       !> Ordinates, >= 0: [m], m >= 8
       real(dp), intent(in), contiguous :: power(:)
       !> 1: not looked at, for it belongs to a line that is known: [m]
       integer(int8), intent(in), contiguous :: taken(:)
       !> The level
       type(noise_floor_type), intent(out) :: floor
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp) :: band(widest + widest/2 + 1)
       integer(int64) :: b, bands, k
       integer :: n
@@ -49,6 +58,8 @@ contains
       bands = size(floor%first, kind=int64) - 1
       allocate (floor%middle(bands), floor%level(bands), floor%used(bands))
       do b = 1, bands
+         if (mod(b, told_bands) == 0) call tell_progress("looking for lines", b, bands, error, progress)
+         if (allocated(error)) return
          floor%middle(b) = sqrt(real(floor%first(b), dp)*real(floor%first(b + 1) - 1, dp))
          n = 0
          do k = floor%first(b), floor%first(b + 1) - 1

@@ -6,7 +6,7 @@
 module gyroakf_series_periodicity
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
    use gyroakf_series_moments, only : moments_type, compute_moments
    use gyroakf_series_fisher, only : fisher_type
@@ -21,6 +21,8 @@ module gyroakf_series_periodicity
    !> A line with more of the variance bends the AR model; lines are sought in whitened series so many times at most
    real(dp), parameter :: strong_share = 0.01_dp
    integer, parameter :: most_rounds = 2
+   !> Samples less one between two reports of progress: a power of two less one
+   integer(int64), parameter :: told_samples = 131071_int64
 
    !> How it is looked for
    type :: periodicity_options
@@ -77,8 +79,11 @@ contains
       type(ar_model_type) :: white, used
       type(moments_type) :: moments
       real(dp), allocatable :: rest(:)
+      logical :: found
       integer :: round
 
+      call tell_progress("looking for lines", 0_int64, 0_int64, error, progress)
+      if (allocated(error)) return
       call compute_moments(x, moments, valid)
       allocate (white%coefficient(0))
       white%mean = moments%mean
@@ -86,8 +91,9 @@ contains
       if (allocated(error)) return
       do round = 1, most_rounds
          if (any(result%line%share > strong_share)) then
-            call take_lines(x, dt, result, rest)
-            if (.not. model_of_rest(rest, options%ar, result, used, valid)) return
+            call take_lines(x, dt, result, rest, error, progress)
+            if (.not. allocated(error)) call model_of_rest(rest, options%ar, result, used, found, error, valid, progress)
+            if (allocated(error) .or. .not. found) return
          else if (round > 1) then
             return
          else if (present(model)) then
@@ -120,7 +126,7 @@ contains
       integer(int8), allocatable :: here(:)
 
       call cut_middle(size(x, kind=int64), model%order, options%longest, result)
-      call whiten_part(x, model, result, white, here, error, valid)
+      call whiten_part(x, model, result, white, here, error, valid, progress)
       if (allocated(error)) return
       if (allocated(here)) then
          call find_lines(white, dt, options%lines, result%line, error, here, model%coefficient, variance, result%fisher, progress)
@@ -132,12 +138,15 @@ contains
    end subroutine look
 
    !> The part that was looked at without its lines.
-   subroutine take_lines(x, dt, result, rest)
+   subroutine take_lines(x, dt, result, rest, error, progress)
       real(dp), intent(in), contiguous :: x(:)
       real(dp), intent(in) :: dt
       type(periodicity_type), intent(in) :: result
       !> [samples]; not allocated where there is no memory for it
       real(dp), allocatable, intent(out) :: rest(:)
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
       type(sinusoid_type) :: sinusoid
       integer :: i, stat
 
@@ -145,6 +154,8 @@ contains
       if (stat /= 0) return
       rest(:) = x(result%first:result%first + result%samples - 1)
       do i = 1, size(result%line)
+         call tell_progress("looking for lines", 0_int64, 0_int64, error, progress)
+         if (allocated(error)) return
          sinusoid%frequency = result%line(i)%frequency*dt
          sinusoid%cosine = result%line(i)%cosine
          sinusoid%sine = result%line(i)%sine
@@ -153,25 +164,32 @@ contains
    end subroutine take_lines
 
    !> The AR model of what the lines leave; false where there is none, and the old one stays.
-   logical function model_of_rest(rest, options, part, model, valid) result(found)
+   subroutine model_of_rest(rest, options, part, model, found, error, valid, progress)
       real(dp), allocatable, intent(in) :: rest(:)
       type(ar_options), intent(in) :: options
       type(periodicity_type), intent(in) :: part
       type(ar_model_type), intent(inout) :: model
+      logical, intent(out) :: found
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
+      class(progress_type), intent(inout), optional :: progress
       type(ar_model_type) :: fresh
-      type(error_type), allocatable :: error
 
       found = .false.
       if (.not. allocated(rest)) return
       if (present(valid)) then
-         call fit_ar(rest, options, fresh, error, valid(part%first:part%first + part%samples - 1))
+         call fit_ar(rest, options, fresh, error, valid(part%first:part%first + part%samples - 1), progress=progress)
       else
-         call fit_ar(rest, options, fresh, error)
+         call fit_ar(rest, options, fresh, error, progress=progress)
       end if
       found = .not. allocated(error)
-      if (found) model = fresh
-   end function model_of_rest
+      if (found) then
+         model = fresh
+      else if (error%code /= status%cancelled) then
+         deallocate (error)
+      end if
+   end subroutine model_of_rest
 
    !> Where the part begins whose residuals are looked at, and how many they are.
    pure subroutine cut_middle(n, order, longest, result)
@@ -210,7 +228,7 @@ contains
    end function even_length
 
    !> Residuals of the part.
-   subroutine whiten_part(x, model, part, white, here, error, valid)
+   subroutine whiten_part(x, model, part, white, here, error, valid, progress)
       real(dp), intent(in), contiguous :: x(:)
       type(ar_model_type), intent(in) :: model
       type(periodicity_type), intent(in) :: part
@@ -220,20 +238,21 @@ contains
       integer(int8), allocatable, intent(out) :: here(:)
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
+      class(progress_type), intent(inout), optional :: progress
       integer(int64) :: from, to
 
       from = part%first - part%order
       to = part%first + part%samples - 1
       if (present(valid)) then
-         call whiten_series(x(from:to), model%mean, model%coefficient, white, here, error, valid(from:to))
+         call whiten_series(x(from:to), model%mean, model%coefficient, white, here, error, valid(from:to), progress)
       else
-         call whiten_series(x(from:to), model%mean, model%coefficient, white, here, error)
+         call whiten_series(x(from:to), model%mean, model%coefficient, white, here, error, progress=progress)
       end if
    end subroutine whiten_part
 
    !> Residuals of an AR model, $$e_t = (x_t - m) - \sum_j \phi_j (x_{t-j} - m), \quad t = p + 1 \ldots n;$$ one is missing where
    !> any of its p + 1 samples is.
-   subroutine whiten_series(x, mean, phi, white, here, error, valid)
+   subroutine whiten_series(x, mean, phi, white, here, error, valid, progress)
       !> Series: [n], n > p; finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> Its mean m and its AR coefficients: [p]
@@ -243,10 +262,12 @@ contains
       real(dp), allocatable, intent(out) :: white(:)
       !> 1 present, 0 missing: [n - p]; allocated only with `valid`
       integer(int8), allocatable, intent(out) :: here(:)
-      !> too_few_samples, no_memory
+      !> too_few_samples, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       integer(int64) :: t, count_white
       integer :: j, p, stat
       real(dp) :: total
@@ -264,6 +285,8 @@ contains
          return
       end if
       do t = 1, count_white
+         if (iand(t, told_samples) == 0) call tell_progress("whitening", t, count_white, error, progress)
+         if (allocated(error)) return
          total = x(t + p) - mean
          do j = 1, p
             total = total - phi(j)*(x(t + p - j) - mean)
@@ -272,6 +295,8 @@ contains
       end do
       if (.not. present(valid)) return
       do t = 1, count_white
+         if (iand(t, told_samples) == 0) call tell_progress("whitening", t, count_white, error, progress)
+         if (allocated(error)) return
          here(t) = minval(valid(t:t + p))
          if (here(t) == 0_int8) white(t) = 0.0_dp
       end do

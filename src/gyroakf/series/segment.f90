@@ -3,6 +3,7 @@
 module gyroakf_series_segment
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_fft, only : real_fft_plan_type, real_fft_forward
    implicit none (type, external)
    private
@@ -20,20 +21,29 @@ module gyroakf_series_segment
       real(dp), allocatable :: window(:)
    end type segment_type
 
+   !> Samples of a window less one between two reports of progress: a power of two less one
+   integer(int64), parameter :: told_samples = 1048575_int64
+
 contains
 
    !> A window for spectra, in its periodic form: the next value would be the first again.
-   pure subroutine make_window(name, window)
+   subroutine make_window(name, window, error, progress)
       !> hann, hamming, blackman; any other is rectangular
       character(*), intent(in) :: name
       !> Values: [0:L-1]
       real(dp), intent(out) :: window(0:)
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), parameter :: turn = 6.28318530717958647693_dp
       real(dp) :: c
       integer(int64) :: t, n
 
       n = size(window, kind=int64)
       do t = 0, n - 1
+         if (iand(t + 1, told_samples) == 0) call tell_progress("spectrum", 0_int64, 0_int64, error, progress)
+         if (allocated(error)) return
          c = cos(turn*(real(t, dp)/real(n, dp)))
          select case (name)
          case ("hann"); window(t) = 0.5_dp - 0.5_dp*c
@@ -45,7 +55,7 @@ contains
    end subroutine make_window
 
    !> Adds the periodograms of some segments, each over the sum of the squares of its window and times its share.
-   subroutine add_segments(x, part, plan, from, to, total, share, error, valid)
+   subroutine add_segments(x, part, plan, from, to, total, share, error, valid, progress)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> What a segment is
@@ -58,10 +68,12 @@ contains
       real(dp), intent(inout), contiguous :: total(0:)
       !> Weight of each, 0 where too much is missing: [to - from + 1]
       real(dp), intent(out) :: share(:)
-      !> no_memory
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: segment(:)
       complex(dp), allocatable :: spectrum(:)
       real(dp) :: energy, factor
@@ -78,9 +90,11 @@ contains
       energy = sum(part%window**2)
       do i = from, to
          first = (i - 1)*part%step + 1
+         call tell_progress("spectrum", i - 1, 0_int64, error, progress)
+         if (allocated(error)) return
          call cut(x(first:first + part%length - 1), part, energy, segment, share(i - from + 1), first, valid)
          if (share(i - from + 1) <= 0.0_dp) cycle
-         call real_fft_forward(plan, segment, spectrum, error)
+         call real_fft_forward(plan, segment, spectrum, error, progress)
          if (allocated(error)) return
          factor = 1.0_dp/energy                      ! share over the energy of what is present
          do k = 0, part%length/2

@@ -5,7 +5,9 @@
 !> good at the end of a long series as at its beginning. Sums go by fixed parts of the series: they do not depend on the threads.
 module gyroakf_series_sinusoid
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last, chunk_group
+   use gyroakf_error, only : error_type
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_lapack, only : dposv
    implicit none (type, external)
    private
@@ -37,7 +39,7 @@ contains
    !> At a frequency f the series is regressed on 1, cos, sin, t cos, t sin; the coefficients p, q of the last two tell the step
    !> to the least squares' frequency, $$\delta\omega = (p s - q c)/(c^2 + s^2).$$
    !> Source: the linearised problem of B. G. Quinn & E. J. Hannan, The Estimation and Tracking of Frequency (2001), 3.2.
-   subroutine fit_sinusoid(x, start, sinusoid, found, valid)
+   subroutine fit_sinusoid(x, start, sinusoid, found, error, valid, progress)
       !> Series: [n], n >= 16; finite, 0 where missing
       real(dp), intent(in), contiguous :: x(:)
       !> Frequency to begin with, within one ordinate (1/n) of the line, cycles per sample
@@ -46,8 +48,12 @@ contains
       type(sinusoid_type), intent(out) :: sinusoid
       !> False: the regression is singular, or leads away from the start; the sinusoid is 0 then
       logical, intent(out) :: found
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp) :: solution(columns - 1), samples, step, reach, half
       integer :: i
 
@@ -55,7 +61,7 @@ contains
       reach = 1.0_dp/real(size(x, kind=int64), dp)
       half = 0.5_dp*real(size(x, kind=int64), dp)
       do i = 1, most_steps
-         call regress(x, sinusoid%frequency, .true., solution, samples, found, valid)
+         call regress(x, sinusoid%frequency, .true., solution, samples, found, error, valid, progress)
          if (.not. found) exit
          step = (solution(4)*solution(3) - solution(5)*solution(2))/max(solution(2)**2 + solution(3)**2, tiny(step))/half/turn
          step = min(max(step, -0.5_dp*reach), 0.5_dp*reach)
@@ -63,7 +69,7 @@ contains
          found = abs(sinusoid%frequency - start) <= 1.5_dp*reach
          if (.not. found .or. abs(step) <= small_step*reach) exit
       end do
-      if (found) call regress(x, sinusoid%frequency, .false., solution, samples, found, valid)
+      if (found) call regress(x, sinusoid%frequency, .false., solution, samples, found, error, valid, progress)
       if (.not. found) return
       sinusoid%constant = solution(1)
       sinusoid%cosine = solution(2)
@@ -72,7 +78,7 @@ contains
    end subroutine fit_sinusoid
 
    !> Least squares of the series on 1, cos, sin and, with `slopes`, t cos and t sin, t from -1 to 1.
-   subroutine regress(x, frequency, slopes, solution, samples, found, valid)
+   subroutine regress(x, frequency, slopes, solution, samples, found, error, valid, progress)
       real(dp), intent(in), contiguous :: x(:)
       real(dp), intent(in) :: frequency
       logical, intent(in) :: slopes
@@ -80,26 +86,38 @@ contains
       real(dp), intent(out) :: solution(columns - 1)
       !> Present samples
       real(dp), intent(out) :: samples
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
       !> The columns are independent
       logical, intent(out) :: found
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp) :: part(columns, columns, chunk_count(size(x, kind=int64))), gram(columns, columns)
       real(dp) :: cosine(0:block_length - 1), sine(0:block_length - 1)
       integer(int64) :: n, first, last
-      integer :: chunk, used, info
+      integer :: chunk, used, info, from, group
 
       n = size(x, kind=int64)
+      found = .false.
+      solution = 0.0_dp
+      samples = 0.0_dp
       call tabulate(frequency, cosine, sine)
-      !$omp parallel do default(none) shared(x, valid, n, frequency, cosine, sine, part) private(first, last) &
-      !$omp& schedule(static) if (n >= threads_from)
-      do chunk = 1, chunk_count(n)
-         first = chunk_first(n, chunk)
-         last = chunk_last(n, chunk)
-         if (present(valid)) then
-            call add_chunk(x(first:last), first - 1, n, frequency, cosine, sine, part(:, :, chunk), valid(first:last))
-         else
-            call add_chunk(x(first:last), first - 1, n, frequency, cosine, sine, part(:, :, chunk))
-         end if
+      group = chunk_group(size(part, 3), present(progress))
+      do from = 1, size(part, 3), group
+         call tell_progress("fitting a line", chunk_first(n, from) - 1, n, error, progress)
+         if (allocated(error)) return
+         !$omp parallel do default(none) shared(x, valid, n, frequency, cosine, sine, part, from, group) private(first, last) &
+         !$omp& schedule(static) if (n >= threads_from)
+         do chunk = from, min(from + group - 1, size(part, 3))
+            first = chunk_first(n, chunk)
+            last = chunk_last(n, chunk)
+            if (present(valid)) then
+               call add_chunk(x(first:last), first - 1, n, frequency, cosine, sine, part(:, :, chunk), valid(first:last))
+            else
+               call add_chunk(x(first:last), first - 1, n, frequency, cosine, sine, part(:, :, chunk))
+            end if
+         end do
       end do
       gram = 0.0_dp
       do chunk = 1, chunk_count(n)
@@ -107,7 +125,6 @@ contains
       end do
       samples = gram(1, 1)
       used = merge(columns - 1, 3, slopes)
-      solution = 0.0_dp
       solution(:used) = gram(:used, columns)
       call dposv("U", used, 1, gram, columns, solution, columns - 1, info)
       found = info == 0

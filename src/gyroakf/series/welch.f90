@@ -18,8 +18,10 @@ module gyroakf_series_welch
    integer(int64), parameter :: longest_default = 16384_int64, lengths_default = 8_int64
    !> Parts in which the segments are added: the sums do not depend on the threads
    integer(int64), parameter :: most_parts = 64_int64
-   !> Segments between two calls of the progress
-   integer(int64), parameter :: told_segments = 4096_int64
+   !> Of longer segments each one is told, and worked on by one thread
+   integer(int64), parameter :: long_segment = 2097152_int64
+   !> Samples of the segments between two reports of progress
+   integer(int64), parameter :: told_samples = 4194304_int64
 
    !> How the spectrum is estimated
    type :: welch_options
@@ -106,8 +108,11 @@ contains
          call fatal_error(error, status%no_memory, "no memory for the segments of the spectrum")
          return
       end if
-      call make_window(trim(options%window), part%window)
-      call new_real_fft_plan(plan, part%length, error)
+      call tell_progress("spectrum", 0_int64, spectrum%segments, error, progress)
+      if (allocated(error)) return
+      call make_window(trim(options%window), part%window, error, progress)
+      if (allocated(error)) return
+      call new_real_fft_plan(plan, part%length, error, progress)
       if (allocated(error)) return
       spectrum%density = 0.0_dp
       call add_all(x, part, plan, spectrum%density, share, error, valid, progress)
@@ -186,7 +191,7 @@ contains
       class(progress_type), intent(inout), optional :: progress
       type(error_type), allocatable :: failed
       real(dp), allocatable :: sums(:, :)
-      integer(int64) :: first, segments, parts, from, to, p
+      integer(int64) :: first, segments, parts, told, from, to, p
       integer :: stat
 
       segments = size(share, kind=int64)
@@ -196,10 +201,17 @@ contains
          call fatal_error(error, status%no_memory, "no memory for the segments of the spectrum")
          return
       end if
-      do first = 0, segments - 1, told_segments
+      if (present(progress) .and. part%length > long_segment) then
+         sums(:, 1) = 0.0_dp
+         call add_segments(x, part, plan, 1_int64, segments, sums(:, 1), share, error, valid, progress)
+         density = sums(:, 1)
+         return
+      end if
+      told = max(told_samples/part%length, 1_int64)
+      do first = 0, segments - 1, told
          call tell_progress("spectrum", first, segments, error, progress)
          if (allocated(error)) return
-         associate (number => min(told_segments, segments - first))
+         associate (number => min(told, segments - first))
             !$omp parallel do default(shared) private(from, to, failed) schedule(dynamic) if (number*part%length > 60000)
             do p = 1, parts
                from = first + ((p - 1)*number)/parts + 1

@@ -125,11 +125,15 @@ contains
       end do
       h(1) = 1
       do i = 1, n - 1
+         if (iand(i - 1, told_samples) == 0) call tell_progress("simulating", i - 1, n, error, progress)
+         if (allocated(error)) return
          h(i + 1) = h(i)*((i - 0.5_dp)/i)
       end do
       call convolve(h, g, noise, error, progress)
       if (allocated(error)) return
       do i = 1, n
+         if (iand(i - 1, told_samples) == 0) call tell_progress("simulating", i - 1, n, error, progress)
+         if (allocated(error)) return
          x(i) = x(i) + b*noise(i)
       end do
    end subroutine add_flicker

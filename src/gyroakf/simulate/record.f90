@@ -7,7 +7,7 @@
 !> Every term draws from a stream of its own: switching one on or off does not change the others' numbers.
 module gyroakf_simulate_record
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_progress, only : progress_type
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_units, only : parse_unit
    use gyroakf_record, only : record_type, add_text
@@ -114,6 +114,7 @@ contains
       call begin_record(options, record, error)
       if (.not. allocated(error)) call add_noise(options, .true., record%value(:, 1), error, progress)
       if (.not. allocated(error)) call add_disturbances(options, record, error)
+      if (.not. allocated(error)) call tell_progress("simulating", options%samples, options%samples, error, progress)
       if (allocated(error)) return
       call audit_record(record)
       if (.not. present(truth)) return
