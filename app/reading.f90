@@ -6,6 +6,7 @@ module gyroakf_app_reading
    use gyroakf_io_machine_memory, only : free_memory
    use gyroakf_io_reader, only : complete_record, read_record, reader_options
    use gyroakf_io_record_summary, only : summarise_record
+   use gyroakf_io_source, only : is_directory
    use gyroakf_io_recording, only : base_bytes, close_recording, hold_rows, open_recording, recording_type
    use gyroakf_io_writer, only : complete_writer, discard_writer, writer_type
    use gyroakf_pipeline, only : check_filter, filter_streamed, pipeline_result_type, run_pipeline, run_streamed, tell_memory
@@ -123,21 +124,43 @@ contains
       class(progress_type), intent(inout) :: progress
       type(writer_type), intent(inout) :: series
       type(series_file_type) :: file
+      character(:), allocatable :: scratch
 
       call check_filter(recording, config%pipeline, error)
       if (allocated(error)) return
+      call find_scratch(config, scratch)
       if (.not. allocated(config%out)) then
-         call filter_streamed(recording, config%pipeline, record, result, error, progress=progress)
+         call filter_streamed(recording, config%pipeline, record, result, error, progress=progress, scratch=scratch)
          return
       end if
       call guard_files()
       call open_series_file(file, config%out, config%series, error)
-      if (.not. allocated(error)) call filter_streamed(recording, config%pipeline, record, result, error, file, progress)
+      if (.not. allocated(error)) call filter_streamed(recording, config%pipeline, record, result, error, file, progress, &
+                                                         scratch)
       if (.not. allocated(error)) call complete_writer(file%writer, error)
       if (allocated(error)) call discard_writer(file%writer)
       if (allocated(error)) call release_files()
       if (.not. allocated(error)) series = file%writer
    end subroutine filter_in_blocks
+
+   !> Where a scratch file goes: TMPDIR, the directory of the results, /var/tmp (which is on a disk where /tmp may not be), /tmp.
+   subroutine find_scratch(config, directory)
+      type(analysis_config), intent(in) :: config
+      character(:), allocatable, intent(out) :: directory
+      integer :: length
+
+      call get_environment_variable("TMPDIR", length=length)
+      if (length > 0) then
+         allocate (character(length) :: directory)
+         call get_environment_variable("TMPDIR", directory)
+      else if (allocated(config%out)) then
+         directory = config%out
+      else if (is_directory("/var/tmp")) then
+         directory = "/var/tmp"
+      else
+         directory = "/tmp"
+      end if
+   end subroutine find_scratch
 
    !> A message that names the file.
    pure function with_path(path, message) result(text)

@@ -79,6 +79,7 @@ module gyroakf
    use gyroakf_filter_smoother, only : smooth_drift
    use gyroakf_filter_drift_filter, only : new_drift_filter
    use gyroakf_filter_two_pass, only : smooth_adaptive
+   use gyroakf_filter_stored_smoother, only : smooth_stored, stored_series_type
    use gyroakf_filter_drift_fit, only : drift_fit_type, drift_candidate_type, fit_drift, is_slow
    use gyroakf_filter_saving, only : save_filter, restore_filter, reset_filter
    use gyroakf_filter_allan_model, only : allan_terms_type, make_allan_model

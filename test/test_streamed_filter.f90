@@ -11,7 +11,9 @@ module test_streamed_filter
    use gyroakf_filter_series, only : filter_result_type
    use gyroakf_io_reader, only : read_record, reader_options
    use gyroakf_io_recording, only : base_bytes, close_recording, open_recording, recording_type
-   use gyroakf_pipeline, only : filter_streamed, pipeline_options, pipeline_result_type, run_pipeline, series_sink_type
+   use gyroakf_io_scratch, only : close_scratch, open_scratch, read_scratch, scratch_type, write_scratch
+   use gyroakf_pipeline, only : channel_result_type, filter_streamed, pipeline_options, pipeline_result_type, run_pipeline, &
+      series_sink_type
    use gyroakf_record, only : record_type, sample_count
    use gyroakf_series_differences, only : difference_stream_type, difference_variance, feed_differences, variance_of_differences
    use scratch_file, only : remove_file, scratch_path
@@ -55,6 +57,8 @@ contains
          new_unittest("robust", test_robust), &
          new_unittest("fixed-order", test_fixed_order), &
          new_unittest("slow-drift", test_slow), &
+         new_unittest("scratch-file", test_scratch), &
+         new_unittest("no-scratch-file", test_no_scratch), &
          new_unittest("constant", test_constant), &
          new_unittest("refused", test_refused), &
          new_unittest("sink-fails", test_sink_fails)]
@@ -194,6 +198,10 @@ contains
             if (self%odd .or. .not. allocated(now%series_drift_kf)) cycle
             call compare_series(whole%series_drift_kf(before + 1:before + n), now%series_drift_kf, self%largest)
             call compare_series(whole%series_drift_akf(before + 1:before + n), now%series_drift_akf, self%largest)
+            self%odd = self%odd .or. .not. (allocated(now%series_drift) .and. allocated(now%series_compensated))
+            if (self%odd) cycle
+            call compare_series(whole%series_drift(before + 1:before + n), now%series_drift, self%largest)
+            call compare_series(whole%series_compensated(before + 1:before + n), now%series_compensated, self%largest)
          end associate
       end do
    end subroutine take
@@ -261,7 +269,8 @@ contains
       limited = reader
       limited%memory = base_bytes + 12000000
       if (.not. allocated(failed)) call open_recording(scratch_path("filter.txt"), limited, recording, failed)
-      if (.not. allocated(failed)) call filter_streamed(recording, options, record, result, failed, sink)
+      if (.not. allocated(failed)) call filter_streamed(recording, options, record, result, failed, sink, &
+                                                            scratch=directory_of(scratch_path("filter.txt")))
       call close_recording(recording)
       call remove_file(scratch_path("filter.txt"))
       if (allocated(failed)) then
@@ -303,6 +312,11 @@ contains
          if (.not. allocated(error)) call compare_model(error, a%drift%model, b%drift%model)
          if (.not. allocated(error)) call compare_filter(error, a%drift_kf, b%drift_kf)
          if (.not. allocated(error)) call compare_filter(error, a%drift_akf, b%drift_akf)
+         if (.not. allocated(error)) call check(error, a%available%drift_smoother .eqv. b%available%drift_smoother, "smoother")
+         if (.not. allocated(error)) call compare_filter(error, a%drift_smoother, b%drift_smoother)
+         if (.not. allocated(error)) call check(error, alike(a%compensated_ratio, b%compensated_ratio) .and. &
+            alike(a%compensated%mean, b%compensated%mean) .and. a%compensated%count == b%compensated%count .and. &
+            alike(a%drift_smoother_figures%lost_percent, b%drift_smoother_figures%lost_percent), "without the drift")
          if (.not. allocated(error)) call check(error, alike(a%kf_figures%variance_ratio, b%kf_figures%variance_ratio) .and. &
             alike(a%akf_figures%raw_variance_ratio, b%akf_figures%raw_variance_ratio) .and. &
             alike(a%predictable_percent, b%predictable_percent), "figures")
@@ -331,6 +345,15 @@ contains
              a%gated == b%gated
       call check(error, same, "innovations and counts of a filter")
    end subroutine compare_filter
+
+   !> The directory of a path.
+   pure function directory_of(path) result(directory)
+      character(*), intent(in) :: path
+      character(:), allocatable :: directory
+
+      directory = "."
+      if (index(path, "/") > 0) directory = path(:index(path, "/", back=.true.) - 1)
+   end function directory_of
 
    !> The same processes and white noise, to `in_parts`: coefficients near 1 by their distance from it.
    subroutine compare_model(error, a, b)
@@ -453,20 +476,77 @@ contains
       call compare(error, reader_options(), options)
    end subroutine test_fixed_order
 
+   !> What is written anywhere in a scratch file is read back; nothing behind its end, nothing once it is closed.
+   subroutine test_scratch(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(scratch_type) :: scratch
+      type(gyro_error), allocatable :: failed
+      real(dp) :: read(5)
+
+      call open_scratch(scratch, directory_of(scratch_path("filter.txt")), failed)
+      if (.not. allocated(failed)) call write_scratch(scratch, 100000_int64, [1.0_dp, -2.0_dp, huge(1.0_dp)], failed)
+      if (.not. allocated(failed)) call write_scratch(scratch, 99999_int64, [0.1_dp, 7.0_dp], failed)
+      if (.not. allocated(failed)) call write_scratch(scratch, 5_int64, [real(dp) ::], failed)
+      if (.not. allocated(failed)) call read_scratch(scratch, 99998_int64, read, failed)
+      call check(error, .not. allocated(failed), "written and read")
+      if (allocated(error)) return
+      call check(error, all(transfer(read, [1_int64]) == transfer([0.0_dp, 0.1_dp, 7.0_dp, -2.0_dp, huge(1.0_dp)], [1_int64])))
+      if (.not. allocated(error)) call read_scratch(scratch, 99999_int64, read, failed)
+      if (.not. allocated(error)) call check(error, allocated(failed), "behind the end")
+      if (.not. allocated(error)) call check(error, failed%code, status%io)
+      call close_scratch(scratch)
+      call close_scratch(scratch)
+      if (.not. allocated(error)) call write_scratch(scratch, 0_int64, read, failed)
+      if (.not. allocated(error)) call check(error, allocated(failed), "closed")
+   end subroutine test_scratch
+
+   !> A scratch file that cannot be made costs the smoother, and says why; so does none at all.
+   subroutine test_no_scratch(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(pipeline_result_type) :: result
+      type(pipeline_options) :: options
+      type(gyro_error), allocatable :: failed
+
+      call write_rows("# rate_hz: 100", .false., 1, .false.)
+      options = filters_only()
+      options%identification%most = 2000_int64
+      call filter_file(base_bytes + 12000000, options, result, failed, scratch=scratch_path("filter.txt")//"/none")
+      call check(error, .not. allocated(failed))
+      if (.not. allocated(error)) call check_told(result%channel(1), "/none: a scratch file cannot be made there")
+      if (.not. allocated(error)) call filter_file(base_bytes + 12000000, options, result, failed)
+      if (.not. allocated(error)) call check_told(result%channel(1), "needs a scratch file")
+      call remove_file(scratch_path("filter.txt"))
+
+   contains
+
+      !> The drift's filters are there, the smoother is not.
+      subroutine check_told(channel, why)
+         type(channel_result_type), intent(in) :: channel
+         character(*), intent(in) :: why
+
+         call check(error, channel%available%drift_akf .and. .not. channel%available%drift_smoother, "what is available")
+         if (.not. allocated(error)) call check(error, size(channel%unavailable), 1)
+         if (.not. allocated(error)) call check(error, index(channel%unavailable(1)%text, why) > 0, channel%unavailable(1)%text)
+      end subroutine check_told
+
+   end subroutine test_no_scratch
+
    !> Filters the file in blocks.
-   subroutine filter_file(memory, options, result, failed, sink)
+   subroutine filter_file(memory, options, result, failed, sink, scratch)
       integer(int64), intent(in) :: memory
       type(pipeline_options), intent(in) :: options
       type(pipeline_result_type), intent(out) :: result
       type(gyro_error), allocatable, intent(out) :: failed
       class(series_sink_type), intent(inout), optional :: sink
+      !> Directory of a scratch file
+      character(*), intent(in), optional :: scratch
       type(recording_type) :: recording
       type(record_type) :: record
       type(reader_options) :: reader
 
       reader%memory = memory
       call open_recording(scratch_path("filter.txt"), reader, recording, failed)
-      if (.not. allocated(failed)) call filter_streamed(recording, options, record, result, failed, sink)
+      if (.not. allocated(failed)) call filter_streamed(recording, options, record, result, failed, sink, scratch=scratch)
       call close_recording(recording)
    end subroutine filter_file
 

@@ -1,30 +1,23 @@
 ! SPDX-License-Identifier: MIT
 !> The drift of a record whose white noise changes: its variance from both sides, then the fixed-interval smoother.
 !>
-!> The adaptive drift filter runs over the record and over the reversed record. Each gives the variance $ R_k $ that the samples
-!> before (behind) sample k let expect, times the factor by which the gate inflates it where the measurement does not fit. The
-!> smoother weighs the samples by their geometric mean
-!> $$ \ln R_k = \frac{w_k \ln R_k^+ + v_k \ln R_k^-}{w_k + v_k} $$
-!> with the numbers of samples that stand behind the two, $ (1 - b^m)/(1 - b) $ after m adaptations.
+!> The adaptive drift filter runs over the record and over the reversed record ([[gyroakf_filter_weighing]]); the smoother weighs
+!> the samples by what the two say.
 module gyroakf_filter_two_pass
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_filter_components, only : component_model_type
-   use gyroakf_filter_creation, only : shorten_burn_in
-   use gyroakf_filter_drift_filter, only : new_drift_filter
-   use gyroakf_filter_kalman, only : filter_options, filter_type, step_filter
+   use gyroakf_filter_kalman, only : filter_options, filter_type
    use gyroakf_filter_measurement, only : is_sample
-   use gyroakf_filter_sage_husa, only : gate_inflation
    use gyroakf_filter_smoother, only : smooth_drift
+   use gyroakf_filter_weighing, only : start_weighing, weigh_behind, weigh_sample
    implicit none (type, external)
    private
    public :: smooth_adaptive
 
    !> Samples after which a caller is told how far it is
    integer(int64), parameter :: tell_every = 262144
-   !> No sample
-   real(dp), parameter :: missing = huge(1.0_dp)
 
 contains
 
@@ -49,18 +42,14 @@ contains
       real(dp), intent(inout), optional :: white(:)
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
-      type(filter_options) :: adaptive
       type(filter_type) :: filter
       real(dp), allocatable :: r(:)
       integer(int64) :: n
       integer :: stat
 
       n = size(z, kind=int64)
-      adaptive = options
-      adaptive%estimate_measurement_variance = .true.
-      call new_drift_filter(filter, model, slow, adaptive, error)
+      call start_weighing(filter, model, slow, options, n, error)
       if (allocated(error)) return
-      if (options%burn_in < 0) call shorten_burn_in(filter, n)
       allocate (r(n), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the white noise of a series")
@@ -87,7 +76,6 @@ contains
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(filter_type) :: filter
-      real(dp) :: share, weight
       integer(int64) :: k, n, seen
 
       n = size(z, kind=int64)
@@ -106,16 +94,7 @@ contains
             call tell_progress("weighing the samples", 2*n - k, 2*n, error, progress)
             if (allocated(error)) return
          end if
-         if (is_here(z(k), k, valid)) seen = seen - 1
-         share = memory_of(fresh, seen)
-         weight = memory_of(fresh, filter%measurements)
-         if (share + weight > 0.0_dp) then
-            share = share/(share + weight)
-         else
-            share = 0.5_dp
-         end if
-         call weigh_sample(filter, z(k), is_here(z(k), k, valid), weight)
-         r(k) = exp(share*log(r(k)) + (1.0_dp - share)*log(weight))
+         call weigh_behind(fresh, filter, seen, z(k), is_here(z(k), k, valid), r(k))
       end do
    end subroutine look_both_ways
 
@@ -131,40 +110,4 @@ contains
       if (present(valid)) is_here = is_here .and. valid(k) /= 0_int8
    end function is_here
 
-   !> A step of the filter, and the variance of the white noise that it expected.
-   pure subroutine weigh_sample(filter, z, here, r)
-      !> Its state goes on
-      type(filter_type), intent(inout) :: filter
-      !> The sample
-      real(dp), intent(in) :: z
-      !> Whether it is there
-      logical, intent(in) :: here
-      !> Variance, times the factor of the gate
-      real(dp), intent(out) :: r
-      real(dp) :: x
-      logical :: first
-
-      r = filter%r
-      first = .not. filter%drift_state%started
-      call step_filter(filter, merge(z, missing, here), x)
-      if (.not. here .or. first) return
-      r = r*gate_inflation(filter%options%huber, filter%innovation, filter%innovation_variance)
-   end subroutine weigh_sample
-
-   !> Measurements that R remembers after so many.
-   pure real(dp) function memory_of(fresh, measurements) result(memory)
-      !> The filter as made
-      type(filter_type), intent(in) :: fresh
-      !> So many
-      integer(int64), intent(in) :: measurements
-      integer(int64) :: adapted
-
-      adapted = measurements - fresh%wait - merge(0, 1, fresh%drift_state%started)
-      memory = 0.0_dp
-      if (adapted <= 0) return
-      memory = real(adapted, dp)
-      associate (b => fresh%options%forgetting)
-         if (b < 1.0_dp) memory = (1.0_dp - b**min(adapted, int(fresh%weight_updates, int64)))/(1.0_dp - b)
-      end associate
-   end function memory_of
 end module gyroakf_filter_two_pass

@@ -26,7 +26,7 @@ module gyroakf_pipeline_drift_filters
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure
    implicit none (type, external)
    private
-   public :: run_drift_filters
+   public :: run_drift_filters, state_smoother, state_compensated
 
 contains
 
@@ -171,31 +171,57 @@ contains
       class(progress_type), intent(inout), optional :: progress
       type(moments_type) :: moments
 
-      associate (model => channel%drift%model, result => channel%drift_smoother)
+      associate (model => channel%drift%model)
          call smooth_adaptive(model, channel%drift%slow(:model%count), &
                               adaptive_drift(options%drift, 0.5_dp*differences), z, drift, &
                               error, valid, progress=progress)
-         if (is_fatal(error)) return
-         channel%available%drift_smoother = .not. allocated(error)
-         call note_failure(channel, "drift smoother", error)
-         if (.not. channel%available%drift_smoother) return
-         call score_output("drift_smoother", drift, interval, channel%truth, error, valid, &
-                           model_decay(model, channel%drift%slow(:model%count)), .true.)
-         if (allocated(error)) return
-         if (channel%drift%degree > 0) call subtract_polynomial(-channel%drift%trend(:channel%drift%degree), drift, valid)
-         call compute_moments(drift, moments, valid)
+      end associate
+      if (is_fatal(error)) return
+      channel%available%drift_smoother = .not. allocated(error)
+      call note_failure(channel, "drift smoother", error)
+      if (.not. channel%available%drift_smoother) return
+      call score_output("drift_smoother", drift, interval, channel%truth, error, valid, &
+                        model_decay(channel%drift%model, channel%drift%slow(:channel%drift%model%count)), .true.)
+      if (allocated(error)) return
+      if (channel%drift%degree > 0) call subtract_polynomial(-channel%drift%trend(:channel%drift%degree), drift, valid)
+      call compute_moments(drift, moments, valid)
+      call state_smoother(moments, size(z, kind=int64), options, channel)
+   end subroutine run_smoother
+
+   !> What the smoother did.
+   subroutine state_smoother(moments, samples, options, channel)
+      !> Of its output less the level, with the polynomial under it, over the present samples
+      type(moments_type), intent(in) :: moments
+      !> Of the series
+      integer(int64), intent(in) :: samples
+      type(pipeline_options), intent(in) :: options
+      !> Its `drift_smoother` and figures are filled
+      type(channel_result_type), intent(inout) :: channel
+
+      associate (model => channel%drift%model, result => channel%drift_smoother)
          result%mean = moments%mean + channel%level%mean
          result%variance = moments%variance
          result%dc_gain = smoothed_share(channel)
          result%q = sum(model%q(:model%count), mask=channel%drift%slow(:model%count))
          result%r = model%r
          result%forgetting = options%drift%forgetting
-         result%steps = size(z, kind=int64)
+         result%steps = samples
          allocate (result%estimate(1))
          result%estimate(1)%text = "R"
          channel%drift_smoother_figures = figures_of(result, channel%level%variance, channel)
       end associate
-   end subroutine run_smoother
+   end subroutine state_smoother
+
+   !> What is left of the record without the smoothed drift.
+   subroutine state_compensated(moments, channel)
+      !> Of it, over the present samples
+      type(moments_type), intent(in) :: moments
+      !> Its `compensated` is filled
+      type(channel_result_type), intent(inout) :: channel
+
+      channel%compensated = moments
+      if (channel%level%variance > 0.0_dp) channel%compensated_ratio = moments%variance/channel%level%variance
+   end subroutine state_compensated
 
    !> The record without the smoothed drift, and its Allan curve.
    subroutine compensate(record, x, drift, options, channel, error, valid, progress)
@@ -209,6 +235,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
       class(progress_type), intent(inout), optional :: progress
+      type(moments_type) :: moments
 
       if (options%keep_series) then
          call reserve(channel%series_drift, size(x, kind=int64), error)
@@ -216,8 +243,8 @@ contains
          channel%series_drift(:) = drift + channel%level%mean
       end if
       drift(:) = x - channel%level%mean - drift
-      call compute_moments(drift, channel%compensated, valid)
-      if (channel%level%variance > 0.0_dp) channel%compensated_ratio = channel%compensated%variance/channel%level%variance
+      call compute_moments(drift, moments, valid)
+      call state_compensated(moments, channel)
       if (options%do_allan) call run_allan(drift, record%sample_interval, record%rate_known, record%unit, options, &
                                            stage%compensated, channel, error, valid, progress)
       if (options%keep_series) call move_alloc(drift, channel%series_compensated)

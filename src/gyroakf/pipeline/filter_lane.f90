@@ -3,7 +3,6 @@
 module gyroakf_pipeline_filter_lane
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_record, only : add_text
    use gyroakf_series_correlation, only : correlation_of
    use gyroakf_series_moments, only : moments_type
    use gyroakf_series_normality, only : test_jarque_bera
@@ -102,9 +101,6 @@ contains
       if (allocated(error)) return
       call design_drift_akf(channel%drift, difference_variance, options%drift, lane%drift_akf%filter, error)
       call begin_worker(lane%drift_akf, samples, channel, "adaptive drift filter", error)
-      if (allocated(error)) return
-      call add_text(channel%unavailable, "drift smoother: it goes through the record from both ends, and a streamed record "// &
-                       "comes in one direction; give more memory")
    end subroutine begin_drift_lane
 
    !> Begins the run of a filter that was made.
@@ -177,6 +173,8 @@ contains
       if (allocated(part%series_present)) deallocate (part%series_present)
       if (allocated(part%series_kf)) deallocate (part%series_kf)
       if (allocated(part%series_akf)) deallocate (part%series_akf)
+      if (allocated(part%series_drift)) deallocate (part%series_drift)
+      if (allocated(part%series_compensated)) deallocate (part%series_compensated)
       if (allocated(part%series_drift_kf)) deallocate (part%series_drift_kf)
       if (allocated(part%series_drift_akf)) deallocate (part%series_drift_akf)
    end subroutine free_block

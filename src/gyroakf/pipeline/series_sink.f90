@@ -25,7 +25,7 @@ module gyroakf_pipeline_series_sink
          !> As read: samples, marks, names, interval
          type(record_type), intent(in) :: block
          !> Of every channel its name, `available%kf` and `%akf`, `series_cleaned`, `series_kf`, `series_akf`,
-         !> `series_drift_kf`, `series_drift_akf`, `series_present`
+         !> `series_drift_kf`, `series_drift_akf`, `series_present`; where there is a smoother `series_drift`, `series_compensated`
          type(pipeline_result_type), intent(in) :: part
          !> Samples before these, and all that there will be
          integer(int64), intent(in) :: before, samples

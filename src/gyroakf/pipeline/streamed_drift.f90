@@ -1,18 +1,24 @@
 ! SPDX-License-Identifier: MIT
 !> The drift of a recording that is larger than the memory, identified from its middle part and from block means of the whole as
-!> [[identify_drift_model]] does it: a pass of its own up to the end of that part, where the memory is enough to hold it.
+!> [[identify_drift_model]] does it, and its smoother: a pass of its own, where the memory is enough to hold that part.
+!>
+!> On its way the pass writes the channels into a scratch file, over which the smoother goes from both ends; without one it ends
+!> with the part.
 module gyroakf_pipeline_streamed_drift
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : add_text, record_type, view_channel
    use gyroakf_filter_block_stream, only : block_means_type
+   use gyroakf_filter_stored_smoother, only : smoother_bytes
    use gyroakf_io_recording, only : base_bytes, bytes_text, close_recording, open_recording, recording_type
    use gyroakf_io_record_stream, only : begin_record_stream, next_record_block, record_stream_type
    use gyroakf_pipeline_drift, only : find_drift
    use gyroakf_pipeline_filter_lane, only : begin_drift_lane, filter_lane_type
+   use gyroakf_pipeline_kept_channels, only : begin_keeping, keep_samples, kept_channels_type
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_pipeline_streamed, only : channel_bytes
+   use gyroakf_pipeline_streamed_smoother, only : smooth_channel
    implicit none (type, external)
    private
    public :: identify_streamed
@@ -33,7 +39,8 @@ module gyroakf_pipeline_streamed_drift
 contains
 
    !> Identifies the drift of every channel and makes its filters; where the memory does not allow it the channels say so.
-   subroutine identify_streamed(recording, record, columns, differences, means, options, lane, result, error, progress)
+   subroutine identify_streamed(recording, record, columns, differences, means, options, lane, result, kept, error, progress, &
+                                scratch)
       !> Its path and options are used
       type(recording_type), intent(in) :: recording
       !> What was read, without the samples
@@ -50,17 +57,22 @@ contains
       type(filter_lane_type), intent(inout) :: lane(:)
       !> Its channels are told the drift
       type(pipeline_result_type), intent(inout) :: result
+      !> The channels, and beside those whose `available%drift_smoother` is set their smoothed drift; to be ended by the caller
+      type(kept_channels_type), intent(out) :: kept
       !> no_memory, cancelled, and what reading can give
       type(error_type), allocatable, intent(out) :: error
       !> Is told the bytes that were read
       class(progress_type), intent(inout), optional :: progress
+      !> Directory of a scratch file; without it there is no smoother
+      character(*), intent(in), optional :: scratch
       type(part_type) :: part
       integer(int64) :: needed
       integer :: k
 
       part%samples = min(record%audit%samples, options%identification%most)
       part%before = (record%audit%samples - part%samples)/2
-      needed = base_bytes + channel_bytes*size(lane) + part%samples*(kept_bytes*size(lane) + work_bytes)
+      needed = base_bytes + channel_bytes*size(lane) + max(part%samples*(kept_bytes*size(lane) + work_bytes), &
+                                                           smoother_bytes(record%audit%samples))
       if (recording%options%memory < needed) then
          do k = 1, size(lane)
             call add_text(result%channel(k)%unavailable, "drift and its filters: to identify it from a part of the record "// &
@@ -68,21 +80,50 @@ contains
          end do
          return
       end if
-      call hold_part(recording, record, columns, part, error, progress)
+      if (present(scratch)) call begin_keeping(kept, record%audit%samples, scratch)
+      call hold_part(recording, record, columns, part, kept, error, progress)
       if (allocated(error)) return
       do k = 1, size(lane)
          call identify_channel(record, part, k, differences(k), means(k), options, lane(k), result, error)
          if (allocated(error)) return
       end do
+      deallocate (part%value)
+      if (allocated(part%present)) deallocate (part%present)
+      call smooth_channels(kept, differences, options, result, error, progress)
    end subroutine identify_streamed
 
-   !> Reads the file again for the part.
-   subroutine hold_part(recording, record, columns, part, error, progress)
+   !> The smoother of every channel that has a drift, or why there is none.
+   subroutine smooth_channels(kept, differences, options, result, error, progress)
+      type(kept_channels_type), intent(in) :: kept
+      real(dp), intent(in) :: differences(:)
+      type(pipeline_options), intent(in) :: options
+      type(pipeline_result_type), intent(inout) :: result
+      type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
+      integer :: k
+
+      do k = 1, size(result%channel)
+         if (.not. result%channel(k)%drift%found) cycle
+         if (kept%works) then
+            call smooth_channel(kept, k, differences(k), options, result%channel(k), error, progress)
+            if (allocated(error)) return
+         else if (allocated(kept%problem)) then
+            call add_text(result%channel(k)%unavailable, "drift smoother: "//kept%problem)
+         else
+            call add_text(result%channel(k)%unavailable, "drift smoother: a streamed record needs a scratch file for it")
+         end if
+      end do
+   end subroutine smooth_channels
+
+   !> Reads the file again for the part, and all of it where the channels are kept.
+   subroutine hold_part(recording, record, columns, part, kept, error, progress)
       type(recording_type), intent(in) :: recording
       type(record_type), intent(in) :: record
       integer, intent(in) :: columns(:)
       !> Its place is known
       type(part_type), intent(inout) :: part
+      !> Gets the samples while it works
+      type(kept_channels_type), intent(inout) :: kept
       type(error_type), allocatable, intent(out) :: error
       class(progress_type), intent(inout), optional :: progress
       type(recording_type) :: again
@@ -102,9 +143,10 @@ contains
       if (.not. allocated(error)) call begin_record_stream(again, stream, record%sample_interval)
       do while (.not. allocated(error))
          before = stream%delivered
-         if (before >= part%before + part%samples) exit
+         if (before >= part%before + part%samples .and. .not. kept%works) exit
          call next_record_block(again, stream, block, error, progress)
          if (allocated(error) .or. stream%done) exit
+         call keep_samples(kept, block, columns, before)
          call keep_block(block, columns, before, part)
       end do
       call close_recording(again)

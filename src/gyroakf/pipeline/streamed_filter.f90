@@ -2,8 +2,9 @@
 !> The filters over a recording that is larger than the memory: one pass for the model, one for the drift, one that filters.
 !>
 !> The first pass sums moments, autocovariances, differences and blocks; the AR model and the filters are made of them. Where the
-!> memory allows it a second looks for the drift in the middle part. The last filters block by block, hands the series on and
-!> measures what the filters did. All of them give what [[run_pipeline]] gives of the record in memory, but for rounding.
+!> memory allows it a second looks for the drift in the middle part and keeps the channels in a scratch file, over which the
+!> smoother goes from both ends. The last filters block by block, hands the series on and measures what the filters
+!> did. All of them give what [[run_pipeline]] gives of the record in memory, but for rounding.
 module gyroakf_pipeline_streamed_filter
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -18,10 +19,12 @@ module gyroakf_pipeline_streamed_filter
    use gyroakf_filter_block_stream, only : block_means_type, finish_block_stream
    use gyroakf_pipeline_channel_sums, only : begin_channel_sums, channel_sums_type, feed_channel_sums
    use gyroakf_pipeline_filter_lane, only : begin_lane, feed_lane, filter_lane_type, finish_lane, free_block
+   use gyroakf_pipeline_kept_channels, only : end_keeping, kept_channels_type
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_pipeline_series_sink, only : series_sink_type
    use gyroakf_pipeline_streamed, only : channel_bytes, scale_moments
    use gyroakf_pipeline_streamed_drift, only : identify_streamed
+   use gyroakf_pipeline_streamed_smoother, only : read_smoothed
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure
    implicit none (type, external)
    private
@@ -30,7 +33,7 @@ module gyroakf_pipeline_streamed_filter
 contains
 
    !> Filters the rest of a recording: AR model, Kalman and adaptive Kalman filter of every channel.
-   subroutine filter_streamed(recording, options, record, result, error, sink, progress)
+   subroutine filter_streamed(recording, options, record, result, error, sink, progress, scratch)
       !> Open, some rows may be held already; a file, for it is read again
       type(recording_type), intent(inout) :: recording
       !> Filters only, no cleaning
@@ -45,6 +48,10 @@ contains
       class(series_sink_type), intent(inout), optional :: sink
       !> Is told the bytes that were read
       class(progress_type), intent(inout), optional :: progress
+      !> Directory with room for 16 bytes a sample and channel, in a file that is gone when the work ends, however it ends; without
+      !> it, and where it cannot be written, there is no drift smoother
+      character(*), intent(in), optional :: scratch
+      type(kept_channels_type) :: kept
       type(filter_lane_type), allocatable :: lane(:)
       real(dp), allocatable :: differences(:)
       type(block_means_type), allocatable :: means(:)
@@ -54,9 +61,9 @@ contains
       if (allocated(error)) return
       call first_pass(recording, options, record, result, lane, columns, differences, means, error, progress)
       if (allocated(error)) return
-      call identify_streamed(recording, record, columns, differences, means, options, lane, result, error, progress)
-      if (allocated(error)) return
-      call second_pass(recording, record, columns, lane, result, error, sink, progress)
+      call identify_streamed(recording, record, columns, differences, means, options, lane, result, kept, error, progress, scratch)
+      if (.not. allocated(error)) call second_pass(recording, record, columns, kept, lane, result, error, sink, progress)
+      call end_keeping(kept)
       if (allocated(error)) return
       call finish_lanes(lane, result, error)
    end subroutine filter_streamed
@@ -199,11 +206,13 @@ contains
    end subroutine model_channel
 
    !> Reads the file again and filters it.
-   subroutine second_pass(recording, record, columns, lane, result, error, sink, progress)
+   subroutine second_pass(recording, record, columns, kept, lane, result, error, sink, progress)
       !> Done; its path and options are used
       type(recording_type), intent(in) :: recording
       type(record_type), intent(in) :: record
       integer, intent(in) :: columns(:)
+      !> Holds the smoothed drift
+      type(kept_channels_type), intent(in) :: kept
       type(filter_lane_type), intent(inout) :: lane(:)
       type(pipeline_result_type), intent(in) :: result
       type(error_type), allocatable, intent(out) :: error
@@ -215,7 +224,7 @@ contains
       call open_recording(recording%path, recording%options, again, error)
       if (.not. allocated(error)) then
          call begin_record_stream(again, stream, record%sample_interval, "filtering")
-         call filter_blocks(again, stream, record, columns, lane, result, error, sink, progress)
+         call filter_blocks(again, stream, record, columns, kept, lane, result, error, sink, progress)
       end if
       call close_recording(again)
       if (allocated(error)) return
@@ -224,11 +233,13 @@ contains
    end subroutine second_pass
 
    !> Feeds every block to the filters of every channel, and hands the series on.
-   subroutine filter_blocks(again, stream, record, columns, lane, result, error, sink, progress)
+   subroutine filter_blocks(again, stream, record, columns, kept, lane, result, error, sink, progress)
       type(recording_type), intent(inout) :: again
       type(record_stream_type), intent(inout) :: stream
       type(record_type), intent(in) :: record
       integer, intent(in) :: columns(:)
+      !> Holds the smoothed drift
+      type(kept_channels_type), intent(in) :: kept
       type(filter_lane_type), intent(inout) :: lane(:)
       type(pipeline_result_type), intent(in) :: result
       type(error_type), allocatable, intent(out) :: error
@@ -259,6 +270,11 @@ contains
             if (allocated(error)) return
          end do
          if (present(sink)) then
+            do k = 1, size(lane)
+               if (.not. result%channel(k)%available%drift_smoother) cycle
+               call read_smoothed(kept, k, before, block%value(:, columns(k)), result%channel(k), part%channel(k), error)
+               if (allocated(error)) return
+            end do
             call keep_columns(block, columns)
             block%channel = record%channel
             call sink%take(block, part, before, record%audit%samples, error)

@@ -38,7 +38,7 @@ contains
    !> sample, the sample's number from 0 where no rate is known. `cleaned` is nan where an outlier was removed; the filters
    !> bridge what is missing. kf and akf are those of the cleaned series without its mean. `drift` is the smoothed drift of the
    !> record as read, its level included, `compensated` is raw less drift; both, and drift_kf and drift_akf, are nan throughout
-   !> where there is no drift, the first two also where the record is streamed.
+   !> where there is no drift, the first two also where a streamed record has no smoother.
    subroutine write_series(writer, record, result, output, error, progress, before, samples)
       !> Open
       type(writer_type), intent(inout) :: writer
