@@ -83,7 +83,10 @@ contains
       reader = config%reader
       call tell_memory(config%pipeline, reader%work_bytes, reader%channel_bytes, reader%part_bytes, &
                        reader%part_samples)
-      if (allocated(config%truth)) reader%work_bytes = reader%work_bytes + truth_bytes
+      if (allocated(config%truth)) then
+         reader%work_bytes = reader%work_bytes + truth_bytes
+         reader%whole_for = "--truth"
+      end if
       call find_bound(reader)
       if ((config%command == "allan" .or. config%command == "filter") .and. &
           .not. (config%shared .or. allocated(config%truth))) then

@@ -318,6 +318,11 @@ contains
 
       text = "give more memory"
       if (recording%options%memory_found) text = "use a machine with more memory, or insist with --memory SIZE"
+      if (allocated(recording%options%whole_for)) then
+         text = recording%options%whole_for//" needs the whole recording in memory: "//text// &
+                ", or a shorter part of both files; without "//recording%options%whole_for//" gyroakf filter streams it"
+         return
+      end if
       if (size(recording%table%chosen) > 1) text = text//"; take one channel at a time with --column"
       text = text//"; gyroakf allan, inspect and filter stream a recording of any length"
    end subroutine advise_memory
