@@ -6,7 +6,8 @@
 # Both must have the same lines but for their numbers. Prints every pair that is farther apart than the tolerance, relative to
 # the larger one, with its path, and as the last line how many numbers there are and the largest difference. Exit code 1 where
 # anything differs by more. `-v loose='REGEX TOLERANCE REGEX TOLERANCE'` gives paths other tolerances, the first that matches
-# counts; numbers of the paths that match `-v rounded=REGEX` that are below 1e-15 count as 0.
+# counts; numbers of the paths that match `-v rounded=REGEX` that are below 1e-15 count as 0; of those that match `-v logarithms=REGEX`
+# the difference itself counts where they are below 1: it is the relative difference of what they are logarithms of.
 
 function fail(text) { print text; failed = 1; exit 1 }
 
@@ -57,6 +58,7 @@ BEGIN {
          if (a[i] == b[i]) continue
          if (rounded != "" && path ~ rounded && size(a[i]) < 1e-15 && size(b[i]) < 1e-15) continue
          larger = size(a[i]) > size(b[i]) ? size(a[i]) : size(b[i])
+         if (logarithms != "" && larger < 1 && path ~ logarithms) larger = 1
          difference = larger > 0 ? size(a[i] - b[i])/larger : 0
          for (k = 1; k < groups; k += 2) if (path ~ group[k]) break
          if (k < groups) {

@@ -4,6 +4,7 @@ module test_allan_noise_fit
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
+   use gyroakf_allan_fit_uncertainty, only : draw_estimates
    use gyroakf_allan_noise_fit, only : fit_noise, noise_options, noise_type
    use gyroakf_allan_noise_model, only : model_variance
    use gyroakf_lapack, only : dsyev
@@ -37,6 +38,7 @@ contains
          & new_unittest("bad_fit", test_bad_fit), &
          & new_unittest("dense_curve", test_dense_curve), &
          & new_unittest("limits_of_curve", test_limits_of_curve), &
+         & new_unittest("held_at_zero", test_held_at_zero), &
          & new_unittest("failures", test_failures)]
    end subroutine collect_allan_noise_fit
 
@@ -494,6 +496,32 @@ contains
       if (allocated(error)) return
       call check(error, all(after%lower < after%deviation .and. after%deviation < after%upper))
    end subroutine test_limits_of_curve
+
+   !> Draws of unknowns that are held at zero are zero and not rounding, whose root would be seen in the standard errors.
+   subroutine test_held_at_zero(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: rounding = 1e-12_dp
+      real(dp) :: design(8, 3), covariance(8, 8), tau
+      real(dp), allocatable :: estimates(:, :), unbounded(:, :)
+      integer :: i
+
+      covariance = 0
+      do i = 1, 8
+         tau = 2.0_dp**(i - 1)
+         design(i, :) = [1/tau**2, 1/tau, tau]/(0.3_dp/tau**2 + 1/tau + 0.01_dp*tau)
+         covariance(i, i) = 0.01_dp*tau
+      end do
+      do i = 1, 3
+         design(:, i) = design(:, i)/norm2(design(:, i))
+      end do
+      call draw_estimates(design, [(1/covariance(i, i), i=1, 8)], covariance, [0.0_dp, 1.0_dp, 0.0_dp], 0, &
+         & estimates, unbounded)
+      call check(error, count(estimates <= 0) > 300, "few unknowns are held")
+      if (allocated(error)) return
+      call check(error, .not. any(estimates < 0), "a negative unknown")
+      if (allocated(error)) return
+      call check(error, .not. any(estimates > 0 .and. estimates < rounding), "rounding instead of zero")
+   end subroutine test_held_at_zero
 
    subroutine test_failures(error)
       type(error_type), allocatable, intent(out) :: error

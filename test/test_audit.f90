@@ -159,8 +159,8 @@ contains
       call expect(error, t, 8, 40, 1.0_dp/n, audit)
    end subroutine test_gaps_in_jitter
 
-   !> The same where the steps are too uneven to tell a loss by one of them: the level of the lag rises by a little more or less than
-   !> five samples, and five were lost.
+   !> The same where the steps are too uneven to tell a loss by one of them: the level of the lag rises by a little more or less
+   !> than five samples, and five were lost.
    subroutine test_losses_in_jitter(error)
       type(error_type), allocatable, intent(out) :: error
       type(audit_type) :: audit

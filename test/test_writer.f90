@@ -39,6 +39,7 @@ contains
          new_unittest("complete", test_complete), &
          new_unittest("long", test_long), &
          new_unittest("numbers", test_numbers), &
+         new_unittest("leftovers", test_leftovers), &
          new_unittest("full-device", test_full_device), &
          new_unittest("nowhere", test_nowhere), &
          new_unittest("device", test_device), &
@@ -68,6 +69,37 @@ contains
 
       inquire (file=name, exist=exists)
    end function exists
+
+   !> What a killed process left of the same file goes when it is begun again; not what may be another's: a process that is there
+   !> (the first of the system), no process's number, another file's.
+   subroutine test_leftovers(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: no_process = ".part2147483646"
+      type(writer_type) :: writer
+      integer :: unit, i
+      logical :: left(5)
+
+      associate (name => [character(48) :: path//no_process, path//".part1", path//".part21474836x", path//".part", &
+                          "a_"//path//no_process])
+         do i = 1, size(name)
+            open (newunit=unit, file=trim(name(i)), status="replace")
+            close (unit)
+         end do
+         call begin(writer, "done")
+         do i = 1, size(name)
+            left(i) = exists(trim(name(i)))
+         end do
+         call check(error, exists(writer%aside), "its own part is gone")
+         call discard_writer(writer)
+         do i = 1, size(name)
+            call remove(trim(name(i)))
+         end do
+      end associate
+      if (allocated(error)) return
+      call check(error, .not. left(1), "the part of a process that is no more is still there")
+      if (allocated(error)) return
+      call check(error, all(left(2:)), "a file that is no leftover of this one is gone")
+   end subroutine test_leftovers
 
    subroutine test_commit(error)
       type(error_type), allocatable, intent(out) :: error

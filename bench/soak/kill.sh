@@ -63,10 +63,11 @@ for ((i = 1; i <= times; i++)); do
    if [ $count_new -eq 0 ]; then none=$((none + 1))
    elif [ $count_new -eq "$files" ]; then all=$((all + 1))
    else some=$((some + 1)); [ $count_old -eq 0 ] || mixed=$((mixed + 1)); fi
-   # the next run does its work where only leftovers are, without --force
+   # the next run does its work where only leftovers are, without --force, and takes them away
    if [ $((i%10)) -eq 1 ] && [ $((count_new + count_old)) -eq 0 ]; then
       "$program" run new.txt --out dir --quiet && cmp -s <(no_origin dir/results.json) <(no_origin new/results.json) ||
          stuck=$((stuck + 1))
+      ! compgen -G 'dir/*.part*' >/dev/null || { stuck=$((stuck + 1)); echo "time $i: the next run left parts of the killed one"; }
    fi
 done
 printf '%-58s %6d\n' "runs killed or ended" "$times" "ended before the signal came" "$ended" \

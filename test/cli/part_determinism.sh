@@ -46,5 +46,10 @@ if compares j1 j2; then fail "a loose number that is far off is not noticed"; el
 printf '{\n  "d": 1.5\n}\n' >j3
 sed 's/1.5/1.5001/' j3 >j4; if compares j3 j4; then pass; else fail "the second tolerance: $(cat said)"; fi
 sed 's/1.5/1.501/' j3 >j4; if compares j3 j4; then fail "more than the second tolerance is not noticed"; else pass; fi
+printf '{\n  "ratio": 1e-3\n}\n' >j3
+sed 's/1e-3/1.0005e-3/' j3 >j4; if compares j3 j4; then fail "5e-4 is more than 1e-6"; else pass; fi
+of_logarithms() { awk -v tolerance=1e-6 -v logarithms=ratio -f "$root/ci/compare_json.awk" -- "$@" >said; }
+if of_logarithms j3 j4; then pass; else fail "ratios that are 5e-7 apart: $(cat said)"; fi
+sed 's/1e-3/1.005e-3/' j3 >j4; if of_logarithms j3 j4; then fail "ratios that are 5e-6 apart are not noticed"; else pass; fi
 printf '{\n  "b": 1.5,\n  "mean": 1e-14\n}\n' >j2
 if compares j1 j2; then fail "a mean that is not rounding is not noticed"; else pass; fi

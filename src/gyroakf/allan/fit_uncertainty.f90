@@ -98,7 +98,8 @@ contains
       pull(place, place) = force
    end subroutine hold_at_zero
 
-   !> Moves unknowns to the minimum of (y - x)' H (y - x), y >= 0: no unknown is negative, and every force pushes up.
+   !> Moves unknowns to the minimum of (y - x)' H (y - x), y >= 0: no unknown is negative, and every force pushes up. Those that are
+   !> held are 0, not the rounding of what holds them: roots are taken of them.
    subroutine move_to_bounds(inverse, pull, bounded, x)
       !> H^(-1), and the forces of each set of unknowns (its bits) that is held at 0
       real(dp), intent(in) :: inverse(:, :), pull(:, :, :)
@@ -109,7 +110,7 @@ contains
 
       real(dp), dimension(size(x)) :: force, y
       real(dp) :: tolerance
-      integer :: set
+      integer :: set, i
 
       tolerance = 1e-12_dp*norm2(x)
       do set = 1, size(pull, 3)
@@ -118,7 +119,7 @@ contains
          y = x + matmul(inverse, force)
          if (any(y(:bounded) < -tolerance)) cycle
          x = y
-         x(:bounded) = max(y(:bounded), 0.0_dp)
+         x(:bounded) = merge(0.0_dp, max(y(:bounded), 0.0_dp), [(btest(set, i - 1), i=1, bounded)])
          return
       end do
    end subroutine move_to_bounds

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Files that appear whole or not at all: written aside in the same directory, then renamed.
+!> Files that appear whole or not at all: written aside in the same directory as NAME.partPROCESS, then renamed. What a process that
+!> was killed left aside is removed when the file is begun again.
 !>
 !>     call open_writer(writer, "allan.csv", error)
 !>     call put_line(writer, "tau,deviation")        ! any number of these; failures are kept
@@ -50,6 +51,16 @@ module gyroakf_io_writer
       type(markup_type) :: markup
    end type writer_type
 
+   interface
+      !> Removes path.partN of all processes N that are no more
+      subroutine remove_leftovers(path) bind(C, name="gyroakf_host_remove_leftovers")
+         import :: c_char
+         implicit none (type, external)
+         !> Ends with a NUL
+         character(kind=c_char), intent(in) :: path(*)
+      end subroutine remove_leftovers
+   end interface
+
    !> Characters written at once
    integer, parameter :: buffer_size = 262144
 
@@ -83,7 +94,10 @@ contains
          return
       end if
       write (process, "(i0)") c_getpid()
-      if (.not. is_special(path)) writer%aside = path//".part"//trim(process)
+      if (.not. is_special(path)) then
+         writer%aside = path//".part"//trim(process)
+         call remove_leftovers(path//c_null_char)
+      end if
       writer%unit = c_creat(writer%aside//c_null_char, int(o'666', c_int))
       if (writer%unit >= 0) return
       call find_reason(writer%aside, reason)

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What processes left behind that were killed while they wrote a file. In C because the entries of a directory have a layout of the
+ * system's own.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+#if defined(__GNUC__)
+#define LOCAL __attribute__((visibility("hidden")))
+#else
+#define LOCAL
+#endif
+
+LOCAL void gyroakf_host_remove_leftovers(const char *path);
+
+/* Whether a name is NAME.partN, where N is the number of a process that is no more. */
+static int is_leftover(const char *entry, const char *name, size_t length) {
+  const char *digits = entry + length + 5;
+  long process;
+  if (strncmp(entry, name, length) != 0 || strncmp(entry + length, ".part", 5) != 0) return 0;
+  if (*digits == '\0' || strlen(digits) > 10 || digits[strspn(digits, "0123456789")] != '\0') return 0;
+  process = strtol(digits, NULL, 10);
+  if (process < 1 || (long)(pid_t)process != process) return 0;
+  return kill((pid_t)process, 0) != 0 && errno == ESRCH;
+}
+
+/* Removes PATH.partN of all processes N that are no more. */
+void gyroakf_host_remove_leftovers(const char *path) {
+  const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+  size_t length = strlen(name), before = (size_t)(name - path);
+  char *folder = malloc(before + 2);
+  const struct dirent *entry;
+  DIR *directory;
+  if (!folder) return;
+  memcpy(folder, path, before);
+  memcpy(folder + before, ".", 2);
+  directory = opendir(folder);
+  free(folder);
+  if (!directory) return;
+  while ((entry = readdir(directory)) != NULL) {
+    if (is_leftover(entry->d_name, name, length)) unlinkat(dirfd(directory), entry->d_name, 0);
+  }
+  closedir(directory);
+}
