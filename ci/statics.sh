@@ -6,7 +6,7 @@
 # variable slen.N at every call of the function: two threads there at once write beyond their texts. From the objects of src/gyroakf/c_api of
 # the newest build below DIRECTORY (build) the symbols that an object needs are followed to the objects that have them. Where a
 # static shows up, a function of deferred length is called: make it a subroutine with an intent(out) text, or give its result an
-# explicit length.
+# explicit length. Nor is lgamma called (by the intrinsic log_gamma), which writes a variable of the whole program.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 newest=$(find "${1:-build}" -name 'src_gyroakf_c_api_support.f90.o' -printf '%T@ %h\n' 2>/dev/null | sort -n | tail -n 1)
@@ -30,6 +30,7 @@ nm -A "$directory"/src_gyroakf*.o 2>/dev/null | awk '
     }
     if (last < 50) { print "only " last " objects are reached: the search is broken"; exit 1 }
     for (i = 1; i <= last; i++) {
+      if ((needs[queue[i]] " ") ~ / lgamma /) { bad++; print queue[i] ": calls lgamma, which writes signgam of the program" }
       if (!(queue[i] in texts)) continue
       bad++
       printf "%s: %d lengths of texts in static memory; needed by %s\n", queue[i], texts[queue[i]], seen[queue[i]]

@@ -5,7 +5,7 @@ module test_special
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_is_finite, ieee_value, ieee_quiet_nan, ieee_positive_inf
    use gyroakf_kinds, only : dp
    use gyroakf_special, only : chi_square_cdf, chi_square_quantile, chi_square_survival, digamma, normal_cdf, log_normal_cdf, &
-      & normal_quantile
+      & normal_quantile, ln_gamma
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
@@ -34,9 +34,28 @@ contains
          & new_unittest("chi_square_seams", test_chi_square_seams), &
          & new_unittest("chi_square_quantile", test_chi_square_quantile), &
          & new_unittest("quantile_round_trip", test_quantile_round_trip), &
+         & new_unittest("ln_gamma", test_ln_gamma), &
          & new_unittest("digamma", test_digamma), &
          & new_unittest("edges", test_edges)]
    end subroutine collect_special
+
+   !> ln Gamma: exact values, and the intrinsic, whose errors are of the same size.
+   subroutine test_ln_gamma(error)
+      !> Failure
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: at(4) = [0.5_dp, 5.0_dp, 11.0_dp, 101.0_dp]
+      real(dp) :: x, expected(4)
+      integer :: i
+
+      expected = [0.5_dp*log(acos(-1.0_dp)), log(24.0_dp), log(3628800.0_dp), 363.73937555556349014_dp]
+      call check(error, all(abs(ln_gamma(at) - expected) <= 1.0e-15_dp*max(10.0_dp, expected)), "exact values")
+      if (allocated(error)) return
+      do i = -60, 60
+         x = 1.37_dp**i
+         call check(error, abs(ln_gamma(x) - log_gamma(x)) <= 1.0e-15_dp*max(10.0_dp, abs(log_gamma(x))), "beside the intrinsic")
+         if (allocated(error)) return
+      end do
+   end subroutine test_ln_gamma
 
    !> Fails unless actual agrees with expected, relatively.
    subroutine agree(error, actual, expected, allowed)

@@ -30,5 +30,6 @@ void test_host(void);
 void test_progress(void);
 void test_run(void);
 void test_threads(void);
+void test_threads_briefly(void);
 
 #endif

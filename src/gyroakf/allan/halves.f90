@@ -26,6 +26,7 @@ module gyroakf_allan_halves
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_special, only : chi_square_survival, digamma, normal_quantile
    use gyroakf_allan_covariance, only : covariance_basis_type, mixture_covariances, new_covariance_basis
    use gyroakf_allan_fit_problem, only : trigamma
@@ -87,7 +88,7 @@ contains
    !>
    !> Cost: three passes for the integral, and what the Allan variances of the record cost; memory 8 bytes a sample, 12 where
    !> some are missing.
-   subroutine compare_halves(rate, sample_interval, noise, options, halves, error, valid)
+   subroutine compare_halves(rate, sample_interval, noise, options, halves, error, valid, progress)
       !> Rate samples, evenly spaced: [n], n >= 8; NaN and infinity count as missing
       real(dp), intent(in), contiguous :: rate(:)
       !> Seconds, > 0
@@ -98,10 +99,12 @@ contains
       type(halves_options), intent(in) :: options
       !> The comparison
       type(halves_type), intent(out) :: halves
-      !> invalid_argument, too_few_samples (no averaging time has the degrees of freedom), constant_input, no_memory
+      !> invalid_argument, too_few_samples (no averaging time has the degrees of freedom), constant_input, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]; all present if absent
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       real(dp), allocatable :: phase(:), variance(:, :), complete(:, :)
       real(dp) :: kurtosis(2)
@@ -113,12 +116,15 @@ contains
       half = n/2
       call check_arguments(half, sample_interval, noise, options, error)
       if (.not. allocated(error)) call choose_factors(half, sample_interval, options, m, error)
-      if (.not. allocated(error)) call integrate_rate(rate, phase, missing, error, valid)
+      if (.not. allocated(error)) call integrate_rate(rate, phase, missing, error, valid, progress)
+      if (.not. allocated(error)) call tell_progress("comparing the halves", 0_int64, n, error, progress)
       if (allocated(error)) return
       allocate (variance(size(m), 2), complete(size(m), 2))
-      call variances_of_half(phase, missing, 1_int64, half, m, options%min_coverage, variance(:, 1), complete(:, 1), error)
+      call variances_of_half(phase, missing, 1_int64, half, m, options%min_coverage, variance(:, 1), complete(:, 1), &
+         & error, progress)
       if (.not. allocated(error)) call variances_of_half(phase, missing, n - half + 1, n, m, options%min_coverage, &
-         & variance(:, 2), complete(:, 2), error)
+         & variance(:, 2), complete(:, 2), error, progress)
+      if (.not. allocated(error)) call tell_progress("comparing the halves", n/2, n, error, progress)
       if (allocated(error)) return
       if (any(minval(complete, dim=2) > 0 .and. &
             & minval(variance, dim=2) <= max(constant_share*maxval(variance, dim=2), tiny(1.0_dp)))) then
@@ -127,6 +133,8 @@ contains
       end if
       halves%confidence = options%confidence
       call innovation_kurtosis(phase, missing, 0_int64, half, maxval(variance), kurtosis(1))
+      call tell_progress("comparing the halves", n - n/4, n, error, progress)
+      if (allocated(error)) return
       call innovation_kurtosis(phase, missing, n - half, n, maxval(variance), kurtosis(2))
       call compare_variances(half, sample_interval, m, variance, complete, noise%mixture, sum(kurtosis)/2, options, halves, error)
    end subroutine compare_halves
@@ -197,7 +205,7 @@ contains
    end subroutine choose_factors
 
    !> Variances of a half, and the share of their terms that gaps left.
-   subroutine variances_of_half(phase, missing, first, last, m, min_coverage, variance, complete, error)
+   subroutine variances_of_half(phase, missing, first, last, m, min_coverage, variance, complete, error, progress)
       !> Integral of the record: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n], unallocated when every sample is there
@@ -212,11 +220,13 @@ contains
       real(dp), intent(out) :: variance(:), complete(:)
       !> no_memory
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       integer(int64) :: terms(size(m))
 
       complete = 0
-      call segment_variances(phase, missing, first, last, m, min_coverage, variance, terms, error)
+      call segment_variances(phase, missing, first, last, m, min_coverage, variance, terms, error, progress)
       if (.not. allocated(error)) complete = real(terms, dp)/real(last - first + 2 - 2*m, dp)
    end subroutine variances_of_half
 

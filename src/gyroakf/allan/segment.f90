@@ -5,6 +5,7 @@
 !> integral and no copy of its own.
 module gyroakf_allan_segment
    use gyroakf_kinds, only : dp, int32, int64
+   use gyroakf_progress, only : progress_type
    use gyroakf_error, only : error_type
    use gyroakf_allan_gaps, only : gapped_variances
    use gyroakf_allan_second_difference, only : sum_second_differences
@@ -16,7 +17,7 @@ module gyroakf_allan_segment
 contains
 
    !> Variances of the samples `first` .. `last`.
-   subroutine segment_variances(phase, missing, first, last, m, min_coverage, variance, terms, error)
+   subroutine segment_variances(phase, missing, first, last, m, min_coverage, variance, terms, error, progress)
       !> Integral of the whole record, from [[integrate_rate]]: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n], unallocated when every sample is there
@@ -33,19 +34,23 @@ contains
       integer(int64), intent(out) :: terms(:)
       !> no_memory
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       integer(int64) :: i
 
       if (allocated(missing)) then
          if (missing(last) > missing(first - 1)) then
-            call gapped_variances("oadev", phase(first - 1:last), missing(first - 1:last), m, min_coverage, variance, terms, error)
+            call gapped_variances("oadev", phase(first - 1:last), missing(first - 1:last), m, min_coverage, variance, terms, &
+               & error, progress)
             return
          end if
       end if
       do i = 1, size(m, kind=int64)
          terms(i) = term_count("oadev", last - first + 1, m(i))
       end do
-      call sum_second_differences(phase(first - 1:last), m, variance)
+      call sum_second_differences(phase(first - 1:last), m, variance, error, progress)
+      if (allocated(error)) return
       variance = variance/(variance_divisor("oadev", m)*real(terms, dp))
    end subroutine segment_variances
 

@@ -2,6 +2,7 @@
 !> Whether, and where, the noise of a channel changed during the record.
 module gyroakf_pipeline_changes
    use gyroakf_kinds, only : dp, int8
+   use gyroakf_progress, only : progress_type
    use gyroakf_error, only : error_type
    use gyroakf_allan_dynamic, only : dynamic_options, dynamic_allan
    use gyroakf_allan_halves, only : halves_options, compare_halves
@@ -14,7 +15,7 @@ module gyroakf_pipeline_changes
 contains
 
    !> Compares the two halves of the series as read; a failure is noted in the channel.
-   subroutine run_halves(x, step, options, channel, error, valid)
+   subroutine run_halves(x, step, options, channel, error, valid, progress)
       !> The series, in the unit of the record: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> Sample interval in s, 1 where no rate is known
@@ -27,11 +28,13 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(halves_options) :: choice
 
       if (.not. channel%allan(stage%input)%fitted) return
       choice%min_coverage = options%allan%min_coverage
-      call compare_halves(x, step, channel%allan(stage%input)%noise, choice, channel%halves, error, valid)
+      call compare_halves(x, step, channel%allan(stage%input)%noise, choice, channel%halves, error, valid, progress)
       if (is_fatal(error)) return
       channel%available%halves = .not. allocated(error)
       call note_failure(channel, "comparison of the record's halves", error)

@@ -137,7 +137,7 @@ contains
          call warn_fit(channel)
          call tell_progress("comparing the halves", 0_int64, size(x, kind=int64), error, progress)
          if (allocated(error)) return
-         call run_halves(x, record%sample_interval, options, channel, error, valid)
+         call run_halves(x, record%sample_interval, options, channel, error, valid, progress)
          if (.not. allocated(error)) call run_dynamic(x, record%sample_interval, options, channel, error, valid)
          if (allocated(error)) return
       end if

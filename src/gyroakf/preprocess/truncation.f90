@@ -11,6 +11,7 @@
 module gyroakf_preprocess_truncation
    use gyroakf_kinds, only : dp, int64
    use gyroakf_preprocess_neighbours, only : least_neighbours
+   use gyroakf_special, only : ln_gamma
    implicit none (type, external)
    private
    public :: truncated_deviation, final_cut, normal_share_beyond, hampel_share, isolated_share, expected_false_alarms
@@ -111,7 +112,7 @@ contains
          u = real(i, dp)/real(steps, dp)
          total = total + merge(4.0_dp, 2.0_dp, mod(i, 2) == 1)*u*u*exp((freedom - 1.0_dp)*log(sin(way*(1.0_dp - u**3))))
       end do
-      share = two_over_root_pi*exp(log_gamma(0.5_dp*(freedom + 1.0_dp)) - log_gamma(0.5_dp*freedom))*total*way/real(steps, dp)
+      share = two_over_root_pi*exp(ln_gamma(0.5_dp*(freedom + 1.0_dp)) - ln_gamma(0.5_dp*freedom))*total*way/real(steps, dp)
    end function student_share_beyond
 
    !> Share of the samples of white normal noise beyond the limit that stand out of their neighbourhood too, as [[mark_isolated]]
