@@ -3,7 +3,7 @@
 !> the series (series_library, 1000 samples each) and rounded once.
 module test_moments
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_series_moments, only : moments_type, compute_moments
+   use gyroakf_series_moments, only : moments_type, compute_moments, join_moments
    use series_library, only : reference_series, reference_names
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)
@@ -42,6 +42,7 @@ contains
          & new_unittest("offset_scale", test_offset_scale), &
          & new_unittest("missing", test_missing), &
          & new_unittest("long", test_long), &
+         & new_unittest("tiny-huge", test_tiny_huge), &
          & new_unittest("few", test_few)]
    end subroutine collect_moments
 
@@ -181,5 +182,46 @@ contains
       call compute_moments(x, m)
       call check(error, m%variance + abs(m%skewness) + m%kurtosis, 0.0_dp, thr=tiny(x))
    end subroutine test_few
+
+   !> Fourth powers neither vanish nor overflow, of a series or of two that are joined.
+   subroutine test_tiny_huge(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: powers(*) = [-510, -400, -200, 200, 330, 500]
+      type(moments_type) :: expected, moments, next
+      real(dp) :: x(5000)
+      integer(int8) :: valid(5000)
+      integer :: k
+
+      x = [(sin(0.37_dp*k**2) + 1.0e-3_dp*k, k=1, 5000)]
+      valid = 1_int8
+      valid(40:60) = 0_int8
+      call compute_moments(x, expected, valid)
+      do k = 1, size(powers)
+         call compute_moments(scale(x, powers(k)), moments, valid)
+         call same(moments)
+         if (allocated(error)) return
+         call compute_moments(scale(x(:3000), powers(k)), moments, valid(:3000))
+         call compute_moments(scale(x(3001:), powers(k)), next, valid(3001:))
+         call join_moments(moments, next)
+         call same(moments)
+         if (allocated(error)) return
+      end do
+
+   contains
+
+      subroutine same(moments)
+         type(moments_type), intent(in) :: moments
+
+         call check(error, moments%kurtosis, expected%kurtosis, thr=1.0e-12_dp)
+         if (allocated(error)) return
+         call check(error, moments%skewness, expected%skewness, thr=1.0e-12_dp)
+         if (allocated(error)) return
+         call check(error, scale(moments%std, -powers(k)), expected%std, thr=1.0e-12_dp)
+         if (allocated(error)) return
+         call check(error, scale(moments%mean, -powers(k)), expected%mean, thr=1.0e-12_dp)
+         if (allocated(error)) return
+         call check(error, scale(moments%maximum, -powers(k)), expected%maximum, thr=1.0e-12_dp)
+      end subroutine same
+   end subroutine test_tiny_huge
 
 end module test_moments

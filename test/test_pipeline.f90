@@ -43,6 +43,7 @@ contains
          new_unittest("nothing-known", test_nothing_known), &
          new_unittest("units", test_units), &
          new_unittest("offset", test_offset), &
+         new_unittest("tiny-huge", test_tiny_huge), &
          new_unittest("constant", test_constant), &
          new_unittest("white", test_white), &
          new_unittest("too-short", test_too_short), &
@@ -421,6 +422,58 @@ contains
       if (allocated(error)) return
       call check(error, abs(channel%reduction_at_least(3) - 80) < 1.0e-12_dp .and. channel%reduction_at_least(4) <= 0.0_dp, "80 %")
    end subroutine test_reduction
+
+   !> Values as small and as large as they may be: everything scales with them.
+   subroutine test_tiny_huge(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: powers(*) = [-460, -330, 190]
+      type(record_type) :: record
+      type(simulate_options) :: options
+      type(pipeline_result_type) :: result, expected
+      type(gyro_error), allocatable :: failed
+      real(dp) :: x(3000, 1)
+      integer :: k
+
+      options%samples = 3000
+      options%rate_hz = 10
+      options%coefficient(2) = 0.01_dp
+      options%ar = [0.98_dp]
+      options%ar_variance = 1.0e-3_dp
+      call simulate_record(options, record, failed)
+      x = record%value
+      call check(error, run(record, expected))
+      if (allocated(error)) return
+      do k = 1, size(powers)
+         record%value = scale(x, powers(k))
+         call check(error, run(record, result))
+         if (allocated(error)) return
+         associate (a => result%channel(1), b => expected%channel(1), back => 0.5_dp**powers(k))
+            call check(error, allocated(a%unavailable) .eqv. allocated(b%unavailable), "what cannot be done")
+            if (allocated(error)) return
+            call check(error, near(a%adf%statistic, b%adf%statistic) .and. near(a%cleaned%kurtosis, b%cleaned%kurtosis) .and. &
+                       near(a%ar%coefficient(1), b%ar%coefficient(1)) .and. near(a%akf%nis_mean, b%akf%nis_mean), "numbers")
+            if (allocated(error)) return
+            call check(error, near(a%halves%statistic, b%halves%statistic) .and. near(a%drift%model%phi(1), b%drift%model%phi(1)) &
+                       .and. near(a%kpss%statistic, b%kpss%statistic), "numbers of the halves, the drift")
+            if (allocated(error)) return
+            call check(error, near(a%kf%variance*back*back, b%kf%variance) .and. near(a%drift%white_std*back, b%drift%white_std) &
+                       .and. near(a%drift_smoother%variance*back*back, b%drift_smoother%variance), "filters")
+            if (allocated(error)) return
+            call check(error, near(a%allan(stage%input)%stated%term(2)%value*back, b%allan(stage%input)%stated%term(2)%value) &
+                       .and. near(a%allan(stage%input)%stated%term(2)%std_error*back, &
+                                  b%allan(stage%input)%stated%term(2)%std_error), "coefficients")
+            if (allocated(error)) return
+         end associate
+      end do
+
+   contains
+
+      pure logical function near(x, y)
+         real(dp), intent(in) :: x, y
+
+         near = abs(x - y) <= 1.0e-6_dp*abs(y)
+      end function near
+   end subroutine test_tiny_huge
 
    !> What is left without the smoothed drift: raw is drift and compensated; the white noise of 0.0316; no random walk any more.
    subroutine test_compensated(error)

@@ -16,6 +16,7 @@ done <"$here/cases"
 
 bad "no such file" 2 "nofile.txt" nofile.txt
 bad "a directory" 2 "." run .
+bad "values too small to be squared" 2 "multiply them by a constant (--scale)" allan <(awk 'BEGIN { for (i = 0; i < 100; i++) print i * i % 7 "e-150" }')
 bad "line of the error" 2 "2x" <(printf '1\n2x\n')
 printf '1\n2x\n3\n' >bad.txt
 run bad.txt

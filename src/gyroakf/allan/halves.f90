@@ -33,7 +33,7 @@ module gyroakf_allan_halves
    use gyroakf_allan_whitening, only : whitening
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_allan_noise_fit, only : noise_type
-   use gyroakf_allan_noise_model, only : model_variance, noise_model_type, term_markov
+   use gyroakf_allan_noise_model, only : model_variance, noise_model_type, term_markov, unit_model
    use gyroakf_allan_phase, only : integrate_rate
    use gyroakf_allan_segment, only : segment_variances
    implicit none (type, external)
@@ -376,8 +376,8 @@ contains
       else
          call new_covariance_basis(half, m, basis)
       end if
-      call mixture_covariances(basis, model, covariance)
-      variance = [(model_variance(model, real(m(i), dp)), i=1, size(m))]
+      call mixture_covariances(basis, unit_model(model), covariance)
+      variance = [(model_variance(unit_model(model), real(m(i), dp)), i=1, size(m))]
       do i = 1, size(m)
          covariance(:, i) = covariance(:, i)/(variance*variance(i))
       end do

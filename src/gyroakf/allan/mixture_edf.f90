@@ -16,7 +16,7 @@
 module gyroakf_allan_mixture_edf
    use gyroakf_kinds, only : dp, int64
    use gyroakf_allan_noise_model, only : noise_model_type, term_flicker, term_markov, term_quantisation, term_ramp, &
-      & term_sinusoid, term_walk, term_white
+      & term_sinusoid, term_walk, term_white, unit_model
    use gyroakf_allan_phase_covariance, only : phase_covariance, sum_covariance
    use gyroakf_allan_statistic, only : difference_order, term_count
    use gyroakf_allan_total_edf, only : total_degrees_of_freedom
@@ -68,11 +68,11 @@ contains
       type(difference_type) :: z
       integer(int64) :: stride
 
-      z = difference_of(kind, samples, m, model)
+      z = difference_of(kind, samples, m, unit_model(model))
       stride = merge(m, 1_int64, kind == "adev" .or. kind == "hdev")
       edf = freedom(z, stride, .true., difference_order(kind))
       if (kind == "totdev" .and. edf < edf_most) then
-         edf = total_degrees_of_freedom(samples, m, model)*edf/freedom(z, stride, .false., 2)
+         edf = total_degrees_of_freedom(samples, m, unit_model(model))*edf/freedom(z, stride, .false., 2)
       end if
    end function mixture_degrees_of_freedom
 

@@ -20,7 +20,7 @@ module gyroakf_allan_noise_model
    private
    public :: term_count, term_letters, term_quantisation, term_white, term_flicker, term_walk, term_ramp
    public :: column_count, term_markov, term_sinusoid, noise_model_type
-   public :: term_shape, model_shape, model_variance, markov_levels, markov_remainder
+   public :: term_shape, model_shape, model_variance, markov_levels, markov_remainder, unit_model
 
    !> Number of terms that are powers of the averaging time, and with the Markov process and the sinusoid
    integer, parameter :: term_count = 5, column_count = 7
@@ -49,6 +49,18 @@ module gyroakf_allan_noise_model
    end interface model_variance
 
 contains
+
+   !> The same mixture in a unit in which the largest of its squares is near 1, for what depends on their ratios alone: products of
+   !> squares of small coefficients vanish, those of large ones overflow.
+   pure type(noise_model_type) function unit_model(model) result(scaled)
+      !> The mixture
+      type(noise_model_type), intent(in) :: model
+      real(dp) :: largest
+
+      scaled = model
+      largest = maxval(model%squares)
+      if (largest > 0.0_dp) scaled%squares = scale(model%squares, -exponent(largest))
+   end function unit_model
 
    !> What a term with coefficient 1 adds to the Allan variance.
    elemental real(dp) function term_shape(term, tau)

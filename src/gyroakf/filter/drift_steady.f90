@@ -5,7 +5,7 @@ module gyroakf_filter_drift_steady
    use gyroakf_error, only : error_type
    use gyroakf_filter_components, only : component_model_type, component_state_type, most_components, &
       predict_components, correct_components
-   use gyroakf_filter_state_space, only : solve_riccati
+   use gyroakf_filter_state_space, only : solve_riccati, steady_prior
    implicit none (type, external)
    private
    public :: steady_drift_gain, drift_dc_gain
@@ -60,15 +60,14 @@ contains
    pure real(dp) function steady_of_one(model) result(gain)
       !> One process with driving noise
       type(component_model_type), intent(in) :: model
-      real(dp) :: c, prior, root
+      real(dp) :: prior
 
-      associate (phi => model%phi(1), q => model%q(1), r => model%r)
-         c = q - r*(1.0_dp - phi)*(1.0_dp + phi)
-         root = sqrt(c*c + 4.0_dp*q*r)
-         prior = 0.5_dp*(c + root)
-         if (c < 0.0_dp) prior = 2.0_dp*q*r/(root - c)
-         gain = prior/(prior + r)
-      end associate
+      if (.not. model%r > 0.0_dp) then
+         gain = 1.0_dp
+         return
+      end if
+      prior = steady_prior(model%phi(1), model%q(1), model%r)
+      gain = prior/(prior + model%r)
    end function steady_of_one
 
    !> The Riccati equation, in units of r.

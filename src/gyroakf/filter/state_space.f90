@@ -11,7 +11,7 @@ module gyroakf_filter_state_space
    use gyroakf_lapack, only : dgesv
    implicit none (type, external)
    private
-   public :: predict_covariance, correct_covariance, stationary_covariance, steady_state
+   public :: steady_prior, predict_covariance, correct_covariance, stationary_covariance, steady_state
    public :: settle_column, shifted, long_order, solve_riccati, dc_gain, output_variance_ratio
 
    !> Relative change at which a doubling iteration has converged
@@ -145,7 +145,7 @@ contains
       !> not_converged, singular: the Riccati iteration failed (p > 1)
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: a(size(phi), size(phi)), g(size(phi), size(phi))
-      real(dp) :: c, root, work(size(phi)), s
+      real(dp) :: work(size(phi)), s
       logical :: settled
       integer :: i
 
@@ -154,13 +154,7 @@ contains
       if (.not. r > 0.0_dp) then
          prior(1, 1) = q
       else if (size(phi) == 1) then
-         c = q - r*(1.0_dp - phi(1))*(1.0_dp + phi(1))
-         root = sqrt(c*c + 4.0_dp*q*r)
-         if (c >= 0.0_dp) then
-            prior(1, 1) = 0.5_dp*(c + root)
-         else
-            prior(1, 1) = 2.0_dp*q*r/(root - c)
-         end if
+         prior(1, 1) = steady_prior(phi(1), q, r)
       else if (q > 0.0_dp) then
          if (size(phi) >= long_order) call settle_gain(phi, q, r, prior, settled)
          if (.not. settled) then
@@ -181,6 +175,29 @@ contains
       end if
       gain = prior(:, 1)/(prior(1, 1) + r)
    end subroutine steady_state
+
+   !> Steady variance of the prediction of a state of one coefficient, in a unit in which products of variances are numbers:
+   !> $$ P^- = \tfrac12 \left[ c + \sqrt{c^2 + 4 q r} \right],\quad c = q - r (1 - \phi^2) $$
+   pure real(dp) function steady_prior(phi, q, r) result(prior)
+      !> Its coefficient
+      real(dp), intent(in) :: phi
+      !> Variances of the driving noise, >= 0, and of the measurement noise, > 0
+      real(dp), intent(in) :: q, r
+      real(dp) :: c, root, scaled_q, scaled_r
+      integer :: unit
+
+      unit = exponent(max(q, r))
+      scaled_q = scale(q, -unit)
+      scaled_r = scale(r, -unit)
+      c = scaled_q - scaled_r*(1.0_dp - phi)*(1.0_dp + phi)
+      root = sqrt(c*c + 4.0_dp*scaled_q*scaled_r)
+      if (c >= 0.0_dp) then
+         prior = 0.5_dp*(c + root)
+      else
+         prior = 2.0_dp*scaled_q*scaled_r/(root - c)
+      end if
+      prior = scale(prior, unit)
+   end function steady_prior
 
    !> Covariance of the prediction that a filter settles to which knows its state at the start, by the Chandrasekhar recursion.
    !>

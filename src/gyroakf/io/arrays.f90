@@ -6,7 +6,7 @@ module gyroakf_io_arrays
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_audit, only : audit_values
    use gyroakf_io_channel_units, only : set_units
-   use gyroakf_io_shape, only : mark_missing, largest_value
+   use gyroakf_io_shape, only : mark_missing, largest_value, refuse_tiny
    use gyroakf_io_table, only : table_type
    use gyroakf_record, only : record_type
    implicit none (type, external)
@@ -44,6 +44,7 @@ contains
       record%unit_source = "none"
       if (unit /= "") call set_units(unit, "rate", nothing, record, error)
       if (.not. allocated(error)) call mark_missing(record, largest_value, error)
+      if (.not. allocated(error)) call refuse_tiny(record, error)
       if (allocated(error)) return
       call audit_values(record%value, record%present, record%audit)
       allocate (record%audit%line_of_first(3), source=0_int64)

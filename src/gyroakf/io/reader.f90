@@ -16,7 +16,7 @@ module gyroakf_io_reader
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_stamps, only : unwrap_days
    use gyroakf_io_resample, only : resample
-   use gyroakf_io_shape, only : cut, fill_gaps, largest_value, make_rates, mark_missing, warn_of_wraps, wrap_of
+   use gyroakf_io_shape, only : cut, fill_gaps, largest_value, make_rates, mark_missing, refuse_tiny, warn_of_wraps, wrap_of
    use gyroakf_io_store, only : take_columns
    use gyroakf_io_recording, only : close_recording, hold_rows, advise_memory, open_recording, reader_options, &
       recording_type, say_too_large
@@ -95,6 +95,7 @@ contains
          end if
          if (.not. allocated(error)) call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
          if (.not. allocated(error)) call make_rates(record, input, options%scale, error, wrap)
+         if (.not. allocated(error)) call refuse_tiny(record, error)
          if (.not. allocated(error)) call cut(record, options%from, options%to, error)
          if (.not. allocated(error)) call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
          if (allocated(error)) return

@@ -15,10 +15,12 @@ module gyroakf_io_shape
    use gyroakf_units, only : angle_to_rate_unit
    implicit none (type, external)
    private
-   public :: fill_gaps, mark_missing, make_rates, cut, keep_rows, wrap_of, wrapped, warn_of_wraps, largest_value
+   public :: fill_gaps, mark_missing, make_rates, cut, keep_rows, wrap_of, wrapped, warn_of_wraps, largest_value, refuse_tiny
 
    !> A rate beyond it is an error: the fourth powers of the statistics would overflow
    real(dp), parameter :: largest_value = 1.0e60_dp
+   !> Where no value of a channel is larger, and one is not 0: their squares would vanish
+   real(dp), parameter :: least_value = 1.0e-140_dp
 
 contains
 
@@ -95,6 +97,25 @@ contains
          end do
       end do
    end subroutine mark_missing
+
+   !> Refuses a channel whose values are so small that their squares are no numbers.
+   pure subroutine refuse_tiny(record, error)
+      !> Rates
+      type(record_type), intent(in) :: record
+      !> Allocated on failure: non_finite
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: largest
+      integer :: j
+
+      do j = 1, size(record%value, 2)
+         largest = maxval(abs(record%value(:, j)))
+         if (largest <= 0.0_dp .or. largest >= least_value) cycle
+         call fatal_error(error, status%non_finite, "no value of '"//record%channel(j)%text//"' is larger than "// &
+                          format_real(largest, 3)//"; the largest must be "//format_real(least_value, 3)//" at least to be "// &
+                          "analysed: multiply them by a constant (--scale)")
+         return
+      end do
+   end subroutine refuse_tiny
 
    !> Scales, and turns increments or angles into rates.
    subroutine make_rates(record, input, scale, error, wrap)

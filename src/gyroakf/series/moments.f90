@@ -29,7 +29,7 @@ module gyroakf_series_moments
       real(dp) :: remainder = 0.0_dp
    end type moments_type
 
-   !> Sums of powers of the deviations from the mean
+   !> Sums of powers of the deviations from the mean, these in a unit in which fourth powers neither overflow nor vanish
    type :: sums_type
       real(dp) :: count = 0.0_dp
       real(dp) :: mean = 0.0_dp
@@ -39,6 +39,9 @@ module gyroakf_series_moments
       real(dp) :: low = 0.0_dp
       real(dp) :: high = 0.0_dp
    end type sums_type
+
+   !> Deviations between are their own unit: their fourth powers are numbers with all digits
+   real(dp), parameter :: smallest = 1.0e-60_dp, largest = 1.0e+60_dp
 
 contains
 
@@ -56,21 +59,34 @@ contains
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
       type(sums_type) :: part(chunk_count(size(x, kind=int64))), block_sums
-      real(dp) :: shift
+      real(dp) :: shift, spread, per_unit
       integer(int64) :: n, first, last
       integer :: chunk
 
       n = size(x, kind=int64)
       call find_first(x, shift, valid)
+      spread = 0.0_dp
+      !$omp parallel do if (n >= threads_from) default(shared) private(first, last) schedule(dynamic) reduction(max:spread)
+      do chunk = 1, chunk_count(n)
+         first = chunk_first(n, chunk)
+         last = chunk_last(n, chunk)
+         if (present(valid)) then
+            spread = max(spread, largest_deviation_masked(x(first:last), shift, valid(first:last)))
+         else
+            spread = max(spread, largest_deviation(x(first:last), shift))
+         end if
+      end do
+      !$omp end parallel do
+      per_unit = units_for(spread)
       !$omp parallel do if (n >= threads_from) default(shared) private(first, last, block_sums) schedule(dynamic)
       do chunk = 1, chunk_count(n)
          part(chunk) = sums_type()
          do first = chunk_first(n, chunk), chunk_last(n, chunk), block_length
             last = min(first + block_length - 1, chunk_last(n, chunk))
             if (present(valid)) then
-               block_sums = reduce_masked(x(first:last), shift, valid(first:last))
+               block_sums = reduce_masked(x(first:last), shift, per_unit, valid(first:last))
             else
-               block_sums = reduce(x(first:last), shift)
+               block_sums = reduce(x(first:last), shift, per_unit)
             end if
             part(chunk) = merged(part(chunk), block_sums)
          end do
@@ -80,8 +96,49 @@ contains
       do chunk = 1, chunk_count(n)
          block_sums = merged(block_sums, part(chunk))
       end do
-      call finish(block_sums, shift, moments)
+      call finish(block_sums, shift, per_unit, moments)
    end subroutine compute_moments
+
+   !> 1 over the unit of deviations, a power of two; 1 wherever they need none.
+   pure real(dp) function units_for(spread) result(per_unit)
+      !> The largest of them, >= 0
+      real(dp), intent(in) :: spread
+
+      per_unit = 1.0_dp
+      if (spread <= 0.0_dp .or. (spread >= smallest .and. spread <= largest)) return
+      per_unit = scale(1.0_dp, max(-1000, min(1000, -exponent(spread))))
+   end function units_for
+
+   !> Largest deviation from the first sample.
+   pure real(dp) function largest_deviation(x, shift) result(spread)
+      !> Series: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> The first sample
+      real(dp), intent(in) :: shift
+      integer(int64) :: i
+
+      spread = 0.0_dp
+      !$omp simd reduction(max:spread)
+      do i = 1, size(x, kind=int64)
+         spread = max(spread, abs(x(i) - shift))
+      end do
+   end function largest_deviation
+
+   !> Largest deviation from the first sample, of those present.
+   pure real(dp) function largest_deviation_masked(x, shift, valid) result(spread)
+      !> Series: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> The first sample
+      real(dp), intent(in) :: shift
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in) :: valid(:)
+      integer(int64) :: i
+
+      spread = 0.0_dp
+      do i = 1, size(x, kind=int64)
+         if (valid(i) /= 0_int8) spread = max(spread, abs(x(i) - shift))
+      end do
+   end function largest_deviation_masked
 
    !> First present sample, 0 where there is none.
    pure subroutine find_first(x, first, valid)
@@ -110,22 +167,26 @@ contains
       !> Those of the second
       type(moments_type), intent(in) :: next
       type(sums_type) :: both
+      real(dp) :: per_unit
 
       if (next%count == 0) return
-      both = sums_of(next)
-      if (moments%count > 0) both = merged(sums_of(moments), both)
-      call finish(both, 0.0_dp, moments)
+      per_unit = units_for(max(moments%std, next%std, abs(next%mean - moments%mean)))
+      both = sums_of(next, per_unit)
+      if (moments%count > 0) both = merged(sums_of(moments, per_unit), both)
+      call finish(both, 0.0_dp, per_unit, moments)
    end subroutine join_moments
 
    !> The sums that moments come from.
-   pure type(sums_type) function sums_of(moments) result(s)
+   pure type(sums_type) function sums_of(moments, per_unit) result(s)
       !> At least one sample
       type(moments_type), intent(in) :: moments
+      !> Units of the sums in u
+      real(dp), intent(in) :: per_unit
       real(dp) :: m2
 
       s%count = real(moments%count, dp)
-      s%mean = moments%mean
-      s%m2 = moments%variance*(s%count - 1.0_dp)
+      s%mean = per_unit*moments%mean
+      s%m2 = per_unit*(per_unit*moments%variance)*(s%count - 1.0_dp)
       m2 = s%m2/s%count
       s%m3 = moments%skewness*m2*sqrt(m2)*s%count
       s%m4 = moments%kurtosis*m2*m2*s%count
@@ -134,25 +195,27 @@ contains
    end function sums_of
 
    !> Moments from the sums.
-   pure subroutine finish(s, shift, moments)
+   pure subroutine finish(s, shift, per_unit, moments)
       !> Sums over the series less the shift
       type(sums_type), intent(in) :: s
-      !> Subtracted from every sample before
-      real(dp), intent(in) :: shift
+      !> Subtracted from every sample before, u; units of the sums in u
+      real(dp), intent(in) :: shift, per_unit
       !> The moments
       type(moments_type), intent(out) :: moments
-      real(dp) :: m2
+      real(dp) :: m2, mean
 
       moments%count = nint(s%count, int64)
       if (moments%count < 1) return
-      moments%mean = shift + s%mean
+      mean = s%mean/per_unit
+      moments%mean = shift + mean
       m2 = moments%mean - shift
-      moments%remainder = (shift - (moments%mean - m2)) + (s%mean - m2)
+      moments%remainder = (shift - (moments%mean - m2)) + (mean - m2)
       moments%minimum = s%low
       moments%maximum = s%high
       if (s%count < 1.5_dp) return
       moments%variance = s%m2/(s%count - 1.0_dp)
-      moments%std = sqrt(moments%variance)
+      moments%std = sqrt(moments%variance)/per_unit
+      moments%variance = moments%variance/per_unit/per_unit
       m2 = s%m2/s%count
       if (m2*m2 <= 0.0_dp) return
       moments%skewness = s%m3/s%count/(m2*sqrt(m2))
@@ -160,11 +223,11 @@ contains
    end subroutine finish
 
    !> Sums of a block without gaps.
-   pure type(sums_type) function reduce(x, shift) result(s)
+   pure type(sums_type) function reduce(x, shift, per_unit) result(s)
       !> Block: [n], n >= 1
       real(dp), intent(in), contiguous :: x(:)
-      !> Subtracted from every sample
-      real(dp), intent(in) :: shift
+      !> Subtracted from every sample, u; units of the sums in u
+      real(dp), intent(in) :: shift, per_unit
       real(dp) :: total, m1, m2, m3, m4, low, high, d, d2, centre
       integer :: i, n
 
@@ -174,7 +237,7 @@ contains
       high = x(1)
       !$omp simd reduction(+:total) reduction(min:low) reduction(max:high)
       do i = 1, n
-         total = total + (x(i) - shift)
+         total = total + (x(i) - shift)*per_unit
          low = min(low, x(i))
          high = max(high, x(i))
       end do
@@ -182,7 +245,7 @@ contains
       m1 = 0.0_dp; m2 = 0.0_dp; m3 = 0.0_dp; m4 = 0.0_dp
       !$omp simd reduction(+:m1, m2, m3, m4)
       do i = 1, n
-         d = (x(i) - shift) - centre
+         d = (x(i) - shift)*per_unit - centre
          d2 = d*d
          m1 = m1 + d
          m2 = m2 + d2
@@ -193,11 +256,11 @@ contains
    end function reduce
 
    !> Sums of a block with gaps.
-   pure type(sums_type) function reduce_masked(x, shift, valid) result(s)
+   pure type(sums_type) function reduce_masked(x, shift, per_unit, valid) result(s)
       !> Block: [n]
       real(dp), intent(in), contiguous :: x(:)
-      !> Subtracted from every sample
-      real(dp), intent(in) :: shift
+      !> Subtracted from every sample, u; units of the sums in u
+      real(dp), intent(in) :: shift, per_unit
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in) :: valid(:)
       real(dp) :: packed(size(x))
@@ -210,7 +273,7 @@ contains
          packed(n) = x(i)
       end do
       s = sums_type()
-      if (n > 0) s = reduce(packed(:n), shift)
+      if (n > 0) s = reduce(packed(:n), shift, per_unit)
    end function reduce_masked
 
    !> Moves sums from a centre near the mean to the mean.

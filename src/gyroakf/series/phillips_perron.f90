@@ -302,6 +302,11 @@ contains
       real(dp) :: n, s, excess
 
       n = real(result%observations, dp)
+      if (.not. result%variance >= tiny(1.0_dp)) then
+         call fatal_error(error, status%singular, &
+            & "the values are too small for the Phillips-Perron test: multiply them by a constant")
+         return
+      end if
       if (.not. result%long_run_variance > epsilon(1.0_dp)**2*result%variance) then
          call fatal_error(error, status%singular, &
             & "the long-run variance of the Phillips-Perron test is 0 with this bandwidth; try fewer lags")
