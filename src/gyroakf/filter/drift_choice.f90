@@ -3,8 +3,8 @@
 !>
 !> AIC compares the models; what is drift is what is slower than a limit. Something slow is found where the best model is better
 !> than the best one without anything slow, white noise alone among them, by 8 of AIC, and its process is larger than its standard
-!> error. Counted once, before the search was last changed and without a script: of 300 records of white noise (2000 samples) one
-!> passes, of 300 of AR(1) noise with phi = 0.41 none, of 300 of AR(1) noise with phi = 0.6 in as much white noise none.
+!> error. Of 300 records of white noise (2000 samples) one passes, of 300 of AR(1) noise with phi = 0.41 none, of 300 of AR(1) noise
+!> with phi = 0.6 in as much white noise none, with a polynomial under the drift or without (`bench/filter_truth/run.sh alarms`).
 !>
 !> Source: Akaike, IEEE Trans. Autom. Control 19 (1974) 716-723; Self & Liang, J. Am. Stat. Assoc. 82 (1987) 605-610 (the edge).
 module gyroakf_filter_drift_choice
