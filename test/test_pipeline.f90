@@ -40,6 +40,7 @@ contains
          new_unittest("reduction", test_reduction), &
          new_unittest("drift-options", test_drift_options), &
          new_unittest("channels", test_channels), &
+         new_unittest("one-channel-fails", test_one_channel_fails), &
          new_unittest("nothing-known", test_nothing_known), &
          new_unittest("units", test_units), &
          new_unittest("offset", test_offset), &
@@ -422,6 +423,47 @@ contains
       if (allocated(error)) return
       call check(error, abs(channel%reduction_at_least(3) - 80) < 1.0e-12_dp .and. channel%reduction_at_least(4) <= 0.0_dp, "80 %")
    end subroutine test_reduction
+
+   !> A channel whose squares vanish cannot be filtered: the others are done all the same. What fails everywhere is a wrong option.
+   subroutine test_one_channel_fails(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(simulate_options) :: simulated
+      type(pipeline_result_type) :: result
+      type(pipeline_options) :: options
+      type(gyro_error), allocatable :: failed
+      real(dp) :: x(2000)
+      integer :: broken
+
+      simulated%samples = size(x)
+      simulated%rate_hz = 10
+      simulated%coefficient(2) = 0.01_dp
+      simulated%ar = [0.98_dp]
+      simulated%ar_variance = 1.0e-3_dp
+      call simulate_record(simulated, record, failed)
+      x = record%value(:, 1)
+      deallocate (record%value)
+      if (allocated(record%channel)) deallocate (record%channel)
+      allocate (record%value(size(x), 3))
+      options%keep_series = .true.
+      do broken = 1, 3
+         record%value = spread(x, 2, 3)
+         record%value(:, broken) = 1.0e-153_dp*x
+         call check(error, run(record, result, options), "a channel ends all of them")
+         if (allocated(error)) return
+         call check(error, all(result%channel%available%drift_smoother .eqv. [1, 2, 3] /= broken), "the others are whole")
+         if (allocated(error)) return
+         associate (c => result%channel(broken))
+            call check(error, allocated(c%unavailable) .and. allocated(c%series_cleaned) .and. .not. c%available%akf, "it says why")
+            if (allocated(error)) return
+            call check(error, index(c%unavailable(size(c%unavailable))%text, "the rest of the analysis: ") == 1)
+            if (allocated(error)) return
+         end associate
+      end do
+      record%value = spread(x, 2, 3)
+      options%adf%regression = "zz"
+      call check(error, .not. run(record, result, options), "a wrong option is refused")
+   end subroutine test_one_channel_fails
 
    !> Values as small and as large as they may be: everything scales with them.
    subroutine test_tiny_huge(error)

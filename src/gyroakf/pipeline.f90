@@ -22,6 +22,7 @@ module gyroakf_pipeline
    use gyroakf_pipeline_series_sink, only : series_sink_type
    use gyroakf_pipeline_streamed, only : run_streamed
    use gyroakf_pipeline_truth, only : check_truth, take_truth
+   use gyroakf_pipeline_warnings, only : is_of_channel, note_failure
    use gyroakf_pipeline_streamed_filter, only : check_filter, filter_streamed
    implicit none (type, external)
    private
@@ -111,15 +112,17 @@ contains
       !> One entry per channel
       type(pipeline_result_type), intent(out) :: result
       !> `too_few_samples`: fewer than [[gyroakf_pipeline:minimum_samples]]; no_memory; cancelled; invalid_argument,
-      !> not_supported from an option. A room that fails for one channel is no error: see `channel%unavailable`
+      !> not_supported where no channel can be done, as an option is then wrong. A room that fails for one channel is no error, nor
+      !> is one of several channels that cannot be done to the end: see `channel%unavailable`
       type(error_type), allocatable, intent(out) :: error
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional, target :: progress
       !> The true drift on the same grid, as `simulate_record` gives it: every filter and some others are scored against it
       type(record_type), intent(in), optional :: truth
       type(channel_progress_type) :: named
+      type(error_type), allocatable :: first
       character(24) :: digits
-      integer :: channel, channels
+      integer :: channel, channels, failures
 
       if (.not. allocated(record%value)) then
          call fatal_error(error, status%too_few_samples, "the record is empty")
@@ -135,6 +138,7 @@ contains
       result%duration = real(size(record%value, 1, kind=int64), dp)*record%sample_interval
       channels = size(record%value, 2)
       allocate (result%channel(channels))
+      failures = 0
       do channel = 1, channels
          result%channel(channel)%name = "channel"
          if (allocated(record%channel)) result%channel(channel)%name = record%channel(channel)%text
@@ -147,9 +151,27 @@ contains
          else
             call run_one(record, channel, options, result%channel(channel), error, progress)
          end if
-         if (allocated(error)) return
+         if (allocated(error)) then
+            if (.not. is_of_channel(error)) return
+            failures = failures + 1
+            if (failures == 1) first = error
+            call note_failure(result%channel(channel), "the rest of the analysis", error)
+            if (options%keep_series) call keep_input(record, channel, result%channel(channel))
+         end if
       end do
+      if (failures == channels) call move_alloc(first, error)
    end subroutine run_pipeline
+
+   !> What is written as series where a channel could not be done to the end: its samples.
+   subroutine keep_input(record, channel, result)
+      type(record_type), intent(in) :: record
+      !> Its number
+      integer, intent(in) :: channel
+      type(channel_result_type), intent(inout) :: result
+
+      if (.not. allocated(result%series_cleaned)) result%series_cleaned = record%value(:, channel)
+      if (allocated(record%present) .and. .not. allocated(result%series_present)) result%series_present = record%present(:, channel)
+   end subroutine keep_input
 
    !> One channel of a record.
    subroutine run_one(record, channel, options, result, error, progress)

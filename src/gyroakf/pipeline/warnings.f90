@@ -9,7 +9,7 @@ module gyroakf_pipeline_warnings
    use gyroakf_pipeline_result, only : channel_result_type, stage
    implicit none (type, external)
    private
-   public :: is_fatal, note_failure, warn_outliers, warn_order, warn_model, warn_fit, warn_centred
+   public :: is_fatal, is_of_channel, note_failure, warn_outliers, warn_order, warn_model, warn_fit, warn_centred
 
    !> So many times of outliers are named
    integer, parameter :: named_outliers = 8
@@ -31,6 +31,16 @@ contains
       is_fatal = any(error%code == [status%no_memory, status%cancelled, status%internal, status%not_supported, &
                                     status%invalid_argument])
    end function is_fatal
+
+   !> An error that ends a channel but tells nothing of the others: what is wrong with its numbers alone, as long as another channel
+   !> can be done with the same options.
+   pure logical function is_of_channel(error)
+      !> An error or none
+      type(error_type), allocatable, intent(in) :: error
+
+      is_of_channel = .false.
+      if (allocated(error)) is_of_channel = any(error%code == [status%invalid_argument, status%not_supported])
+   end function is_of_channel
 
    !> Notes why a room has no result and clears the error.
    pure subroutine note_failure(channel, room, error)
