@@ -30,6 +30,7 @@ code() { # FILE:LINE:code, without texts and comments, in lower case
 src=$(code 'src/*.f90')
 app=$(code 'app/*.f90')
 
+grep -E 'fatal_error *\(.*status%(internal|usage)' <<<"$src" | rule "src/ gives an error that is the program's (test/test_status.f90)"
 grep -E ':[0-9]+:(.*[^a-z0-9_%])?(error +)?stop( *$| *[0-9",a-z(]| *;)' <<<"$src" |
   grep -vE '(end +(subroutine|function)|%) *stop|stop *=' | rule "the library does not stop"
 grep -E ':[0-9]+:(.*[^a-z0-9_%])?(print *([*(]|"")|write *\( *((unit *= *)?(\*|output_unit|error_unit)))' <<<"$src" |

@@ -48,9 +48,9 @@ module gyroakf_error
       integer :: not_supported = 11
       !> The caller's callback asked to stop
       integer :: cancelled = 12
-      !> A defect of the library
+      !> A defect of the library: what its self-test finds, as the program's exit code. No procedure returns it
       integer :: internal = 13
-      !> The command line is wrong
+      !> The command line is wrong: the program's. No procedure of the library returns it
       integer :: usage = 14
    end type status_enum
 
