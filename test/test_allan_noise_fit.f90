@@ -35,6 +35,8 @@ contains
          & new_unittest("scale", test_scale), &
          & new_unittest("covariance", test_covariance), &
          & new_unittest("correlation_of_records", test_correlation_of_records), &
+         & new_unittest("chosen_alone", test_chosen_alone), &
+         & new_unittest("coverage", test_coverage), &
          & new_unittest("bad_fit", test_bad_fit), &
          & new_unittest("dense_curve", test_dense_curve), &
          & new_unittest("limits_of_curve", test_limits_of_curve), &
@@ -419,6 +421,92 @@ contains
          if (allocated(error)) return
       end do
    end subroutine test_correlation_of_records
+
+   subroutine test_chosen_alone(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! terms that are not there change neither value nor error of the one that is; the curve is the sum of the values
+      type(allan_curve_type) :: curve
+      type(noise_options) :: options
+      type(noise_type) :: all_terms, two, alone
+      real(dp) :: rate(3000)
+
+      rate = normal_series(size(rate, kind=int64), 4711_int64)
+      call fit_record(error, rate, 0.5_dp, options, curve, all_terms)
+      options%terms = "NB"
+      if (.not. allocated(error)) call fit_record(error, rate, 0.5_dp, options, curve, two)
+      options%terms = "N"
+      if (.not. allocated(error)) call fit_record(error, rate, 0.5_dp, options, curve, alone)
+      if (allocated(error)) return
+      call check(error, count(all_terms%coefficient%detected) == 1 .and. all(all_terms%coefficient%fitted), "N alone is there")
+      if (allocated(error)) return
+      associate (n => all_terms%coefficient(2), hidden => all_terms%coefficient([1, 3, 4, 5]), b => all_terms%coefficient(3))
+         call check(error, abs(n%value/alone%coefficient(2)%value - 1) < 1e-9_dp, "the value is another")
+         if (allocated(error)) return
+         call check(error, abs(n%std_error/alone%coefficient(2)%std_error - 1) < 1e-9_dp, "the error is another")
+         if (allocated(error)) return
+         call check(error, all(hidden%value <= 0 .and. hidden%std_error > 0 .and. hidden%upper_limit > 0), "a limit, no value")
+         if (allocated(error)) return
+         call check(error, maxval(abs(all_terms%model*sqrt(curve%tau)/n%value - 1)) < 1e-9_dp, "the curve is another")
+         if (allocated(error)) return
+         call check(error, b%upper_limit >= two%coefficient(3)%upper_limit*(1 - 1e-9_dp), &
+            & "a limit that further terms make lower")
+      end associate
+   end subroutine test_chosen_alone
+
+   subroutine test_coverage(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! N and K of 300 records, all terms on offer: biases within 4 of their standard errors, intervals and limits cover what they
+      ! say within 4 standard deviations of such a share (validation/monte_carlo has more records)
+      integer, parameter :: records = 300, samples = 2000, term(2) = [2, 4]
+      real(dp), parameter :: truth(2) = [1.0_dp, 0.05_dp], normal_68 = 0.6827_dp, normal_95 = 0.95_dp
+      type(allan_curve_type) :: curve
+      type(noise_options) :: options
+      type(noise_type) :: noise
+      real(dp) :: g(3*samples), size_of_error(records), limit(records)
+      integer :: i, k
+      real(dp) :: outcome(3, 2, records)
+
+      do i = 1, records
+         g = normal_series(size(g, kind=int64), int(7919*i, int64))
+         call fit_record(error, truth(1)*g(:samples) + truth(2)*walk_of(g(samples + 1:2*samples), g(2*samples + 1:)), 1.0_dp, &
+            & options, curve, noise)
+         if (allocated(error)) return
+         outcome(1, :, i) = noise%coefficient(term)%value
+         outcome(2, :, i) = noise%coefficient(term)%std_error
+         outcome(3, :, i) = noise%coefficient(term)%upper_limit
+      end do
+      do k = 1, 2
+         size_of_error = (outcome(1, k, :) - truth(k))/outcome(2, k, :)
+         limit = outcome(3, k, :)
+         call check(error, abs(sum(size_of_error)/records) < 4/sqrt(real(records, dp)), "a bias")
+         if (allocated(error)) return
+         call check(error, abs(share(abs(size_of_error) < 1) - normal_68) < tolerance(normal_68), "one standard error")
+         if (allocated(error)) return
+         call check(error, abs(share(abs(size_of_error) < 1.96_dp) - normal_95) < tolerance(normal_95), "two standard errors")
+         if (allocated(error)) return
+         call check(error, abs(share(limit > truth(k)) - normal_95) < tolerance(normal_95), "the limit")
+         if (allocated(error)) return
+      end do
+
+   contains
+
+      !> Share of records.
+      pure real(dp) function share(these)
+         logical, intent(in) :: these(:)
+
+         share = real(count(these), dp)/size(these)
+      end function share
+
+      !> Four standard deviations of a share.
+      pure real(dp) function tolerance(probability)
+         real(dp), intent(in) :: probability
+
+         tolerance = 4*sqrt(probability*(1 - probability)/records)
+      end function tolerance
+
+   end subroutine test_coverage
 
    subroutine test_bad_fit(error)
       type(error_type), allocatable, intent(out) :: error

@@ -327,12 +327,12 @@ typedef struct gyroakf_fit_options {
 GYROAKF_API void gyroakf_fit_options_init(gyroakf_fit_options *opt);
 
 typedef struct gyroakf_coefficient {
-  double value;       /* never negative */
+  double value;       /* never negative; 0 where the curve does not ask for the term */
   double std_error;   /* standard error */
   double upper_limit; /* one-sided, 95 % */
   int32_t detected;   /* 1: the curve asks for the term (chance finds another term in about 2 % of records of white
                          noise); otherwise state the upper limit, not the value */
-  int32_t fitted;     /* 1: the term was in the fit */
+  int32_t fitted;     /* 1: the term was on offer */
 } gyroakf_coefficient;
 
 /* Model: sigma^2 = 3 Q^2/tau^2 + N^2/tau + (2 ln 2/pi) B^2 + K^2 tau/3 + R^2 tau^2/2; two-sided PSDs.
@@ -369,7 +369,8 @@ GYROAKF_API int gyroakf_noise_fit(const gyroakf_allan *a, const gyroakf_fit_opti
  * The same fit with the covariance of the five estimates.
  *   out         as above; may be NULL
  *   covariance  [25] of q n b k r, row by row, in the product of the units of both: std_error squared on the diagonal, beside it the
- *               correlation of the estimates, none of which becomes negative, times both std_error; 0 where a term was not fitted
+ *               correlation of the estimates, none of which becomes negative, times both std_error; 0 where a term was not fitted,
+ *               and beside the diagonal where a value is 0
  * On failure nothing but err is written.
  */
 GYROAKF_API int gyroakf_noise_covariance(const gyroakf_allan *a, const gyroakf_fit_options *opt, gyroakf_noise *out,

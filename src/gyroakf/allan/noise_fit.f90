@@ -14,7 +14,7 @@
 !> ([[gyroakf_allan_term_selection]]), from its analytic covariance, no integer noise type; b_i is the expectation of the
 !> logarithm of chi-square(nu)/nu. Weights taken from a model and not from the data do not prefer points that happen to lie low.
 !> The minimum is found by non-negative Gauss-Newton steps; the linear method fits the variances themselves with the same
-!> relative weights. Terms that were not chosen stay in this fit: the errors of the others contain that they might be there.
+!> relative weights. Only chosen terms are in this fit ([[gyroakf_allan_fit_statement]] says why); of the others there is a limit.
 !>
 !> Standard errors are those of estimates drawn with the full covariance of the variances, because estimates at neighbouring
 !> averaging times are nearly the same, and with the bounds of the fit, because a term that often comes out as zero
@@ -26,14 +26,14 @@
 !> s^2 exp(-|ln tau_i/tau_j|). The standard errors grow with it.
 module gyroakf_allan_noise_fit
    use gyroakf_kinds, only : dp
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : error_type
    use gyroakf_allan_description, only : description_type, describe_curve
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_allan_fit_points, only : choose_points, choose_terms, noise_options
    use gyroakf_allan_fit_problem, only : half_freedom, minimise, model_at, problem_type
    use gyroakf_allan_fit_statement, only : coefficient_type, noise_type, state_coefficients
    use gyroakf_allan_mixture_limits, only : give_mixture_limits
-   use gyroakf_allan_noise_model, only : model_variance, noise_model_type, term_markov
+   use gyroakf_allan_noise_model, only : model_variance, noise_model_type
    use gyroakf_allan_term_selection, only : acceptable, normal_residuals, select_terms
    use gyroakf_special, only : digamma
    implicit none (type, external)
@@ -73,16 +73,7 @@ contains
       call judge(problem, curve, description, noise)
       if (noise%chi2_reduced > chi2_wrong) call admit_misfit(description)
       noise%misfit = sqrt(description%problem%misfit)
-      fitted = description%selection%model
-      description%problem%offered(term_markov:) = description%selection%chosen(term_markov:)
-      if (.not. any(description%problem%offered)) then
-         call fatal_error(error, status%not_converged, "the curve has none of the noise terms that were asked for")
-         return
-      end if
-      call minimise(description%problem, options%method == "linear", half_freedom(description%problem, fitted), fitted, error)
-      if (.not. allocated(error)) then
-         call state_coefficients(description, options%method == "linear", fitted, curve%sample_interval, noise, error)
-      end if
+      call state_coefficients(description, options%method == "linear", curve%sample_interval, fitted, noise, error)
       if (allocated(error)) return
       noise%model = [(sqrt(description%problem%scale*model_variance(fitted, real(curve%m(i), dp))), i=1, size(curve%m))]
       call give_mixture_limits(curve, noise)
