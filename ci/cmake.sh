@@ -57,7 +57,8 @@ build() { # FOLDER OPTIONS...
   fi
   cmake -S . -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE="$type" -DCMAKE_Fortran_FLAGS_QUICK="-O1 -g1" \
     -DCMAKE_C_FLAGS_QUICK="-O1 -g" "$@" || return
-  cmake --build "$folder" ${only:+--target "$only"}
+  # shellcheck disable=SC2086  # targets are split
+  cmake --build "$folder" ${only:+--target $only}
 }
 
 suites() { # the quick ones, by ctest, whose counts are added
@@ -69,6 +70,18 @@ suites() { # the quick ones, by ctest, whose counts are added
     passed=$((passed + of - bad))
     failed=$((failed + bad))
   done < <(sed -nE 's/.*tests passed, ([0-9]+) tests? failed out of ([0-9]+).*/\1 \2/p' "$work/ctest")
+}
+
+one_thread() {
+  ! nm -D build/cmake/alone/libgyroakf.so | grep -E 'omp_|GOMP'
+}
+
+alike() { # the same document of both builds, but for what tells of the run
+  local kind
+  for kind in shared alone; do
+    OMP_NUM_THREADS=1 "build/cmake/$kind/gyroakf" allan example/data/mems_gyro_x.txt --json - --quiet >"$work/$kind.json" || return
+  done
+  cmp "$work/shared.json" "$work/alone.json"
 }
 
 version() { sed -n 's/^version *= *"\(.*\)"/\1/p' fpm.toml; }
@@ -105,6 +118,12 @@ fi
 ok "shared: build" build shared || finish
 suites
 ok "shared: install" cmake --install build/cmake/shared --prefix "$work/shared" && consumers shared
+only="gyroakf_program test_c_api"
+ok "one thread: build" build alone -DGYROAKF_OPENMP=OFF || finish
+only=
+ok "one thread: nothing of OpenMP is needed" one_thread
+ok "one thread: the C tests" build/cmake/alone/test/test_c_api
+ok "one thread: the numbers of the build with OpenMP" alike
 ok "static: build" build static -DBUILD_SHARED_LIBS=OFF -DBUILD_TESTING=OFF || finish
 ok "static: install" cmake --install build/cmake/static --prefix "$work/static" && consumers static
 finish

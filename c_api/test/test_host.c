@@ -8,9 +8,9 @@
 #endif
 #include "check.h"
 #include "modes.h"
+#include "threads.h"
 #include "work.h"
 
-#include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,9 +40,9 @@ typedef struct tiny_results {
   double stepped[100], run[100], read[2];
 } tiny_results;
 
-/* A filter, a step at a time and all at once, and a recording of numbers below the smallest normal one. */
+/* A filter, a step at a time and all at once, and a recording with numbers below the smallest normal one. */
 static void use_tiny(tiny_results *tiny, const double *z) {
-  static const char text[] = "3e-310\n5e-310\n";
+  static const char text[] = "3e-310\n5e-310\n1\n";
   const double phi = 0.5;
   gyroakf_filter *f = NULL;
   gyroakf_record *r = NULL;
@@ -58,7 +58,7 @@ static void use_tiny(tiny_results *tiny, const double *z) {
   gyroakf_reader_options_init(&opt);
   opt.scale = 0.5;
   gyroakf_record_parse(text, (int64_t)strlen(text), &opt, &r, &error);
-  if (gyroakf_record_samples(r) == 2) memcpy(tiny->read, gyroakf_record_values(r, 0), sizeof tiny->read);
+  if (gyroakf_record_samples(r) == 3) memcpy(tiny->read, gyroakf_record_values(r, 0), sizeof tiny->read);
   gyroakf_record_free(r);
 }
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Long calls tell how far they are, and can be cancelled at every place where they do. */
 #include "check.h"
+#include "threads.h"
 
-#include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -4,9 +4,9 @@
  * texts that they give one after the other.
  */
 #include "check.h"
+#include "threads.h"
 #include "work.h"
 
-#include <omp.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>

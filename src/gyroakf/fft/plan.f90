@@ -279,9 +279,11 @@ contains
          call fatal_error(error, status%no_memory, "no memory for the tables of a Fourier transform")
          return
       end if
-      call tell_progress("Fourier transform", 0_int64, plan%length, error, progress)
-      if (allocated(error)) return
-      plan%filter(:) = 0
+      do j = 0, plan%inner - 1
+         if (iand(j, told_points) == 0) call tell_progress("Fourier transform", 0_int64, plan%length, error, progress)
+         if (allocated(error)) return
+         plan%filter(j) = 0
+      end do
       square = 0                                   ! j**2 modulo 2 n
       do j = 0, plan%length - 1
          if (iand(j, told_points) == 0) call tell_progress("Fourier transform", j, plan%length, error, progress)

@@ -104,7 +104,7 @@ contains
       end do
       call fft_forward(plan%complex, spectrum(:half - 1), error, progress)
       if (.not. allocated(error) .and. half > told_points) call tell_progress("Fourier transform", half, half, error, progress)
-      if (.not. allocated(error)) call unpack_spectrum(plan, spectrum)
+      if (.not. allocated(error)) call unpack_spectrum(plan, spectrum, error, progress)
    end subroutine real_fft_forward
 
    !> Series of a half spectrum: the inverse of [[real_fft_forward]]. The imaginary parts of the first value and, for an
@@ -154,9 +154,12 @@ contains
    end subroutine real_fft_backward
 
    !> Z, the spectrum of even + i odd samples, becomes X_k = (Z_k + Z*_{h-k})/2 - i w_k (Z_k - Z*_{h-k})/2.
-   pure subroutine unpack_spectrum(plan, z)
+   subroutine unpack_spectrum(plan, z, error, progress)
       type(real_fft_plan_type), intent(in) :: plan
       complex(dp), intent(inout), contiguous :: z(0:)
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
       integer(int64) :: k, half
       complex(dp) :: even, odd, first
 
@@ -165,6 +168,8 @@ contains
       z(0) = real(first, dp) + aimag(first)
       z(half) = real(first, dp) - aimag(first)
       do k = 1, half/2
+         if (iand(k, told_points) == 0) call tell_progress("Fourier transform", half, half, error, progress)
+         if (allocated(error)) return
          even = 0.5_dp*(z(k) + conjg(z(half - k)))
          odd = 0.5_dp*(z(k) - conjg(z(half - k)))
          odd = plan%twiddle(k)*cmplx(aimag(odd), -real(odd, dp), dp)

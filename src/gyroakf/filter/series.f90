@@ -76,8 +76,8 @@ module gyroakf_filter_series
       !> Innovations over their standard deviations, presence: of a block
       real(dp), allocatable :: normalised(:)
       integer(int8), allocatable :: here(:)
-      !> Samples of the series, those before its last third, those done
-      integer(int64) :: samples = 0, third = 0, done = 0
+      !> Samples of the series, those before its last third, those done, those done when it is told next
+      integer(int64) :: samples = 0, third = 0, done = 0, told = 0
       !> Counts of the filter at the beginning: clamped, gated
       integer(int64) :: before(2) = 0
    end type filter_run_type
@@ -188,7 +188,8 @@ contains
       last = 0
       do while (last < size(z, kind=int64))
          if (run%done == 0 .or. run%done == run%third) call restart_gain(filter)
-         if (mod(run%done, tell_every) == 0) then
+         if (run%done >= run%told) then
+            run%told = run%done + tell_every
             call tell_progress("filtering", run%done, run%samples, error, progress)
             if (allocated(error)) return
          end if

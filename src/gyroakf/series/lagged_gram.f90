@@ -12,7 +12,7 @@
 module gyroakf_series_lagged_gram
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_preprocess_trend, only : trend_type, subtract_trend
    use gyroakf_ar_shared_autocovariance, only : autocovariance_type
    use gyroakf_series_lagged_rows, only : row_sums_type, sum_rows, time_of, level2, level_d, time0, time_level, time_d
@@ -29,6 +29,9 @@ module gyroakf_series_lagged_gram
       !> Powers of the time, level, lags 1 .. lags, difference: [terms + lags + 2, same]; upper triangle
       real(dp), allocatable :: matrix(:, :)
    end type gram_type
+
+   !> Stretches without gaps between two reports of progress
+   integer(int64), parameter :: told_stretches = 1024
 
 contains
 
@@ -72,7 +75,8 @@ contains
       first_row(:, 0) = s%lagged
       first_row(0, 1) = s%other(level_d)
       first_row(0, 2:4) = s%other(time_d:time_d + 2)
-      call extend(x, trend, terms, lags, first_row, gram%matrix, valid)
+      call extend(x, trend, terms, lags, first_row, gram%matrix, error, valid, progress)
+      if (allocated(error)) return
       call fill(gram, first_row, s%other)
    end subroutine build_gram
 
@@ -178,7 +182,7 @@ contains
    end subroutine add_rows
 
    !> Extends the sums of lag 0 to all lags by the ends of every stretch without gaps.
-   subroutine extend(x, trend, terms, lags, first_row, matrix, valid)
+   subroutine extend(x, trend, terms, lags, first_row, matrix, error, valid, progress)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> Subtracted from it
@@ -189,17 +193,25 @@ contains
       real(dp), intent(inout) :: first_row(0:, 0:)
       !> The corrections of sum d_(t-i) d_(t-j), in the place of lag i+1, j+1
       real(dp), intent(inout) :: matrix(:, :)
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp) :: edge(0:lags, 4), delta
-      integer(int64) :: n, begin, finish
+      integer(int64) :: n, begin, finish, stretch
       integer :: j
 
       n = size(x, kind=int64)
       delta = 2.0_dp/real(n, dp)
       edge = 0.0_dp
       begin = 0
+      stretch = 0
       do while (begin < n)
+         stretch = stretch + 1
+         if (mod(stretch, told_stretches) == 0) call tell_progress("unit-root test", begin, n, error, progress)
+         if (allocated(error)) return
          finish = n - 1
          if (present(valid)) call next_run(valid, begin, finish)
          if (finish - begin >= lags + 1) call add_ends(x, trend, terms, lags, begin, finish, edge, matrix)

@@ -95,6 +95,7 @@ contains
          call cut(x(first:first + part%length - 1), part, energy, segment, share(i - from + 1), first, valid)
          if (share(i - from + 1) <= 0.0_dp) cycle
          call real_fft_forward(plan, segment, spectrum, error, progress)
+         if (.not. allocated(error)) call tell_progress("spectrum", i, 0_int64, error, progress)
          if (allocated(error)) return
          factor = 1.0_dp/energy                      ! share over the energy of what is present
          do k = 0, part%length/2

@@ -123,8 +123,10 @@ contains
                           "take shorter segments, or a smaller share that must be present")
          return
       end if
+      call tell_progress("spectrum", spectrum%segments, spectrum%segments, error, progress)
+      if (allocated(error)) return
       spectrum%density = spectrum%density*(dt/sum(share))
-      call state(part, share, dt, spectrum)
+      call state(part, share, dt, spectrum, error, progress)
    end subroutine welch_spectrum
 
    !> Length, step and number of the segments.
@@ -232,11 +234,14 @@ contains
    end subroutine add_all
 
    !> Frequencies, degrees of freedom, limits.
-   subroutine state(part, share, dt, spectrum)
+   subroutine state(part, share, dt, spectrum, error, progress)
       type(segment_type), intent(in) :: part
       real(dp), intent(in) :: share(:)
       real(dp), intent(in) :: dt
       type(welch_type), intent(inout) :: spectrum
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
       real(dp) :: tail
       integer(int64) :: k, last
 
@@ -250,6 +255,8 @@ contains
       do k = 0, last
          spectrum%frequency(k) = real(k, dp)/(real(part%length, dp)*dt)
       end do
+      call tell_progress("spectrum", spectrum%segments, spectrum%segments, error, progress)
+      if (allocated(error)) return
       spectrum%edf = spectrum%degrees_of_freedom
       spectrum%one_sided = 2.0_dp*spectrum%density
       do k = 0, last
@@ -257,6 +264,8 @@ contains
          spectrum%edf(k) = 0.5_dp*spectrum%degrees_of_freedom
          spectrum%one_sided(k) = spectrum%density(k)
       end do
+      call tell_progress("spectrum", spectrum%segments, spectrum%segments, error, progress)
+      if (allocated(error)) return
       spectrum%lower = spectrum%density*(spectrum%degrees_of_freedom/chi_square_quantile(1.0_dp - tail, &
                                                                                           spectrum%degrees_of_freedom))
       spectrum%upper = spectrum%density*(spectrum%degrees_of_freedom/chi_square_quantile(tail, spectrum%degrees_of_freedom))
