@@ -35,6 +35,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       call check(error, progress_line("reading", 1234567890_int64, 0_int64, 4.0_dp, 79), "reading  1.23 GB  309 MB/s")
+      if (allocated(error)) return
+      call check(error, progress_line("completing the record", 0_int64, 0_int64, 4.0_dp, 79), "completing the record")
    end subroutine unknown_total
 
    subroutine files_are_counted(error)

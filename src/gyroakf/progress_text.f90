@@ -25,7 +25,7 @@ contains
       character(*), intent(in) :: stage
       !> So much of `total`
       integer(int64), intent(in) :: done
-      !> 0 where it is not known
+      !> 0 where it is not known; the stage alone where `done` is 0 too
       integer(int64), intent(in) :: total
       !> Since the stage began
       real(dp), intent(in) :: seconds
@@ -46,8 +46,8 @@ contains
          if (width >= 60) line = line//"  ["//repeat("#", filled)//repeat(".", bar_width - filled)//"]"
          line = line//"  "//right(int(100.0_dp*share), 3)//" %"
          if (unit == "files") line = line//"  "//whole(done)//" of "//whole(total)
-      else
-         line = line//"  "//amount_text(real(max(done, 0_int64), dp), unit)
+      else if (done > 0) then
+         line = line//"  "//amount_text(real(done, dp), unit)
       end if
       if (rate > 0.0_dp) line = line//"  "//amount_text(rate, unit)//"/s"
       if (rate > 0.0_dp .and. total > 0) line = line//"  "//duration_text(real(max(total - done, 0_int64), dp)/rate)//" left"
