@@ -10,7 +10,8 @@ module test_simulate
    use gyroakf_simulate_noise, only : add_autoregressive
    use gyroakf_simulate_record, only : simulate_options, simulate_record, paper_preset, paper_seed
    use scratch_file, only : scratch_path, read_bytes, remove_file
-   use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
+   use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan, ieee_overflow, ieee_set_flag, ieee_get_halting_mode, &
+      & ieee_set_halting_mode
    implicit none (type, external)
    private
    public :: collect_simulate
@@ -26,7 +27,7 @@ contains
    subroutine collect_simulate(testsuite)
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
-      allocate (testsuite(19))
+      allocate (testsuite(20))
       testsuite(1) = new_unittest("quantisation-noise", test_q)
       testsuite(2) = new_unittest("angle-random-walk", test_n)
       testsuite(3) = new_unittest("bias-instability", test_b)
@@ -46,6 +47,7 @@ contains
       testsuite(17) = new_unittest("failures", test_failures)
       testsuite(18) = new_unittest("failures-of-lists", test_list_failures)
       testsuite(19) = new_unittest("truth", test_truth)
+      testsuite(20) = new_unittest("overflow", test_overflow)
    end subroutine collect_simulate
 
    !> 3 Q^2/tau^2, exact at every m
@@ -353,7 +355,7 @@ contains
       integer :: k
 
       nan = ieee_value(nan, ieee_quiet_nan)
-      do k = 1, 18
+      do k = 1, 19
          options = everything()
          select case (k)
          case (1); options%samples = 0
@@ -370,6 +372,7 @@ contains
          case (15); options%missing = 1
          case (16); options%missing = -0.1_dp
          case (17); options%unit = "furlong"
+         case (18); options%rate_hz = 1.0e-200_dp
          case default; options%coefficient(2) = 1.0e300_dp
          end select
          call expect(error, options, status%invalid_argument, k)
@@ -407,6 +410,20 @@ contains
       options%samples = 2_int64**62
       call expect(error, options, status%no_memory, 8)
    end subroutine test_list_failures
+
+   !> Every option is in its range, but outliers of so many standard deviations overflow.
+   subroutine test_overflow(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: white(5) = [0.0_dp, 1.0e130_dp, 0.0_dp, 0.0_dp, 0.0_dp]
+      logical :: halts
+
+      call ieee_get_halting_mode(ieee_overflow, halts)
+      call ieee_set_halting_mode(ieee_overflow, .false.)
+      call expect(error, simulate_options(samples=100, rate_hz=1.0e139_dp, coefficient=white, outliers=3, &
+                                          outlier_size=1.0e139_dp), status%non_finite, 1)
+      call ieee_set_flag(ieee_overflow, .false.)
+      call ieee_set_halting_mode(ieee_overflow, halts)
+   end subroutine test_overflow
 
    !> Options with everything switched on, 500 samples
    function everything() result(options)

@@ -31,6 +31,7 @@ contains
          & new_unittest("many_coefficients", test_many), &
          & new_unittest("steady_state_is_a_fixed_point", test_fixed_point), &
          & new_unittest("no_measurement_noise", test_no_noise), &
+         & new_unittest("lost_noise", test_lost_noise), &
          & new_unittest("stationary_covariance", test_lyapunov), &
          & new_unittest("shift_structure", test_shift), &
          & new_unittest("dc_gain_of_a_step", test_step_response), &
@@ -166,6 +167,34 @@ contains
          if (allocated(error)) return
       end do
    end subroutine test_fixed_point
+
+   !> A variance r that is lost beside q is as none, of any order, and at once; from one that is not the solution goes over to it.
+   subroutine test_lost_noise(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: failure
+      real(dp), parameter :: r(4) = [tiny(1.0_dp)*epsilon(1.0_dp), 1.0e-300_dp, 1.0e-20_dp, 1.0e-16_dp]
+      real(dp) :: gain3(3), prior3(3, 3)
+      real(dp), allocatable :: many(:), gain(:), prior(:, :)
+      integer :: k
+
+      do k = 1, size(r)
+         call steady_state(phi3, 2.0_dp, r(k), gain3, prior3, failure)
+         call check(error,.not. allocated(failure), "three coefficients")
+         if (allocated(error)) return
+         call check(error, prior3(1, 1), 2.0_dp, thr=1.0e-14_dp)
+         if (allocated(error)) return
+         call check(error, abs(gain3(1) - 1.0_dp) + sum(abs(gain3(2:))) <= 1.0e-15_dp, "the gain is not 1")
+         if (allocated(error)) return
+      end do
+      allocate (many(900), source=0.0_dp)
+      allocate (gain(900), prior(900, 900))
+      many(1) = 0.5_dp
+      many(900) = 0.4999_dp
+      call steady_state(many, 2.0_dp, r(1), gain, prior, failure)
+      call check(error,.not. allocated(failure), "900 coefficients")
+      if (allocated(error)) return
+      call check(error, gain(1), 1.0_dp, thr=1.0e-15_dp)
+   end subroutine test_lost_noise
 
    !> r = 0: the state is measured, the gain is 1, only the last driving noise is unknown
    subroutine test_no_noise(error)

@@ -16,6 +16,8 @@ module gyroakf_filter_state_space
 
    !> Relative change at which a doubling iteration has converged
    real(dp), parameter :: tolerance = 1.0e-15_dp
+   !> Standard deviation, relative, that rounding loses from a variance
+   real(dp), parameter :: lost = 1.0e-9_dp
    !> Doublings after which it has failed: 2^60 steps of the recursion
    integer, parameter :: max_doublings = 60
    !> Order from which the gain is found by `settle_gain`, and its steps at most
@@ -151,7 +153,7 @@ contains
 
       prior = 0.0_dp
       settled = .false.
-      if (.not. r > 0.0_dp) then
+      if (noise_is_lost(phi, q, r)) then
          prior(1, 1) = q
       else if (size(phi) == 1) then
          prior(1, 1) = steady_prior(phi(1), q, r)
@@ -175,6 +177,18 @@ contains
       end if
       gain = prior(:, 1)/(prior(1, 1) + r)
    end subroutine steady_state
+
+   !> True where r is 0, or so small that the state counts as measured: what r adds to the variance of the prediction, at most
+   !> $r (\sum |\phi_j|)^2$, is below the rounding of q.
+   pure logical function noise_is_lost(phi, q, r)
+      !> Coefficients, [p], p >= 1
+      real(dp), intent(in) :: phi(:)
+      !> Variances of the driving and of the measurement noise, >= 0
+      real(dp), intent(in) :: q, r
+
+      noise_is_lost = .not. r > 0.0_dp
+      if (size(phi) > 1 .and. q > 0.0_dp) noise_is_lost = sqrt(r)*(1.0_dp + sum(abs(phi))) <= lost*sqrt(q)
+   end function noise_is_lost
 
    !> Steady variance of the prediction of a state of one coefficient, in a unit in which products of variances are numbers:
    !> $$ P^- = \tfrac12 \left[ c + \sqrt{c^2 + 4 q r} \right],\quad c = q - r (1 - \phi^2) $$

@@ -9,6 +9,7 @@ module gyroakf_simulate_record
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_scan, only : all_sound
    use gyroakf_units, only : parse_unit
    use gyroakf_record, only : record_type, add_text
    use gyroakf_simulate_random, only : random_type, seed_random
@@ -101,8 +102,8 @@ contains
       type(simulate_options), intent(in) :: options
       !> The record; `format` is "simulated", `present` is allocated where samples were lost
       type(record_type), intent(out) :: record
-      !> `invalid_argument`: an option out of its range or an unknown unit; `unstable`: the AR model is not stationary; no_memory;
-      !> cancelled
+      !> `invalid_argument`: an option out of its range or an unknown unit; `unstable`: the AR model is not stationary;
+      !> `non_finite`: its values are too large for double precision; no_memory; cancelled
       type(error_type), allocatable, intent(out) :: error
       !> The true drift, on the same grid
       type(record_type), intent(out), optional :: truth
@@ -115,6 +116,7 @@ contains
       if (.not. allocated(error)) call add_noise(options, .true., record%value(:, 1), error, progress)
       if (.not. allocated(error)) call add_disturbances(options, record, error)
       if (.not. allocated(error)) call tell_progress("simulating", options%samples, options%samples, error, progress)
+      if (.not. allocated(error)) call check_size(record, error)
       if (allocated(error)) return
       call audit_record(record)
       if (.not. present(truth)) return
@@ -122,8 +124,20 @@ contains
       if (.not. allocated(error)) call add_noise(options, .false., truth%value(:, 1), error, progress)
       if (allocated(error)) return
       call add_deterministic(options, truth%sample_interval, truth%value(:, 1))
+      call check_size(truth, error)
+      if (allocated(error)) return
       call audit_record(truth)
    end subroutine simulate_record
+
+   !> Refuses a record with values that overflowed: each option is within its range, but outliers are measured in the noise.
+   subroutine check_size(record, error)
+      type(record_type), intent(in) :: record
+      type(error_type), allocatable, intent(out) :: error
+
+      if (all_sound(record%value(:, 1), huge(1.0_dp))) return
+      call fatal_error(error, status%non_finite, "the simulated values are too large for double precision: take smaller "// &
+                       "coefficients or outliers")
+   end subroutine check_size
 
    !> A record of zeros.
    subroutine begin_record(options, record, error)
@@ -278,8 +292,8 @@ contains
       n = real(options%samples, dp)
       if (options%samples < 1) then
          call complain(error, "number of samples must be at least 1")
-      else if (.not. within(options%rate_hz, tiny(n), largest)) then
-         call complain(error, "rate must be > 0 Hz")
+      else if (.not. within(options%rate_hz, 1.0_dp/largest, largest)) then
+         call complain(error, "rate must be > 0 Hz, 1e-140 to 1e140")
       else if (.not. all(within(options%coefficient(:4), 0.0_dp, largest/n))) then
          call complain(error, "coefficients Q, N, B and K must be >= 0")
       else if (.not. within(options%coefficient(5), -largest/n, largest/n)) then
