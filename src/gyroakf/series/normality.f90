@@ -82,9 +82,10 @@ contains
 
       if (moments%count < least) then
          call fatal_error(error, status%too_few_samples, few)
-      else if (.not. (ieee_is_finite(moments%skewness) .and. ieee_is_finite(moments%kurtosis))) then
+      else if (.not. (ieee_is_finite(moments%variance) .and. ieee_is_finite(moments%skewness) .and. &
+                      ieee_is_finite(moments%kurtosis))) then
          call fatal_error(error, status%non_finite, "the moments of the series are not finite")
-      else if (moments%kurtosis <= 0.0_dp) then
+      else if (moments%kurtosis <= 0.0_dp .or. (moments%std > 0.0_dp .and. moments%variance < tiny(1.0_dp))) then
          call fatal_error(error, status%constant_input, "the series has no variance, normality cannot be tested")
       end if
    end subroutine check_moments
