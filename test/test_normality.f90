@@ -121,7 +121,7 @@ contains
       call check(error, b%statistic, a%statistic, thr=tolerance, rel=.true.)
    end subroutine test_offset_scale
 
-   !> One sample; a constant series.
+   !> One sample; a constant series; samples whose squares are no numbers.
    subroutine test_failures(error)
       !> Failure
       type(error_type), allocatable, intent(out) :: error
@@ -138,6 +138,14 @@ contains
       call compute_moments([0.1_dp, 0.1_dp, 0.1_dp], moments)
       call test_jarque_bera(moments, jb, problem)
       call check(error, allocated(problem), "a constant series was accepted")
+      if (allocated(error)) return
+      call check(error, problem%code, status%constant_input)
+      if (allocated(error)) return
+      call compute_moments([0.0_dp, 1.0e-160_dp, 3.0e-160_dp], moments)
+      call check(error, moments%std > 0.0_dp, "the deviation of tiny samples vanished")
+      if (allocated(error)) return
+      call test_jarque_bera(moments, jb, problem)
+      call check(error, allocated(problem), "a variance that vanishes was accepted")
       if (allocated(error)) return
       call check(error, problem%code, status%constant_input)
    end subroutine test_failures

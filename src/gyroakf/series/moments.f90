@@ -21,9 +21,9 @@ module gyroakf_series_moments
       real(dp) :: minimum = 0.0_dp
       !> Largest value, u
       real(dp) :: maximum = 0.0_dp
-      !> Skewness m3/m2^(3/2), biased moments; 0 where the variance is 0
+      !> Skewness m3/m2^(3/2), biased moments; 0 where the variance is no normal number
       real(dp) :: skewness = 0.0_dp
-      !> Kurtosis m4/m2^2, biased moments, 3 for a normal distribution; 0 where the variance is 0
+      !> Kurtosis m4/m2^2, biased moments, 3 for a normal distribution; 0 where the variance is no normal number
       real(dp) :: kurtosis = 0.0_dp
       !> What the mean lost when it was rounded, u: a series less both in turn has the mean 0 whatever its offset
       real(dp) :: remainder = 0.0_dp
@@ -47,8 +47,9 @@ contains
 
    !> Moments of the present samples.
    !>
-   !> Each block is reduced about its own mean while it is in the cache, then blocks are merged, all
-   !> relative to the first present sample, so that an offset costs no digits. Threaded; the result does not depend on the threads.
+   !> Each block is reduced about its own mean while it is in the cache, then blocks are merged, all relative to the first present
+   !> sample, so that an offset costs no digits; a second pass is made only where fourth powers would overflow or vanish. Threaded;
+   !> the result does not depend on the threads.
    !> Source: Pebay, Formulas for robust, one-pass parallel computation of covariances and
    !> arbitrary-order statistical moments, Sandia report SAND2008-6212 (2008).
    subroutine compute_moments(x, moments, valid)
@@ -58,26 +59,31 @@ contains
       type(moments_type), intent(out) :: moments
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
+      type(sums_type) :: sums
+      real(dp) :: shift, per_unit
+
+      call find_first(x, shift, valid)
+      call sum_blocks(x, shift, 1.0_dp, sums, valid)
+      per_unit = units_for(half_spread(sums, shift, 1.0_dp))
+      if (per_unit < 1.0_dp .or. per_unit > 1.0_dp) call sum_blocks(x, shift, per_unit, sums, valid)
+      call finish(sums, shift, per_unit, moments)
+   end subroutine compute_moments
+
+   !> Sums of a series in a unit; only the extremes are good where its spread is beyond `largest` in that unit.
+   subroutine sum_blocks(x, shift, per_unit, sums, valid)
+      !> Series: [n], n >= 0
+      real(dp), intent(in), contiguous :: x(:)
+      !> Subtracted from every sample, u; units of the sums in u
+      real(dp), intent(in) :: shift, per_unit
+      !> Of all blocks
+      type(sums_type), intent(out) :: sums
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
       type(sums_type) :: part(chunk_count(size(x, kind=int64))), block_sums
-      real(dp) :: shift, spread, per_unit
       integer(int64) :: n, first, last
       integer :: chunk
 
       n = size(x, kind=int64)
-      call find_first(x, shift, valid)
-      spread = 0.0_dp
-      !$omp parallel do if (n >= threads_from) default(shared) private(first, last) schedule(dynamic) reduction(max:spread)
-      do chunk = 1, chunk_count(n)
-         first = chunk_first(n, chunk)
-         last = chunk_last(n, chunk)
-         if (present(valid)) then
-            spread = max(spread, largest_deviation_masked(x(first:last), shift, valid(first:last)))
-         else
-            spread = max(spread, largest_deviation(x(first:last), shift))
-         end if
-      end do
-      !$omp end parallel do
-      per_unit = units_for(spread)
       !$omp parallel do if (n >= threads_from) default(shared) private(first, last, block_sums) schedule(dynamic)
       do chunk = 1, chunk_count(n)
          part(chunk) = sums_type()
@@ -92,53 +98,33 @@ contains
          end do
       end do
       !$omp end parallel do
-      block_sums = sums_type()
       do chunk = 1, chunk_count(n)
-         block_sums = merged(block_sums, part(chunk))
+         sums = merged(sums, part(chunk))
       end do
-      call finish(block_sums, shift, per_unit, moments)
-   end subroutine compute_moments
+   end subroutine sum_blocks
+
+   !> Half the largest deviation from the shift, in the unit of the sums; 0 without samples.
+   pure real(dp) function half_spread(sums, shift, per_unit) result(spread)
+      !> Their count and extremes
+      type(sums_type), intent(in) :: sums
+      !> One of the samples, u; units of the sums in u
+      real(dp), intent(in) :: shift, per_unit
+      real(dp) :: half
+
+      spread = 0.0_dp
+      half = 0.5_dp*per_unit
+      if (sums%count > 0.5_dp) spread = max(half*sums%high - half*shift, half*shift - half*sums%low)
+   end function half_spread
 
    !> 1 over the unit of deviations, a power of two; 1 wherever they need none.
    pure real(dp) function units_for(spread) result(per_unit)
-      !> The largest of them, >= 0
+      !> The largest of them, or half of it, >= 0
       real(dp), intent(in) :: spread
 
       per_unit = 1.0_dp
       if (spread <= 0.0_dp .or. (spread >= smallest .and. spread <= largest)) return
       per_unit = scale(1.0_dp, max(-1000, min(1000, -exponent(spread))))
    end function units_for
-
-   !> Largest deviation from the first sample.
-   pure real(dp) function largest_deviation(x, shift) result(spread)
-      !> Series: [n]
-      real(dp), intent(in), contiguous :: x(:)
-      !> The first sample
-      real(dp), intent(in) :: shift
-      integer(int64) :: i
-
-      spread = 0.0_dp
-      !$omp simd reduction(max:spread)
-      do i = 1, size(x, kind=int64)
-         spread = max(spread, abs(x(i) - shift))
-      end do
-   end function largest_deviation
-
-   !> Largest deviation from the first sample, of those present.
-   pure real(dp) function largest_deviation_masked(x, shift, valid) result(spread)
-      !> Series: [n]
-      real(dp), intent(in), contiguous :: x(:)
-      !> The first sample
-      real(dp), intent(in) :: shift
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in) :: valid(:)
-      integer(int64) :: i
-
-      spread = 0.0_dp
-      do i = 1, size(x, kind=int64)
-         if (valid(i) /= 0_int8) spread = max(spread, abs(x(i) - shift))
-      end do
-   end function largest_deviation_masked
 
    !> First present sample, 0 where there is none.
    pure subroutine find_first(x, first, valid)
@@ -216,36 +202,42 @@ contains
       moments%variance = s%m2/(s%count - 1.0_dp)
       moments%std = sqrt(moments%variance)/per_unit
       moments%variance = moments%variance/per_unit/per_unit
+      if (moments%variance < tiny(1.0_dp)) return
       m2 = s%m2/s%count
-      if (m2*m2 <= 0.0_dp) return
       moments%skewness = s%m3/s%count/(m2*sqrt(m2))
       moments%kurtosis = s%m4/s%count/(m2*m2)
    end subroutine finish
 
-   !> Sums of a block without gaps.
+   !> Sums of a block without gaps; only count and extremes where its spread is beyond `largest`.
    pure type(sums_type) function reduce(x, shift, per_unit) result(s)
       !> Block: [n], n >= 1
       real(dp), intent(in), contiguous :: x(:)
       !> Subtracted from every sample, u; units of the sums in u
       real(dp), intent(in) :: shift, per_unit
-      real(dp) :: total, m1, m2, m3, m4, low, high, d, d2, centre
+      real(dp) :: total, m1, m2, m3, m4, low, high, d, d2, centre, in_units
       integer :: i, n
 
       n = size(x)
       total = 0.0_dp
       low = x(1)
       high = x(1)
-      !$omp simd reduction(+:total) reduction(min:low) reduction(max:high)
+      !$omp simd reduction(min:low) reduction(max:high)
       do i = 1, n
-         total = total + (x(i) - shift)*per_unit
          low = min(low, x(i))
          high = max(high, x(i))
+      end do
+      s = sums_type(count=real(n, dp), low=low, high=high)
+      if (half_spread(s, shift, per_unit) > largest) return
+      in_units = shift*per_unit
+      !$omp simd reduction(+:total)
+      do i = 1, n
+         total = total + (x(i)*per_unit - in_units)
       end do
       centre = total/real(n, dp)
       m1 = 0.0_dp; m2 = 0.0_dp; m3 = 0.0_dp; m4 = 0.0_dp
       !$omp simd reduction(+:m1, m2, m3, m4)
       do i = 1, n
-         d = (x(i) - shift)*per_unit - centre
+         d = (x(i)*per_unit - in_units) - centre
          d2 = d*d
          m1 = m1 + d
          m2 = m2 + d2

@@ -85,8 +85,7 @@ contains
       else if (.not. (ieee_is_finite(moments%variance) .and. ieee_is_finite(moments%skewness) .and. &
                       ieee_is_finite(moments%kurtosis))) then
          call fatal_error(error, status%non_finite, "the moments of the series are not finite")
-      else if (moments%kurtosis <= 0.0_dp .or. (moments%maximum > moments%minimum .and. &
-               moments%variance < tiny(1.0_dp))) then
+      else if (moments%kurtosis <= 0.0_dp) then
          call fatal_error(error, status%constant_input, "the series has no variance, normality cannot be tested")
       end if
    end subroutine check_moments
