@@ -43,6 +43,7 @@ contains
          new_unittest("memory-advice", test_advice), &
          new_unittest("step-at-the-border", test_border), &
          new_unittest("summary", test_summary), &
+         new_unittest("tiny-values", test_tiny), &
          new_unittest("one-row", test_one_row), &
          new_unittest("analysis", test_analysis), &
          new_unittest("analysis-refused", test_refused)]
@@ -463,6 +464,29 @@ contains
       call check(error, size(streamed%value, 1) == 0 .and. streamed%streamed)
       if (.not. allocated(error)) call check_summary(error, streamed, whole)
    end subroutine test_summary
+
+   !> Values whose squares vanish are refused alike, whether the record fits or is streamed.
+   subroutine test_tiny(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(reader_options) :: options
+      type(gyro_error), allocatable :: failed
+      integer :: unit, i, k
+
+      open (newunit=unit, file=scratch_path("stream.txt"), status="replace", action="write")
+      write (unit, "(i0, 'e-150')") (modulo(i*i, 7), i=1, rows)
+      close (unit)
+      do k = 1, 2
+         if (k == 2) options%memory = base_bytes + 1000
+         call summarise_record(scratch_path("stream.txt"), options, record, failed)
+         call check(error, allocated(failed))
+         if (allocated(error)) exit
+         call check(error, failed%code, status%non_finite)
+         if (.not. allocated(error)) call check(error, index(failed%message, "--scale") > 0, failed%message)
+         if (allocated(error)) exit
+      end do
+      call remove_file(scratch_path("stream.txt"))
+   end subroutine test_tiny
 
    subroutine test_one_row(error)
       type(error_type), allocatable, intent(out) :: error

@@ -44,9 +44,10 @@ contains
       record%unit_source = "none"
       if (unit /= "") call set_units(unit, "rate", nothing, record, error)
       if (.not. allocated(error)) call mark_missing(record, largest_value, error)
-      if (.not. allocated(error)) call refuse_tiny(record, error)
       if (allocated(error)) return
       call audit_values(record%value, record%present, record%audit)
+      call refuse_tiny(record, error)
+      if (allocated(error)) return
       allocate (record%audit%line_of_first(3), source=0_int64)
    end subroutine finish_record
 

@@ -95,12 +95,12 @@ contains
          end if
          if (.not. allocated(error)) call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
          if (.not. allocated(error)) call make_rates(record, input, options%scale, error, wrap)
-         if (.not. allocated(error)) call refuse_tiny(record, error)
          if (.not. allocated(error)) call cut(record, options%from, options%to, error)
          if (.not. allocated(error)) call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
          if (allocated(error)) return
          call audit_values(record%value, record%present, record%audit)
-         call tell(table, record)
+         call refuse_tiny(record, error)
+         if (.not. allocated(error)) call tell(table, record)
       end associate
    end subroutine complete_record
 

@@ -100,15 +100,15 @@ contains
 
    !> Refuses a channel whose values are so small that their squares are no numbers.
    pure subroutine refuse_tiny(record, error)
-      !> Rates
+      !> Rates; the audit knows their extremes
       type(record_type), intent(in) :: record
       !> Allocated on failure: non_finite
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: largest
       integer :: j
 
-      do j = 1, size(record%value, 2)
-         largest = maxval(abs(record%value(:, j)))
+      do j = 1, size(record%channel)
+         largest = max(-record%audit%minimum(j), record%audit%maximum(j))
          if (largest <= 0.0_dp .or. largest >= least_value) cycle
          call fatal_error(error, status%non_finite, "no value of '"//record%channel(j)%text//"' is larger than "// &
                           format_real(largest, 3)//"; the largest must be "//format_real(least_value, 3)//" at least to be "// &

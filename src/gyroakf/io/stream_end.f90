@@ -11,7 +11,7 @@ module gyroakf_io_stream_end
    use gyroakf_io_lines, only : line_of
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_recording, only : recording_type
-   use gyroakf_io_shape, only : make_rates
+   use gyroakf_io_shape, only : make_rates, refuse_tiny
    use gyroakf_io_stream_state, only : record_stream_type
    use gyroakf_record, only : add_text, audit_type, record_type, text_type
    implicit none (type, external)
@@ -65,6 +65,8 @@ contains
          if (stream%input /= "rate") call make_rates(record, "increment", 1.0_dp, error)
          if (allocated(error)) return
          call scale_ranges(stream, record)
+         call refuse_tiny(record, error)
+         if (allocated(error)) return
          call tell(table, record)
          call warn_of_beat(stream, record)
       end associate
