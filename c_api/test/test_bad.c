@@ -54,18 +54,25 @@ static void test_nothing_written(void) {
   check(count == 77, "nothing was written by the lines");
 }
 
-/* Values near the largest number: results that would be infinite or no numbers. */
+/* Values near the largest number, and so small that no square is a number: results that would be infinite or no numbers. */
 static void test_overflow(void) {
   double huge[n], acf[5];
   gyroakf_allan *a;
   gyroakf_whiteness white;
+  gyroakf_normality normal;
+  gyroakf_drift_model drift;
   int i;
   for (i = 0; i < n; i++) huge[i] = i % 2 ? 1e308 : -1e308;
+  check_failure(gyroakf_normality_test(huge, n, 0, &normal, &err), GYROAKF_NON_FINITE, "normality of huge values");
+  gyroakf_drift_model_init(&drift);
+  check_failure(gyroakf_drift_identify(huge, n, NULL, &drift, &err), GYROAKF_NON_FINITE, "drift of huge values");
   check_failure(gyroakf_allan_new(huge, n, 1.0, NULL, &a, &err), GYROAKF_NON_FINITE, "Allan deviation of huge values");
   check(a == NULL, "no curve of huge values");
   check_failure(gyroakf_autocorrelation(huge, n, 4, acf, NULL, NULL, &err), GYROAKF_NON_FINITE, "correlation of huge values");
   check_failure(gyroakf_ljung_box(huge, n, 4, 0, &white, &err), GYROAKF_NON_FINITE, "whiteness of huge values");
   check_failure(gyroakf_welch_spectrum(huge, n, 1.0, 8, NULL, acf, NULL, &err), GYROAKF_NON_FINITE, "spectrum of huge values");
+  for (i = 0; i < n; i++) huge[i] = i % 3 * 1e-170;
+  check_failure(gyroakf_normality_test(huge, n, 0, &normal, &err), GYROAKF_CONSTANT_INPUT, "normality of tiny values");
 }
 
 /* A gate that nothing passes, whose weight overflows. */

@@ -3,7 +3,6 @@
 module gyroakf_c_api_drift
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, c_size_t, c_funptr, &
       & c_null_funptr, c_null_ptr, c_associated, c_f_pointer, c_sizeof
-   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_filter_components, only : component_model_type, most_components, check_components
    use gyroakf_filter_drift_filter, only : new_drift_filter
@@ -98,10 +97,6 @@ contains
       if (.not. allocated(error)) call open_series(z, n, series, error)
       if (.not. allocated(error)) call identify_drift_model(series%x, options, found, error, series%valid, progress=callback)
       call close_series(series)
-      if (.not. allocated(error)) then
-         if (.not. ieee_is_finite(found%model%r)) call fatal_error(error, status%non_finite, &
-            & "the samples are too large: the variances of the drift are not finite numbers")
-      end if
       if (.not. allocated(error)) call give_model(found, model)
       gyroakf_drift_identify = leave_library(host, error, err)
    end function gyroakf_drift_identify

@@ -15,6 +15,7 @@
 !>
 !> Source: Durbin & Koopman, Time Series Analysis by State Space Methods, 2nd ed. (2012), 7.3, 7.4.
 module gyroakf_filter_drift_identification
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
@@ -49,7 +50,8 @@ contains
       type(drift_identification_options), intent(in) :: options
       !> What was found
       type(drift_identification_type), intent(out) :: identification
-      !> invalid_argument (options, noise), too_few_samples, constant_input, no_memory, not_converged, cancelled
+      !> invalid_argument (options, noise), too_few_samples, constant_input, non_finite (variances that overflow), no_memory,
+      !> not_converged, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
@@ -85,6 +87,10 @@ contains
       identification%of_samples = length
       if (present(noise)) call compare_allan(z, noise, fit, options, identification, error, valid)
       if (allocated(error)) return
+      if (.not. ieee_is_finite(identification%model%r)) then
+         call fatal_error(error, status%non_finite, "the samples are too large: the variances of the drift are not finite numbers")
+         return
+      end if
       call state_numbers(identification)
       identification%degree = options%degree
       call whole_polynomial(identification%model, z, identification%trend(:options%degree), &
