@@ -131,6 +131,8 @@ static void outliers(void) {
   WITH("outliers, auto, no trend", outlier, opt.degree = -1; status = gyroakf_mark_outliers(x, n, &opt, inlier, NULL, NULL));
   WITH("outliers, hampel, 1000 wide", outlier, opt.method = "hampel"; opt.half_width = 500;
        status = gyroakf_mark_outliers(x, n, &opt, inlier, NULL, NULL));
+  WITH("outliers, hampel, widest, a part", outlier, opt.method = "hampel"; opt.half_width = 100000;
+       status = gyroakf_mark_outliers(x, n / 100, &opt, inlier, NULL, NULL));
   free(inlier);
 }
 
@@ -217,7 +219,7 @@ static void filters(void) {
 static void recordings(void) {
   const int64_t length = 10 * n; /* "-1.234567\n" */
   char *bytes = (char *)malloc((size_t)length);
-  const double *values[1];
+  const double *values[2];
   gyroakf_record *r;
   gyroakf_result *result;
   int64_t i;
@@ -233,7 +235,9 @@ static void recordings(void) {
   WITH("reading angles", reader, opt.format = "i16le"; opt.unit = "deg"; opt.rate_hz = 100; opt.input = "angle"; opt.wrap = "65536";
        status = gyroakf_record_parse(bytes, 2 * n, &opt, &r, NULL); gyroakf_record_free(r));
   free(bytes);
-  values[0] = x;
+  values[0] = values[1] = x;
+  WATCHED("a recording of two arrays", status = gyroakf_record_new_watched(values, 2, n, 0.01, NULL, "deg/s", &r, listen, NULL, NULL);
+          gyroakf_record_free(r));
   if (gyroakf_record_new(values, 1, n, 0.01, NULL, "deg/s", &r, NULL) != GYROAKF_OK) exit(2);
   WITH("the whole job", run, status = gyroakf_run(r, &opt, &result, NULL); gyroakf_result_free(result));
   WITH("the whole job, paper", run, opt.preset = "paper";

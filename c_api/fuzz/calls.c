@@ -27,7 +27,7 @@
 /* The functions, and how often each is called (what takes long, seldom). ci/fuzz/calls.sh compares them with the header. */
 #define FUNCTIONS(F) \
   F(version, 1) F(version_string, 1) F(status_string, 8) \
-  F(reader_options_init, 1) F(record_read, 8) F(record_parse, 120) F(record_new, 40) F(record_samples, 8) F(record_channels, 8) \
+  F(reader_options_init, 1) F(record_read, 8) F(record_parse, 120) F(record_new, 40) F(record_new_watched, 20) F(record_samples, 8) F(record_channels, 8) \
   F(record_values, 8) F(record_present, 8) F(record_name, 8) F(record_unit, 8) F(record_to_si, 8) F(record_sample_interval, 8) \
   F(record_rate_source, 8) F(record_format, 8) F(record_warnings, 8) F(record_warning, 8) F(record_audit, 16) F(record_free, 30) \
   F(simulate_options_init, 1) F(simulate, 30) \
@@ -616,7 +616,8 @@ static void call_record_parse(void) {
   keep(records, status, (void **)out);
 }
 
-static void call_record_new(void) {
+static void try_record_new(int watched) {
+  gyroakf_progress_fn listener = any_progress();
   int64_t n = 0, shorter;
   int32_t channels = 1 + below(3), i;
   const double **values = (const double **)take(3 * sizeof *values, 0, input), *x;
@@ -635,10 +636,14 @@ static void call_record_new(void) {
   if (one_in(40)) values = NULL;
   if (one_in(20)) channels = one_in(2) ? -below(3) : 100001;
   begin();
-  status = gyroakf_record_new(values, channels, n, dt, names, unit, out, err);
+  if (watched) status = gyroakf_record_new_watched(values, channels, n, dt, names, unit, out, listener, &user, err);
+  else status = gyroakf_record_new(values, channels, n, dt, names, unit, out, err);
   end(status, err);
   keep(records, status, (void **)out);
 }
+
+static void call_record_new(void) { try_record_new(0); }
+static void call_record_new_watched(void) { try_record_new(1); }
 
 static void call_record_read(void) {
   static const char *const paths[] = {"", "no-such-file", "/dev/null", ".", "-", "no/such/folder/file.csv", "/"};

@@ -160,6 +160,9 @@ GYROAKF_API int gyroakf_record_parse(const void *bytes, int64_t n, const gyroakf
  */
 GYROAKF_API int gyroakf_record_new(const double *const *values, int32_t channels, int64_t n, double dt, const char *const *names,
                                    const char *unit, gyroakf_record **out, gyroakf_error *err);
+GYROAKF_API int gyroakf_record_new_watched(const double *const *values, int32_t channels, int64_t n, double dt,
+                                           const char *const *names, const char *unit, gyroakf_record **out,
+                                           gyroakf_progress_fn progress, void *progress_user, gyroakf_error *err);
 
 /* Samples of each channel, missing ones included; 0 for NULL. */
 GYROAKF_API int64_t gyroakf_record_samples(const gyroakf_record *r);

@@ -223,7 +223,8 @@ class recording {
     return r;
   }
   /* Of samples in memory, which are copied: a series for each channel, all as long. names may be empty, unit nullptr. */
-  static recording of(view<series> channels, double dt, view<std::string> names = {}, const char *unit = nullptr) {
+  static recording of(view<series> channels, double dt, view<std::string> names = {}, const char *unit = nullptr,
+                      const progress &f = {}) {
     std::vector<const double *> values;
     std::vector<const char *> words;
     for (const series &channel : channels) {
@@ -232,13 +233,16 @@ class recording {
     }
     if (!names.empty() && names.size() != channels.size()) throw error(GYROAKF_INVALID_ARGUMENT, "there is a name for every channel");
     for (const std::string &name : names) words.push_back(name.c_str());
+    detail::watch watch;
+    detail::listener listener(watch, f);
     gyroakf_error err;
     gyroakf_record *out = nullptr;
     const auto number = static_cast<std::int32_t>(std::min<std::int64_t>(channels.count(), std::numeric_limits<std::int32_t>::max()));
-    const int status = gyroakf_record_new(values.data(), number, channels.empty() ? 0 : channels[0].count(), dt,
-                                          names.empty() ? nullptr : words.data(), unit, &out, &err);
+    const int status = gyroakf_record_new_watched(values.data(), number, channels.empty() ? 0 : channels[0].count(), dt,
+                                                  names.empty() ? nullptr : words.data(), unit, &out, watch.progress,
+                                                  watch.progress_user, &err);
     recording r(out);
-    detail::check(status, err);
+    listener.check(status, err);
     return r;
   }
   /* What a file would hold. */

@@ -317,6 +317,85 @@ static int run_parse(listener *l) {
   return status;
 }
 
+static int run_arrays(listener *l) {
+  enum { many = 2200000 };
+  double *values = (double *)malloc(many * sizeof *values);
+  const double *channels[2];
+  gyroakf_record *r = (gyroakf_record *)l;
+  int status, i;
+  if (values == NULL) abort();
+  for (i = 0; i < many; i++) values[i] = x[i % samples];
+  channels[0] = channels[1] = values;
+  status = gyroakf_record_new_watched(channels, 2, many, 0.01, NULL, "deg/s", &r, listen, l, &err);
+  check((status == GYROAKF_OK) == (r != NULL), "*out is NULL after a failure");
+  gyroakf_record_free(r);
+  free(values);
+  return status;
+}
+
+/* One segment of a long series with gaps is told of on the way to its transform. */
+static int run_gapped_segment(listener *l) {
+  enum { many = 2200000 };
+  double *values = (double *)malloc(many * sizeof *values);
+  int status, i;
+  if (values == NULL) abort();
+  for (i = 0; i < many; i++) values[i] = x[i % samples];
+  for (i = 100; i < many; i += 1000) memset(&values[i], 0xff, sizeof *values); /* NaN */
+  status = gyroakf_welch_spectrum_watched(values, many, 1.0, many, NULL, NULL, NULL, listen, l, &err);
+  free(values);
+  return status;
+}
+
+/* Stages of the whole job within which it is told how far it is. */
+static const char *const stages[] = {"stationarity test", "unit-root test", "residuals of the AR model", "normality test",
+                                     "steps of the samples", "histogram"};
+enum { stage_count = (int)(sizeof stages / sizeof *stages) };
+
+typedef struct stage_listener {
+  int told[stage_count];
+  int stage, cancel; /* the time that this stage is answered with "cancel", 0: never */
+} stage_listener;
+
+static int32_t listen_to_stages(void *user, const char *stage, int64_t done, int64_t total) {
+  stage_listener *s = (stage_listener *)user;
+  int k;
+  (void)done;
+  (void)total;
+  for (k = 0; k < stage_count; k++) {
+    if (strcmp(stage, stages[k]) == 0) s->told[k]++;
+  }
+  return s->cancel > 0 && s->told[s->stage] == s->cancel;
+}
+
+/* The job ends where it is asked to for the last time within a stage. */
+static void test_stages_of_the_job(void) {
+  const double *channel[1];
+  gyroakf_record *r = NULL;
+  gyroakf_result *result;
+  gyroakf_run_options opt;
+  stage_listener whole, part;
+  int k;
+  channel[0] = x;
+  check_success(gyroakf_record_new(channel, 1, 100000, 0.01, NULL, "deg/s", &r, &err), "a recording");
+  gyroakf_run_options_init(&opt);
+  opt.allan = opt.filters = 0;
+  opt.progress = listen_to_stages;
+  opt.progress_user = &whole;
+  memset(&whole, 0, sizeof whole);
+  check_success(gyroakf_run(r, &opt, &result, &err), "the whole job");
+  gyroakf_result_free(result);
+  opt.progress_user = &part;
+  for (k = 0; k < stage_count; k++) {
+    check(whole.told[k] > 0, stages[k]);
+    memset(&part, 0, sizeof part);
+    part.stage = k;
+    part.cancel = whole.told[k];
+    check_failure(gyroakf_run(r, &opt, &result, &err), GYROAKF_CANCELLED, stages[k]);
+    check(result == NULL && part.told[k] == part.cancel, "no result, and nothing more is told");
+  }
+  gyroakf_record_free(r);
+}
+
 /* It is told so often at least: there is no long silence. */
 static void check_often(int (*run)(listener *), int least, const char *what) {
   listener whole;
@@ -383,6 +462,11 @@ void test_progress(void) {
   check_progress(run_given_arma, "progress of an ARMA model of given orders", "ARMA");
   check_often(run_given_arma, 20, "evaluations of the likelihood of an ARMA model");
   check_progress(run_drift, "progress of the drift", "identifying");
+  check_progress(run_arrays, "progress of a recording of arrays", "copying");
+  check_often(run_arrays, 6, "samples that are copied");
+  check_progress(run_gapped_segment, "progress of a spectrum of one segment with gaps", "spectrum");
+  check_often(run_gapped_burg, 100, "chunks of Burg's recursion");
+  test_stages_of_the_job();
   check_progress(run_parse, "progress of the reader", "reading");
   free(x);
 }

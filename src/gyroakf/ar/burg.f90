@@ -10,7 +10,7 @@
 !>   reach the 12th digit the lattice is taken.
 module gyroakf_ar_burg
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_ar_burg_lattice, only : burg_lattice_type, begin_lattice, next_order
    implicit none (type, external)
@@ -99,22 +99,20 @@ contains
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(burg_lattice_type) :: lattice
-      real(dp) :: cross, power
+      real(dp) :: reflection, cross, power
       integer :: m
 
-      call begin_lattice(x, shift, rest, lattice, error, valid)
+      call begin_lattice(x, shift, rest, lattice, error, valid, progress)
       if (allocated(error)) return
       call begin_orders(burg, lattice%power/real(lattice%samples, dp), lattice%samples, error)
+      if (allocated(error)) return
+      lattice%orders = size(burg%reflection)
       do m = 1, size(burg%reflection)
-         if (.not. allocated(error)) call tell_progress("AR model", int(m - 1, int64), size(burg%reflection, kind=int64), error, &
-            & progress)
+         reflection = 0.0_dp
+         if (m > 1) reflection = burg%reflection(m - 1)
+         call next_order(lattice, reflection, cross, power, error, valid, progress)
+         if (.not. allocated(error)) call add_order(burg, m, cross, power, lattice%rows, error)
          if (allocated(error)) return
-         if (m == 1) then
-            call next_order(lattice, 0.0_dp, cross, power, valid)
-         else
-            call next_order(lattice, burg%reflection(m - 1), cross, power, valid)
-         end if
-         call add_order(burg, m, cross, power, lattice%rows, error)
       end do
    end subroutine by_lattice
 

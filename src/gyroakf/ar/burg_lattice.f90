@@ -7,7 +7,8 @@
 module gyroakf_ar_burg_lattice
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_last, chunk_group
    implicit none (type, external)
    private
    public :: burg_lattice_type, begin_lattice, next_order
@@ -21,6 +22,8 @@ module gyroakf_ar_burg_lattice
       integer :: order = -1
       !> f_m(t) in t, b_m(t) in t - m; 0 where a stretch has none or its partner is missing: [n]
       real(dp), allocatable :: f(:), b(:)
+      !> Orders that will be summed, for those who are told how far it is
+      integer :: orders = 1
       !> Present samples, pairs of the order that was summed last
       integer(int64) :: samples = 0, rows = 0
       !> sum x^2
@@ -30,20 +33,22 @@ module gyroakf_ar_burg_lattice
 contains
 
    !> Takes the series about its mean.
-   subroutine begin_lattice(x, shift, rest, lattice, error, valid)
+   subroutine begin_lattice(x, shift, rest, lattice, error, valid, progress)
       !> Series: [n], finite
       real(dp), intent(in), contiguous :: x(:)
       !> Its mean, in two parts
       real(dp), intent(in) :: shift, rest
       !> Order 0
       type(burg_lattice_type), intent(out) :: lattice
-      !> no_memory
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      real(dp) :: part(2, chunk_count(size(x, kind=int64))), s
-      integer(int64) :: n, i
-      integer :: chunk, stat
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
+      real(dp) :: part(2, chunk_count(size(x, kind=int64)))
+      integer(int64) :: n
+      integer :: chunk, from, group, stat
 
       n = size(x, kind=int64)
       allocate (lattice%f(n), stat=stat)
@@ -52,65 +57,88 @@ contains
          call fatal_error(error, status%no_memory, "no memory for the residuals of Burg's recursion, 16 bytes a sample")
          return
       end if
-      !$omp parallel do if (n >= threads_from) default(shared) private(i, s) schedule(dynamic)
-      do chunk = 1, chunk_count(n)
-         s = 0.0_dp
-         part(2, chunk) = real(chunk_last(n, chunk) - chunk_first(n, chunk) + 1, dp)
-         do i = chunk_first(n, chunk), chunk_last(n, chunk)
-            lattice%f(i) = (x(i) - shift) - rest
+      group = chunk_group(chunk_count(n), present(progress))
+      do from = 1, chunk_count(n), group
+         call tell_progress("AR model", 0_int64, 0_int64, error, progress)
+         if (allocated(error)) return
+         !$omp parallel do if (n >= threads_from) default(shared) schedule(dynamic)
+         do chunk = from, min(from + group - 1, chunk_count(n))
+            call take_chunk(x, shift, rest, chunk_first(n, chunk), chunk_last(n, chunk), lattice, part(:, chunk), valid)
          end do
-         if (present(valid)) then
-            do i = chunk_first(n, chunk), chunk_last(n, chunk)
-               if (valid(i) /= 0_int8) cycle
-               lattice%f(i) = 0.0_dp
-               part(2, chunk) = part(2, chunk) - 1.0_dp
-            end do
-         end if
-         do i = chunk_first(n, chunk), chunk_last(n, chunk)
-            lattice%b(i) = lattice%f(i)
-            s = s + lattice%f(i)*lattice%f(i)
-         end do
-         part(1, chunk) = s
+         !$omp end parallel do
       end do
-      !$omp end parallel do
       lattice%power = sum(part(1, :))
       lattice%samples = nint(sum(part(2, :)), int64)
    end subroutine begin_lattice
 
+   !> Order 0 of a chunk.
+   pure subroutine take_chunk(x, shift, rest, first, last, lattice, part, valid)
+      !> Series and its mean
+      real(dp), intent(in), contiguous :: x(:)
+      real(dp), intent(in) :: shift, rest
+      !> The chunk
+      integer(int64), intent(in) :: first, last
+      !> Its residuals are filled
+      type(burg_lattice_type), intent(inout) :: lattice
+      !> sum x^2, present samples
+      real(dp), intent(out) :: part(2)
+      !> 1 present, 0 missing
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp) :: s
+      integer(int64) :: i
+
+      s = 0.0_dp
+      part(2) = real(last - first + 1, dp)
+      do i = first, last
+         lattice%f(i) = (x(i) - shift) - rest
+      end do
+      if (present(valid)) then
+         do i = first, last
+            if (valid(i) /= 0_int8) cycle
+            lattice%f(i) = 0.0_dp
+            part(2) = part(2) - 1.0_dp
+         end do
+      end if
+      do i = first, last
+         lattice%b(i) = lattice%f(i)
+         s = s + lattice%f(i)*lattice%f(i)
+      end do
+      part(1) = s
+   end subroutine take_chunk
+
    !> Steps to the next order with its reflection coefficient and sums what the one after that needs.
-   subroutine next_order(lattice, reflection, cross, power, valid)
+   subroutine next_order(lattice, reflection, cross, power, error, valid, progress)
       !> Of order m-1 with its sums taken, or fresh; of order m with its sums taken afterwards
       type(burg_lattice_type), intent(inout) :: lattice
       !> k_m; not used by the first call, which sums order 0
       real(dp), intent(in) :: reflection
       !> sum f_m(t) b_m(t-1) and sum f_m(t)^2 + b_m(t-1)^2 over the t where both are
       real(dp), intent(out) :: cross, power
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n], as at the beginning
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp) :: part(2, chunk_count(size(lattice%f, kind=int64)))
-      integer(int64) :: rows(chunk_count(size(lattice%f, kind=int64))), n, begin, first, last, m
-      integer :: chunk
+      integer(int64) :: rows(chunk_count(size(lattice%f, kind=int64))), n, begin, m
+      integer :: chunk, from, group
 
+      cross = 0.0_dp
+      power = 0.0_dp
       n = size(lattice%f, kind=int64)
       lattice%order = lattice%order + 1
       m = lattice%order
-      !$omp parallel do if (n >= threads_from) default(shared) private(begin, first, last) schedule(dynamic)
-      do chunk = 1, chunk_count(n)
-         part(:, chunk) = 0.0_dp
-         rows(chunk) = 0
-         begin = max(chunk_first(n, chunk), m + 1)
-         do first = begin, chunk_last(n, chunk), block
-            last = min(first + block - 1, chunk_last(n, chunk))
-            if (m > 0) call step(reflection, lattice%f(first:last), lattice%b(first - m:last - m))
-            if (present(valid)) call drop_partnerless(lattice, first, last, rows(chunk), valid)
-            if (first > begin) then
-               call add_products(lattice%f(first:last), lattice%b(first - m - 1:last - m - 1), part(:, chunk))
-            else
-               call add_products(lattice%f(first + 1:last), lattice%b(first - m:last - m - 1), part(:, chunk))
-            end if
+      group = chunk_group(chunk_count(n), present(progress))
+      do from = 1, chunk_count(n), group
+         call tell_progress("AR model", m*n + chunk_first(n, from) - 1, max(lattice%orders, 1)*n, error, progress)
+         if (allocated(error)) return
+         !$omp parallel do if (n >= threads_from) default(shared) schedule(dynamic)
+         do chunk = from, min(from + group - 1, chunk_count(n))
+            call step_chunk(lattice, reflection, chunk_first(n, chunk), chunk_last(n, chunk), part(:, chunk), rows(chunk), valid)
          end do
+         !$omp end parallel do
       end do
-      !$omp end parallel do
       do chunk = 1, chunk_count(n)             ! first samples, whose partners stand in the chunk before
          begin = max(chunk_first(n, chunk), m + 2)
          if (begin /= chunk_first(n, chunk) .or. begin > n) cycle
@@ -121,6 +149,38 @@ contains
       lattice%rows = max(0_int64, n - m - 1)
       if (present(valid)) lattice%rows = sum(rows)
    end subroutine next_order
+
+   !> The step of a chunk, less its first sample's part in the sums.
+   pure subroutine step_chunk(lattice, reflection, chunk_begin, chunk_end, part, rows, valid)
+      !> Of order m
+      type(burg_lattice_type), intent(inout) :: lattice
+      !> k_m
+      real(dp), intent(in) :: reflection
+      !> The chunk
+      integer(int64), intent(in) :: chunk_begin, chunk_end
+      !> sum f b, sum f^2 + b^2
+      real(dp), intent(out) :: part(2)
+      !> Rows that have both, counted where samples are missing
+      integer(int64), intent(out) :: rows
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      integer(int64) :: begin, first, last, m
+
+      m = lattice%order
+      part = 0.0_dp
+      rows = 0
+      begin = max(chunk_begin, m + 1)
+      do first = begin, chunk_end, block
+         last = min(first + block - 1, chunk_end)
+         if (m > 0) call step(reflection, lattice%f(first:last), lattice%b(first - m:last - m))
+         if (present(valid)) call drop_partnerless(lattice, first, last, rows, valid)
+         if (first > begin) then
+            call add_products(lattice%f(first:last), lattice%b(first - m - 1:last - m - 1), part)
+         else
+            call add_products(lattice%f(first + 1:last), lattice%b(first - m:last - m - 1), part)
+         end if
+      end do
+   end subroutine step_chunk
 
    !> Residuals of a block of the next order.
    pure subroutine step(k, f, b)

@@ -4,6 +4,7 @@ module gyroakf_io_arrays
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type
    use gyroakf_io_audit, only : audit_values
    use gyroakf_io_channel_units, only : set_units
    use gyroakf_io_shape, only : mark_missing, largest_value, refuse_tiny
@@ -16,15 +17,18 @@ module gyroakf_io_arrays
 contains
 
    !> Makes a recording of values and names: marks what is missing, sets rate and units, counts what a reader counts.
-   subroutine finish_record(sample_interval, unit, record, error)
+   subroutine finish_record(sample_interval, unit, record, error, progress)
       !> s, > 0, finite
       real(dp), intent(in) :: sample_interval
       !> "deg/s" for all channels, or one for each, separated by commas; "": unknown
       character(*), intent(in) :: unit
       !> Its `value` is there, NaN where missing, and the names of its `channel`; the rest is filled
       type(record_type), intent(inout) :: record
-      !> invalid_argument: the interval, a unit that is unknown or none of a rate; non_finite: a value beyond 1e60; no_memory
+      !> invalid_argument: the interval, a unit that is unknown or none of a rate; non_finite: a value beyond 1e60; no_memory;
+      !> cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(table_type) :: nothing
       logical :: good
 
@@ -43,10 +47,9 @@ contains
       record%unit%name = ""
       record%unit_source = "none"
       if (unit /= "") call set_units(unit, "rate", nothing, record, error)
-      if (.not. allocated(error)) call mark_missing(record, largest_value, error)
-      if (allocated(error)) return
-      call audit_values(record%value, record%present, record%audit)
-      call refuse_tiny(record, error)
+      if (.not. allocated(error)) call mark_missing(record, largest_value, error, progress=progress)
+      if (.not. allocated(error)) call audit_values(record%value, record%present, record%audit, error, progress)
+      if (.not. allocated(error)) call refuse_tiny(record, error)
       if (allocated(error)) return
       allocate (record%audit%line_of_first(3), source=0_int64)
    end subroutine finish_record

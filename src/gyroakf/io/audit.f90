@@ -8,6 +8,8 @@
 module gyroakf_io_audit
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_io_scan, only : scan_extremes
    use gyroakf_io_bursts, only : burst_type, count_bursts, end_bursts
    use gyroakf_io_cadence, only : cadence_type, find_cadence, find_changes
@@ -313,13 +315,17 @@ contains
    end subroutine join_windows
 
    !> Counts what is missing; extremes and the smallest non-zero step of every channel.
-   subroutine audit_values(value, present_mask, audit)
+   subroutine audit_values(value, present_mask, audit, error, progress)
       !> [sample, channel]
       real(dp), intent(in), contiguous :: value(:, :)
       !> [sample, channel] 1 present, 0 missing; unallocated where nothing is missing
       integer(int8), allocatable, intent(in) :: present_mask(:, :)
       !> Filled: samples, missing, extremes, quantisation
       type(audit_type), intent(inout) :: audit
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Told before every channel; may cancel
+      class(progress_type), intent(inout), optional :: progress
       integer :: j, channels
 
       channels = size(value, 2)
@@ -327,6 +333,8 @@ contains
       audit%samples = size(value, 1, kind=int64)
       audit%missing = 0
       do j = 1, channels
+         call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
+         if (allocated(error)) return
          if (allocated(present_mask)) then
             audit%missing = audit%missing + audit%samples - sum(int(present_mask(:, j), int64))
             call extremes(value(:, j), audit%minimum(j), audit%maximum(j), audit%quantisation(j), present_mask(:, j))

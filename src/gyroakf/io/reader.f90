@@ -86,8 +86,8 @@ contains
          if (.not. allocated(error)) call set_rate(options, table, record, error)
          if (.not. allocated(error)) call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
          if (.not. allocated(error)) call place_samples(options, table, stamps, gaps, record, error)
-         if (.not. allocated(error)) call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
-         if (.not. allocated(error)) call mark_missing(record, largest_value/max(1.0_dp, abs(options%scale)), error)
+         if (.not. allocated(error)) call mark_missing(record, largest_value/max(1.0_dp, abs(options%scale)), error, &
+            & progress=progress)
          if (.not. allocated(error)) call set_units(unit, input, table, record, error)
          wrap = wrap_of(options, table)
          if (.not. allocated(error) .and. input == "angle" .and. wrap <= 0.0_dp) then
@@ -96,10 +96,8 @@ contains
          if (.not. allocated(error)) call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
          if (.not. allocated(error)) call make_rates(record, input, options%scale, error, wrap)
          if (.not. allocated(error)) call cut(record, options%from, options%to, error)
-         if (.not. allocated(error)) call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
-         if (allocated(error)) return
-         call audit_values(record%value, record%present, record%audit)
-         call refuse_tiny(record, error)
+         if (.not. allocated(error)) call audit_values(record%value, record%present, record%audit, error, progress)
+         if (.not. allocated(error)) call refuse_tiny(record, error)
          if (.not. allocated(error)) call tell(table, record)
       end associate
    end subroutine complete_record

@@ -196,7 +196,7 @@ contains
       end if
       if (first > 1 .or. last < n) call keep_rows(block, first, last, error)
       if (allocated(error)) return
-      call audit_values(block%value, block%present, block%audit)
+      call audit_values(block%value, block%present, block%audit, error)
       call join_audit(stream, block)
       stream%delivered = stream%delivered + (last - first + 1)
    end subroutine finish_block

@@ -4,6 +4,7 @@ module gyroakf_io_shape
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_io_audit, only : gap_type
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_place, only : integer_text
@@ -60,19 +61,23 @@ contains
    end subroutine fill_gaps
 
    !> NaN becomes 0 and a mark in `present`, which exists only where something is missing.
-   subroutine mark_missing(record, largest, error, before)
+   subroutine mark_missing(record, largest, error, before, progress)
       !> NaN marks what is missing
       type(record_type), intent(inout) :: record
       !> Larger values are an error
       real(dp), intent(in) :: largest
-      !> Allocated on failure: no_memory, non_finite
+      !> Allocated on failure: no_memory, non_finite, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> Samples before these, 0 if absent
       integer(int64), intent(in), optional :: before
+      !> Told before every channel; may cancel
+      class(progress_type), intent(inout), optional :: progress
       integer(int64) :: i, number
       integer :: j, failed
 
       do j = 1, size(record%value, 2)
+         call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
+         if (allocated(error)) return
          if (all_sound(record%value(:, j), largest)) cycle
          do i = 1, size(record%value, 1, kind=int64)
             if (.not. ieee_is_nan(record%value(i, j))) then

@@ -109,12 +109,12 @@ contains
       call plan_pass(size(z, kind=int64), options, channel%cleaned, shared)
       if (options%do_tests) call run_tests(z, options, channel, shared, error, valid, progress)
       if (allocated(error)) return
-      if (options%do_tests) call run_distribution(x, z, options, channel, error, valid)
+      if (options%do_tests) call run_distribution(x, z, options, channel, error, valid, progress)
       if (allocated(error)) return
       if (options%do_ar .or. options%do_filter) then
          call tell_progress("AR model", 0_int64, size(z, kind=int64), error, progress)
          if (allocated(error)) return
-         call run_ar(z, options, channel, shared, error, valid)
+         call run_ar(z, options, channel, shared, error, valid, progress)
          if (allocated(error)) return
          call warn_model(channel)
       end if
@@ -163,7 +163,7 @@ contains
       if (allocated(error)) return
       call run_adf(z, options, channel, shared, error, valid, progress)
       if (allocated(error)) return
-      call run_stationarity(z, options, channel, error, valid)
+      call run_stationarity(z, options, channel, error, valid, progress)
       if (allocated(error)) return
       call test_jarque_bera(channel%cleaned, channel%jarque_bera, error)
       if (is_fatal(error)) return
@@ -171,24 +171,25 @@ contains
       call note_failure(channel, "Jarque-Bera test", error)
       call tell_progress("testing", 2*size(z, kind=int64), 3*size(z, kind=int64), error, progress)
       if (allocated(error)) return
-      call run_correlation(z, options, channel, error, valid, shared)
+      call run_correlation(z, options, channel, error, valid, shared, progress)
    end subroutine run_tests
 
    !> The AR model, of the whole series or of the paper's orders.
-   subroutine run_ar(z, options, channel, shared, error, valid)
+   subroutine run_ar(z, options, channel, shared, error, valid, progress)
       real(dp), intent(in), contiguous :: z(:)
       type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(inout) :: channel
       type(autocovariance_type), intent(in) :: shared
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
+      class(progress_type), intent(inout), optional :: progress
       type(ar_options) :: asked
 
       asked = options%ar
       if (asked%order < 0) asked%max_order = int(min(int(asked%max_order, int64), channel%cleaned%count/fewest_for_order))
-      call fit_ar(z, asked, channel%ar, error, valid, shared)
+      call fit_ar(z, asked, channel%ar, error, valid, shared, progress)
       if (.not. allocated(error) .and. options%preset == "paper" .and. channel%ar%order == 0) then
-         call fit_positive_order(z, asked, channel%ar, error, valid)
+         call fit_positive_order(z, asked, channel%ar, error, valid, progress)
       end if
       if (is_fatal(error)) return
       channel%available%ar = .not. allocated(error)
@@ -196,7 +197,7 @@ contains
       if (.not. channel%available%ar) return
       call warn_order(channel)
       if (asked%max_order < options%ar%max_order) call warn_capped(asked%max_order, channel)
-      call choose_filter_model(z, asked, channel, valid)
+      call choose_filter_model(z, asked, channel, error, valid, progress)
    end subroutine run_ar
 
    !> Fewer orders were compared than were asked for.
@@ -211,12 +212,13 @@ contains
    end subroutine warn_capped
 
    !> The paper compares the orders from 1 on: the best of them, where order 0 would win.
-   subroutine fit_positive_order(z, options, model, error, valid)
+   subroutine fit_positive_order(z, options, model, error, valid, progress)
       real(dp), intent(in), contiguous :: z(:)
       type(ar_options), intent(in) :: options
       type(ar_model_type), intent(inout) :: model
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
+      class(progress_type), intent(inout), optional :: progress
       type(ar_options) :: fixed
       integer :: i, best
 
@@ -227,7 +229,7 @@ contains
       fixed = options
       fixed%order = 1
       if (best <= ubound(model%table, 1)) fixed%order = model%table(best)%order
-      call fit_ar(z, fixed, model, error, valid)
+      call fit_ar(z, fixed, model, error, valid, progress=progress)
    end subroutine fit_positive_order
 
    !> Filters the series without its mean; a copy is made only where the mean counts.

@@ -3,6 +3,7 @@
 module gyroakf_pipeline_correlation
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
+   use gyroakf_progress, only : progress_type
    use gyroakf_ar_shared_autocovariance, only : autocovariance_type
    use gyroakf_series_kpss, only : test_kpss
    use gyroakf_series_phillips_perron, only : test_phillips_perron, phillips_perron_options
@@ -18,32 +19,34 @@ module gyroakf_pipeline_correlation
 contains
 
    !> KPSS and Phillips-Perron.
-   subroutine run_stationarity(z, options, channel, error, valid)
+   subroutine run_stationarity(z, options, channel, error, valid, progress)
       !> The cleaned series: [n]
       real(dp), intent(in), contiguous :: z(:)
       !> Options of the main job
       type(pipeline_options), intent(in) :: options
       !> `kpss` and `phillips_perron` are filled, or failures noted
       type(channel_result_type), intent(inout) :: channel
-      !> no_memory and the like
+      !> no_memory, cancelled and the like
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(phillips_perron_options) :: roots
 
-      call test_kpss(z, options%kpss, channel%kpss, error, valid)
+      call test_kpss(z, options%kpss, channel%kpss, error, valid, progress)
       if (is_fatal(error)) return
       channel%available%kpss = .not. allocated(error)
       call note_failure(channel, "KPSS test", error)
       roots%regression = options%adf%regression(:2)           ! ctt: a line at most
-      call test_phillips_perron(z, roots, channel%phillips_perron, error, valid)
+      call test_phillips_perron(z, roots, channel%phillips_perron, error, valid, progress)
       if (is_fatal(error)) return
       channel%available%phillips_perron = .not. allocated(error)
       call note_failure(channel, "Phillips-Perron test", error)
    end subroutine run_stationarity
 
    !> Autocorrelation, Ljung-Box and Box-Pierce of a series.
-   subroutine run_correlation(z, options, channel, error, valid, shared)
+   subroutine run_correlation(z, options, channel, error, valid, shared, progress)
       !> The cleaned series: [n]
       real(dp), intent(in), contiguous :: z(:)
       !> Options of the main job
@@ -56,6 +59,8 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Autocovariances that are there already; taken where they reach far enough
       type(autocovariance_type), intent(in), optional :: shared
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: r(:)
       integer(int64), allocatable :: pairs(:)
       real(dp) :: mean
@@ -74,7 +79,7 @@ contains
             end if
          end if
       end if
-      call many_autocovariances(z, lags, mean, r, error, valid, pairs)
+      call many_autocovariances(z, lags, mean, r, error, valid, pairs, progress)
       if (is_fatal(error)) return
       if (allocated(error)) then
          call note_failure(channel, "Ljung-Box test", error)

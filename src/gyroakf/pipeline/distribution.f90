@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> The distribution of one channel's samples: quantisation, normality, histogram.
 module gyroakf_pipeline_distribution
-   use gyroakf_kinds, only : dp, int8
+   use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_record, only : add_text
    use gyroakf_io_writer, only : format_real
    use gyroakf_series_normality, only : test_dagostino, judge_normality
@@ -21,20 +22,24 @@ module gyroakf_pipeline_distribution
 contains
 
    !> Quantisation of the record as read; D'Agostino's and the Anderson-Darling test and the histogram of the cleaned series.
-   subroutine run_distribution(x, z, options, channel, error, valid)
+   subroutine run_distribution(x, z, options, channel, error, valid, progress)
       !> As read, and cleaned: [n]
       real(dp), intent(in), contiguous :: x(:), z(:)
       !> Samples of the Anderson-Darling test, bins
       type(pipeline_options), intent(in) :: options
       !> `cleaned` and `jarque_bera` are filled
       type(channel_result_type), intent(inout) :: channel
-      !> no_memory and the like; all else is noted in the channel
+      !> no_memory, cancelled and the like; all else is noted in the channel
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing or an outlier: [n]
       integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
       type(histogram_options) :: bins
       real(dp) :: p_value
 
+      call tell_progress("steps of the samples", 0_int64, 0_int64, error, progress)
+      if (allocated(error)) return
       call find_quantisation(x, channel%cleaned%std, channel%quantisation, error, valid)
       if (is_fatal(error)) return
       channel%available%quantisation = .not. allocated(error)
@@ -44,7 +49,7 @@ contains
       if (is_fatal(error)) return
       channel%available%dagostino = .not. allocated(error)
       call note_failure(channel, "D'Agostino's test", error)
-      call test_anderson_darling(z, options%anderson_darling, channel%anderson_darling, error, valid)
+      call test_anderson_darling(z, options%anderson_darling, channel%anderson_darling, error, valid, progress)
       if (is_fatal(error)) return
       channel%available%anderson_darling = .not. allocated(error)
       call note_failure(channel, "Anderson-Darling test", error)
@@ -55,6 +60,8 @@ contains
       if (channel%available%dagostino .or. channel%available%anderson_darling) then
          channel%normality = judge_normality(channel%cleaned%skewness, channel%cleaned%kurtosis, p_value)
       end if
+      call tell_progress("histogram", 0_int64, 0_int64, error, progress)
+      if (allocated(error)) return
       bins = options%histogram
       bins%step = channel%quantisation%step
       call compute_histogram(z, channel%cleaned, bins, channel%histogram, error, valid)

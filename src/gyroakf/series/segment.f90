@@ -92,7 +92,8 @@ contains
          first = (i - 1)*part%step + 1
          call tell_progress("spectrum", i - 1, 0_int64, error, progress)
          if (allocated(error)) return
-         call cut(x(first:first + part%length - 1), part, energy, segment, share(i - from + 1), first, valid)
+         call cut(x(first:first + part%length - 1), part, energy, segment, share(i - from + 1), first, error, valid, progress)
+         if (allocated(error)) return
          if (share(i - from + 1) <= 0.0_dp) cycle
          call real_fft_forward(plan, segment, spectrum, error, progress)
          if (.not. allocated(error)) call tell_progress("spectrum", i, 0_int64, error, progress)
@@ -106,7 +107,7 @@ contains
 
    !> A segment without its mean, times the window, 0 where missing; and the share of it that is present. Its first sample is
    !> subtracted before the mean is formed: the mean of large values would be rounded to a unit in their last place.
-   pure subroutine cut(x, part, energy, segment, share, first, valid)
+   subroutine cut(x, part, energy, segment, share, first, error, valid, progress)
       real(dp), intent(in), contiguous :: x(:)
       type(segment_type), intent(in) :: part
       real(dp), intent(in) :: energy
@@ -114,40 +115,75 @@ contains
       real(dp), intent(out) :: share
       !> Number of its first sample in the series
       integer(int64), intent(in) :: first
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
-      real(dp) :: origin, mean, squares
-      integer(int64) :: t, here
+      class(progress_type), intent(inout), optional :: progress
+      real(dp) :: origin, mean
+      integer(int64) :: t, begin
 
-      origin = 0.0_dp
-      mean = 0.0_dp
-      if (.not. present(valid)) then
+      if (present(valid)) then
+         call weigh(x, part, first, energy, origin, mean, share, error, valid, progress)
+         if (share < part%min_coverage) share = 0.0_dp
+         if (allocated(error) .or. share <= 0.0_dp) return
+      else
          share = 1.0_dp
+         origin = 0.0_dp
+         mean = 0.0_dp
          if (part%detrend) then
             origin = x(1)
             mean = sum(x - origin)/real(part%length, dp)
          end if
-         do t = 0, part%length - 1
+      end if
+      do begin = 0, part%length - 1, told_samples + 1
+         if (begin > 0) call tell_progress("spectrum", 0_int64, 0_int64, error, progress)
+         if (allocated(error)) return
+         do t = begin, min(begin + told_samples, part%length - 1)
             segment(t) = part%window(t)*((x(t + 1) - origin) - mean)
          end do
-         return
-      end if
-      squares = 0.0_dp
-      here = 0
-      do t = 0, part%length - 1
-         if (valid(first + t) == 0_int8) cycle
-         here = here + 1
-         squares = squares + part%window(t)**2
-         if (.not. part%detrend) cycle
-         if (here == 1) origin = x(t + 1)
-         mean = mean + ((x(t + 1) - origin) - mean)/real(here, dp)
-      end do
-      share = squares/energy
-      if (share < part%min_coverage .or. here == 0) share = 0.0_dp
-      if (share <= 0.0_dp) return
-      do t = 0, part%length - 1
-         segment(t) = 0.0_dp
-         if (valid(first + t) /= 0_int8) segment(t) = part%window(t)*((x(t + 1) - origin) - mean)
+         if (.not. present(valid)) cycle
+         do t = begin, min(begin + told_samples, part%length - 1)
+            if (valid(first + t) == 0_int8) segment(t) = 0.0_dp
+         end do
       end do
    end subroutine cut
+
+   !> Mean of the samples of a segment that are present, and the share of the window's energy that falls on them.
+   subroutine weigh(x, part, first, energy, origin, mean, share, error, valid, progress)
+      real(dp), intent(in), contiguous :: x(:)
+      type(segment_type), intent(in) :: part
+      !> As of [[cut]]
+      integer(int64), intent(in) :: first
+      real(dp), intent(in) :: energy
+      !> The first of them, and the mean of what they are beyond it; 0 where the mean stays
+      real(dp), intent(out) :: origin, mean
+      !> 0 where nothing is present
+      real(dp), intent(out) :: share
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8), intent(in) :: valid(:)
+      class(progress_type), intent(inout), optional :: progress
+      real(dp) :: squares
+      integer(int64) :: t, begin, here
+
+      origin = 0.0_dp
+      mean = 0.0_dp
+      share = 0.0_dp
+      squares = 0.0_dp
+      here = 0
+      do begin = 0, part%length - 1, told_samples + 1
+         if (begin > 0) call tell_progress("spectrum", 0_int64, 0_int64, error, progress)
+         if (allocated(error)) return
+         do t = begin, min(begin + told_samples, part%length - 1)
+            if (valid(first + t) == 0_int8) cycle
+            here = here + 1
+            squares = squares + part%window(t)**2
+            if (.not. part%detrend) cycle
+            if (here == 1) origin = x(t + 1)
+            mean = mean + ((x(t + 1) - origin) - mean)/real(here, dp)
+         end do
+      end do
+      if (here > 0) share = squares/energy
+   end subroutine weigh
 
 end module gyroakf_series_segment
