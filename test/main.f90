@@ -30,6 +30,7 @@ program test_main
    use test_audit, only : collect_audit
    use test_resample, only : collect_resample
    use test_autocovariance, only : collect_autocovariance
+   use test_block_stream, only : collect_block_stream
    use test_burg, only : collect_burg
    use test_clean, only : collect_clean
    use test_dates, only : collect_dates
@@ -139,6 +140,7 @@ program test_main
    call add("audit", collect_audit)
    call add("resample", collect_resample)
    call add("autocovariance", collect_autocovariance)
+   call add("block_stream", collect_block_stream)
    call add("burg", collect_burg)
    call add("clean", collect_clean)
    call add("dates", collect_dates)

@@ -36,6 +36,7 @@ contains
          & new_unittest("covariance", test_covariance), &
          & new_unittest("correlation_of_records", test_correlation_of_records), &
          & new_unittest("chosen_alone", test_chosen_alone), &
+         & new_unittest("walk_alone", test_walk_alone), &
          & new_unittest("coverage", test_coverage), &
          & new_unittest("bad_fit", test_bad_fit), &
          & new_unittest("dense_curve", test_dense_curve), &
@@ -453,6 +454,45 @@ contains
             & "a limit that further terms make lower")
       end associate
    end subroutine test_chosen_alone
+
+   subroutine test_walk_alone(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! 100 random walks: the curve is steep at its short end, where Q and N are chosen in two of three records; the fit of all
+      ! terms has too little of them for a claim
+      integer, parameter :: records = 100
+      type(allan_curve_type) :: curve
+      type(noise_options) :: options
+      type(noise_type) :: noise
+      real(dp) :: g(2000)
+      integer :: i, claimed(5)
+
+      claimed = 0
+      do i = 1, records
+         g = normal_series(size(g, kind=int64), int(6007*i, int64))
+         call fit_record(error, running_sum(g), 1.0_dp, options, curve, noise)
+         if (allocated(error)) return
+         claimed = claimed + merge(1, 0, noise%coefficient%detected)
+      end do
+      call check(error, claimed(4), records, "K is not found")
+      if (allocated(error)) return
+      call check(error, sum(claimed(:2)) <= 2, "Q and N are claimed, and are not there")
+
+   contains
+
+      !> A random walk.
+      pure function running_sum(steps) result(x)
+         real(dp), intent(in) :: steps(:)
+         real(dp) :: x(size(steps))
+         integer :: k
+
+         x(1) = steps(1)
+         do k = 2, size(x)
+            x(k) = x(k - 1) + steps(k)
+         end do
+      end function running_sum
+
+   end subroutine test_walk_alone
 
    subroutine test_coverage(error)
       type(error_type), allocatable, intent(out) :: error

@@ -30,6 +30,7 @@ contains
          new_unittest("ridge", test_ridge), &
          new_unittest("quantised", test_quantised), &
          new_unittest("reversal", test_reversal), &
+         new_unittest("short-reversal", test_short_reversal), &
          new_unittest("gaps", test_gaps), &
          new_unittest("long", test_long), &
          new_unittest("slow", test_slow), &
@@ -367,6 +368,37 @@ contains
          end associate
       end do
    end subroutine test_reversal
+
+   !> The likelihood of few samples is no parabola, and what the search leaves is more than rounding: its last steps are Newton's.
+   subroutine test_short_reversal(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: rounding = 1.0e-12_dp
+      integer, parameter :: records = 10, samples(2) = [100, 300]
+      type(drift_fit_type) :: fit, other
+      type(gyro_error), allocatable :: failed
+      real(dp), allocatable :: z(:), slow(:), back(:)
+      integer :: i, j, k
+
+      do i = 1, size(samples)
+         allocate (z(samples(i)), slow(samples(i)))
+         do j = 1, records
+            call make_series(60 + j, 0.9_dp, 0.3_dp, 1.0_dp, z)
+            call make_walk(80 + j, 0.01_dp, 0.0_dp, slow)
+            z = z + slow
+            call fit_drift(z, fit, failed)
+            back = z(size(z):1:-1)
+            call fit_drift(back, other, failed)
+            call check(error, size(fit%candidate), size(other%candidate))
+            do k = 1, size(fit%candidate)
+               if (allocated(error)) return
+               if (.not. fit%candidate(k)%errors_known) cycle
+               call check(error, distance(fit%candidate(k)%model, other%candidate(k)%model) < rounding, fit%candidate(k)%name)
+            end do
+            if (allocated(error)) return
+         end do
+         deallocate (z, slow)
+      end do
+   end subroutine test_short_reversal
 
    !> Largest difference of the numbers of two models, over the numbers.
    pure real(dp) function distance(one, two)

@@ -77,10 +77,10 @@ contains
       character(*), parameter :: no_process = ".part2147483646"
       type(writer_type) :: writer
       integer :: unit, i
-      logical :: left(5)
+      logical :: left(6)
 
       associate (name => [character(48) :: path//no_process, path//".part1", path//".part21474836x", path//".part", &
-                          "a_"//path//no_process])
+                          "a_"//path//no_process, path(:len(path) - 1)//"_"//no_process])
          do i = 1, size(name)
             open (newunit=unit, file=trim(name(i)), status="replace")
             close (unit)
