@@ -54,6 +54,7 @@ program test_main
    use test_drift_fit, only : collect_drift_fit
    use test_drift_trend, only : collect_drift_trend
    use test_drift_identification, only : collect_drift_identification
+   use test_figures, only : collect_figures
    use test_filter_saving, only : collect_filter_saving
    use test_drift_steady, only : collect_drift_steady
    use test_json, only : collect_json
@@ -163,6 +164,7 @@ program test_main
    call add("drift_fit", collect_drift_fit)
    call add("drift_trend", collect_drift_trend)
    call add("drift_identification", collect_drift_identification)
+   call add("figures", collect_figures)
    call add("filter_saving", collect_filter_saving)
    call add("drift_steady", collect_drift_steady)
    call add("json", collect_json)

@@ -1,11 +1,11 @@
 ! SPDX-License-Identifier: MIT
 !> Files that a test makes and removes, in the directory for temporary files.
 module scratch_file
-   use, intrinsic :: iso_c_binding, only : c_int
+   use, intrinsic :: iso_c_binding, only : c_char, c_int, c_null_char
    use gyroakf_kinds, only : int64
    implicit none (type, external)
    private
-   public :: scratch_path, write_bytes, read_bytes, remove_file, file_exists
+   public :: scratch_path, write_bytes, read_bytes, remove_file, remove_folder, file_exists
 
    interface
       function c_getpid() result(process) bind(C, name="getpid")
@@ -13,6 +13,12 @@ module scratch_file
          implicit none (type, external)
          integer(c_int) :: process
       end function c_getpid
+      function c_rmdir(path) result(failed) bind(C, name="rmdir")
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int) :: failed
+      end function c_rmdir
    end interface
 
 contains
@@ -64,6 +70,14 @@ contains
       open (newunit=unit, file=path, status="old", iostat=failed)
       if (failed == 0) close (unit, status="delete")
    end subroutine remove_file
+
+   !> Removes a folder; it stays where it is not empty.
+   subroutine remove_folder(path)
+      character(*), intent(in) :: path
+      integer(c_int) :: ignored
+
+      ignored = c_rmdir(path//c_null_char)
+   end subroutine remove_folder
 
    !> True where there is a file.
    logical function file_exists(path)
