@@ -61,6 +61,7 @@ program test_main
    use test_json_reader, only : collect_json_reader
    use test_kalman, only : collect_kalman
    use test_least_squares, only : collect_least_squares
+   use test_legacy, only : collect_legacy
    use test_levinson, only : collect_levinson
    use test_machine_memory, only : collect_machine_memory
    use test_moments, only : collect_moments
@@ -171,6 +172,7 @@ program test_main
    call add("json_reader", collect_json_reader)
    call add("kalman", collect_kalman)
    call add("least_squares", collect_least_squares)
+   call add("legacy", collect_legacy)
    call add("levinson", collect_levinson)
    call add("machine_memory", collect_machine_memory)
    call add("moments", collect_moments)
