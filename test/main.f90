@@ -28,6 +28,7 @@ program test_main
    use test_arma, only : collect_arma
    use test_ar_spectrum, only : collect_ar_spectrum
    use test_audit, only : collect_audit
+   use test_report_models, only : collect_report_models
    use test_resample, only : collect_resample
    use test_autocovariance, only : collect_autocovariance
    use test_block_stream, only : collect_block_stream
@@ -140,6 +141,7 @@ program test_main
    call add("arma", collect_arma)
    call add("ar_spectrum", collect_ar_spectrum)
    call add("audit", collect_audit)
+   call add("report_models", collect_report_models)
    call add("resample", collect_resample)
    call add("autocovariance", collect_autocovariance)
    call add("block_stream", collect_block_stream)
