@@ -21,8 +21,10 @@ module gyroakf_filter_scalar
    real(dp), parameter :: vanished = 1.0e-290_dp
 
    !> What changes from step to step, and what a step needs to know: plain numbers only, so that the
-   !> compiler keeps a local of this type in registers. What adaptation changes has no neighbour here that is its
-   !> neighbour in the filter: loaded as a pair, just after it was stored one by one, it would hold up the next step
+   !> compiler keeps a local of this type in registers. It does so only while no component is an argument of a procedure
+   !> that is not inlined (no public one is in position-independent code): else every step goes through memory. What
+   !> adaptation changes has no neighbour here that is its neighbour in the filter: loaded as a pair, just after it was
+   !> stored one by one, it would hold up the next step
    type :: lane_type
       real(dp) :: phi, phi2, state, p, r_mean, q, weight, r, forgetting, q_mean
       real(dp) :: prior, s, gain, share, innovation, square, clipped
@@ -124,6 +126,7 @@ contains
       type(lane_type), intent(inout) :: lane
       !> The measurement
       real(dp), intent(in) :: z
+      real(dp) :: steady
 
       if (lane%settled) then
          lane%innovation = z - lane%phi*lane%state
@@ -134,8 +137,9 @@ contains
          lane%innovation = z - lane%state
          lane%state = lane%state + lane%gain*lane%innovation
          lane%p = lane%gain*lane%r
-         lane%settled = abs(lane%gain - lane%steady_gain) <= settle_distance(lane%steady_gain)
-         if (lane%settled) lane%gain = lane%steady_gain
+         steady = lane%steady_gain                                ! a copy: see lane_type
+         lane%settled = abs(lane%gain - steady) <= settle_distance(steady)
+         if (lane%settled) lane%gain = steady
       end if
       lane%gain_sum = lane%gain_sum + lane%gain
       lane%used = lane%used + 1
@@ -158,15 +162,14 @@ contains
       lane%prior = lane%phi2*lane%p + lane%q
    end subroutine predict
 
-   !> Variance of the innovation and gain.
+   !> Variance of the innovation and gain. Each step waits for the gain of the one before: two divisions at a time are
+   !> ready earlier than one reciprocal and its products.
    pure subroutine weigh(lane)
       type(lane_type), intent(inout) :: lane
-      real(dp) :: inverse
 
       lane%s = (lane%phi2*lane%p + lane%r) + lane%q               ! Q is known last: one addition after it
-      inverse = 1.0_dp/lane%s
-      lane%gain = lane%prior*inverse
-      lane%share = lane%r*inverse
+      lane%gain = lane%prior/lane%s
+      lane%share = lane%r/lane%s
    end subroutine weigh
 
    !> Estimate from the prediction and a measurement, gated.
