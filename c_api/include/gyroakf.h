@@ -80,7 +80,8 @@ typedef struct gyroakf_error {
  *   done   so much of total: bytes or samples
  *   total  0 where it is not known
  * Returns 0 to go on. Otherwise the long call frees what it holds and returns GYROAKF_CANCELLED; *out is then NULL, and other results
- * are not written. It may call the library, not with a handle that the long call works on; it must not longjmp or throw.
+ * are not written. It may call the library, not with a handle that the long call works on; it must not longjmp or throw. The floating-point
+ * environment is the default one meanwhile; what it changes of that does not last.
  */
 typedef int32_t (*gyroakf_progress_fn)(void *user, const char *stage, int64_t done, int64_t total);
 
@@ -448,7 +449,7 @@ typedef struct gyroakf_adf_coefficient {
 
 /*
  * Coefficients of the regression of the same test: rows becomes their number (deterministic ones, level, lags), table [capacity]
- * the first of them. With table NULL only the number is told.
+ * (>= 1) the first of them. With table NULL only the number is told.
  */
 GYROAKF_API int gyroakf_adf_coefficients(const double *x, int64_t n, const gyroakf_adf_options *opt, int32_t capacity,
                                          gyroakf_adf_coefficient *table, int32_t *rows, gyroakf_error *err);

@@ -1071,6 +1071,7 @@ int main(int argc, char **argv) {
     printf("%d passed, %d failed\n", passed, failed);
     return failed > 0;
   }
+  test_memory();
   test_release();
   test_record_values();
   test_record_options();
@@ -1107,6 +1108,7 @@ int main(int argc, char **argv) {
   test_run();
   test_drift();
   test_bad();
+  test_promises();
   test_host();
   test_threads();
   printf("%d passed, %d failed\n", passed, failed);

@@ -8,7 +8,7 @@
 !> is the first inverse Hessian.
 module gyroakf_ar_arma_fit
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : error_type
+   use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_quasi_newton, only : minimise, minimise_options, minimum_type
    use gyroakf_ar_arma_transform, only : free_of, shrink
@@ -68,7 +68,7 @@ contains
       logical, intent(in) :: quick
       !> Told how far it is, may cancel; not associated: nobody
       class(progress_type), pointer, intent(in) :: listener
-      !> cancelled
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> Free parameters of a maximum of a part of the series: [p + q + 1]; it is one of the starts, and one search is enough
       real(dp), intent(in), optional :: first(:)
@@ -88,7 +88,8 @@ contains
       if (present(first)) then
          best%parameter = first
       else if (long) then
-         call part_of(series, trial_length, objective%series)
+         call part_of(series, trial_length, objective%series, error)
+         if (allocated(error)) return
          if (quick) then
             call take_best(objective, start, starts, best)
             if (allocated(best%parameter)) start(:, 1) = best%parameter
@@ -99,7 +100,8 @@ contains
          optimum%iterations = best%iterations
          optimum%evaluations = best%evaluations
       end if
-      objective%series = series
+      call part_of(series, size(series%y, kind=int64), objective%series, error)
+      if (allocated(error)) return
       if (long .or. quick .or. present(first)) then
          call take_best(objective, start, starts, best)
          optimum%evaluations = optimum%evaluations + starts
@@ -214,18 +216,27 @@ contains
    end subroutine add
 
    !> The middle of a series.
-   subroutine part_of(series, length, part)
+   subroutine part_of(series, length, part, error)
       !> The series
       type(arma_series_type), intent(in) :: series
-      !> Samples, fewer than the series has
+      !> Samples, at most those of the series
       integer(int64), intent(in) :: length
       !> Its middle
       type(arma_series_type), intent(out) :: part
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
       integer(int64) :: first
+      integer :: stat
 
       first = (size(series%y, kind=int64) - length)/2
-      part%y = series%y(first + 1:first + length)
-      if (allocated(series%valid)) part%valid = series%valid(first + 1:first + length)
+      allocate (part%y(length), stat=stat)
+      if (stat == 0 .and. allocated(series%valid)) allocate (part%valid(length), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the part of the series that an ARMA model is fitted to")
+         return
+      end if
+      part%y(:) = series%y(first + 1:first + length)
+      if (allocated(series%valid)) part%valid(:) = series%valid(first + 1:first + length)
    end subroutine part_of
 
 end module gyroakf_ar_arma_fit

@@ -41,7 +41,7 @@ contains
       real(dp), intent(in) :: scale
       !> Free parameters of the choice: [p + q + 1]
       real(dp), allocatable, intent(out) :: chosen(:)
-      !> cancelled
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional, target :: progress
@@ -55,11 +55,8 @@ contains
 
       listener => null()
       length = max(most_samples/compared_share, 1000_int64)
-      if (size(series%y, kind=int64) > length) then
-         call part_of(series, length, part%series)
-      else
-         part%series = series
-      end if
+      call part_of(series, min(length, size(series%y, kind=int64)), part%series, error)
+      if (allocated(error)) return
       model%compared_length = size(part%series%y, kind=int64)
       samples = real(model%compared_length, dp)
       if (allocated(part%series%valid)) samples = real(count(part%series%valid /= 0_int8, kind=int64), dp)
@@ -109,7 +106,7 @@ contains
       type(arma_optimum_type), intent(inout) :: optimum(:)
       !> Told of every evaluation where it is associated; one thread then
       class(progress_type), pointer, intent(in) :: listener
-      !> cancelled
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       type(error_type), allocatable :: failed
       integer :: i, p, q
@@ -137,7 +134,7 @@ contains
       class(progress_type), pointer, intent(in) :: listener
       !> sigma^2 of these
       real(dp), intent(inout) :: variance(:)
-      !> cancelled
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       type(error_type), allocatable :: failed
       integer :: i
@@ -213,7 +210,7 @@ contains
       type(arma_optimum_type), intent(inout) :: optimum
       !> sigma^2
       real(dp), intent(out) :: variance
-      !> cancelled
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       type(arma_objective_type) :: objective
       real(dp) :: start(optimum%p + optimum%q + 1)
@@ -232,7 +229,9 @@ contains
          start(:p) = smaller(j)%parameter(:p)
          start(optimum%p + 1:optimum%p + q) = smaller(j)%parameter(p + 1:p + q)
          start(size(start)) = smaller(j)%parameter(p + q + 1)
-         if (.not. allocated(objective%series%y)) objective%series = series
+         if (.not. allocated(objective%series%y)) call part_of(series, size(series%y, kind=int64), &
+            & objective%series, objective%cancelled)
+         if (allocated(objective%cancelled)) exit
          call improve(objective, start, optimum, .true.)
       end do
       call find_variance(series, objective%share, optimum, variance, objective%cancelled)

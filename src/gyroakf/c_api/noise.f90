@@ -2,12 +2,13 @@
 !> C: the noise coefficients of a deviation curve. What the function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_noise
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_double, c_size_t, c_null_ptr, c_associated, &
-      & c_f_pointer, c_sizeof
+      & c_f_pointer, c_loc, c_sizeof
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_allan_noise_fit, only : noise_options, noise_type, coefficient_type, fit_noise
    use gyroakf_c_api_allan, only : allan_handle
-   use gyroakf_c_api_support, only : error_c, host_type, enter_library, leave_library, check_finite, check_struct_size, take_text
+   use gyroakf_c_api_support, only : error_c, host_type, enter_library, leave_library, check_aligned, check_finite, &
+      & check_struct_size, take_text
    implicit none (type, external)
    private
    public :: gyroakf_fit_options_init, gyroakf_noise_fit, gyroakf_noise_covariance
@@ -78,7 +79,7 @@ contains
       type(c_ptr), intent(in), value :: a
       type(fit_options_c), intent(in), optional :: opt
       type(noise_c), intent(inout), optional :: out
-      real(c_double), intent(inout), optional :: covariance(25)
+      real(c_double), intent(inout), optional, target :: covariance(25)
       type(error_c), intent(out), optional :: err
       type(host_type) :: host
       type(noise_options) :: options
@@ -88,6 +89,7 @@ contains
 
       call enter_library(host)
       call copy_curve(a, present(covariance), curve, error)
+      if (.not. allocated(error)) call check_aligned(c_loc(covariance), error)
       if (.not. allocated(error)) call read_options(options, error, opt)
       if (.not. allocated(error)) call fit_noise(curve, options, noise, error)
       if (.not. allocated(error)) call check_finite(reshape(noise%covariance, shape(covariance)), error)

@@ -5,6 +5,7 @@ module gyroakf_c_api_progress
       & c_associated, c_f_procpointer
    use gyroakf_kinds, only : int64
    use gyroakf_progress, only : progress_type
+   use gyroakf_c_api_support, only : host_type, enter_library
    implicit none (type, external)
    private
    public :: callback_type
@@ -34,7 +35,7 @@ module gyroakf_c_api_progress
 
 contains
 
-   !> Calls the function of the program.
+   !> Calls the function of the program, which may leave a floating-point environment of its own behind.
    subroutine call_back(self, stage, done, total, cancel)
       !> The function
       class(callback_type), intent(inout) :: self
@@ -44,6 +45,7 @@ contains
       logical, intent(out) :: cancel
       procedure(progress_interface), pointer :: tell
       character(kind=c_char) :: name(longest_stage + 1)
+      type(host_type) :: left
       integer :: i
 
       cancel = .false.
@@ -54,6 +56,7 @@ contains
       end do
       call c_f_procpointer(self%function, tell)
       cancel = tell(self%user, name, done, total) /= 0
+      call enter_library(left)
    end subroutine call_back
 
 end module gyroakf_c_api_progress

@@ -96,6 +96,8 @@ contains
 
       call enter_library(host)
       if (.not. present(rows)) call fatal_error(error, status%invalid_argument, "the place for the number must not be NULL")
+      if (.not. allocated(error) .and. c_associated(table) .and. capacity < 1) call fatal_error(error, status%invalid_argument, &
+         & "the table must have a row at least")
       if (.not. allocated(error)) call read_options(options, callback, error, opt)
       options%table = .true.
       if (.not. allocated(error)) call open_series(x, n, series, error)
@@ -116,7 +118,7 @@ contains
 
       rows = size(result%table)
       if (.not. c_associated(table)) return
-      call c_f_pointer(table, row, [max(capacity, 0_c_int32_t)])
+      call c_f_pointer(table, row, [capacity])
       do i = 1, min(size(result%table), size(row))
          row(i)%name(:) = c_null_char
          do k = 1, len_trim(result%table(i)%name)

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Allan curve and noise coefficients of one series of a channel, stated in the units of the report, and compared.
 module gyroakf_pipeline_coefficients
-   use gyroakf_kinds, only : dp, int8
+   use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, status
    use gyroakf_record, only : add_text
    use gyroakf_units, only : unit_type, coefficient_unit_type, coefficient_unit, density_unit, quantity
@@ -10,7 +10,7 @@ module gyroakf_pipeline_coefficients
    use gyroakf_allan_noise_fit, only : coefficient_type, noise_options, noise_type, fit_noise
    use gyroakf_allan_record_length, only : never, record_to_see
    use gyroakf_allan_read_off, only : read_off_options, read_off_type, read_off
-   use gyroakf_progress, only : progress_type
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, allan_result_type, stated_coefficient_type, &
       & stated_noise_type, stated_read_off_type, stage, stage_names
    use gyroakf_pipeline_conventions, only : state_conventions
@@ -53,7 +53,9 @@ contains
          call run_other_kinds(x, step, options, which, channel, error, valid, progress)
          if (allocated(error)) return
       end if
-      call fit_curve(rate_known, unit, options, which, channel, error)
+      call tell_progress("noise coefficients", 0_int64, 0_int64, error, progress)
+      if (.not. allocated(error)) call fit_curve(rate_known, unit, options, which, channel, error)
+      if (.not. allocated(error)) call tell_progress("noise coefficients", 0_int64, 0_int64, error, progress)
    end subroutine run_allan
 
    !> Fits the coefficients of a curve and states them. A failure is noted in the channel.

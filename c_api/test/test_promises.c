@@ -1,0 +1,798 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the head of gyroakf.h promises of every function, over a table of all that take a series: arguments that are refused, results
+ * that are not written, numbers that do not depend on the floating-point environment, which comes back as it was; nothing printed.
+ */
+#if defined(__linux__) && !defined(_GNU_SOURCE)
+#define _GNU_SOURCE /* feenableexcept */
+#endif
+#include "check.h"
+#include "modes.h"
+#include "threads.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { n = 2000, arrays = 3, room_of_options = 512 };
+
+/* What a call gets, and where its results go. */
+typedef struct call {
+  const double *x; /* [length] */
+  int64_t length;
+  const void *opt;        /* NULL: defaults */
+  double *array[arrays];  /* [n + 1] results */
+  unsigned char *figures; /* other results */
+} call;
+
+static double series[n], filled[n];
+static int lost; /* a handle after a failure, or none after a success */
+
+static int made(int status, const void *handle) {
+  if ((status == GYROAKF_OK) != (handle != NULL)) lost++;
+  return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------------------------ the table */
+
+static void copy_record(gyroakf_record *r, call *c) {
+  if (r != NULL) memcpy(c->array[0], gyroakf_record_values(r, 0), (size_t)gyroakf_record_samples(r) * sizeof(double));
+  gyroakf_record_free(r);
+}
+
+static int record_new(call *c) {
+  const double *values[1];
+  gyroakf_record *r = (gyroakf_record *)c;
+  int status;
+  values[0] = c->x;
+  status = gyroakf_record_new(values, 1, c->length, 0.01, NULL, "deg/s", &r, &err);
+  made(status, r);
+  copy_record(r, c);
+  return status;
+}
+
+static int allan_new(call *c) {
+  gyroakf_allan *a = (gyroakf_allan *)c;
+  const int status = gyroakf_allan_new(c->x, c->length, 0.01, (const gyroakf_allan_options *)c->opt, &a, &err);
+  made(status, a);
+  if (a != NULL) memcpy(c->array[0], gyroakf_allan_deviation(a), (size_t)gyroakf_allan_size(a) * sizeof(double));
+  if (a != NULL) memcpy(c->array[1], gyroakf_allan_upper(a), (size_t)gyroakf_allan_size(a) * sizeof(double));
+  gyroakf_allan_free(a);
+  return status;
+}
+
+static int noise_covariance(call *c) {
+  static gyroakf_allan *a; /* of the series, once: this table's calls differ in the options alone */
+  if (c->x == NULL) {
+    gyroakf_allan_free(a);
+    a = NULL;
+    return GYROAKF_INVALID_ARGUMENT;
+  }
+  if (a == NULL) gyroakf_allan_new(filled, n, 0.01, NULL, &a, NULL);
+  return gyroakf_noise_covariance(a, (const gyroakf_fit_options *)c->opt, (gyroakf_noise *)(void *)c->figures, c->array[0], &err);
+}
+
+static int mark_outliers(call *c) {
+  return gyroakf_mark_outliers(c->x, c->length, (const gyroakf_outlier_options *)c->opt, (int8_t *)c->figures + 1024,
+                               (gyroakf_outliers *)(void *)c->figures, &err);
+}
+
+static int adf_test(call *c) {
+  return gyroakf_adf_test(c->x, c->length, (const gyroakf_adf_options *)c->opt, (gyroakf_adf *)(void *)c->figures, &err);
+}
+
+static int adf_coefficients(call *c) {
+  return gyroakf_adf_coefficients(c->x, c->length, (const gyroakf_adf_options *)c->opt, 10,
+                                  (gyroakf_adf_coefficient *)(void *)(c->figures + 64), (int32_t *)(void *)c->figures, &err);
+}
+
+static int kpss_test(call *c) {
+  return gyroakf_kpss_test(c->x, c->length, (const gyroakf_kpss_options *)c->opt, (gyroakf_kpss *)(void *)c->figures, &err);
+}
+
+static int phillips_perron_test(call *c) {
+  return gyroakf_phillips_perron_test(c->x, c->length, (const gyroakf_phillips_perron_options *)c->opt,
+                                      (gyroakf_phillips_perron *)(void *)c->figures, &err);
+}
+
+static int autocorrelation(call *c) {
+  return gyroakf_autocorrelation(c->x, c->length, 30, c->array[0], c->array[1], c->array[2], &err);
+}
+
+static int ljung_box(call *c) { return gyroakf_ljung_box(c->x, c->length, 20, 0, (gyroakf_whiteness *)(void *)c->figures, &err); }
+
+static int normality_test(call *c) {
+  return gyroakf_normality_test(c->x, c->length, 0, (gyroakf_normality *)(void *)c->figures, &err);
+}
+
+static int histogram_new(call *c) {
+  gyroakf_histogram *h = (gyroakf_histogram *)c;
+  const int status = gyroakf_histogram_new(c->x, c->length, 50, &h, &err);
+  made(status, h);
+  if (h != NULL) memcpy(c->array[0], gyroakf_histogram_edges(h), (size_t)(gyroakf_histogram_bins(h) + 1) * sizeof(double));
+  if (h != NULL) memcpy(c->figures, gyroakf_histogram_counts(h), (size_t)gyroakf_histogram_bins(h) * sizeof(int64_t));
+  gyroakf_histogram_free(h);
+  return status;
+}
+
+static int fisher_g(call *c) { return gyroakf_fisher_g(c->x, c->length, (gyroakf_fisher *)(void *)c->figures, &err); }
+
+static int welch_spectrum(call *c) {
+  return gyroakf_welch_spectrum(c->x, c->length, 0.01, 256, c->array[0], c->array[1], (double *)(void *)c->figures, &err);
+}
+
+static int spectral_lines(call *c) {
+  return gyroakf_spectral_lines(c->x, c->length, 0.01, 10, (gyroakf_spectral_line *)(void *)(c->figures + 64),
+                                (int32_t *)(void *)c->figures, &err);
+}
+
+static int ar_fit(call *c) {
+  return gyroakf_ar_fit(c->x, c->length, (const gyroakf_ar_options *)c->opt, 5, (int32_t *)(void *)c->figures, c->array[0],
+                        (double *)(void *)(c->figures + 64), (double *)(void *)(c->figures + 128), &err);
+}
+
+static int arma_fit(call *c) {
+  return gyroakf_arma_fit(c->x, c->length, (const gyroakf_arma_options *)c->opt, (gyroakf_arma *)(void *)c->figures, &err);
+}
+
+static int filter_new(call *c) {
+  gyroakf_filter *f = (gyroakf_filter *)c;
+  const int status = gyroakf_filter_new(3, c->x, 1.0, 1.0, (const gyroakf_filter_options *)c->opt, &f, &err);
+  made(status, f);
+  if (f != NULL) gyroakf_filter_get(f, (gyroakf_filter_state *)(void *)c->figures);
+  gyroakf_filter_free(f);
+  return status;
+}
+
+static int filter_run(call *c) {
+  const double phi[2] = {0.8, 0.1};
+  gyroakf_filter_options opt;
+  gyroakf_filter *f = NULL;
+  int64_t size = 0;
+  int status;
+  gyroakf_filter_options_init(&opt);
+  opt.estimate_measurement_variance = 1;
+  opt.huber = 2.5;
+  opt.measurement_form = "exact";
+  if (gyroakf_filter_new(2, phi, 0.1, 1.0, &opt, &f, NULL) != GYROAKF_OK) abort();
+  status = gyroakf_filter_run(f, c->x, c->length, c->array[0], &err);
+  if (status == GYROAKF_OK && gyroakf_filter_save(f, c->figures, 4096, &size, NULL) != GYROAKF_OK) lost++;
+  gyroakf_filter_free(f);
+  return status;
+}
+
+static int drift_identify(call *c) {
+  gyroakf_drift_model *model = (gyroakf_drift_model *)(void *)c->figures;
+  gyroakf_drift_model before = *model;
+  int status;
+  memset(model, 0x5a, sizeof *model);
+  gyroakf_drift_model_init(model);
+  status = gyroakf_drift_identify(c->x, c->length, (const gyroakf_drift_options *)c->opt, model, &err);
+  if (status != GYROAKF_OK) {
+    gyroakf_drift_model fresh;
+    memset(&fresh, 0x5a, sizeof fresh);
+    gyroakf_drift_model_init(&fresh);
+    if (memcmp(&fresh, model, sizeof fresh) != 0) lost++; /* padding as before, members as they were initialised */
+    *model = before;
+  }
+  return status;
+}
+
+static gyroakf_drift_model drift_model(void) {
+  gyroakf_drift_model model;
+  gyroakf_drift_model_init(&model);
+  model.count = model.slow[0] = 1;
+  model.phi[0] = 0.99;
+  model.q[0] = 0.01;
+  model.r = 1.0;
+  model.degree = 2;
+  model.polynomial[0] = 0.3;
+  model.polynomial[1] = -0.7;
+  return model;
+}
+
+static int drift_smooth(call *c) {
+  const gyroakf_drift_model model = drift_model();
+  return gyroakf_drift_smooth(&model, c->x, c->length, c->array[0], c->array[1], (const gyroakf_filter_options *)c->opt, &err);
+}
+
+static int drift_polynomial(call *c) {
+  const gyroakf_drift_model model = drift_model();
+  return gyroakf_drift_polynomial(&model, c->length, c->array[0], &err);
+}
+
+static int drift_filter_new(call *c) {
+  const gyroakf_drift_model model = drift_model();
+  gyroakf_filter *f = (gyroakf_filter *)c;
+  const int status = gyroakf_drift_filter_new(&model, (const gyroakf_filter_options *)c->opt, &f, &err);
+  made(status, f);
+  gyroakf_filter_free(f);
+  return status;
+}
+
+static int simulate(call *c) {
+  gyroakf_record *r = (gyroakf_record *)c;
+  const int status = gyroakf_simulate((const gyroakf_simulate_options *)c->opt, &r, &err);
+  made(status, r);
+  copy_record(r, c);
+  return status;
+}
+
+static int record_parse(call *c) {
+  static const char text[] = "0.1\n-2.5e-3\nnan\n7e22\n0.3\n";
+  gyroakf_record *r = (gyroakf_record *)c;
+  const int status = gyroakf_record_parse(text, (int64_t)sizeof text - 1, (const gyroakf_reader_options *)c->opt, &r, &err);
+  made(status, r);
+  copy_record(r, c);
+  return status;
+}
+
+static int run(call *c) {
+  static const double *values[1] = {filled};
+  gyroakf_record *r = NULL;
+  gyroakf_result *result = (gyroakf_result *)c;
+  int status;
+  if (gyroakf_record_new(values, 1, n, 0.01, NULL, "deg/s", &r, NULL) != GYROAKF_OK) abort();
+  status = gyroakf_run(r, (const gyroakf_run_options *)c->opt, &result, &err);
+  made(status, result);
+  if (result != NULL) strncpy((char *)c->figures, gyroakf_result_json(result), 16000);
+  gyroakf_result_free(result);
+  gyroakf_record_free(r);
+  return status;
+}
+
+static void init_simulation(void *opt) {
+  gyroakf_simulate_options *o = (gyroakf_simulate_options *)opt;
+  gyroakf_simulate_options_init(o);
+  o->samples = n;
+  o->n = o->q = o->b = o->k = 0.1;
+}
+
+#define INIT(name) \
+  static void init_##name(void *opt) { gyroakf_##name##_options_init((gyroakf_##name##_options *)opt); }
+INIT(reader)
+INIT(run)
+INIT(allan)
+INIT(fit)
+INIT(outlier)
+INIT(adf)
+INIT(kpss)
+INIT(phillips_perron)
+INIT(ar)
+INIT(arma)
+INIT(filter)
+INIT(drift)
+
+typedef struct row {
+  const char *name;
+  int (*call)(call *c);
+  int takes_series, takes_length, results; /* x and its length are looked at; so many arrays of doubles are written */
+  void (*init)(void *opt);                 /* NULL: no options */
+  size_t size, earlier;                    /* of the options now, and once (0: no other) */
+} row;
+
+#define OPTIONS(name) init_##name, sizeof(gyroakf_##name##_options)
+#define NONE NULL, 0, 0
+static const row table[] = {
+    {"record_new", record_new, 1, 1, 0, NONE},
+    {"record_parse", record_parse, 0, 0, 0, OPTIONS(reader), 0},
+    {"simulate", simulate, 0, 0, 0, init_simulation, sizeof(gyroakf_simulate_options), 144},
+    {"run", run, 0, 0, 0, OPTIONS(run), 0},
+    {"allan_new", allan_new, 1, 1, 0, OPTIONS(allan), 0},
+    {"noise_covariance", noise_covariance, 0, 0, 1, OPTIONS(fit), 0},
+    {"mark_outliers", mark_outliers, 1, 1, 0, OPTIONS(outlier), 40},
+    {"adf_test", adf_test, 1, 1, 0, OPTIONS(adf), 0},
+    {"adf_coefficients", adf_coefficients, 1, 1, 0, OPTIONS(adf), 0},
+    {"kpss_test", kpss_test, 1, 1, 0, OPTIONS(kpss), 32},
+    {"phillips_perron_test", phillips_perron_test, 1, 1, 0, OPTIONS(phillips_perron), 24},
+    {"autocorrelation", autocorrelation, 1, 1, 3, NONE},
+    {"ljung_box", ljung_box, 1, 1, 0, NONE},
+    {"normality_test", normality_test, 1, 1, 0, NONE},
+    {"histogram_new", histogram_new, 1, 1, 0, NONE},
+    {"fisher_g", fisher_g, 1, 1, 0, NONE},
+    {"welch_spectrum", welch_spectrum, 1, 1, 2, NONE},
+    {"spectral_lines", spectral_lines, 1, 1, 0, NONE},
+    {"ar_fit", ar_fit, 1, 1, 1, OPTIONS(ar), 32},
+    {"arma_fit", arma_fit, 1, 1, 0, OPTIONS(arma), 0},
+    {"filter_new", filter_new, 1, 0, 0, OPTIONS(filter), 0},
+    {"filter_run", filter_run, 1, 1, 1, NONE},
+    {"drift_identify", drift_identify, 1, 1, 0, OPTIONS(drift), 40},
+    {"drift_smooth", drift_smooth, 1, 1, 2, OPTIONS(filter), 0},
+    {"drift_polynomial", drift_polynomial, 0, 1, 1, NONE},
+    {"drift_filter_new", drift_filter_new, 0, 0, 0, OPTIONS(filter), 0},
+};
+enum { rows = (int)(sizeof table / sizeof *table) };
+
+/* ------------------------------------------------------------------------------------------------------------------------- a call */
+
+/* Results of a call, and the bytes around them. */
+typedef struct results {
+  double array[arrays][n + 2];
+  unsigned char figures[16384];
+} results;
+
+static results now_written, untouched, usual;
+static unsigned char options[room_of_options], options_before[room_of_options];
+static const double fair[3] = {0.3, 0.2, 0.1};
+
+static call usual_call(const row *r, results *to) {
+  call c;
+  int k;
+  memset(to, 0x5a, sizeof *to);
+  memset(options, 0, sizeof options);
+  if (r->init != NULL) r->init(options);
+  c.x = r->call == filter_new ? fair : series;
+  c.length = n;
+  c.opt = r->init != NULL ? options : NULL;
+  for (k = 0; k < arrays; k++) c.array[k] = to->array[k];
+  c.figures = to->figures;
+  return c;
+}
+
+static char what[200];
+
+static void make_series(void) {
+  int i;
+  uniform(series, n, 31415);
+  for (i = 1; i < n; i++) series[i] = 0.5 * series[i - 1] + series[i] + 1e-4 * i;
+  memcpy(filled, series, sizeof filled);
+  memset(&untouched, 0x5a, sizeof untouched);
+}
+
+/* The call is refused with this status (0: with any), and nothing is written. */
+static void refused(const row *r, call *c, int expected, const char *why) {
+  int status;
+  snprintf(what, sizeof what, "%s: %s", r->name, why);
+  memcpy(options_before, options, sizeof options);
+  lost = 0;
+  status = r->call(c);
+  if (expected == 0) check_any_failure(status, what);
+  else check_failure(status, expected, what);
+  snprintf(what, sizeof what, "%s: %s: nothing is written, *out is NULL", r->name, why);
+  check(memcmp(&now_written, &untouched, sizeof untouched) == 0 && lost == 0, what);
+  check(memcmp(options, options_before, sizeof options) == 0, "options are not changed");
+}
+
+static void test_usual(const row *r) {
+  call c = usual_call(r, &now_written);
+  int status = r->call(&c);
+  snprintf(what, sizeof what, "%s: the usual call", r->name);
+  check_success(status, what);
+  check(lost == 0 && memcmp(series, filled, sizeof series) == 0, "the series is not changed");
+}
+
+static void test_lengths(const row *r) {
+  static const int64_t wrong[] = {0, -1, INT64_MIN, ((int64_t)1 << 44) + 1, (int64_t)1 << 62, INT64_MAX};
+  size_t k;
+  for (k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+    call c = usual_call(r, &now_written);
+    c.length = wrong[k];
+    refused(r, &c, GYROAKF_INVALID_ARGUMENT, "a length that none has");
+  }
+}
+
+static void test_addresses(const row *r) {
+  int k, shift;
+  call c = usual_call(r, &now_written);
+  if (r->takes_series) {
+    c.x = NULL;
+    refused(r, &c, GYROAKF_INVALID_ARGUMENT, "no series");
+  }
+  for (shift = 1; shift < 8; shift++) {
+    if (r->takes_series) {
+      c = usual_call(r, &now_written);
+      c.x = (const double *)(const void *)((const char *)c.x + shift);
+      refused(r, &c, GYROAKF_INVALID_ARGUMENT, "a series at an odd address");
+    }
+    for (k = 0; k < r->results; k++) {
+      c = usual_call(r, &now_written);
+      c.array[k] = (double *)(void *)((char *)c.array[k] + shift);
+      refused(r, &c, GYROAKF_INVALID_ARGUMENT, "a result at an odd address");
+    }
+  }
+}
+
+static void test_infinite(const row *r) {
+  const double infinite[2] = {INFINITY, -INFINITY};
+  const int places[3] = {0, n / 2, n - 1};
+  static double bad[n];
+  int k;
+  for (k = 0; k < 6; k++) {
+    call c = usual_call(r, &now_written);
+    memcpy(bad, series, sizeof bad);
+    bad[places[k / 2]] = infinite[k % 2];
+    c.x = bad;
+    refused(r, &c, GYROAKF_NON_FINITE, "an infinite value");
+  }
+}
+
+static void test_sizes(const row *r) {
+  size_t size;
+  for (size = 0; size <= r->size + 65; size++) {
+    const size_t given = size > r->size + 64 ? (size_t)-1 : size;
+    call c = usual_call(r, &now_written);
+    memcpy(options, &given, sizeof given);
+    if (given == r->size || (given > 0 && given == r->earlier)) {
+      check_success(r->call(&c), r->name);
+    } else {
+      refused(r, &c, given > r->size && given != (size_t)-1 ? GYROAKF_NOT_SUPPORTED : GYROAKF_INVALID_ARGUMENT, "struct_size");
+    }
+  }
+}
+
+/* Values near the largest and the smallest numbers, constant ones, and none: a status, and after a success finite numbers. */
+static void test_extremes(const row *r) {
+  static const double factor[] = {1e308, 1e155, 1e-155, 1e-307, 5e-324, 0.0};
+  static double bad[n];
+  size_t k;
+  int i;
+  for (k = 0; k <= sizeof factor / sizeof *factor; k++) {
+    call c = usual_call(r, &now_written);
+    int status;
+    for (i = 0; i < n; i++) {
+      if (k < sizeof factor / sizeof *factor) bad[i] = (series[i] - 0.5) * factor[k];
+      else memset(&bad[i], 0xff, sizeof *bad); /* NaN */
+    }
+    c.x = bad;
+    lost = 0;
+    status = r->call(&c);
+    snprintf(what, sizeof what, "%s: values about %g", r->name, k < 6 ? factor[k] : NAN);
+    check(status == err.code && status >= GYROAKF_OK && status <= GYROAKF_CANCELLED && lost == 0, what);
+    check((status == GYROAKF_OK) == (err.message[0] == '\0'), what);
+    if (status != GYROAKF_OK && r->call != filter_run && r->call != drift_smooth) {
+      check(memcmp(&now_written, &untouched, sizeof untouched) == 0, what);
+    }
+    for (i = 0; status == GYROAKF_OK && r->call != record_new && i < r->results * (n + 2); i++) {
+      if (!isfinite(now_written.array[i / (n + 2)][i % (n + 2)])) {
+        check(0, what);
+        break;
+      }
+    }
+  }
+}
+
+/* ------------------------------------------------------------------------------------------------------------ the environment */
+
+static void downward(void) { fesetround(FE_DOWNWARD); }
+static void upward(void) {
+  fesetround(FE_UPWARD);
+  feraiseexcept(FE_DIVBYZERO);
+}
+static void to_zero(void) {
+  fesetround(FE_TOWARDZERO);
+  feraiseexcept(FE_INVALID | FE_INEXACT);
+}
+#if defined(__GLIBC__) && defined(__x86_64__)
+static void all_traps(void) { feenableexcept(FE_ALL_EXCEPT); }
+#endif
+#if defined(__x86_64__)
+static void flushing(void) { _mm_setcsr(_mm_getcsr() | 0x8040U); }
+#endif
+
+static void (*const changes[])(void) = {downward, upward, to_zero,
+#if defined(__GLIBC__) && defined(__x86_64__)
+                                        all_traps,
+#endif
+#if defined(__x86_64__)
+                                        flushing,
+#endif
+};
+
+static void test_environments(const row *r) {
+  size_t k;
+  call c = usual_call(r, &usual);
+  modes before, after;
+  fenv_t mine;
+  int status;
+  check_success(r->call(&c), r->name);
+  for (k = 0; k < sizeof changes / sizeof *changes; k++) {
+    c = usual_call(r, &now_written);
+    fegetenv(&mine);
+    feclearexcept(FE_ALL_EXCEPT);
+    changes[k]();
+    before = now();
+    status = r->call(&c);
+    after = now();
+    fesetenv(&mine);
+    snprintf(what, sizeof what, "%s: environment %d", r->name, (int)k);
+    check_success(status, what);
+    check(memcmp(&before, &after, sizeof before) == 0, what);
+    check(memcmp(&now_written, &usual, sizeof usual) == 0, what);
+  }
+}
+
+/* A progress function that leaves an environment of its own behind. */
+static int32_t disturb(void *user, const char *stage, int64_t done, int64_t total) {
+  size_t *k = (size_t *)user;
+  (void)stage;
+  (void)done;
+  (void)total;
+  changes[++*k % (sizeof changes / sizeof *changes)]();
+  return 0;
+}
+
+static void test_disturbing_progress(void) {
+  static double calm[n], disturbed[n];
+  gyroakf_filter_options opt;
+  const gyroakf_drift_model model = drift_model();
+  modes before = now(), after;
+  fenv_t mine;
+  size_t k = 0;
+  int status;
+  gyroakf_filter_options_init(&opt);
+  opt.estimate_measurement_variance = 1;
+  check_success(gyroakf_drift_smooth(&model, series, n, calm, NULL, &opt, &err), "a smoother");
+  fegetenv(&mine);
+  before = now();
+  status = gyroakf_drift_smooth_watched(&model, series, n, disturbed, NULL, &opt, disturb, &k, &err);
+  after = now();
+  fesetenv(&mine);
+  check_success(status, "a smoother that is disturbed");
+  check(k > 0 && memcmp(calm, disturbed, sizeof calm) == 0, "the same drift");
+  check(memcmp(&before, &after, sizeof before) == 0, "the environment is as it was before the call");
+}
+
+/* A step in the usual environment raises nothing but FE_INEXACT and FE_UNDERFLOW, whatever is measured. */
+static void test_flags_of_a_step(void) {
+  static const uint64_t odd[] = {0x7ff0000000000001U, 0xfff4000000000000U, 0x7ff8000000000000U, 0x7ff0000000000000U,
+                                 0xfff0000000000000U, 0x7fefffffffffffffU, 0xffefffffffffffffU, 1U, 0x8000000000000001U, 0U};
+  const double phi[3] = {0.5, 0.2, 0.1};
+  gyroakf_filter_options opt;
+  const gyroakf_drift_model model = drift_model();
+  gyroakf_filter *f;
+  double z, x;
+  size_t k;
+  int p, raised;
+  gyroakf_filter_options_init(&opt);
+  opt.estimate_measurement_variance = 1;
+  opt.huber = 2.5;
+  for (p = 0; p <= 4; p++) {
+    if (p < 4) check_success(gyroakf_filter_new(p, phi, 1e-3, 1.0, p % 2 ? &opt : NULL, &f, &err), "a filter");
+    else check_success(gyroakf_drift_filter_new(&model, &opt, &f, &err), "a filter of a drift");
+    for (k = 0; k < 4 * sizeof odd / sizeof *odd; k++) {
+      memcpy(&z, &odd[k / 4], sizeof z);
+      feclearexcept(FE_ALL_EXCEPT);
+      check(gyroakf_filter_step(f, z, &x) == GYROAKF_OK && isfinite(x), "a step of an odd measurement");
+      raised = fetestexcept(FE_ALL_EXCEPT);
+      check((raised & ~(FE_INEXACT | FE_UNDERFLOW)) == 0, "flags of a step");
+      feclearexcept(FE_ALL_EXCEPT);
+    }
+    gyroakf_filter_free(f);
+  }
+}
+
+/* -------------------------------------------------------------------------------------------------------------------- memory */
+
+#if defined(__GLIBC__)
+#include <malloc.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+enum { many = 1000000 };
+
+/* Address space in bytes; 0 where that of a tool that watches the program hides it. */
+static size_t address_space(void) {
+  const char *loaded = getenv("LD_PRELOAD");
+  unsigned long long pages = 0;
+  FILE *file = fopen("/proc/self/statm", "r");
+  if (file == NULL) return 0;
+  if (fscanf(file, "%llu", &pages) != 1 || (loaded != NULL && strstr(loaded, "vgpreload") != NULL)) pages = 0;
+  fclose(file);
+  pages *= (unsigned long long)sysconf(_SC_PAGESIZE);
+  return pages > (1ULL << 36) ? 0 : (size_t)pages;
+}
+
+/* The call by a process that has only so much more memory: 0 it is refused, 2 it succeeds, all else is no good end. */
+static int call_within(const row *r, call c, size_t bytes) {
+  int status, code = 1;
+  pid_t child;
+  fflush(NULL);
+  child = fork();
+  if (child < 0) return 2;
+  if (child == 0) {
+    struct rlimit limit;
+    limit.rlim_cur = limit.rlim_max = address_space() + bytes;
+    mallopt(M_MMAP_THRESHOLD, 1 << 18); /* long arrays do not find room in what is free */
+    setrlimit(RLIMIT_AS, &limit);
+    lost = 0;
+    status = r->call(&c);
+    _exit(lost > 0 || err.code != status ? 1 : status == GYROAKF_OK ? 2 : status == GYROAKF_NO_MEMORY ? 0 : 1);
+  }
+  if (waitpid(child, &status, 0) == child && WIFEXITED(status)) code = WEXITSTATUS(status);
+  return code;
+}
+
+/* Memory that is too little for a long series: a status; the program goes on. The first of all tests: nothing is free in the heap yet. */
+void test_memory(void) {
+  double *longer = (double *)malloc(many * sizeof *longer);
+  char *room = (char *)malloc(8 * sizeof(double) * many);
+  int k, i;
+  const int threads = omp_get_max_threads();
+  if (longer == NULL || room == NULL) abort();
+  make_series();
+  omp_set_num_threads(1);
+  for (i = 0; i < many; i++) longer[i] = series[i % n];
+  for (k = 0; k < rows && address_space() > 0; k++) {
+    const row *r = &table[k];
+    size_t bytes = 1 << 20;
+    int code = 0;
+    if (!r->takes_length || !r->takes_series) continue;
+    while (code == 0 && bytes < ((size_t)1 << 31)) {
+      call c = usual_call(r, &now_written);
+      c.x = longer;
+      c.length = many;
+      for (i = 0; i < arrays; i++) c.array[i] = (double *)(void *)room + i * many;
+      c.figures = (unsigned char *)room + arrays * sizeof(double) * many;
+      code = call_within(r, c, bytes);
+      bytes += bytes / 4;
+    }
+    snprintf(what, sizeof what, "%s: within %lld bytes", r->name, (long long)bytes);
+    check(code == 2, what);
+  }
+  omp_set_num_threads(threads);
+  free(longer);
+  free(room);
+}
+#else
+void test_memory(void) {}
+#endif
+
+/* -------------------------------------------------------------------------------------------------------------- and the rest */
+
+/* Structs of the caller that begin with their size. */
+static void test_other_structs(void) {
+  gyroakf_drift_model model, fresh;
+  gyroakf_audit audit;
+  gyroakf_record *r;
+  gyroakf_filter *f;
+  size_t size;
+  double drift[8];
+  gyroakf_drift_model_init(&fresh);
+  check_success(gyroakf_record_parse("1\n2\n3\n", 6, NULL, &r, &err), "a recording");
+  for (size = 0; size <= sizeof model + 64; size++) {
+    model = drift_model();
+    model.struct_size = size;
+    if (size != sizeof model && size != 88) { /* once the polynomial was not there */
+      const int expected = size > sizeof model ? GYROAKF_NOT_SUPPORTED : GYROAKF_INVALID_ARGUMENT;
+      check_failure(gyroakf_drift_smooth(&model, series, 8, drift, NULL, NULL, &err), expected, "size of a model");
+      check_failure(gyroakf_drift_identify(series, n, NULL, &model, &err), expected, "size of a model");
+      check_failure(gyroakf_drift_polynomial(&model, 8, drift, &err), expected, "size of a model");
+      check_failure(gyroakf_drift_filter_new(&model, NULL, &f, &err), expected, "size of a model");
+      check(f == NULL, "no filter");
+    }
+    if (size != sizeof audit) {
+      memset(&audit, 0x5a, sizeof audit);
+      audit.struct_size = size;
+      check(gyroakf_record_audit(r, &audit) == GYROAKF_INVALID_ARGUMENT && audit.samples == 0x5a5a5a5a5a5a5a5a, "size of an audit");
+    }
+  }
+  audit.struct_size = sizeof audit;
+  check(gyroakf_record_audit(r, NULL) == GYROAKF_INVALID_ARGUMENT && gyroakf_record_audit(NULL, &audit) == GYROAKF_INVALID_ARGUMENT,
+        "an audit of nothing");
+  gyroakf_record_free(r);
+}
+
+/* Counts that none has, beside those of series. */
+static void test_counts(void) {
+  static const int32_t wrong[] = {-1, INT32_MIN};
+  gyroakf_adf_coefficient rows_of[4];
+  gyroakf_spectral_line line;
+  gyroakf_normality normality;
+  gyroakf_histogram *h;
+  gyroakf_whiteness white;
+  gyroakf_filter *f;
+  gyroakf_record *r;
+  const double *values[1];
+  double acf[4];
+  int32_t count = 77;
+  int64_t size = 77;
+  size_t k;
+  values[0] = series;
+  for (k = 0; k < 2; k++) {
+    check_failure(gyroakf_adf_coefficients(series, n, NULL, wrong[k], rows_of, &count, &err), GYROAKF_INVALID_ARGUMENT, "a table of no rows");
+    check_failure(gyroakf_spectral_lines(series, n, 1.0, wrong[k], &line, &count, &err), GYROAKF_INVALID_ARGUMENT, "no lines");
+    check_failure(gyroakf_normality_test(series, n, wrong[k], &normality, &err), GYROAKF_INVALID_ARGUMENT, "no samples tested");
+    check_failure(gyroakf_histogram_new(series, n, wrong[k], &h, &err), GYROAKF_INVALID_ARGUMENT, "no bins");
+    check_failure(gyroakf_autocorrelation(series, n, wrong[k], acf, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "no lags");
+    check_failure(gyroakf_ljung_box(series, n, wrong[k], 0, &white, &err), GYROAKF_INVALID_ARGUMENT, "no lags tested");
+    check_failure(gyroakf_ljung_box(series, n, 5, wrong[k], &white, &err), GYROAKF_INVALID_ARGUMENT, "fewer than no parameters");
+    check_failure(gyroakf_filter_new(wrong[k], series, 1.0, 1.0, NULL, &f, &err), GYROAKF_INVALID_ARGUMENT, "an order below 0");
+    check_failure(gyroakf_record_new(values, wrong[k], n, 1.0, NULL, NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "channels below 0");
+    check_failure(gyroakf_record_parse("1\n", wrong[k], NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "bytes below 0");
+    check_failure(gyroakf_filter_restore(acf, wrong[k], &f, &err), GYROAKF_INVALID_ARGUMENT, "a filter of no bytes");
+    check_success(gyroakf_filter_new(0, NULL, 1.0, 1.0, NULL, &f, &err), "a filter");
+    check_failure(gyroakf_filter_save(f, acf, wrong[k], &size, &err), GYROAKF_INVALID_ARGUMENT, "a place of no bytes");
+    gyroakf_filter_free(f);
+  }
+  check(count == 77 && size > 0, "no number after a failure, but how many bytes a filter takes");
+  check_failure(gyroakf_adf_coefficients(series, n, NULL, 0, rows_of, &count, &err), GYROAKF_INVALID_ARGUMENT, "a table of 0 rows");
+  check_success(gyroakf_adf_coefficients(series, n, NULL, 0, NULL, &count, &err), "no table");
+  check(count > 1 && count < 77, "its rows");
+  check_failure(gyroakf_spectral_lines(series, n, 1.0, 1001, &line, &count, &err), GYROAKF_INVALID_ARGUMENT, "too many lines");
+  check_failure(gyroakf_histogram_new(series, n, 10000001, &h, &err), GYROAKF_INVALID_ARGUMENT, "too many bins");
+  check_failure(gyroakf_histogram_new(series, n, 1, &h, &err), GYROAKF_INVALID_ARGUMENT, "one bin");
+  check(gyroakf_welch_size(-1, 0) == 0 && gyroakf_welch_size(INT64_MIN, 0) == 0 && gyroakf_welch_size(10, -1) == 0 &&
+            gyroakf_welch_size(10, INT64_MAX) == 0 && gyroakf_welch_size(100, 10) == 6,
+        "sizes of spectra");
+}
+
+/* A series of one and of few samples, each function of the table. */
+static void test_short(const row *r) {
+  int64_t k;
+  for (k = 1; k <= 60; k++) {
+    call c = usual_call(r, &now_written);
+    int status;
+    c.length = k;
+    lost = 0;
+    status = r->call(&c);
+    snprintf(what, sizeof what, "%s: %d samples", r->name, (int)k);
+    check(status == err.code && lost == 0 && status != GYROAKF_INTERNAL && status != GYROAKF_NON_FINITE, what);
+    if (status != GYROAKF_OK) check(memcmp(&now_written, &untouched, sizeof untouched) == 0, what);
+    if (status == GYROAKF_OK && r->results > 0) check(isfinite(now_written.array[0][0]), what);
+  }
+}
+
+static void run_table(void) {
+  int k;
+  for (k = 0; k < rows; k++) {
+    const row *r = &table[k];
+    test_usual(r);
+    test_addresses(r);
+    if (r->takes_length) test_lengths(r);
+    if (r->takes_length && r->takes_series && r->call != filter_run) test_infinite(r);
+    if (r->takes_length && r->takes_series) test_extremes(r);
+    if (r->takes_length) test_short(r);
+    if (r->init != NULL) test_sizes(r);
+    test_environments(r);
+  }
+}
+
+/* Nothing is printed: both streams lead to a file meanwhile, which is empty then but for what `check` has to say. */
+static void test_silence(void) {
+  FILE *caught = tmpfile();
+  int out, error, k;
+  long length;
+  if (caught == NULL) return;
+  fflush(stdout);
+  out = dup(1);
+  error = dup(2);
+  dup2(fileno(caught), 1);
+  dup2(fileno(caught), 2);
+  for (k = 0; k < rows; k++) {
+    call c = usual_call(&table[k], &now_written);
+    table[k].call(&c);
+    c.length = -1;
+    table[k].call(&c);
+    c.length = 1;
+    table[k].call(&c);
+  }
+  fflush(NULL);
+  dup2(out, 1);
+  dup2(error, 2);
+  close(out);
+  close(error);
+  fseek(caught, 0, SEEK_END);
+  length = ftell(caught);
+  fclose(caught);
+  check(length == 0, "nothing is printed");
+  memset(&err, 0x55, sizeof err);
+}
+
+void test_promises(void) {
+  call last;
+  int threads = omp_get_max_threads();
+  omp_set_num_threads(1); /* sums of several threads may differ in the last bit */
+  make_series();
+  run_table();
+  test_disturbing_progress();
+  test_flags_of_a_step();
+  test_other_structs();
+  test_counts();
+  test_silence();
+  memset(&last, 0, sizeof last);
+  noise_covariance(&last); /* frees its curve */
+  check(memcmp(series, filled, sizeof series) == 0, "the series is as it was");
+  omp_set_num_threads(threads);
+}
