@@ -54,7 +54,8 @@ contains
       settle_distance = max(settle_tolerance*steady_gain, min(settle_rounding, settle_limit*steady_gain))
    end function settle_distance
 
-   !> The filter over a series, or the next part of one.
+   !> The filter over a series, or the next part of one. A single sample takes this way too: `advance` is inlined as long as
+   !> nothing else calls it.
    pure subroutine run_scalar(filter, z, x, valid, normalised_innovation)
       !> Of order 1; its state goes on
       type(filter_type), intent(inout) :: filter
