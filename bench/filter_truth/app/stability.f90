@@ -90,8 +90,8 @@ contains
             write (cells(1), "(i0)") total%runs
             write (cells(2), "(i0)") total%failed
             do k = 1, size(places)
-               write (cells(2 + k), "(f0.1, a, f0.1)") percent(counts(1, k)%collapsed, counts(1, k)%runs), " / ", &
-                  & percent(counts(2, k)%collapsed, counts(2, k)%runs)
+               cells(2 + k) = trim(number(percent(counts(1, k)%collapsed, counts(1, k)%runs)))//" / "// &
+                  & number(percent(counts(2, k)%collapsed, counts(2, k)%runs))
             end do
             call table_row(trim(sets(i))//merge(" "//forms(f), repeat(" ", 9), index(sets(i), "R") > 0), &
                            [cells, number(percent(sum(counts%astray), total%runs))])
@@ -123,8 +123,8 @@ contains
             write (cells(1), "(i0)") total%runs
             write (cells(2), "(i0)") total%failed
             do k = 1, size(places)
-               write (cells(2 + k), "(f0.1, a, f0.1)") percent(counts(1, k)%collapsed, counts(1, k)%runs), " / ", &
-                  & percent(counts(2, k)%collapsed, counts(2, k)%runs)
+               cells(2 + k) = trim(number(percent(counts(1, k)%collapsed, counts(1, k)%runs)))//" / "// &
+                  & number(percent(counts(2, k)%collapsed, counts(2, k)%runs))
             end do
             call table_row(trim(models(m))//", "//forms(f), [cells, number(percent(sum(counts%astray), total%runs))])
          end do
@@ -290,10 +290,11 @@ contains
       percent = 100.0_dp*real(part, dp)/real(max(1_int64, whole), dp)
    end function percent
 
-   !> A number with a decimal.
+   !> A number, at most 100, with a decimal, and a zero before it where there is nothing else.
    character(24) function number(value)
       real(dp), intent(in) :: value
 
-      write (number, "(f0.1)") value
+      write (number, "(f5.1)") value
+      number = adjustl(number)
    end function number
 end program stability
