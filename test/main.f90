@@ -40,6 +40,7 @@ program test_main
    use test_error, only : collect_error
    use test_fft, only : collect_fft
    use test_fisher, only : collect_fisher
+   use test_drift_adaptation, only : collect_drift_adaptation
    use test_drift_filter, only : collect_drift_filter
    use test_two_pass, only : collect_two_pass
    use test_filter_series, only : collect_filter_series
@@ -154,6 +155,7 @@ program test_main
    call add("fft", collect_fft)
    call add("fisher", collect_fisher)
    call add("filter_series", collect_filter_series)
+   call add("drift_adaptation", collect_drift_adaptation)
    call add("drift_filter", collect_drift_filter)
    call add("two_pass", collect_two_pass)
    call add("identification", collect_identification)
