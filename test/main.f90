@@ -79,6 +79,8 @@ program test_main
    use test_truncation, only : collect_truncation
    use test_periodicity, only : collect_periodicity
    use test_pipeline, only : collect_pipeline
+   use test_pipeline_drift, only : collect_pipeline_drift
+   use test_pipeline_limits, only : collect_pipeline_limits
    use test_progress, only : collect_progress
    use test_progress_text, only : collect_progress_text
    use test_quasi_newton, only : collect_quasi_newton
@@ -193,6 +195,8 @@ program test_main
    call add("truncation", collect_truncation)
    call add("periodicity", collect_periodicity)
    call add("pipeline", collect_pipeline)
+   call add("pipeline_drift", collect_pipeline_drift)
+   call add("pipeline_limits", collect_pipeline_limits)
    call add("progress", collect_progress)
    call add("progress_text", collect_progress_text)
    call add("quasi_newton", collect_quasi_newton)

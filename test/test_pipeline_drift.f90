@@ -1,0 +1,185 @@
+! SPDX-License-Identifier: MIT
+!> The main job over records that drift: the model, its filters, what is left, what is stated of them.
+module test_pipeline_drift
+   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use gyroakf_kinds, only : dp
+   use gyroakf_error, only : gyro_error => error_type
+   use gyroakf_record, only : record_type
+   use gyroakf_simulate_record, only : simulate_options, simulate_record
+   use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, stage
+   use pipeline_runs, only : paper_record, run, variance, walking_record
+   implicit none (type, external)
+   private
+   public :: collect_pipeline_drift
+
+contains
+
+   !> Names the tests.
+   subroutine collect_pipeline_drift(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [ &
+         new_unittest("drift", test_drift), &
+         new_unittest("compensated", test_compensated), &
+         new_unittest("stated-figures", test_stated_figures), &
+         new_unittest("drift-options", test_drift_options)]
+   end subroutine collect_pipeline_drift
+
+   !> A drift under white noise is found, with its correlation time: AR(1) of 0.99 at 10 Hz is 9.95 s.
+   subroutine test_drift(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(simulate_options) :: options
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      type(gyro_error), allocatable :: failed
+
+      options%samples = 20000
+      options%rate_hz = 10
+      options%coefficient(2) = 0.01_dp
+      options%ar = [0.99_dp]
+      options%ar_variance = 4.0e-4_dp
+      call simulate_record(options, record, failed)
+      call check(error, run(record, result))
+      if (allocated(error)) return
+      associate (c => result%channel(1))
+         call check(error, c%drift%found .and. c%available%drift_kf .and. c%available%drift_akf)
+         if (allocated(error)) return
+         call check(error, c%drift_tau, 1.0_dp)
+         if (allocated(error)) return
+         call check(error, c%drift_time, 9.95_dp, thr=4.0_dp)
+         if (allocated(error)) return
+         call check(error, abs(c%drift%white_std - 0.01_dp*sqrt(10.0_dp)) < 4*c%white_std_error .and. c%white_std_error < 1.0e-3_dp)
+         if (allocated(error)) return
+         call check(error, c%drift_process(1)%slow .and. .not. c%drift_process(1)%walk .and. &
+                    abs(c%drift_process(1)%time - 9.95_dp) < 4*c%drift_process(1)%time_error, "the process as stated")
+         if (allocated(error)) return
+         call check(error, c%drift_process(1)%time_error > 0.1_dp .and. c%drift_process(1)%time_error < 4.0_dp, "its error")
+         if (allocated(error)) return
+         call check(error, abs(c%drift_process(1)%std - 0.02_dp) < 0.006_dp, "its standard deviation")
+         if (allocated(error)) return
+         associate (model => c%drift%model)
+            call check(error, c%drift%name == "ar1" .and. abs(c%drift_smoother%dc_gain - model%q(1)/(model%q(1) &
+                       + model%r*(1 - model%phi(1))**2)) < 1.0e-12_dp, "the share of the spectrum at frequency 0")
+         end associate
+         if (allocated(error)) return
+         call check(error, c%drift_kf%nis_mean > c%drift_kf%nis_low .and. c%drift_kf%nis_mean < c%drift_kf%nis_high)
+      end associate
+   end subroutine test_drift
+
+   !> Shares of variances, and the correlation time of a process.
+   subroutine test_stated_figures(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      type(simulate_options) :: options
+      type(gyro_error), allocatable :: failed
+
+      options%samples = 6000
+      options%rate_hz = 10
+      options%coefficient(2) = 0.01_dp
+      options%ar = [0.98_dp]
+      options%ar_variance = 1.0e-4_dp
+      call simulate_record(options, record, failed)
+      call check(error, run(record, result), "the job fails")
+      if (allocated(error)) return
+      associate (c => result%channel(1))
+         call check(error, c%kf_figures%variance_ratio, c%kf%variance/c%cleaned%variance, thr=1.0e-14_dp, rel=.true.)
+         if (allocated(error)) return
+         call check(error, c%akf_figures%raw_variance_ratio, c%akf%variance/c%raw%variance, thr=1.0e-14_dp, rel=.true.)
+         if (allocated(error)) return
+         call check(error, c%drift%found .and. size(c%drift_process) == 1, "one process")
+         if (allocated(error)) return
+         call check(error, .not. c%drift_process(1)%walk, "a correlated process")
+         if (allocated(error)) return
+         call check(error, c%drift_process(1)%time, -0.1_dp/log(c%drift%model%phi(1)), thr=1.0e-14_dp, rel=.true.)
+      end associate
+   end subroutine test_stated_figures
+
+   !> What is left without the smoothed drift: raw is drift and compensated; the white noise of 0.0316; no random walk any more.
+   subroutine test_compensated(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      type(pipeline_options) :: options
+
+      call walking_record(record)
+      options%keep_series = .true.
+      options%clean%degree = 3
+      call check(error, run(record, result, options))
+      if (allocated(error)) return
+      associate (c => result%channel(1), raw => record%value(:, 1))
+         call check(error, c%available%drift_smoother .and. any(c%drift_process%walk .and. c%drift_process%slow))
+         if (allocated(error)) return
+         call check(error, maxval(abs(c%series_drift + c%series_compensated - raw), mask=c%series_present /= 0) < 1.0e-13_dp)
+         if (allocated(error)) return
+         call check(error, c%compensated%std, 0.0316_dp, thr=0.0008_dp)
+         if (allocated(error)) return
+         call check(error, variance(pack(c%series_compensated, c%series_present /= 0)), c%compensated%variance, thr=1.0e-10_dp, &
+                    rel=.true.)
+         if (allocated(error)) return
+         call check(error, variance(pack(c%series_drift, c%series_present /= 0)), c%drift_smoother%variance, thr=1.0e-10_dp, &
+                    rel=.true.)
+         if (allocated(error)) return
+         call check(error, variance(pack(c%series_drift_akf, c%series_present /= 0)), c%drift_akf%variance, thr=1.0e-8_dp, &
+                    rel=.true.)
+         if (allocated(error)) return
+         call check(error, abs(c%compensated%mean) < 1.0e-4_dp .and. abs(c%drift_kf%mean - c%level%mean) < 0.01_dp, "the level")
+         if (allocated(error)) return
+         call check(error, c%drift%allan_known .and. c%drift%allan_log_likelihood < c%drift%log_likelihood, "that of the curve")
+         if (allocated(error)) return
+         call check(error, c%drift_smoother%dc_gain, 1.0_dp)
+         if (allocated(error)) return
+         associate (before => c%allan(stage%input), after => c%allan(stage%compensated), n => size(c%allan(stage%input)%curve%tau))
+            call check(error, after%stated%term(2)%value, before%stated%term(2)%value, thr=0.03_dp, rel=.true.)
+            if (allocated(error)) return
+            call check(error, after%curve%deviation(n - 2) < 0.05_dp*before%curve%deviation(n - 2), "long averaging times")
+            if (allocated(error)) return
+         end associate
+         associate (before => c%allan(stage%input)%stated%term(4), after => c%allan(stage%compensated)%stated%term(4))
+            call check(error, before%detected .and. .not. after%detected, "the random walk")
+            if (allocated(error)) return
+            associate (walk => c%drift_process(size(c%drift_process)))
+               call check(error, abs(walk%k%value - before%value) < 4*(walk%k%std_error + before%std_error), "K of the two")
+               if (allocated(error)) return
+               call check(error, walk%k%unit, before%unit)
+            end associate
+         end associate
+      end associate
+   end subroutine test_compensated
+
+   !> The model of the Allan deviation in its place, also where no curve is asked for; and the limit of what is drift.
+   subroutine test_drift_options(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      type(pipeline_options) :: options
+
+      call walking_record(record)
+      options%do_allan = .false.
+      options%identification%source = "allan"
+      call check(error, run(record, result, options))
+      if (allocated(error)) return
+      associate (c => result%channel(1))
+         call check(error, c%drift%source == "allan" .and. c%drift%found .and. c%available%drift_smoother)
+         if (allocated(error)) return
+         call check(error, c%drift_process(size(c%drift_process))%k%value, c%allan(stage%input)%stated%term(4)%value, &
+                    thr=1.0e-12_dp, rel=.true.)
+      end associate
+      if (allocated(error)) return
+      call paper_record(record)
+      options = pipeline_options()
+      options%drift_tau = 0.1_dp
+      call check(error, run(record, result, options))
+      if (allocated(error)) return
+      associate (c => result%channel(1))
+         call check(error, c%drift%found .and. c%drift_time < 1.0_dp .and. c%drift_time > 0.1_dp, "0.22 s is drift where asked for")
+      end associate
+      if (allocated(error)) return
+      options%drift_tau = 1.0e300_dp
+      record%sample_interval = 1.0e-10_dp
+      call check(error, run(record, result, options))
+      if (allocated(error)) return
+      call check(error, any(result%channel(1)%drift%slow) .eqv. any(result%channel(1)%drift_process%walk), "only a walk is as slow")
+   end subroutine test_drift_options
+
+end module test_pipeline_drift
