@@ -2,9 +2,9 @@
 !> The result of a noise fit: coefficients, their errors and limits in the units of the curve and seconds.
 !>
 !> Values and errors are those of a fit of the chosen terms alone. With every term on offer in it, those that are not there,
-!> which cannot become negative, take on average a little of those that are: K is 7 % low then, 0.7 of its scatter, and
-!> intervals of 68.3 % cover 63 (`validation/monte_carlo`). What the choice leaves out is too faint to bend the others by as
-!> much: with B and K each found in half of the records or fewer the intervals of N lose 1 point to those of the right terms.
+!> which cannot become negative, take on average a little of those that are, and no interval covers what it says. What the
+!> choice leaves out is too faint to bend the others by as much: `validation/run.sh coefficients` prints how far each is off and
+!> how often its interval holds.
 !>
 !> A chosen term counts as detected if it stays above its error where all are fitted, too. Where two explain the curve as
 !> well, such as K and R, the choice falls on either by chance; the fit of all then has little of it, and neither is claimed.
