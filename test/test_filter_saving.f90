@@ -43,6 +43,7 @@ contains
       if (kind > 1) options%estimate_measurement_variance = .true.
       if (kind > 1) options%huber = 2.5_dp
       if (kind > 4) options%burn_in = -1
+      if (kind > 5) options%burn_in = -huge(1) - 1
       select case (kind)
       case (1); call new_filter(filter, [0.9_dp], 1.0_dp, 2.0_dp, options, failed)
       case (2)

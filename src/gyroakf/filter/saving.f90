@@ -274,7 +274,7 @@ contains
 
       word = value
       call exchange_long(box, word)
-      if (word <= huge(value) .and. word >= -huge(value)) then
+      if (word <= huge(value) .and. word >= -huge(value) - 1_int64) then
          value = int(word)
       else
          box%bad = .true.
