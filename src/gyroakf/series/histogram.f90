@@ -57,6 +57,9 @@ module gyroakf_series_histogram
       real(dp) :: mean = 0.0_dp, std = 0.0_dp
    end type histogram_type
 
+   !> A wider range is an error: sums of edges would overflow
+   real(dp), parameter :: largest_range = 1.0e300_dp
+
 contains
 
    !> Histogram of the present samples.
@@ -73,7 +76,7 @@ contains
       type(histogram_options), intent(in) :: options
       !> The histogram
       type(histogram_type), intent(out) :: histogram
-      !> invalid_argument (most_bins, step), too_few_samples (fewer than 2), constant_input, no_memory
+      !> invalid_argument (most_bins, step), too_few_samples (fewer than 2), constant_input, non_finite (range), no_memory
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
@@ -86,6 +89,10 @@ contains
       if (allocated(error)) return
       call choose_range(moments, quartile, low, high)
       call choose_width(moments, quartile(2) - quartile(1), high - low, options, histogram)
+      if (.not. histogram%width > 0.0_dp) then
+         call fatal_error(error, status%constant_input, "the series hardly varies, there is no histogram")
+         return
+      end if
       if (options%step > 0.0_dp) low = edge_below(low, first_present(x, valid), options%step)
       bins = int(min(aint((high - low)/histogram%width), real(options%most_bins, dp))) + 1
       if (low + histogram%width*real(bins - 1, dp) > high) bins = bins - 1
@@ -132,6 +139,8 @@ contains
          call fatal_error(error, status%too_few_samples, "a histogram needs at least 2 samples")
       else if (.not. (moments%std > 0.0_dp .and. moments%maximum > moments%minimum)) then
          call fatal_error(error, status%constant_input, "the series has no variance, there is no histogram")
+      else if (0.5_dp*moments%maximum - 0.5_dp*moments%minimum > 0.5_dp*largest_range) then
+         call fatal_error(error, status%non_finite, "the range of the series is too large for a histogram: divide it by a constant")
       end if
    end subroutine check_input
 
