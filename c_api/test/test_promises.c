@@ -11,6 +11,7 @@
 #include "threads.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -163,20 +164,24 @@ static int filter_run(call *c) {
   return status;
 }
 
+/* Bytes between the members of a model are those of no member: they are set here, so that models can be compared as bytes. */
+static void fill_gap(gyroakf_drift_model *model) {
+  const size_t gap = offsetof(gyroakf_drift_model, count) + sizeof model->count;
+  memset((char *)model + gap, 0x5a, offsetof(gyroakf_drift_model, phi) - gap);
+}
+
 static int drift_identify(call *c) {
-  gyroakf_drift_model *model = (gyroakf_drift_model *)(void *)c->figures;
-  gyroakf_drift_model before = *model;
+  gyroakf_drift_model *model = (gyroakf_drift_model *)(void *)c->figures, before, fresh;
   int status;
-  memset(model, 0x5a, sizeof *model);
+  memcpy(&before, model, sizeof before);
   gyroakf_drift_model_init(model);
+  memcpy(&fresh, model, sizeof fresh);
   status = gyroakf_drift_identify(c->x, c->length, (const gyroakf_drift_options *)c->opt, model, &err);
-  if (status != GYROAKF_OK) {
-    gyroakf_drift_model fresh;
-    memset(&fresh, 0x5a, sizeof fresh);
-    gyroakf_drift_model_init(&fresh);
-    if (memcmp(&fresh, model, sizeof fresh) != 0) lost++; /* padding as before, members as they were initialised */
-    *model = before;
-  }
+  fill_gap(model);
+  if (status == GYROAKF_OK) return status;
+  fill_gap(&fresh);
+  if (memcmp(&fresh, model, sizeof fresh) != 0) lost++;
+  memcpy(model, &before, sizeof before);
   return status;
 }
 
