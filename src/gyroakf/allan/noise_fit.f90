@@ -25,8 +25,9 @@
 !> variance s^2 of their own, the same for all and as large as they ask for: w_i = 1/(2/nu_i + s^2), C_ij +
 !> s^2 exp(-|ln tau_i/tau_j|). The standard errors grow with it.
 module gyroakf_allan_noise_fit
-   use gyroakf_kinds, only : dp
+   use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type
+   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_allan_description, only : description_type, describe_curve
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_allan_fit_points, only : choose_points, choose_terms, noise_options
@@ -45,11 +46,13 @@ module gyroakf_allan_noise_fit
    integer, parameter :: misfit_rounds = 20
    !> Standard deviations by which a point is said to miss the model
    real(dp), parameter :: conspicuous = 3.0_dp
+   !> The stage that progress is told of
+   character(*), parameter :: told = "noise coefficients"
 
 contains
 
    !> Fits the terms, and gives the curve the degrees of freedom and limits of the fitted mixture.
-   subroutine fit_noise(curve, options, noise, error)
+   subroutine fit_noise(curve, options, noise, error, progress)
       !> From [[compute_allan]], kind oadev; edf, lower and upper are replaced (by larger limits only where the
       !> model does not fit, and at points left out)
       type(allan_curve_type), intent(inout) :: curve
@@ -57,8 +60,10 @@ contains
       type(noise_options), intent(in) :: options
       !> Coefficients with errors, goodness of the fit
       type(noise_type), intent(out) :: noise
-      !> invalid_argument, too_few_samples (fewer averaging times than terms), constant_input, not_converged, singular
+      !> invalid_argument, too_few_samples (fewer averaging times than terms), constant_input, not_converged, singular, cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Told between the steps; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       type(problem_type) :: problem
       type(description_type) :: description
@@ -68,12 +73,17 @@ contains
 
       call choose_terms(options, problem%offered, automatic, error)
       if (.not. allocated(error)) call choose_points(curve, options, problem, error)
+      if (.not. allocated(error)) call tell_progress(told, 0_int64, 0_int64, error, progress)
       if (.not. allocated(error)) call describe_curve(problem, automatic, options%further_terms, description, error)
+      if (.not. allocated(error)) call tell_progress(told, 0_int64, 0_int64, error, progress)
       if (allocated(error)) return
       call judge(problem, curve, description, noise)
       if (noise%chi2_reduced > chi2_wrong) call admit_misfit(description)
       noise%misfit = sqrt(description%problem%misfit)
-      call state_coefficients(description, options%method == "linear", curve%sample_interval, fitted, noise, error)
+      call tell_progress(told, 0_int64, 0_int64, error, progress)
+      if (.not. allocated(error)) call state_coefficients(description, options%method == "linear", curve%sample_interval, &
+         & fitted, noise, error)
+      if (.not. allocated(error)) call tell_progress(told, 0_int64, 0_int64, error, progress)
       if (allocated(error)) return
       noise%model = [(sqrt(description%problem%scale*model_variance(fitted, real(curve%m(i), dp))), i=1, size(curve%m))]
       call give_mixture_limits(curve, noise)

@@ -24,7 +24,7 @@ contains
       character(*), intent(in) :: unit
       !> Its `value` is there, NaN where missing, and the names of its `channel`; the rest is filled
       type(record_type), intent(inout) :: record
-      !> invalid_argument: the interval, a unit that is unknown or none of a rate; non_finite: a value beyond 1e60; no_memory;
+      !> invalid_argument (the interval, a unit that is unknown or none of a rate), non_finite (a value beyond 1e60), no_memory,
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
       !> Told how far it is; may cancel

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Allan curve and noise coefficients of one series of a channel, stated in the units of the report, and compared.
 module gyroakf_pipeline_coefficients
-   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_kinds, only : dp, int8
    use gyroakf_error, only : error_type, status
    use gyroakf_record, only : add_text
    use gyroakf_units, only : unit_type, coefficient_unit_type, coefficient_unit, density_unit, quantity
@@ -10,7 +10,7 @@ module gyroakf_pipeline_coefficients
    use gyroakf_allan_noise_fit, only : coefficient_type, noise_options, noise_type, fit_noise
    use gyroakf_allan_record_length, only : never, record_to_see
    use gyroakf_allan_read_off, only : read_off_options, read_off_type, read_off
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, allan_result_type, stated_coefficient_type, &
       & stated_noise_type, stated_read_off_type, stage, stage_names
    use gyroakf_pipeline_conventions, only : state_conventions
@@ -53,13 +53,11 @@ contains
          call run_other_kinds(x, step, options, which, channel, error, valid, progress)
          if (allocated(error)) return
       end if
-      call tell_progress("noise coefficients", 0_int64, 0_int64, error, progress)
-      if (.not. allocated(error)) call fit_curve(rate_known, unit, options, which, channel, error)
-      if (.not. allocated(error)) call tell_progress("noise coefficients", 0_int64, 0_int64, error, progress)
+      call fit_curve(rate_known, unit, options, which, channel, error, progress)
    end subroutine run_allan
 
    !> Fits the coefficients of a curve and states them. A failure is noted in the channel.
-   subroutine fit_curve(rate_known, unit, options, which, channel, error)
+   subroutine fit_curve(rate_known, unit, options, which, channel, error, progress)
       !> The sample interval is in seconds
       logical, intent(in) :: rate_known
       !> Unit of the series
@@ -72,6 +70,8 @@ contains
       type(channel_result_type), intent(inout) :: channel
       !> no_memory, cancelled, internal; everything else is noted in the channel
       type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
 
       type(noise_options) :: noise_of_stage
       integer :: i
@@ -79,7 +79,7 @@ contains
       noise_of_stage = options%noise                        ! what a filter leaves is a filtered curve, not a further process
       if (which == stage%compensated) call end_before_smoother(channel, noise_of_stage)
       noise_of_stage%further_terms = any(which == [stage%input, stage%cleaned])
-      call fit_noise(channel%allan(which)%curve, noise_of_stage, channel%allan(which)%noise, error)
+      call fit_noise(channel%allan(which)%curve, noise_of_stage, channel%allan(which)%noise, error, progress)
       if (is_fatal(error)) return
       channel%allan(which)%fitted = .not. allocated(error)
       call note_failure(channel, "noise coefficients ("//trim(stage_names(which))//")", error)
