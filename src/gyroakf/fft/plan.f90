@@ -330,6 +330,8 @@ contains
          if (allocated(error)) return
          x(j) = plan%chirp(j)*conjg(a(j))/plan%inner
       end do
+      deallocate (a)                               ! which takes a while
+      if (plan%inner > told_points) call tell_progress("Fourier transform", plan%length, plan%length, error, progress)
    end subroutine transform_chirp
 
 end module gyroakf_fft_plan

@@ -92,8 +92,14 @@ contains
             call fatal_error(error, status%no_memory, "no memory for the work space of a Fourier transform")
             return
          end if
-         full(:) = x(:)
+         do k = 0, plan%length - 1
+            if (iand(k + 1, told_points) == 0) call tell_progress("Fourier transform", k, plan%length, error, progress)
+            if (allocated(error)) return
+            full(k) = x(k)
+         end do
          call fft_forward(plan%complex, full, error, progress)
+         if (.not. allocated(error) .and. half > told_points) call tell_progress("Fourier transform", half, half, error, progress)
+         if (allocated(error)) return
          spectrum(:) = full(:half)
          return
       end if
