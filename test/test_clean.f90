@@ -205,11 +205,12 @@ contains
       call check(error, int(result%removed), count(abs(x) < 1.0_dp))
    end subroutine test_disturbed_stretch
 
-   !> Integers with a heavy tail, on which the marks by median and MAD go to and fro: the rounds end.
+   !> Integers with a heavy tail, on which the marks by median and MAD go to and fro, and those of Hampel's filter: the rounds end.
    subroutine test_to_and_fro(error)
       !> Failure
       type(error_type), allocatable, intent(out) :: error
       character(8), parameter :: method(3) = [character(8) :: "auto", "pauta", "mad"]
+      integer, parameter :: half_width(3) = [5, 25, 100000]
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: result
@@ -225,6 +226,15 @@ contains
             call check(error, result%converged, "not converged: "//method(i))
             if (allocated(error)) return
          end do
+      end do
+      do i = 1, 60                            ! short pieces of a few levels, by a window of 11 samples, of 51, and of all
+         j = half_width(1 + mod(i, 3))
+         call clean_series(0.125_dp*anint(4.0_dp*x(300*i - 299:300*i)), clean_options(method="hampel", half_width=j, &
+            & threshold=2.0_dp, max_passes=400), cleaned, mask, result, problem)
+         call check(error, .not. allocated(problem), "it failed")
+         if (allocated(error)) return
+         call check(error, result%converged, "not converged: hampel")
+         if (allocated(error)) return
       end do
    end subroutine test_to_and_fro
 

@@ -28,7 +28,7 @@ contains
    !> call more than a quarter of the record outliers, it is no record with outliers but one with quiet
    !> and disturbed stretches, and `auto` begins again with mean and standard deviation of all. With these it marks only what
    !> stands out among its neighbours too (see gyroakf_preprocess_neighbours). After
-   !> twelve rounds no mark comes back, which ends the rounds where samples at the very limit would go to and fro.
+   !> twelve rounds no mark of any method is taken back, which ends the rounds where samples at the very limit would go to and fro.
    !> Where the rounds end before the marks stay, the trend is fitted once more, to what is left.
    !>
    !> No scale is less than half a quantisation step: a record that sits on one level and now and then on the next is

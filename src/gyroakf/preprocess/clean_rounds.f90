@@ -15,7 +15,7 @@ module gyroakf_preprocess_clean_rounds
    private
    public :: run_rounds, detrend, set_mask
 
-   !> Rounds of `auto` with median and MAD, rounds in which a mark may come back
+   !> Rounds of `auto` with median and MAD, rounds in which a mark may be taken back
    integer, parameter :: robust_rounds = 6, free_rounds = 12
    !> One sample of so many may be an outlier by median and MAD
    integer(int64), parameter :: outlier_share = 4
@@ -147,11 +147,12 @@ contains
 
       changed = 0
       moments = moments_type()
+      keep = result%passes > free_rounds
       if (options%method == "hampel") then
          call check_floor(x, -1.0_dp, scale, valid)
          limit = max(scale%floor, scale%rounding/result%threshold)
          call mark_hampel(cleaned, options%half_width, result%threshold, limit, mask, changed, result%removed, error, valid, &
-            & progress)
+            & progress, keep)
          return
       end if
       if (scale%robust) then
@@ -167,7 +168,6 @@ contains
       call tell_progress("cleaning", 0_int64, 0_int64, error, progress)
       if (allocated(error)) return
       limit = max(result%threshold*max(scale%scale, scale%floor), scale%rounding)
-      keep = result%passes > free_rounds
       if (options%method == "auto" .and. .not. scale%robust) then
          call mark_isolated(cleaned, scale%centre, limit, result%threshold, scale%floor, keep, mask, changed, result%removed, &
             & error, valid)

@@ -39,7 +39,7 @@ contains
    !> Marked is $$|x_i - m_i| > t\,\max(1.4826\,\mathrm{MAD}_i, f)$$ with the median m and the MAD of the window.
    !> Outliers among the neighbours do not count as long as they are less than half of them. Memory: a window for each of the
    !> stretches that are worked on at the same time, some times the threads.
-   subroutine mark_hampel(x, half_width, threshold, floor, inlier, changed, removed, error, valid, progress)
+   subroutine mark_hampel(x, half_width, threshold, floor, inlier, changed, removed, error, valid, progress, keep)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> k, 1 .. 100,000; about k samples in a row, at most, can be told as outliers
@@ -58,27 +58,34 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
+      !> .true.: a mark stays, whatever the limit; .false. where it is absent
+      logical, intent(in), optional :: keep
       type(window_type), allocatable :: window(:)
       integer(int64) :: n, length, stretches, steps, part, first, last, done, judged
+      integer :: k
+      logical :: stay
 
       changed = 0
       removed = 0
       n = size(x, kind=int64)
       call check_arguments(n, half_width, threshold, floor, size(inlier, kind=int64), error, valid)
       if (allocated(error)) return
-      length = max(stretch_length, stretch_windows*int(2*half_width + 1, int64))
+      stay = .false.
+      if (present(keep)) stay = keep
+      k = int(min(int(half_width, int64), n))                          ! a wider window has no sample more
+      length = max(stretch_length, stretch_windows*int(2*k + 1, int64))
       stretches = (n + length - 1)/length
-      steps = length + 2*half_width
-      part = max(told_cost/(100 + 2*half_width), 1_int64)
-      call make_windows(min(stretches, thread_count()*max(part/steps, 1_int64)), half_width, window, error)
+      steps = length + 2*k
+      part = max(told_cost/(100 + 2*k), 1_int64)
+      call make_windows(min(stretches, thread_count()*max(part/steps, 1_int64)), k, window, error)
       if (allocated(error)) return
       do first = 1, stretches, size(window, kind=int64)
          last = min(first + size(window, kind=int64) - 1, stretches)
          do done = 0, steps - 1, part
-            judged = (first - 1)*length + (last - first + 1)*max(done - 2*half_width, 0_int64)
+            judged = (first - 1)*length + (last - first + 1)*max(done - 2*k, 0_int64)
             call tell_progress("looking for outliers", min(judged, n), n, error, progress)
             if (allocated(error)) return
-            call mark_stretches(x, first, last, length, done, part, half_width, threshold, floor, window, inlier, changed, &
+            call mark_stretches(x, first, last, length, done, part, k, threshold, floor, stay, window, inlier, changed, &
                & removed, valid)
          end do
       end do
@@ -138,7 +145,7 @@ contains
    end subroutine make_windows
 
    !> Some steps of some stretches, shared by the threads.
-   subroutine mark_stretches(x, first, last, length, done, steps, half_width, threshold, floor, window, inlier, changed, &
+   subroutine mark_stretches(x, first, last, length, done, steps, half_width, threshold, floor, keep, window, inlier, changed, &
       & removed, valid)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
@@ -150,6 +157,8 @@ contains
       integer, intent(in) :: half_width
       !> t and f
       real(dp), intent(in) :: threshold, floor
+      !> .true.: a mark stays
+      logical, intent(in) :: keep
       !> Those of the stretches
       type(window_type), intent(inout) :: window(:)
       !> The marks: [n]
@@ -164,13 +173,14 @@ contains
       !$omp parallel do if (n >= threads_from) default(shared) reduction(+:changed, removed) schedule(dynamic)
       do stretch = first, last
          call judge_stretch(x, (stretch - 1)*length + 1, min(stretch*length, n), done, steps, int(half_width, int64), &
-            & threshold, floor, window(stretch - first + 1), inlier, changed, removed, valid)
+            & threshold, floor, keep, window(stretch - first + 1), inlier, changed, removed, valid)
       end do
       !$omp end parallel do
    end subroutine mark_stretches
 
    !> Some steps of one stretch: in each a sample enters the window, and that in its middle, if it is of the stretch, is judged.
-   pure subroutine judge_stretch(x, first, last, done, steps, half_width, threshold, floor, window, inlier, changed, removed, valid)
+   pure subroutine judge_stretch(x, first, last, done, steps, half_width, threshold, floor, keep, window, inlier, changed, &
+      & removed, valid)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> The first and the last sample
@@ -181,6 +191,8 @@ contains
       integer(int64), intent(in) :: half_width
       !> t and f
       real(dp), intent(in) :: threshold, floor
+      !> .true.: a mark stays
+      logical, intent(in) :: keep
       !> Room for 2k + 1 values; goes on from step to step
       type(window_type), intent(inout) :: window
       !> The marks: [n]
@@ -209,6 +221,7 @@ contains
             if (abs(x(i) - median) > threshold*floor) mark = merge(0_int8, 1_int8, abs(x(i) - median) > &
                & threshold*(mad_to_sigma*window_deviation(window, median)))
          end if
+         if (keep) mark = min(mark, inlier(i))
          if (mark == 0_int8) removed = removed + 1
          if (mark /= inlier(i)) changed = changed + 1
          inlier(i) = mark
