@@ -17,7 +17,7 @@
  * - A NULL where an array, a handle or a result is needed, a count <= 0, a number out of its range and an array of doubles at an
  *   address that is no multiple of 8 give GYROAKF_INVALID_ARGUMENT. A result that would overflow gives GYROAKF_NON_FINITE.
  * - After a failure results are not written, unless a function says otherwise. Results do not overlap each other or an input,
- *   unless a function says that they may.
+ *   unless a function says that they may: arrays that do, by a single byte, give GYROAKF_INVALID_ARGUMENT.
  * - Handles come from _new (recordings from _read and _parse, too) and go to _free, which accepts NULL. *out is NULL where
  *   these fail.
  * - The floating-point environment of the program - traps, direction of rounding, flushing of tiny numbers to zero, exception
@@ -872,8 +872,8 @@ GYROAKF_API int gyroakf_drift_filter_new(const gyroakf_drift_model *model, const
  *   variance  [n] gets the variance of its error; may be NULL
  *   opt       NULL, or estimate_measurement_variance 0: the white noise is r throughout. 1: its variance is followed through the
  *             record by the adaptive filter with these options, forwards and backwards, before the record is smoothed
- * z, drift and variance do not overlap; where two of them are the same the call is refused. On failure drift and variance may hold
- * anything. Memory: some sqrt(n) states; with estimate_measurement_variance 8 n bytes more.
+ * On failure, but that of refused arguments, drift and variance may hold anything. Memory: some sqrt(n) states; with
+ * estimate_measurement_variance 8 n bytes more.
  */
 GYROAKF_API int gyroakf_drift_smooth(const gyroakf_drift_model *model, const double *z, int64_t n, double *drift, double *variance,
                                      const gyroakf_filter_options *opt, gyroakf_error *err);

@@ -399,6 +399,83 @@ static void test_addresses(const row *r) {
   }
 }
 
+/* A result that shares the first or the last sample with the series, or a value with another result, is refused; one behind it is not. */
+static void test_overlaps(const row *r) {
+  static double room[2 * n], before[2 * n];
+  call c;
+  int k, other;
+  memset(room, 0x5a, sizeof room);
+  for (k = 0; k < r->results; k++) {
+    memcpy(room + n / 2, series, sizeof series);
+    memcpy(before, room, sizeof room);
+    c = usual_call(r, &now_written);
+    c.x = room + n / 2;
+    c.array[k] = room + n / 2 - 1;
+    refused(r, &c, GYROAKF_INVALID_ARGUMENT, "a result before the series and over it");
+    c.array[k] = room + n / 2 + n - 1;
+    refused(r, &c, GYROAKF_INVALID_ARGUMENT, "a result over the end of the series");
+    check(memcmp(before, room, sizeof room) == 0, "the series is not changed");
+    c.x = series;
+    c.array[k] = room;
+    for (other = 0; other < k; other++) {
+      c.array[other] = room + 1;
+      refused(r, &c, GYROAKF_INVALID_ARGUMENT, "a result over another one");
+      c.array[other] = now_written.array[other];
+    }
+    check(memcmp(before, room, sizeof room) == 0, "the other result is not changed");
+    c.length = n / 2;
+    c.x = room + n / 2;
+    c.array[k] = room + n;
+    check_success(r->call(&c), "a result right behind the series");
+  }
+}
+
+/* The same of results that are no doubles. */
+static void test_overlapping_tables(void) {
+  static double room[n + 100], before[n + 100];
+  double *x = room + 100;
+  void *ahead = x - 1, *last = x + n - 1, *apart = room;
+  gyroakf_adf_coefficient *const tables[3] = {(gyroakf_adf_coefficient *)ahead, (gyroakf_adf_coefficient *)last,
+                                              (gyroakf_adf_coefficient *)apart};
+  gyroakf_spectral_line *const lines[3] = {(gyroakf_spectral_line *)ahead, (gyroakf_spectral_line *)last, (gyroakf_spectral_line *)apart};
+  int8_t *const marks[3] = {(int8_t *)x - 1, (int8_t *)last + 7, (int8_t *)apart};
+  int32_t count;
+  int k;
+  memcpy(x, series, sizeof series);
+  memcpy(before, room, sizeof room);
+  for (k = 0; k < 2; k++) {
+    check_failure(gyroakf_adf_coefficients(x, n, NULL, 2, tables[k], &count, &err), GYROAKF_INVALID_ARGUMENT, "a table over the series");
+    check_failure(gyroakf_spectral_lines(x, n, 1.0, 2, lines[k], &count, &err), GYROAKF_INVALID_ARGUMENT, "lines over the series");
+    check_failure(gyroakf_mark_outliers(x, n, NULL, marks[k], NULL, &err), GYROAKF_INVALID_ARGUMENT, "marks over the series");
+  }
+  check(memcmp(before, room, sizeof room) == 0, "the series is not changed");
+  check_success(gyroakf_adf_coefficients(x, n, NULL, 20, tables[2], &count, &err), "a table before the series");
+  check_success(gyroakf_spectral_lines(x, n, 1.0, 12, lines[2], &count, &err), "lines before the series");
+  check_success(gyroakf_mark_outliers(x, 800, NULL, marks[2], NULL, &err), "marks before the series");
+  check(memcmp(x, series, sizeof series) == 0, "the series is not changed");
+  for (k = 1; k < 8; k++) {
+    char *odd = (char *)room + k;
+    check_failure(gyroakf_adf_coefficients(x, n, NULL, 2, (gyroakf_adf_coefficient *)(void *)odd, &count, &err),
+                  GYROAKF_INVALID_ARGUMENT, "a table at an odd address");
+    check_failure(gyroakf_spectral_lines(x, n, 1.0, 2, (gyroakf_spectral_line *)(void *)odd, &count, &err), GYROAKF_INVALID_ARGUMENT,
+                  "lines at an odd address");
+  }
+}
+
+/* A filter may write over the series that it reads. */
+static void test_filter_in_place(void) {
+  static double x[n], place[n];
+  const double phi[2] = {0.8, 0.1};
+  gyroakf_filter *f;
+  check_success(gyroakf_filter_new(2, phi, 0.1, 1.0, NULL, &f, &err), "a filter");
+  check_success(gyroakf_filter_run(f, series, n, x, &err), "apart");
+  check_success(gyroakf_filter_reset(f, &err), "again");
+  memcpy(place, series, sizeof place);
+  check_success(gyroakf_filter_run(f, place, n, place, &err), "in place");
+  check(memcmp(x, place, sizeof x) == 0, "the same estimates");
+  gyroakf_filter_free(f);
+}
+
 static void test_infinite(const row *r) {
   const double infinite[2] = {INFINITY, -INFINITY};
   const int places[3] = {0, n / 2, n - 1};
@@ -746,6 +823,7 @@ static void run_table(void) {
     test_usual(r);
     test_addresses(r);
     if (r->takes_length) test_lengths(r);
+    if (r->takes_length && r->takes_series) test_overlaps(r);
     if (r->takes_length && r->takes_series && r->call != filter_run) test_infinite(r);
     if (r->takes_length && r->takes_series) test_extremes(r);
     if (r->takes_length) test_short(r);
@@ -791,6 +869,8 @@ void test_promises(void) {
   omp_set_num_threads(1); /* sums of several threads may differ in the last bit */
   make_series();
   run_table();
+  test_overlapping_tables();
+  test_filter_in_place();
   test_disturbing_progress();
   test_flags_of_a_step();
   test_other_structs();

@@ -7,7 +7,8 @@ module gyroakf_c_api_ar
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
    use gyroakf_c_api_progress, only : callback_type
    use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
-      & check_aligned, check_finite, take_text, open_series, close_series
+      & check_finite, take_text, open_series, close_series
+   use gyroakf_c_api_places, only : check_aligned, check_apart
    implicit none (type, external)
    private
    public :: gyroakf_ar_options_init, gyroakf_ar_fit
@@ -65,6 +66,7 @@ contains
       call check_aligned(phi, error)
       if (.not. allocated(error)) call read_options(options, max_order, callback, error, opt)
       if (.not. allocated(error)) call open_series(x, n, series, error)
+      if (.not. allocated(error)) call check_apart([x, phi], 8*[n, int(max_order, c_int64_t)], error)
       if (.not. allocated(error)) call fit_ar(series%x, options, model, error, series%valid, progress=callback)
       call close_series(series)
       if (.not. allocated(error)) call check_finite([model%coefficient, model%noise_variance, model%mean], error)

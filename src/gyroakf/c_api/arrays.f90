@@ -11,7 +11,8 @@ module gyroakf_c_api_arrays
    use gyroakf_utf8, only : make_readable
    use gyroakf_c_api_progress, only : callback_type
    use gyroakf_c_api_record, only : record_handle, new_handle, hand_over
-   use gyroakf_c_api_support, only : error_c, host_type, enter_library, leave_library, check_aligned, copy_c_text, max_samples
+   use gyroakf_c_api_support, only : error_c, host_type, enter_library, leave_library, copy_c_text, max_samples
+   use gyroakf_c_api_places, only : check_aligned
    implicit none (type, external)
    private
    public :: gyroakf_record_new, gyroakf_record_new_watched

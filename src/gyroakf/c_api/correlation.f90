@@ -2,7 +2,7 @@
 !> C: further tests of stationarity, correlation, whiteness. What the functions promise is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_correlation
    use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, c_double, c_size_t, &
-      & c_null_ptr, c_null_funptr, c_associated, c_f_pointer, c_sizeof
+      & c_null_ptr, c_null_funptr, c_associated, c_sizeof
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_series_correlation, only : correlation_type, compute_correlation
@@ -11,7 +11,8 @@ module gyroakf_c_api_correlation
    use gyroakf_series_whiteness, only : ljung_box_type, test_ljung_box
    use gyroakf_c_api_progress, only : callback_type
    use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
-      & check_aligned, check_finite, take_text, open_series, close_series
+      & check_finite, take_text, open_series, close_series
+   use gyroakf_c_api_places, only : check_aligned, check_apart, copy_out
    implicit none (type, external)
    private
    public :: gyroakf_kpss_options_init, gyroakf_kpss_test
@@ -194,14 +195,17 @@ contains
       type(correlation_type) :: result
       type(callback_type) :: callback
       type(error_type), allocatable :: error
+      integer(c_int64_t) :: places
 
       call enter_library(host)
       callback = callback_type(progress, progress_user)
+      places = max(min(lags + 1_c_int64_t, n), 0_c_int64_t)
       call check_place(c_associated(acf), error)
       call check_aligned(acf, error)
       call check_aligned(pacf, error)
       call check_aligned(limit, error)
       if (.not. allocated(error)) call open_series(x, n, series, error)
+      if (.not. allocated(error)) call check_apart([x, acf, pacf, limit], 8*[n, places, places, places], error)
       if (.not. allocated(error)) call compute_correlation(series%x, int(lags), 0, result, error, series%valid, &
          & callback)
       call close_series(series)
@@ -215,17 +219,6 @@ contains
       end if
       gyroakf_autocorrelation_watched = leave_library(host, error, err)
    end function gyroakf_autocorrelation_watched
-
-   !> Values to where a pointer leads; nowhere where it is NULL.
-   subroutine copy_out(values, place)
-      real(dp), intent(in), contiguous :: values(:)
-      type(c_ptr), intent(in) :: place
-      real(c_double), pointer, contiguous :: array(:)
-
-      if (.not. c_associated(place)) return
-      call c_f_pointer(place, array, [size(values)])
-      array(:) = values
-   end subroutine copy_out
 
    !> `gyroakf_ljung_box`
    integer(c_int) function gyroakf_ljung_box(x, n, lags, fitted, out, err) bind(C, name="gyroakf_ljung_box")

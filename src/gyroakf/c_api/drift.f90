@@ -14,7 +14,8 @@ module gyroakf_c_api_drift
    use gyroakf_c_api_filter, only : filter_options_c, new_handle, hand_over, read_options
    use gyroakf_c_api_progress, only : callback_type
    use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
-      & check_aligned, check_finite, open_series, close_series, max_samples
+      & check_finite, open_series, close_series, max_samples
+   use gyroakf_c_api_places, only : check_aligned, check_apart
    implicit none (type, external)
    private
    public :: gyroakf_drift_model_init, gyroakf_drift_options_init, gyroakf_drift_identify, gyroakf_drift_polynomial, &
@@ -183,10 +184,12 @@ contains
       callback = callback_type(progress, progress_user)
       call read_options(options, error, opt)
       if (.not. allocated(error)) call read_model(components, slow, error, model)
-      if (.not. allocated(error)) call check_places(z, drift, variance, error)
+      if (.not. (allocated(error) .or. c_associated(drift))) call fatal_error(error, status%invalid_argument, &
+         & "the place for the drift must not be NULL")
       call check_aligned(drift, error)
       call check_aligned(variance, error)
       if (.not. allocated(error)) call open_series(z, n, series, error)
+      if (.not. allocated(error)) call check_apart([z, drift, variance], 8*[n, n, n], error)
       if (.not. allocated(error)) call smooth(components, slow(:components%count), series, drift, variance, options, &
          & callback, error)
       call close_series(series)
@@ -280,21 +283,6 @@ contains
       slow = model%slow /= 0
       call check_components(components, error)
    end subroutine read_model
-
-   !> The arrays of a smoother must be there and not be the same.
-   subroutine check_places(z, drift, variance, error)
-      type(c_ptr), intent(in) :: z, drift, variance
-      type(error_type), allocatable, intent(out) :: error
-      logical :: same
-
-      if (.not. c_associated(drift)) then
-         call fatal_error(error, status%invalid_argument, "the place for the drift must not be NULL")
-         return
-      end if
-      same = c_associated(drift, z)
-      if (c_associated(variance)) same = same .or. c_associated(variance, z) .or. c_associated(variance, drift)
-      if (same) call fatal_error(error, status%invalid_argument, "series, drift and variance must be different arrays")
-   end subroutine check_places
 
    !> What was found, to the caller.
    subroutine give_model(found, model)

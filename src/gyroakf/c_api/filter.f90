@@ -10,7 +10,8 @@ module gyroakf_c_api_filter
    use gyroakf_progress, only : tell_progress
    use gyroakf_c_api_progress, only : callback_type
    use gyroakf_c_api_support, only : error_c, host_type, enter_library, leave_library, begin_step, end_step, &
-      & check_struct_size, check_aligned, check_finite, take_text, max_samples
+      & check_struct_size, check_finite, take_text, max_samples
+   use gyroakf_c_api_places, only : check_aligned, check_apart
    implicit none (type, external)
    private
    public :: gyroakf_filter_options_init, gyroakf_filter_new, gyroakf_filter_step, gyroakf_filter_freeze, &
@@ -157,6 +158,7 @@ contains
       end if
       call check_aligned(z, error)
       call check_aligned(x, error)
+      if (.not. (allocated(error) .or. c_associated(x, z))) call check_apart([z, x], [8*n, 8*n], error)
       if (.not. allocated(error)) then
          call c_f_pointer(f, filter)
          callback = callback_type(progress, progress_user)

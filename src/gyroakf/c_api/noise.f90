@@ -7,8 +7,9 @@ module gyroakf_c_api_noise
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_allan_noise_fit, only : noise_options, noise_type, coefficient_type, fit_noise
    use gyroakf_c_api_allan, only : allan_handle
-   use gyroakf_c_api_support, only : error_c, host_type, enter_library, leave_library, check_aligned, check_finite, &
-      & check_struct_size, take_text
+   use gyroakf_c_api_support, only : error_c, host_type, enter_library, leave_library, check_finite, check_struct_size, &
+      & take_text
+   use gyroakf_c_api_places, only : check_aligned
    implicit none (type, external)
    private
    public :: gyroakf_fit_options_init, gyroakf_noise_fit, gyroakf_noise_covariance

@@ -9,6 +9,7 @@ module gyroakf_c_api_outliers
    use gyroakf_c_api_progress, only : callback_type
    use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
       & check_finite, take_text, open_series, close_series
+   use gyroakf_c_api_places, only : check_apart
    implicit none (type, external)
    private
    public :: gyroakf_outlier_options_init, gyroakf_mark_outliers
@@ -71,6 +72,7 @@ contains
       if (.not. c_associated(inlier)) call fatal_error(error, status%invalid_argument, "the place for the marks must not be NULL")
       if (.not. allocated(error)) call read_options(options, callback, error, opt)
       if (.not. allocated(error)) call open_series(x, n, series, error)
+      if (.not. allocated(error)) call check_apart([x, inlier], [8*n, n], error)
       if (.not. allocated(error)) call clean_series(series%x, options, cleaned, mask, result, error, series%valid, &
          & callback)
       call close_series(series)

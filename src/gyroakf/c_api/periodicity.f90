@@ -2,14 +2,15 @@
 !> C: what is periodic in a series. What each function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_periodicity
    use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, c_double, c_null_ptr, &
-      & c_null_funptr, c_associated, c_f_pointer
+      & c_null_funptr, c_f_pointer, c_associated, c_sizeof
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_series_fisher, only : fisher_type, test_fisher_g
    use gyroakf_series_periodicity, only : periodicity_options, periodicity_type, analyse_periodicity
    use gyroakf_series_welch, only : welch_options, welch_type, welch_spectrum, default_segment
    use gyroakf_c_api_progress, only : callback_type
-   use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_aligned, &
-      & check_finite, open_series, close_series
+   use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_finite, &
+      & open_series, close_series
+   use gyroakf_c_api_places, only : check_aligned, check_apart, copy_out
    implicit none (type, external)
    private
    public :: gyroakf_fisher_g, gyroakf_fisher_g_watched, gyroakf_welch_size, gyroakf_welch_spectrum, &
@@ -109,12 +110,15 @@ contains
       type(welch_type) :: result
       type(callback_type) :: callback
       type(error_type), allocatable :: error
+      integer(c_int64_t) :: places
 
       call enter_library(host)
       callback = callback_type(progress, progress_user)
       call check_aligned(frequency, error)
       call check_aligned(density, error)
       if (.not. allocated(error)) call open_series(x, n, series, error)
+      places = gyroakf_welch_size(n, segment)
+      if (.not. allocated(error)) call check_apart([x, frequency, density], 8*[n, places, places], error)
       if (.not. allocated(error)) call welch_spectrum(series%x, dt, welch_options(segment=segment), result, error, &
          & series%valid, callback)
       call close_series(series)
@@ -125,17 +129,6 @@ contains
       if (present(degrees_of_freedom) .and. .not. allocated(error)) degrees_of_freedom = result%degrees_of_freedom
       gyroakf_welch_spectrum_watched = leave_library(host, error, err)
    end function gyroakf_welch_spectrum_watched
-
-   !> Into an array of the caller, which may be NULL.
-   subroutine copy_out(values, array)
-      real(c_double), intent(in) :: values(:)
-      type(c_ptr), intent(in) :: array
-      real(c_double), pointer :: place(:)
-
-      if (.not. c_associated(array)) return
-      call c_f_pointer(array, place, [size(values)])
-      place(:) = values
-   end subroutine copy_out
 
    !> `gyroakf_spectral_lines`
    integer(c_int) function gyroakf_spectral_lines(x, n, dt, most, lines, count, err) bind(C, name="gyroakf_spectral_lines")
@@ -166,6 +159,7 @@ contains
       type(series_type) :: series
       type(periodicity_options) :: options
       type(periodicity_type) :: result
+      type(spectral_line_c) :: line
       type(callback_type) :: callback
       type(error_type), allocatable :: error
 
@@ -174,7 +168,9 @@ contains
       options%lines%most = int(most)
       if (.not. present(count) .or. .not. c_associated(lines) .or. most > 1000) call fatal_error(error, &
          status%invalid_argument, "the places for the lines and their number must not be NULL, and there are at most 1000")
+      call check_aligned(lines, error)
       if (.not. allocated(error)) call open_series(x, n, series, error)
+      if (.not. allocated(error)) call check_apart([x, lines], [8*n, most*c_sizeof(line)], error)
       if (.not. allocated(error)) call analyse_periodicity(series%x, dt, options, result, error, series%valid, &
          & progress=callback)
       call close_series(series)

@@ -9,6 +9,7 @@ module gyroakf_c_api_series
    use gyroakf_c_api_progress, only : callback_type
    use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
       & check_finite, take_text, open_series, close_series
+   use gyroakf_c_api_places, only : check_aligned, check_apart
    implicit none (type, external)
    private
    public :: gyroakf_adf_options_init, gyroakf_adf_test, gyroakf_adf_coefficients
@@ -92,17 +93,20 @@ contains
       type(adf_options) :: options
       type(callback_type) :: callback
       type(adf_type) :: result
+      type(adf_coefficient_c) :: row
       type(error_type), allocatable :: error
 
       call enter_library(host)
       if (.not. present(rows)) call fatal_error(error, status%invalid_argument, "the place for the number must not be NULL")
       if (.not. allocated(error) .and. c_associated(table) .and. capacity < 1) call fatal_error(error, status%invalid_argument, &
          & "the table must have a row at least")
+      call check_aligned(table, error)
       if (.not. allocated(error)) call read_options(options, callback, error, opt)
       options%table = .true.
       if (.not. allocated(error)) call open_series(x, n, series, error)
       if (.not. allocated(error)) call test_adf(series%x, options, result, error, series%valid, progress=callback)
       call close_series(series)
+      if (.not. allocated(error)) call check_apart([x, table], [8*n, min(size(result%table), capacity)*c_sizeof(row)], error)
       if (.not. allocated(error)) call write_table(result, capacity, table, rows)
       gyroakf_adf_coefficients = leave_library(host, error, err)
    end function gyroakf_adf_coefficients

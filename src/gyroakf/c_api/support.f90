@@ -9,16 +9,17 @@
 !>
 !> and holds no numerics. The rules that C callers rely on are at the top of c_api/include/gyroakf.h.
 module gyroakf_c_api_support
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_intptr_t, c_char, c_size_t, &
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_char, c_size_t, &
       & c_null_char, c_associated, c_f_pointer
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_is_nan
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_utf8, only : make_readable
+   use gyroakf_c_api_places, only : check_aligned
    implicit none (type, external)
    private
    public :: error_c, host_type, series_type, enter_library, leave_library, begin_step, end_step, check_struct_size, &
-      & check_aligned, check_finite, copy_c_text, take_text, open_series, close_series, max_samples
+      & check_finite, copy_c_text, take_text, open_series, close_series, max_samples
 
    !> More samples than any machine can hold: counts beyond it are mistakes
    integer(int64), parameter :: max_samples = 2_int64**44
@@ -176,18 +177,6 @@ contains
          call fatal_error(error, status%invalid_argument, "the options are not initialised: call their _init function first")
       end if
    end subroutine check_struct_size
-
-   !> An array of doubles begins at a multiple of 8 bytes: loops are compiled for that, and end the program where it is not so.
-   subroutine check_aligned(array, error)
-      !> double *, or NULL
-      type(c_ptr), intent(in) :: array
-      !> An earlier error stays; invalid_argument
-      type(error_type), allocatable, intent(inout) :: error
-
-      if (allocated(error)) return
-      if (modulo(transfer(array, 0_c_intptr_t), 8_c_intptr_t) /= 0) call fatal_error(error, status%invalid_argument, &
-         & "an array of doubles must begin at an address that is a multiple of 8")
-   end subroutine check_aligned
 
    !> Results are finite; those of values near the largest number may overflow.
    subroutine check_finite(results, error)
