@@ -314,9 +314,12 @@ contains
          if (allocated(error)) return
          a(j) = x(j)*plan%chirp(j)
       end do
-      a(plan%length:) = 0
-      call tell_progress("Fourier transform", 0_int64, plan%length, error, progress)
-      if (.not. allocated(error)) call transform(plan, a, work, error, progress)
+      do j = plan%length, plan%inner - 1            ! memory touched for the first time, which may take a while
+         if (iand(j, told_points) == 0) call tell_progress("Fourier transform", 0_int64, plan%length, error, progress)
+         if (allocated(error)) return
+         a(j) = 0
+      end do
+      call transform(plan, a, work, error, progress)
       if (allocated(error)) return
       do j = 0, plan%inner - 1
          if (iand(j, told_points) == 0) call tell_progress("Fourier transform", j, plan%inner, error, progress)
