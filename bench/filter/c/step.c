@@ -1,51 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Time of gyroakf_filter_step from C, sample by sample, and what it asks of the system meanwhile: every allocation and every mutex of
- * the program passes through the functions below. Processor time, medians of 51 runs of 100,000 steps; run.sh reads the lines.
+ * Time of gyroakf_filter_step from C, sample by sample, and what it asks of the system meanwhile (ci/realtime/counted.h).
+ * Processor time, medians of 51 runs of 100,000 steps; run.sh reads the lines.
  */
 #define _GNU_SOURCE
 #include <gyroakf.h>
 
-#include <dlfcn.h>
+#include "counted.h"
+
 #include <math.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
 
 #define STEPS 100000
 #define RUNS 51
-
-static long allocations, locks;
-
-#ifdef __GLIBC__ /* its allocator by its other names; elsewhere nothing is counted */
-extern void *__libc_malloc(size_t size);
-extern void *__libc_calloc(size_t count, size_t size);
-extern void *__libc_realloc(void *old, size_t size);
-extern void __libc_free(void *old);
-void *malloc(size_t size) {
-  allocations++;
-  return __libc_malloc(size);
-}
-void *calloc(size_t count, size_t size) {
-  allocations++;
-  return __libc_calloc(count, size);
-}
-void *realloc(void *old, size_t size) {
-  allocations++;
-  return __libc_realloc(old, size);
-}
-void free(void *old) {
-  if (old) allocations++;
-  __libc_free(old);
-}
-int pthread_mutex_lock(pthread_mutex_t *mutex) {
-  static int (*real)(pthread_mutex_t *);
-  if (!real) *(void **)&real = dlsym(RTLD_NEXT, "pthread_mutex_lock");
-  locks++;
-  return real(mutex);
-}
-#endif
 
 static double z[STEPS], x[STEPS];
 

@@ -131,13 +131,13 @@ contains
       real(dp), intent(in) :: z
       !> Predicted; goes on
       type(component_state_type), intent(inout) :: state
-      real(dp) :: c(n), kept(n, n), rest, total
+      real(dp) :: c(most_components), kept(most_components, most_components), rest, total
       integer :: i, j
 
       do i = 1, n
          c(i) = sum(state%p(:n, i))
       end do
-      total = sum(c)
+      total = sum(c(:n))
       if (.not. state%started) then
          associate (walk => state%walk)
             state%innovation = 0.0_dp
@@ -145,8 +145,8 @@ contains
             state%gain(:n) = 0.0_dp
             state%gain(walk) = 1.0_dp
             state%x(walk) = z - (sum(state%x(:n)) - state%x(walk))
-            state%p(:n, walk) = -c
-            state%p(walk, :n) = -c
+            state%p(:n, walk) = -c(:n)
+            state%p(walk, :n) = -c(:n)
             state%p(walk, walk) = total + r
             state%started = .true.
          end associate
@@ -154,7 +154,7 @@ contains
       end if
       state%innovation = z - sum(state%x(:n))
       state%variance = total + r
-      state%gain(:n) = c/state%variance
+      state%gain(:n) = c(:n)/state%variance
       state%x(:n) = state%x(:n) + state%gain(:n)*state%innovation
       do j = 1, n
          do i = 1, n
@@ -162,7 +162,7 @@ contains
          end do
       end do
       do i = 1, n
-         rest = sum(kept(i, :))
+         rest = sum(kept(i, :n))
          do j = 1, i
             state%p(i, j) = kept(i, j) - rest*state%gain(j) + r*state%gain(i)*state%gain(j)
             state%p(j, i) = state%p(i, j)
