@@ -1,9 +1,20 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Tests of the program through its binary:   test/cli/run.sh PATH-OF-THE-BINARY
+# Tests of the program through its binary:   test/cli/run.sh PATH-OF-THE-BINARY [PART]
 # Prints a line for every failure and as the last line "N passed, N failed"; exits non-zero on failure.
+# Without a PART all of them, two at a time, those that take longest first.
 set -u
-[ $# -ge 1 ] && [ -x "$1" ] || { echo "usage: $0 PATH-OF-THE-BINARY" >&2; exit 1; }
+[ $# -ge 1 ] && [ -x "$1" ] || { echo "usage: $0 PATH-OF-THE-BINARY [PART]" >&2; exit 1; }
+parts=(memory terminal progress output determinism many selftest truth plots formats repeat reading odd page writing usage config malformed
+   manual time)
+if [ $# -lt 2 ]; then
+   said=$(printf '%s\n' "${parts[@]}" | xargs -P 2 -n 1 "$0" "$1")
+   grep -vE '^[0-9]+ passed, [0-9]+ failed$' <<<"$said"
+   awk '/^[0-9]+ passed, [0-9]+ failed$/ { p += $1; f += $3; n++ }
+      END { print p + 0 " passed, " f + 0 " failed"; exit f > 0 || n != '${#parts[@]}' }' <<<"$said"
+   exit
+fi
+[ -e "$(dirname "$0")/part_$2.sh" ] || { echo "$0: there is no part '$2'" >&2; exit 1; }
 gyroakf=$(cd "$(dirname "$1")" && pwd)/$(basename "$1")
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(cd "$here/../.." && pwd)
@@ -52,11 +63,8 @@ no_origin() { sed '/^  "origin": {/,/^  },/d'; }
 # is NAME ACTUAL EXPECTED
 is() { if [ "$2" = "$3" ]; then pass; else fail "$1: '$2' instead of '$3'"; fi; }
 
-for part in usage manual config repeat malformed odd reading formats time truth output memory progress many writing plots page selftest terminal determinism; do
-   [ $# -lt 2 ] || [ "$2" = "$part" ] || continue
-   # shellcheck source=/dev/null
-   . "$here/part_$part.sh"
-done
+# shellcheck source=/dev/null
+. "$here/part_$2.sh"
 
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]

@@ -159,7 +159,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       integer(int64), allocatable :: grid(:)
-      integer :: points
+      integer :: points, stat
 
       if (allocated(options%taus)) then
          call averaging_factors(options%taus, samples, sample_interval, grid, error)
@@ -171,7 +171,9 @@ contains
       if (points == size(grid)) then
          call move_alloc(grid, m)
       else if (points > 0) then
-         m = grid(:points)
+         allocate (m(points), stat=stat)
+         if (stat == 0) m(:) = grid(:points)
+         if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the averaging factors")
       else
          call fatal_error(error, status%too_few_samples, "no averaging time is short enough for the "//trim(options%kind)// &
             & " of this record")
@@ -294,12 +296,12 @@ contains
       integer(int64), intent(in) :: m(:)
       real(dp), intent(in) :: variance(:)
       integer(int64), intent(in) :: terms(:)
-      !> The curve, without limits
+      !> The curve, without exponents and limits; `share` is that of the terms
       type(allan_curve_type), intent(inout) :: curve
       !> too_few_samples, no_memory
       type(error_type), allocatable, intent(out) :: error
 
-      integer :: points, stat
+      integer :: points, i, k, stat
 
       curve%sample_interval = sample_interval
       curve%samples = n
@@ -309,19 +311,30 @@ contains
          call fatal_error(error, status%too_few_samples, "too many samples are missing: no averaging time has a complete window")
          return
       end if
-      allocate (curve%lower(points), stat=stat)
+      allocate (curve%m(points), stat=stat)
+      if (stat == 0) allocate (curve%terms(points), stat=stat)
+      if (stat == 0) allocate (curve%tau(points), stat=stat)
+      if (stat == 0) allocate (curve%deviation(points), stat=stat)
+      if (stat == 0) allocate (curve%lower(points), stat=stat)
       if (stat == 0) allocate (curve%upper(points), stat=stat)
       if (stat == 0) allocate (curve%edf(points), stat=stat)
       if (stat == 0) allocate (curve%alpha(points), stat=stat)
+      if (stat == 0) allocate (curve%share(points), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the Allan curve")
          return
       end if
-      curve%m = pack(m, terms > 0)
-      curve%terms = pack(terms, terms > 0)
-      curve%tau = real(curve%m, dp)*sample_interval
-      curve%deviation = sqrt(pack(variance, terms > 0))
-      if (curve%kind == "tdev") curve%deviation = curve%tau*curve%deviation/sqrt(3.0_dp)
+      k = 0
+      do i = 1, size(m)
+         if (terms(i) <= 0) cycle
+         k = k + 1
+         curve%m(k) = m(i)
+         curve%terms(k) = terms(i)
+         curve%tau(k) = real(m(i), dp)*sample_interval
+         curve%deviation(k) = sqrt(variance(i))
+         if (curve%kind == "tdev") curve%deviation(k) = curve%tau(k)*curve%deviation(k)/sqrt(3.0_dp)
+         curve%share(k) = real(terms(i), dp)/real(term_count(curve%kind, n, m(i)), dp)
+      end do
    end subroutine fill_curve
 
    !> A curve from variances that were computed elsewhere.
@@ -343,11 +356,17 @@ contains
       !> Noise exponents, and the share of a complete record's degrees of freedom: [size(m)]
       integer, intent(in) :: alpha(:)
       real(dp), intent(in) :: share(:)
+      integer :: i, k
 
       call fill_curve(n, sample_interval, confidence, m, variance, terms, curve, error)
       if (allocated(error)) return
-      curve%alpha = pack(alpha, terms > 0)
-      curve%share = pack(share, terms > 0)
+      k = 0
+      do i = 1, size(m)
+         if (terms(i) <= 0) cycle
+         k = k + 1
+         curve%alpha(k) = alpha(i)
+         curve%share(k) = share(i)
+      end do
       call fill_limits(curve)
    end subroutine assemble_curve
 
@@ -368,7 +387,6 @@ contains
 
       integer :: i
 
-      curve%share = terms_share(curve)
       do i = 1, size(curve%m)
          curve%edf(i) = statistic_edf(curve%kind, curve%samples + 1, curve%m(i), curve%alpha(i))*curve%share(i)
       end do

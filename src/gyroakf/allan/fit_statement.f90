@@ -2,7 +2,7 @@
 !> The result of a noise fit: coefficients, their errors and limits in the units of the curve and seconds.
 !>
 !> Values and errors are those of a fit of the chosen terms alone. With every term on offer in it, those that are not there,
-!> which cannot become negative, take on average a little of those that are, and no interval covers what it says. What the
+!> which cannot become negative, take on average a little of those that are, and intervals cover less than they say. What the
 !> choice leaves out is too faint to bend the others by as much: `validation/run.sh coefficients` prints how far each is off and
 !> how often its interval holds.
 !>

@@ -17,6 +17,8 @@ module gyroakf_allan_noise_identification
    integer(int64), parameter :: means_min = 30
    !> Means that it looks at, from the middle of the record
    integer(int64), parameter :: means_max = 16384
+   !> No exponent
+   integer, parameter :: unknown = huge(1)
    !> Differences at most, if not told (Allan variance)
    integer, parameter :: differences_usual = 2
    !> Records shorter than this are not worth a second thread
@@ -39,25 +41,24 @@ contains
       !> Differences at most: 2 (if absent) or 3
       integer, intent(in), optional :: differences
 
-      logical :: found(size(m))
       integer :: i, most, last
 
       most = differences_usual
       if (present(differences)) most = differences
       !$omp parallel do schedule(dynamic) if (ubound(phase, 1, kind=int64) >= parallel_from)
       do i = 1, size(m)
-         call identify_one(phase, m(i), min_coverage, most, alpha(i), found(i), missing)
+         call identify_one(phase, m(i), min_coverage, most, alpha(i), missing)
       end do
       !$omp end parallel do
       last = 0
       do i = 1, size(m)
-         if (.not. found(i)) alpha(i) = last
+         if (alpha(i) == unknown) alpha(i) = last
          last = alpha(i)
       end do
    end subroutine identify_noise
 
    !> The exponent for one averaging factor.
-   pure subroutine identify_one(phase, m, min_coverage, differences_max, alpha, found, missing)
+   pure subroutine identify_one(phase, m, min_coverage, differences_max, alpha, missing)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Averaging factor
@@ -66,28 +67,24 @@ contains
       real(dp), intent(in) :: min_coverage
       !> Differences at most
       integer, intent(in) :: differences_max
-      !> The exponent
+      !> The exponent; unknown where there are too few windows or nothing varies
       integer, intent(out) :: alpha
-      !> False where there are too few windows or nothing varies
-      logical, intent(out) :: found
       !> Missing samples so far: [0:n]
       integer(int32), intent(in), optional :: missing(0:)
 
-      real(dp), allocatable :: mean(:)
-      logical, allocatable :: use_it(:)
+      real(dp) :: mean(means_max)
+      logical :: use_it(means_max)
       real(dp) :: r, rho
       integer(int64) :: means, d, j
       logical :: varies
 
-      alpha = 0
-      found = .false.
+      alpha = unknown
       means = min(ubound(phase, 1, kind=int64)/m, means_max)
       if (means < means_min) return
       rho = 0
-      allocate (mean(means), use_it(means))
-      call window_means(phase, m, min_coverage, mean, use_it, missing)
-      if (count(use_it) < means_min) return
-      call remove_line(mean, use_it)
+      call window_means(phase, m, min_coverage, mean(:means), use_it(:means), missing)
+      if (count(use_it(:means)) < means_min) return
+      call remove_line(mean(:means), use_it(:means))
       do d = 0, differences_max
          call lag_one(mean(:means - d), use_it(:means - d), means_min - differences_max, r, varies)
          if (.not. varies) return
@@ -99,7 +96,6 @@ contains
             use_it(j) = use_it(j) .and. use_it(j + 1)
          end do
       end do
-      found = .true.
       alpha = min(max(-nint(2*rho) - 2*int(d), 2 - 2*differences_max), 2)
    end subroutine identify_one
 

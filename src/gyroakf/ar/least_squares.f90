@@ -45,7 +45,7 @@ contains
       logical, intent(in) :: backward
       !> Of the orders 0 .. gram%lags
       real(dp), allocatable, intent(out) :: variance(:)
-      !> constant_input, singular
+      !> constant_input, singular, no_memory
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: a(:, :), scale(:)
       real(dp) :: equations
@@ -82,12 +82,17 @@ contains
       logical, intent(in) :: backward
       !> Both triangles: [p+1, p+1]; square roots of its diagonal before: [p+1]
       real(dp), allocatable, intent(out) :: a(:, :), scale(:)
-      !> constant_input
+      !> constant_input, no_memory
       type(error_type), allocatable, intent(out) :: error
-      integer :: i, j, k, l, p
+      integer :: i, j, k, l, p, stat
 
       p = gram%lags
-      allocate (a(p + 1, p + 1), scale(p + 1))
+      allocate (a(p + 1, p + 1), stat=stat)
+      if (stat == 0) allocate (scale(p + 1), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the normal equations of an AR model")
+         return
+      end if
       do j = 1, p + 1
          l = mod(j, p + 1)
          do i = 1, p + 1

@@ -249,7 +249,7 @@ contains
       integer(int64), intent(in) :: first, n
       !> The sums
       real(dp), intent(inout) :: s(:)
-      real(dp) :: t, s1, s2, power(m)
+      real(dp) :: t, s1, s2, power(block_length)
       integer :: i, k
 
       s1 = 0.0_dp
@@ -261,12 +261,12 @@ contains
       end do
       s(level2) = s(level2) + s1
       s(level_d) = s(level_d) + s2
-      power = b%weight(:m)
+      power(:m) = b%weight(:m)
       do k = 0, max(0, 2*(terms - 1))
-         s(time0 + k) = s(time0 + k) + sum(power)
+         s(time0 + k) = s(time0 + k) + sum(power(:m))
          if (k < terms) then
-            s(time_level + k) = s(time_level + k) + dot_product(power, b%level(:m))
-            s(time_d + k) = s(time_d + k) + dot_product(power, b%a(:m))
+            s(time_level + k) = s(time_level + k) + dot_product(power(:m), b%level(:m))
+            s(time_d + k) = s(time_d + k) + dot_product(power(:m), b%a(:m))
          end if
          do i = 1, m
             t = time_of(first + i - 1, n)
