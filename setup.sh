@@ -235,7 +235,7 @@ done
 # --- flags -----------------------------------------------------------------------------------
 # Without --profile fpm builds for debugging. No fused multiply-add of real
 # numbers by the compiler's choice: results depend less on the optimisation. Where a variable is kept, line by
-# line, takes the compiler a third of its time, with sanitizers most of it, and no backtrace tells it.
+# line, takes the compiler much of its time, most with sanitizers, and no backtrace tells it.
 : "${FPM_FFLAGS=-O3 $native -ffp-contract=off -fPIC -g -fno-var-tracking -fbacktrace}"
 : "${FPM_CFLAGS=-O3 $native -ffp-contract=off -fPIC -g}"
 : "${OMP_WAIT_POLICY=passive}" # waiting threads sleep: other work on the machine does not slow us down

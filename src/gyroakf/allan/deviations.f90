@@ -356,17 +356,11 @@ contains
       !> Noise exponents, and the share of a complete record's degrees of freedom: [size(m)]
       integer, intent(in) :: alpha(:)
       real(dp), intent(in) :: share(:)
-      integer :: i, k
 
       call fill_curve(n, sample_interval, confidence, m, variance, terms, curve, error)
       if (allocated(error)) return
-      k = 0
-      do i = 1, size(m)
-         if (terms(i) <= 0) cycle
-         k = k + 1
-         curve%alpha(k) = alpha(i)
-         curve%share(k) = share(i)
-      end do
+      curve%alpha(:) = pack(alpha, terms > 0)
+      curve%share(:) = pack(share, terms > 0)
       call fill_limits(curve)
    end subroutine assemble_curve
 
