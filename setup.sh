@@ -241,5 +241,31 @@ done
 : "${OMP_WAIT_POLICY=passive}" # waiting threads sleep: other work on the machine does not slow us down
 export FPM_FFLAGS FPM_CFLAGS OMP_WAIT_POLICY
 
+# Tests and examples need no optimization; fpm splits its command lines at blanks.
+case $root in
+  *" "*) ;;
+  *) : "${FPM_FC=$root/ci/compiler/gfortran}"; export FPM_FC ;;
+esac
+
+# --- the command -----------------------------------------------------------------------------
+# What fpm prints while it compiles goes into a file; after that `fpm run` and `fpm test` have nothing left to compile.
+build_quietly() { # OPTIONS of fpm build
+  log=$root/build/build.log
+  mkdir -p "$root/build"
+  begun=$(date +%s)
+  say "compiling; the log is $log"
+  if fpm build "$@" >"$log" 2>&1; then
+    say "compiled in $(($(date +%s) - begun)) s"
+  else
+    grep -v '^\[ *[0-9]*%\]' "$log" | tail -n 60 >&2
+    die "it does not compile"
+  fi
+}
+
 if [ $# -eq 0 ]; then say "ready"; exit 0; fi
+case " $* " in
+  *" --flag"* | *" --profile"* | *" --compiler"* | *" --c-flag"* | *" --help"*) ;;
+  " fpm run "*) build_quietly ;;
+  " fpm test "*) build_quietly --tests ;;
+esac
 exec "$@"
