@@ -21,10 +21,13 @@ files() { # of the repository, also the new ones that are not ignored
   git ls-files --cached --others --exclude-standard -- "$@" | while read -r f; do [ -f "$f" ] && echo "$f"; done
 }
 
+each() { # COMMAND...: with the files on standard input as further arguments
+  tr '\n' '\0' | xargs -0 -r "$@"
+}
+
 code() { # FILE:LINE:code, without texts and comments, in lower case
-  files "$@" | while read -r f; do
-    sed "s/\"[^\"]*\"/\"\"/g; s/'[^']*'/\"\"/g; s/!.*//" "$f" | tr '[:upper:]' '[:lower:]' | awk -v f="$f" '{ print f ":" NR ":" $0 }'
-  done
+  files "$@" | each awk '{
+    gsub(/"[^"]*"/, "\"\""); gsub(/\047[^\047]*\047/, "\"\""); sub(/!.*/, ""); print FILENAME ":" FNR ":" tolower($0) }'
 }
 
 src=$(code 'src/*.f90')
@@ -43,51 +46,55 @@ grep -E '(^|[^a-z_])random_(number|seed) *\(|random_init' <<<"$src" | rule "the 
 grep -E ':[0-9]+: *(integer|real|logical|character|type|class|complex)[^:]*, *save|:[0-9]+: *save( |$)|threadprivate' <<<"$src" |
   rule "the library keeps no state"
 
-files 'src/*.f90' | while read -r f; do
-  want=${f#src/}; want=${want%.f90}; want=${want//\//_}
-  got=$(sed -nE 's/^ *(module|submodule *\([^)]*\)) +([A-Za-z0-9_]+) *(!.*)?$/\2/p' "$f" | head -n 1)
-  [ "$got" = "$want" ] || echo "$f: $got instead of $want"
-done | rule "a module is named after its path"
+files 'src/*.f90' | each awk '
+  function judge() { if (file != "" && got != want) print file ": " got " instead of " want }
+  FNR == 1 { judge(); file = want = FILENAME; got = ""; sub(/^src\//, "", want); sub(/\.f90$/, "", want); gsub(/\//, "_", want) }
+  got == "" && /^ *(module|submodule *\([^)]*\)) +[A-Za-z0-9_]+ *(!.*)?$/ { sub(/ *(!.*)?$/, ""); sub(/.* /, ""); got = $0 }
+  END { judge() }' | rule "a module is named after its path"
 
 # to the compiler a module and a C function are of one name space: gfortran calls the wrong one
 comm -12 <(files 'src/*.f90' | sed 's/^src\///; s/\.f90$//; s/\//_/g' | sort -u) \
-  <(files 'src/*.f90' | while read -r f; do sed -nE 's/.*bind *\(C, *name *= *"([^"]*)".*/\1/p' "$f"; done | sort -u) |
+  <(files 'src/*.f90' | each sed -nE 's/.*bind *\(C, *name *= *"([^"]*)".*/\1/p' | sort -u) |
   rule "no C function has the name of a module"
 
-files 'src/*.f90' 'app/*.f90' 'test/*.f90' 'example/*.f90' | while read -r f; do
-  head -n 1 "$f" | grep -q '^! SPDX-License-Identifier: MIT$' || echo "$f"
-  grep -q 'implicit none (type, external)' "$f" || echo "$f: no implicit none (type, external)"
-done | rule "every Fortran file has its licence and implicit none (type, external)"
+files 'src/*.f90' 'app/*.f90' 'test/*.f90' 'example/*.f90' | each awk '
+  function judge() { if (file != "" && !typed) print file ": no implicit none (type, external)" }
+  FNR == 1 { judge(); file = FILENAME; typed = 0; if ($0 != "! SPDX-License-Identifier: MIT") print file }
+  index($0, "implicit none (type, external)") { typed = 1 }
+  END { judge() }' | rule "every Fortran file has its licence and implicit none (type, external)"
 
-files '*.c' '*.h' '*.cpp' '*.hpp' '*.sh' | while read -r f; do
-  head -n 3 "$f" | grep -q 'SPDX-License-Identifier: MIT' || echo "$f"
-done | rule "every C and C++ file and script has its licence"
+files '*.c' '*.h' '*.cpp' '*.hpp' '*.sh' | each awk '
+  function judge() { if (file != "" && !licensed) print file }
+  FNR == 1 { judge(); file = FILENAME; licensed = 0 }
+  FNR <= 3 && /SPDX-License-Identifier: MIT/ { licensed = 1 }
+  END { judge() }' | rule "every C and C++ file and script has its licence"
 
 # foundations < io, simulate < the methods < pipeline < selftest < report < c_api
-level() {
+level() { # MODULE: sets level
   case $1 in
-    gyroakf_c_api*) echo 6 ;;
-    gyroakf_report*) echo 5 ;;
-    gyroakf_selftest*) echo 4 ;;
-    gyroakf_pipeline*) echo 3 ;;
-    gyroakf_preprocess* | gyroakf_series* | gyroakf_ar | gyroakf_ar_* | gyroakf_allan* | gyroakf_filter*) echo 2 ;;
-    gyroakf_io* | gyroakf_simulate*) echo 1 ;;
-    *) echo 0 ;;
+    gyroakf_c_api*) level=6 ;;
+    gyroakf_report*) level=5 ;;
+    gyroakf_selftest*) level=4 ;;
+    gyroakf_pipeline*) level=3 ;;
+    gyroakf_preprocess* | gyroakf_series* | gyroakf_ar | gyroakf_ar_* | gyroakf_allan* | gyroakf_filter*) level=2 ;;
+    gyroakf_io* | gyroakf_simulate*) level=1 ;;
+    *) level=0 ;;
   esac
 }
 sed -nE 's/^src\/([^:]*)\.f90:[0-9]+: *use *(, *non_intrinsic *)?(::)? *(gyroakf_[a-z0-9_]+).*/\1 \4/p' <<<"$src" |
   sort -u | while read -r path used; do
     own=${path//\//_}
     [ "$own" = gyroakf ] && continue
-    [ "$(level "$own")" -ge "$(level "$used")" ] || echo "src/$path.f90 uses $used"
+    level "$own"; mine=$level
+    level "$used"
+    [ "$mine" -ge "$level" ] || echo "src/$path.f90 uses $used"
   done | rule "a module uses only its own layer and lower ones"
 
-files '*.f90' '*.c' '*.h' '*.cpp' '*.hpp' '*.sh' '*.toml' '*.md' 'setup.sh' | grep -v '^test/data/' | while read -r f; do
-  grep -nE "[[:space:]]+\$|$(printf '\t')" "$f" | sed "s|^|$f:|"
-done | rule "no tabs, no blanks at the end of a line"
+files '*.f90' '*.c' '*.h' '*.cpp' '*.hpp' '*.sh' '*.toml' '*.md' 'setup.sh' | grep -v '^test/data/' |
+  each grep -HnE "[[:space:]]+\$|$(printf '\t')" | rule "no tabs, no blanks at the end of a line"
 
-files '*' | grep -vE '^(test|example)/data/|\.(png|svg|npy|gz)$' | while read -r f; do
-  [ ! -s "$f" ] || grep -qI . "$f" || echo "$f"
+files '*' | grep -vE '^(test|example)/data/|\.(png|svg|npy|gz)$' | each grep -LI . | while read -r f; do
+  [ ! -s "$f" ] || echo "$f"
 done | rule "no binary files"
 
 # one version everywhere
