@@ -54,8 +54,6 @@ module gyroakf_app_config
       character(:), allocatable :: command_line
       !> Of the recording among those of the command line
       integer :: number = 1
-      !> The memory is a share of what there is, others work beside: what does not fit into it is not streamed but refused
-      logical :: shared = .false.
       !> Of a run that is repeated: the files that have to be the same; unallocated: it is none
       type(input_file_type), allocatable :: expected(:)
       !> Names of the options that were given, without their dashes; --dt stands as rate

@@ -98,19 +98,14 @@ contains
       type(pipeline_result_type), intent(out) :: result
       !> As of [[read_record]] and [[run_pipeline]]; io; cancelled
       type(error_type), allocatable, intent(out) :: error
-      type(writer_type) :: series
       type(origin_type) :: origin
 
       call find_origin(config, origin, error, bar)
-      if (.not. allocated(error)) call read_and_run(config, record, result, error, bar, series)
+      if (.not. allocated(error)) call read_and_run(config, record, result, error, bar)
       if (.not. allocated(error)) call check_result(config, result, error)
-      if (allocated(error)) then
-         call discard_writer(series)
-         call release_files()
-         return
-      end if
+      if (allocated(error)) return
       call guard_files()
-      call write_files(config, bar, record, result, origin, series, error)
+      call write_files(config, bar, record, result, origin, error)
       if (.not. allocated(error) .and. allocated(config%plot)) call draw(config, record, result, error)
       if (.not. allocated(error) .and. allocated(config%out)) call make_page(config, record, result, error)
       call release_files()
@@ -134,14 +129,12 @@ contains
    end subroutine draw
 
    !> The files that options name and the result files: all are complete before the first one appears.
-   subroutine write_files(config, bar, record, result, origin, series, error)
+   subroutine write_files(config, bar, record, result, origin, error)
       type(analysis_config), intent(in) :: config
       type(bar_type), intent(inout) :: bar
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in) :: result
       type(origin_type), intent(in) :: origin
-      !> Of a streamed record: complete; else not open
-      type(writer_type), intent(inout) :: series
       type(error_type), allocatable, intent(out) :: error
       character(10), parameter :: kinds(4) = [character(10) :: "--json", "--kalibr", "--markdown", "--latex"]
       type(writer_type) :: writer(size(kinds))
@@ -157,13 +150,11 @@ contains
          do i = 1, size(kinds)
             call discard_writer(writer(i))
          end do
-         call discard_writer(series)
          return
       end if
       do i = 1, size(kinds)
          if (.not. allocated(error) .and. writer(i)%complete) call commit_writer(writer(i), error)
       end do
-      if (.not. allocated(error)) call commit_writer(series, error)
    end subroutine write_files
 
    !> A file that an option names, complete but not yet in its place; nothing where it is not asked for, or is standard output.

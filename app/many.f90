@@ -132,6 +132,7 @@ contains
       logical, allocatable :: later(:)
       integer :: threads, processes, i
       integer(int64) :: memory, done
+      logical :: shared
 
       threads = files%config%threads
       if (threads == 0) threads = thread_count()
@@ -143,8 +144,8 @@ contains
       later = .false.
       done = 0
       files%threads = max(1, threads/processes)
-      files%config%shared = memory > 0 .and. processes > 1
-      if (files%config%shared) then
+      shared = memory > 0 .and. processes > 1
+      if (shared) then
          files%config%reader%memory = memory/processes
          do i = 1, size(rows)
             later(i) = files%paths(i)%text == "-"              ! it can be read once
@@ -155,12 +156,11 @@ contains
       do i = 1, size(rows)
          if (later(i)) cycle
          call take_row(files, i, answers(i), rows(i), later(i))
-         later(i) = later(i) .and. files%config%shared
+         later(i) = later(i) .and. shared
       end do
       if (.not. any(later)) return
       done = count(.not. later)
       files%threads = threads
-      files%config%shared = .false.
       files%config%reader%memory = memory
       call run_pool(files, pack([(i, i=1, size(rows))], later), 1, answers, bar, done, size(rows, kind=int64), error)
       if (allocated(error)) return

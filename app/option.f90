@@ -236,8 +236,8 @@ module gyroakf_app_option
       option_type("--threads", "N", "count", any_command, "work", &
                   "number of threads (default: all); many files are worked on side by side"), &
       option_type("--memory", "SIZE", "text", reading, "work", &
-                  "memory that may be used, 28MB or more, as 500MB or 2GB (default: what is free); "// &
-                  "allan, inspect and filter stream a larger recording, the others refuse it"), &
+                  "memory that may be used, 28MB or more, as 500MB or 2GB (default: 0.95 of what is free); "// &
+                  "a recording that needs more is refused"), &
       option_type("--progress", "auto|on|off", "choice", any_command, "work", &
                   "how far long work is, on standard error; auto (default): on a terminal, after a second"), &
       option_type("--config", "FILE", "text", any_command, "work", &

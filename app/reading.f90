@@ -1,21 +1,18 @@
 ! SPDX-License-Identifier: MIT
-!> Reads a recording within the memory that is allowed, and works on it: whole, or in blocks as it goes by.
+!> Reads a recording within the memory that is allowed, and runs the analysis on it.
 module gyroakf_app_reading
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : error_type, status
+   use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_machine_memory, only : free_memory
-   use gyroakf_io_reader, only : complete_record, read_record, reader_options
-   use gyroakf_io_record_summary, only : summarise_record
-   use gyroakf_io_source, only : is_directory
-   use gyroakf_io_recording, only : base_bytes, close_recording, hold_rows, open_recording, recording_type
-   use gyroakf_io_writer, only : complete_writer, discard_writer, writer_type
-   use gyroakf_pipeline, only : check_filter, filter_streamed, pipeline_result_type, run_pipeline, run_streamed, tell_memory
+   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_reader, only : complete_record, reader_options
+   use gyroakf_io_recording, only : base_bytes, bytes_needed, close_recording, hold_rows, open_recording, recording_type, &
+      rows_within, say_too_large
+   use gyroakf_pipeline, only : pipeline_result_type, run_pipeline, tell_memory
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
    use gyroakf_report_kalibr, only : check_kalibr
-   use gyroakf_report_series_file, only : open_series_file, series_file_type
-   use gyroakf_app_config, only : analysis_config, inspect_config
-   use gyroakf_app_interrupt, only : guard_files, release_files
+   use gyroakf_app_config, only : analysis_config, cli_config, inspect_config, new_config, reading_config
    use gyroakf_app_truth, only : read_truth
    implicit none (type, external)
    private
@@ -24,7 +21,7 @@ module gyroakf_app_reading
    !> Share of the memory that can be had which a recording may take
    real(dp), parameter :: usable_share = 0.95_dp
    !> Bytes a sample that a true drift takes: as read, less the trend, an estimate to compare with, the integral for its length
-   integer(int64), parameter :: truth_bytes = 40
+   integer(int64), parameter :: truth_bytes = 40, megabyte = 1000000
 
 contains
 
@@ -55,15 +52,11 @@ contains
 
       reader = config%reader
       call find_bound(reader)
-      if (config%shared) then
-         call read_record(config%path, reader, record, error, progress)
-      else
-         call summarise_record(config%path, reader, record, error, progress)
-      end if
+      call read_within(config, reader, record, error, progress)
    end subroutine read_and_look
 
-   !> run, allan, tests, ar, filter: what was read, and what came out; allan and filter stream what is larger than the memory.
-   subroutine read_and_run(config, record, result, error, progress, series)
+   !> run, allan, tests, ar, filter: what was read, and what came out.
+   subroutine read_and_run(config, record, result, error, progress)
       !> The file, how it is read and what is computed
       type(analysis_config), intent(in) :: config
       !> What was read
@@ -74,39 +67,17 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Told how far it is; may cancel
       class(progress_type), intent(inout) :: progress
-      !> The file of the series where the recording was filtered block by block: complete but not yet in its place, files guarded
-      type(writer_type), intent(inout) :: series
       type(reader_options) :: reader
-      type(recording_type) :: recording
       type(record_type) :: truth
 
       reader = config%reader
       call tell_memory(config%pipeline, reader%work_bytes, reader%channel_bytes, reader%part_bytes, &
                        reader%part_samples)
-      if (allocated(config%truth)) then
-         reader%work_bytes = reader%work_bytes + truth_bytes
-         reader%whole_for = "--truth"
-      end if
+      if (allocated(config%truth)) reader%work_bytes = reader%work_bytes + truth_bytes
       call find_bound(reader)
-      if ((config%command == "allan" .or. config%command == "filter") .and. &
-          .not. (config%shared .or. allocated(config%truth))) then
-         call open_recording(config%path, reader, recording, error)
-         if (.not. allocated(error)) call hold_rows(recording, error, progress)
-         if (allocated(error)) then
-            continue
-         else if (recording%table%whole) then
-            call complete_record(recording, record, error)
-         else if (config%command == "allan") then
-            call run_streamed(recording, config%pipeline, record, result, error, progress)
-         else
-            call filter_in_blocks(recording, config, record, result, error, progress, series)
-         end if
-         call close_recording(recording)
-      else
-         call read_record(config%path, reader, record, error, progress)
-      end if
+      call read_within(config, reader, record, error, progress)
       if (.not. allocated(error) .and. allocated(config%kalibr)) call check_kalibr(record, error)
-      if (allocated(error) .or. record%streamed) return
+      if (allocated(error)) return
       if (allocated(config%truth)) then
          call read_truth(config, record, truth, error, progress)
          if (.not. allocated(error)) call run_pipeline(record, config%pipeline, result, error, progress, truth)
@@ -117,53 +88,95 @@ contains
       if (error%code == status%too_few_samples) error%message = with_path(config%path, error%message)
    end subroutine read_and_run
 
-   !> Filters what is larger than the memory, and writes the series with --out while they go by.
-   subroutine filter_in_blocks(recording, config, record, result, error, progress, series)
-      type(recording_type), intent(inout) :: recording
-      type(analysis_config), intent(in) :: config
+   !> Reads a recording; one that does not fit into the memory is refused with the options that make it fit.
+   subroutine read_within(config, reader, record, error, progress)
+      !> For the file and the command
+      class(reading_config), intent(in) :: config
+      !> How it is read, with the memory and what the command needs of it
+      type(reader_options), intent(in) :: reader
+      !> What was read
       type(record_type), intent(out) :: record
-      type(pipeline_result_type), intent(out) :: result
+      !> As of [[read_record]]
       type(error_type), allocatable, intent(out) :: error
+      !> Progress callback; may cancel
       class(progress_type), intent(inout) :: progress
-      type(writer_type), intent(inout) :: series
-      type(series_file_type) :: file
-      character(:), allocatable :: scratch
+      type(recording_type) :: recording
+      character(:), allocatable :: text, ways
 
-      call check_filter(recording, config%pipeline, error)
+      call open_recording(config%path, reader, recording, error)
+      if (.not. allocated(error)) call hold_rows(recording, error, progress)
+      call close_recording(recording)
       if (allocated(error)) return
-      call find_scratch(config, scratch)
-      if (.not. allocated(config%out)) then
-         call filter_streamed(recording, config%pipeline, record, result, error, progress=progress, scratch=scratch)
-         return
-      end if
-      call guard_files()
-      call open_series_file(file, config%out, config%series, error)
-      if (.not. allocated(error)) call filter_streamed(recording, config%pipeline, record, result, error, file, progress, &
-                                                         scratch)
-      if (.not. allocated(error)) call complete_writer(file%writer, error)
-      if (allocated(error)) call discard_writer(file%writer)
-      if (allocated(error)) call release_files()
-      if (.not. allocated(error)) series = file%writer
-   end subroutine filter_in_blocks
-
-   !> Where a scratch file goes: TMPDIR, the directory of the results, /var/tmp (which is on a disk where /tmp may not be), /tmp.
-   subroutine find_scratch(config, directory)
-      type(analysis_config), intent(in) :: config
-      character(:), allocatable, intent(out) :: directory
-      integer :: length
-
-      call get_environment_variable("TMPDIR", length=length)
-      if (length > 0) then
-         allocate (character(length) :: directory)
-         call get_environment_variable("TMPDIR", directory)
-      else if (allocated(config%out)) then
-         directory = config%out
-      else if (is_directory("/var/tmp")) then
-         directory = "/var/tmp"
+      if (recording%table%whole) then
+         call complete_record(recording, record, error, progress)
       else
-         directory = "/tmp"
+         call say_too_large(recording, text)
+         call list_ways(config, recording, ways)
+         call fatal_error(error, status%no_memory, text//new_line("a")//ways)
       end if
-   end subroutine find_scratch
+   end subroutine read_within
+
+   !> "what fits: --column 2; gyroakf allan FILE; --to 5000; --memory 63MB"; of a pipe, whose size is not known, what needs less.
+   subroutine list_ways(config, recording, text)
+      class(reading_config), intent(in) :: config
+      !> Not whole
+      type(recording_type), intent(in) :: recording
+      character(:), allocatable, intent(out) :: text
+      type(reader_options) :: less
+      real(dp) :: rate
+      integer(int64) :: rows
+      logical :: known
+
+      known = recording%expected_rows > 0
+      rows = max(recording%expected_rows, recording%table%rows)
+      text = trim(merge("what fits:      ", "what needs less:", known))
+      if (size(recording%table%chosen) > 1) then
+         if (rows_within(recording, recording%options, 1) >= rows .or. .not. known) then
+            call add("--column "//integer_text(int(recording%table%chosen(1), int64)))
+         end if
+      end if
+      less = recording%options
+      if (less%channel_bytes > 0) then
+         less%channel_bytes = 0
+         if (rows_within(recording, less) >= rows .or. .not. known) call add("without --out")
+      end if
+      if (config%command == "run" .or. config%command == "filter") then
+         call allan_memory(less)
+         if (rows_within(recording, less) >= rows .or. .not. known) call add("gyroakf allan "//config%path)
+      end if
+      rate = recording%options%rate_hz
+      if (.not. rate > 0.0_dp) rate = recording%table%header%rate_hz
+      if (recording%table%time == 0 .and. rate > 0.0_dp) then
+         rate = real(rows_within(recording, recording%options) - 3, dp)/rate
+         if (rate >= 1.0_dp) call add("--to "//integer_text(int(rate, int64)))
+      end if
+      if (known) then
+         call add("--memory "//integer_text(bytes_needed(recording, rows, recording%options)/megabyte + 1)//"MB")
+      else
+         call add("or allow more with --memory SIZE")
+      end if
+
+   contains
+
+      subroutine add(way)
+         character(*), intent(in) :: way
+
+         text = text//trim(merge(" ", ";", text(len(text):) == ":"))//" "//way
+      end subroutine add
+   end subroutine list_ways
+
+   !> What an Allan analysis needs of the memory.
+   subroutine allan_memory(reader)
+      !> Its bytes per sample are set
+      type(reader_options), intent(inout) :: reader
+      class(cli_config), allocatable :: config
+
+      call new_config("allan", "", config)
+      select type (config)
+      type is (analysis_config)
+         call tell_memory(config%pipeline, reader%work_bytes, reader%channel_bytes, reader%part_bytes, reader%part_samples)
+      end select
+   end subroutine allan_memory
 
    !> A message that names the file.
    pure function with_path(path, message) result(text)

@@ -16,7 +16,7 @@ module gyroakf_app_setting_input
 
    !> More threads than this are a slip of the finger
    integer(int64), parameter :: most_threads = 4096
-   !> The program itself, and one channel that is streamed
+   !> The program itself and a small recording
    integer(int64), parameter :: least_memory = 28000000
 
 contains

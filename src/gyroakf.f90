@@ -24,7 +24,6 @@ module gyroakf
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type, compute_allan, compute_allan_from_phase
-   use gyroakf_allan_stream, only : allan_stream_type, begin_allan_stream, feed_allan_stream, finish_allan_stream
    use gyroakf_allan_statistic, only : statistic_names, statistic_edf, longest_factor
    use gyroakf_allan_phase, only : integrate_rate
    use gyroakf_allan_noise_identification, only : identify_noise
@@ -35,15 +34,13 @@ module gyroakf
    use gyroakf_allan_mixture_edf, only : mixture_degrees_of_freedom
    use gyroakf_allan_mixture_limits, only : give_mixture_limits
    use gyroakf_allan_read_off, only : read_off_options, read_off_type, read_off
-   use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, sampling_efficiency, chi_square_limits
+   use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, chi_square_limits
    use gyroakf_allan_dynamic, only : dynamic_options, dynamic_type, dynamic_allan
    use gyroakf_allan_halves, only : halves_options, halves_type, compare_halves
    use gyroakf_io_number, only : parse_number
    use gyroakf_io_columns_writer, only : column_type, row_layout_type, set_even, begin_rows, put_rows
    use gyroakf_io_reader, only : reader_options, read_record, complete_record
    use gyroakf_io_recording, only : recording_type, open_recording, hold_rows, close_recording, bytes_needed
-   use gyroakf_io_record_summary, only : summarise_record
-   use gyroakf_io_record_stream, only : record_stream_type, begin_record_stream, next_record_block, end_record_stream
    use gyroakf_io_writer, only : writer_type, open_writer, put, put_line, put_real, complete_writer, commit_writer, &
       discard_writer, format_real, make_directory
    use gyroakf_series_moments, only : moments_type, compute_moments, join_moments
@@ -68,8 +65,7 @@ module gyroakf
    use gyroakf_ar_levinson, only : solve_levinson
    use gyroakf_ar_spectrum, only : ar_spectrum
    use gyroakf_ar_roots, only : ar_root_type, find_ar_roots, largest_modulus
-   use gyroakf_filter_series, only : filter_result_type, filter_series, filter_run_type, begin_filter_run, feed_filter_run, &
-      end_filter_run
+   use gyroakf_filter_series, only : filter_result_type, filter_series
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_likelihood, only : component_likelihood
    use gyroakf_filter_innovation_window, only : filter_innovation_window, innovation_window_options
@@ -79,7 +75,6 @@ module gyroakf
    use gyroakf_filter_smoother, only : smooth_drift
    use gyroakf_filter_drift_filter, only : new_drift_filter
    use gyroakf_filter_two_pass, only : smooth_adaptive
-   use gyroakf_filter_stored_smoother, only : smooth_stored, stored_series_type
    use gyroakf_filter_drift_fit, only : drift_fit_type, drift_candidate_type, fit_drift, is_slow
    use gyroakf_filter_saving, only : save_filter, restore_filter, reset_filter
    use gyroakf_filter_allan_model, only : allan_terms_type, make_allan_model
@@ -90,17 +85,15 @@ module gyroakf
    use gyroakf_preprocess_hampel, only : mark_hampel
    use gyroakf_preprocess_truncation, only : truncated_deviation, final_cut, hampel_share, expected_false_alarms
    use gyroakf_series_stationarity, only : adf_options, adf_type, test_adf
-   use gyroakf_ar_model, only : ar_options, ar_order_type, ar_model_type, fit_ar, fit_ar_of
+   use gyroakf_ar_model, only : ar_options, ar_order_type, ar_model_type, fit_ar
    use gyroakf_ar_arma_result, only : arma_options, arma_order_type, arma_drift_type, arma_model_type
    use gyroakf_ar_arma_likelihood, only : arma_log_likelihood
    use gyroakf_ar_arma_model, only : fit_arma
-   use gyroakf_ar_lag_stream, only : lag_stream_type, begin_lag_stream, feed_lag_stream, finish_lag_stream
    use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, design_drift_kf, design_drift_akf, &
       adaptive_drift
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, channel_result_type, available_type, allan_result_type, &
       stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, drift_process_type, stage, &
-      stage_names, apply_preset, run_pipeline, run_streamed, check_filter, filter_streamed, series_sink_type, tell_memory, &
-      minimum_samples
+      stage_names, apply_preset, run_pipeline, tell_memory, minimum_samples
    use gyroakf_selftest, only : selftest_check_type, selftest_type, run_selftest
    use gyroakf_report_selftest, only : report_selftest, write_selftest
    use gyroakf_report_text, only : write_report, report_inspect
@@ -108,7 +101,6 @@ module gyroakf
    use gyroakf_report_html_page, only : drawings_type, page_about_type, write_page, write_pages
    use gyroakf_report_summary, only : summarise, summarise_failure, summary_row_type
    use gyroakf_report_csv, only : series_output_type
-   use gyroakf_report_series_file, only : series_file_type, open_series_file
    use gyroakf_report_kalibr, only : check_kalibr, write_kalibr
    use gyroakf_report_document, only : write_document, schema_number
    implicit none (type, external)

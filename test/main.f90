@@ -21,7 +21,6 @@ program test_main
    use test_allan_terms, only : collect_allan_terms
    use test_allan_read_off, only : collect_allan_read_off
    use test_allan_statistics, only : collect_allan_statistics
-   use test_allan_stream, only : collect_allan_stream
    use test_allan_noise_model, only : collect_allan_noise_model
    use test_ar, only : collect_ar
    use test_ar_roots, only : collect_ar_roots
@@ -31,7 +30,6 @@ program test_main
    use test_report_models, only : collect_report_models
    use test_resample, only : collect_resample
    use test_autocovariance, only : collect_autocovariance
-   use test_block_stream, only : collect_block_stream
    use test_burg, only : collect_burg
    use test_clean, only : collect_clean
    use test_dates, only : collect_dates
@@ -91,7 +89,6 @@ program test_main
    use test_odd, only : collect_odd
    use test_store, only : collect_store
    use test_text_rows, only : collect_text_rows
-   use test_record_stream, only : collect_record_stream
    use test_record_writer, only : collect_record_writer
    use test_release, only : collect_release
    use test_report, only : collect_report
@@ -102,7 +99,6 @@ program test_main
    use test_status, only : collect_status
    use test_special, only : collect_special
    use test_state_space, only : collect_state_space
-   use test_streamed_filter, only : collect_streamed_filter
    use test_summary, only : collect_summary
    use test_table, only : collect_table
    use test_tables, only : collect_tables
@@ -137,7 +133,6 @@ program test_main
    call add("allan_terms", collect_allan_terms)
    call add("allan_read_off", collect_allan_read_off)
    call add("allan_statistics", collect_allan_statistics)
-   call add("allan_stream", collect_allan_stream)
    call add("allan_noise_model", collect_allan_noise_model)
    call add("ar", collect_ar)
    call add("ar_roots", collect_ar_roots)
@@ -147,7 +142,6 @@ program test_main
    call add("report_models", collect_report_models)
    call add("resample", collect_resample)
    call add("autocovariance", collect_autocovariance)
-   call add("block_stream", collect_block_stream)
    call add("burg", collect_burg)
    call add("clean", collect_clean)
    call add("dates", collect_dates)
@@ -207,7 +201,6 @@ program test_main
    call add("odd", collect_odd)
    call add("store", collect_store)
    call add("text_rows", collect_text_rows)
-   call add("record_stream", collect_record_stream)
    call add("record_writer", collect_record_writer)
    call add("release", collect_release)
    call add("report", collect_report)
@@ -218,7 +211,6 @@ program test_main
    call add("status", collect_status)
    call add("special", collect_special)
    call add("state_space", collect_state_space)
-   call add("streamed_filter", collect_streamed_filter)
    call add("summary", collect_summary)
    call add("table", collect_table)
    call add("tables", collect_tables)

@@ -5,8 +5,6 @@ module test_ar_spectrum
    use gyroakf_error, only : gyro_error => error_type
    use gyroakf_ar_autocovariance, only : residual_autocovariance
    use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
-   use gyroakf_ar_residual_stream, only : begin_residual_stream, feed_residual_stream, finish_residual_stream, &
-      residual_stream_type
    use gyroakf_ar_residuals, only : analyse_residuals
    use gyroakf_ar_spectrum, only : ar_spectrum
    use gyroakf_series_moments, only : compute_moments, moments_type
@@ -29,8 +27,7 @@ contains
          & new_unittest("white", test_white), &
          & new_unittest("integral", test_integral), &
          & new_unittest("peak", test_peak), &
-         & new_unittest("residuals", test_residuals), &
-         & new_unittest("residual_stream", test_residual_stream)]
+         & new_unittest("residuals", test_residuals)]
    end subroutine collect_ar_spectrum
 
    !> Order 0: the density of white noise, its variance over the bandwidth.
@@ -110,44 +107,5 @@ contains
       call check(error, maxval(abs([moments%mean, moments%std, moments%skewness, moments%kurtosis] - &
          & [dense%mean, dense%std, dense%skewness, dense%kurtosis])), 0.0_dp, thr=tolerance)
    end subroutine test_residuals
-
-   !> Parts of 1, 2, 7 and 5000 samples against the whole.
-   subroutine test_residual_stream(error)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
-      real(dp), parameter :: phi(3) = [1.1_dp, -0.4_dp, 0.1_dp]
-      integer, parameter :: part(4) = [1, 2, 7, 5000]
-      real(dp) :: x(15000)
-      integer(int8) :: valid(15000)
-      real(dp), allocatable :: r(:), expected(:)
-      integer(int64), allocatable :: pairs(:), number(:)
-      integer(int64) :: samples
-      type(moments_type) :: moments, whole
-      type(residual_stream_type) :: stream
-      type(gyro_error), allocatable :: problem
-      integer :: first, last, k
-
-      x = reference_series("ar2", 15000) + 50.0_dp
-      valid = merge(0_int8, 1_int8, cshift(reference_series("unif", 15000), 50) < 0.02_dp)
-      call analyse_residuals(x, 49.0_dp, phi, 0.0_dp, 23, expected, number, whole, problem, valid)
-      call begin_residual_stream(stream, 23, 49.0_dp, phi, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
-      last = 0
-      k = 0
-      do while (last < size(x))
-         first = last + 1
-         last = min(last + part(modulo(k, 4) + 1), size(x))
-         k = k + 1
-         call feed_residual_stream(stream, x(first:last), valid(first:last))
-      end do
-      call finish_residual_stream(stream, r, pairs, samples, moments)
-      call check(error, samples == size(x) - 3 .and. all(pairs == number), "pairs")
-      if (allocated(error)) return
-      call check(error, maxval(abs(r - expected)), 0.0_dp, thr=tolerance)
-      if (allocated(error)) return
-      call check(error, maxval(abs([moments%mean, moments%std, moments%skewness, moments%kurtosis] - &
-         & [whole%mean, whole%std, whole%skewness, whole%kurtosis])), 0.0_dp, thr=tolerance)
-   end subroutine test_residual_stream
 
 end module test_ar_spectrum

@@ -3,12 +3,11 @@
 module test_two_pass
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : fatal_error, gyro_error => error_type, status
+   use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_progress, only : progress_type
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_kalman, only : filter_options
    use gyroakf_filter_smoother, only : smooth_drift
-   use gyroakf_filter_stored_smoother, only : smooth_stored, stored_series_type
    use gyroakf_filter_two_pass, only : smooth_adaptive
    use filter_library, only : fill_noise, make_series
    use testdrive, only : check, error_type, new_unittest, unittest_type
@@ -27,16 +26,6 @@ module test_two_pass
       procedure :: advance => count_calls
    end type counting_type
 
-   !> A stored series that is in memory after all; after so many calls it fails
-   type, extends(stored_series_type) :: memory_type
-      real(dp), allocatable :: z(:), beside(:)
-      integer :: writes = 0, most = huge(1)
-   contains
-      procedure :: read_series
-      procedure :: read_beside
-      procedure :: write_beside
-   end type memory_type
-
 contains
 
    !> The tests of this suite.
@@ -52,7 +41,6 @@ contains
          & new_unittest("short_record", test_short), &
          & new_unittest("both_directions_alike", test_reversed), &
          & new_unittest("random_walk_with_steps", test_steps), &
-         & new_unittest("stored", test_stored), &
          & new_unittest("told_and_cancelled", test_progress), &
          & new_unittest("refused", test_refused)]
    end subroutine collect_two_pass
@@ -89,93 +77,6 @@ contains
       white(n/3 + 1:2*n/3) = factor*4.2e-4_dp
       z = drift + (z - drift)*sqrt(white/4.2e-4_dp)
    end subroutine make_loud
-
-   subroutine read_series(self, first, values, error)
-      class(memory_type), intent(in) :: self
-      integer(int64), intent(in) :: first
-      real(dp), intent(out), contiguous :: values(:)
-      type(gyro_error), allocatable, intent(out) :: error
-
-      if (self%writes > self%most) call fatal_error(error, status%io, "enough")
-      values = self%z(first:first + size(values) - 1)
-   end subroutine read_series
-
-   subroutine read_beside(self, first, values, error)
-      class(memory_type), intent(in) :: self
-      integer(int64), intent(in) :: first
-      real(dp), intent(out), contiguous :: values(:)
-      type(gyro_error), allocatable, intent(out) :: error
-
-      if (self%writes > self%most) call fatal_error(error, status%io, "enough")
-      values = self%beside(first:first + size(values) - 1)
-   end subroutine read_beside
-
-   subroutine write_beside(self, first, values, error)
-      class(memory_type), intent(inout) :: self
-      integer(int64), intent(in) :: first
-      real(dp), intent(in), contiguous :: values(:)
-      type(gyro_error), allocatable, intent(out) :: error
-
-      self%writes = self%writes + 1
-      if (self%writes == self%most) call fatal_error(error, status%io, "enough")
-      self%beside(first:first + size(values) - 1) = values
-   end subroutine write_beside
-
-   !> A series of 12 blocks gives block by block what it gives at once, to the last bit: an AR(1) drift and a random walk beside it,
-   !> samples missing at the beginning, between, whole blocks; a store that fails ends the work.
-   subroutine test_stored(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(component_model_type) :: model
-      type(memory_type) :: store
-      type(gyro_error), allocatable :: failure
-      real(dp), allocatable :: z(:), drift(:), white(:), x(:)
-      integer :: processes, most
-
-      allocate (z(n), drift(n), white(n), x(n))
-      model = usual_model()
-      do processes = 1, 2
-         call make_loud(7, 9.0_dp, z, drift, white)
-         z(:30) = huge(1.0_dp)
-         z(40::17) = huge(1.0_dp)
-         z(4000:6500) = huge(1.0_dp)
-         model%count = processes
-         model%phi(2) = 1.0_dp
-         model%q(2) = 1.0e-9_dp
-         call smooth_adaptive(model, spread(.true., 1, processes), fixed_options(), z, x, failure)
-         call check(error, .not. allocated(failure), "at once")
-         if (allocated(error)) return
-         store%samples = n
-         store%z = z
-         store%beside = spread(0.0_dp, 1, n)
-         store%writes = 0
-         call smooth_stored(model, spread(.true., 1, processes), fixed_options(), store, failure)
-         call check(error, .not. allocated(failure), "block by block")
-         if (.not. allocated(error)) call check(error, all(transfer(x, [1_int64]) == transfer(store%beside, [1_int64])), &
-                                                        "the drift")
-         if (.not. allocated(error)) call check(error, store%writes, 36)
-         if (allocated(error)) return
-      end do
-      do most = 1, 36                                      ! each write fails once
-         store%writes = 0
-         store%most = most
-         call smooth_stored(model, [.true., .true.], fixed_options(), store, failure)
-         call check(error, allocated(failure), "a store that fails")
-         if (allocated(error)) return
-      end do
-      store%most = huge(1)
-      store%z = spread(huge(1.0_dp), 1, n)
-      call smooth_stored(model, [.true., .true.], fixed_options(), store, failure)
-      call check(error, allocated(failure), "no measurement")
-      if (.not. allocated(error)) call check(error, failure%code, status%too_few_samples)
-   end subroutine test_stored
-
-   !> Those of [[usual_options]] for a series that has gaps.
-   pure type(filter_options) function fixed_options() result(options)
-      options%forgetting = 0.995_dp
-      options%huber = 2.5_dp
-      options%burn_in = -1
-      options%r_scale = 5.0e-4_dp
-   end function fixed_options
 
    !> Of a record of 200 samples a burn-in of 20 at most: a slow walk whose gain settles after thousands of samples leaves the rest
    !> to the adaptation, which sees that the white noise is a tenth of what the model says.

@@ -25,6 +25,3 @@ for command in ("inspect", "allan", "tests", "ar", "filter", "run"):
     share = (used - alone) * 1e6 / samples
     asked = f"   (at most {limits[command]})" if command in limits else ""
     print(f"{command:18}{used:9.1f}{share:16.1f}{seconds:9.2f}{asked}")
-for command in ("inspect", "allan", "filter"):
-    used, seconds = peak(command, path, "--memory", "30MB")
-    print(f"{command + ', 30 MB':18}{used:9.1f}{'':16}{seconds:9.2f}   (at most 30 MB)")

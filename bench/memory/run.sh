@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Memory of the commands: peak of the process and bytes a sample, in memory and streamed, for simulated one-column records.
+# Memory of the commands: peak of the process and bytes a sample, for simulated one-column records.
 #
 #   ./run.sh [SAMPLES...]         default: 1000000 10000000
 set -eu

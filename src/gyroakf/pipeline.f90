@@ -19,18 +19,15 @@ module gyroakf_pipeline
    use gyroakf_pipeline_channel, only : run_channel
    use gyroakf_pipeline_periodicity, only : longest_part, longest_segment
    use gyroakf_pipeline_channel_progress, only : channel_progress_type
-   use gyroakf_pipeline_series_sink, only : series_sink_type
-   use gyroakf_pipeline_streamed, only : run_streamed
    use gyroakf_pipeline_truth, only : check_truth, take_truth
    use gyroakf_pipeline_warnings, only : is_of_channel, note_failure
-   use gyroakf_pipeline_streamed_filter, only : check_filter, filter_streamed
    implicit none (type, external)
    private
    public :: pipeline_options, pipeline_result_type, channel_result_type, available_type, allan_result_type
    public :: stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type
    public :: drift_process_type, stage, stage_names
    public :: check_truth
-   public :: apply_preset, run_pipeline, run_streamed, check_filter, filter_streamed, series_sink_type, tell_memory, minimum_samples
+   public :: apply_preset, run_pipeline, tell_memory, minimum_samples
 
    !> A shorter record is an error
    integer(int64), parameter :: minimum_samples = 10_int64

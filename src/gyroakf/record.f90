@@ -93,8 +93,6 @@ module gyroakf_record
       character(:), allocatable :: resample
       !> What was found while reading
       type(audit_type) :: audit
-      !> The samples went by in blocks and are not in `value`; `audit%samples` tells how many there were
-      logical :: streamed = .false.
       !> For the user, one sentence each
       type(text_type), allocatable :: warnings(:)
    end type record_type
@@ -120,14 +118,13 @@ contains
       call move_alloc(longer, list)
    end subroutine add_text
 
-   !> Samples of each channel, missing ones included, also where they went by in blocks.
+   !> Samples of each channel, missing ones included.
    pure integer(int64) function sample_count(record)
       !> Any
       type(record_type), intent(in) :: record
 
       sample_count = record%audit%samples
-      if (record%streamed .or. .not. allocated(record%value)) return
-      sample_count = size(record%value, 1, kind=int64)
+      if (allocated(record%value)) sample_count = size(record%value, 1, kind=int64)
    end function sample_count
 
    !> One channel's record without its samples: rate, source and the unit that is the channel's.

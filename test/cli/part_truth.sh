@@ -76,7 +76,5 @@ bad "more channels" 2 "the true drift has 2 channels, the record 1" filter t.txt
 # a record beyond the memory: the scores need the whole, the filters do not, and the message says so
 good "a long record and its drift" simulate "${terms[@]/6000/100000}" --output t_long.txt --truth t_long_drift.txt
 bad "a truth beyond the memory" 2 "rows need" filter t_long.txt --truth t_long_drift.txt --memory 28MB
-holds "what needs it" "--truth needs the whole recording in memory: give more memory, or a shorter part of both files" err
-holds "what streams" "without --truth gyroakf filter streams it" err
 good "which it does" filter t_long.txt --memory 28MB --quiet
 bad "no such file" 2 "t_none.txt" filter t.txt --truth t_none.txt

@@ -11,7 +11,7 @@ module gyroakf_allan_degrees_of_freedom
    use gyroakf_special, only : chi_square_quantile, normal_quantile
    implicit none (type, external)
    private
-   public :: greenhall_edf, sampling_efficiency, chi_square_limits
+   public :: greenhall_edf, chi_square_limits
 
    !> Terms of a basic sum that are added one by one
    integer(int64), parameter :: terms_max = 100
@@ -62,34 +62,6 @@ contains
          edf = edf_white_phase(estimates, stride, d)
       end if
    end function greenhall_edf
-
-   !> Share of the degrees of freedom of an overlapping Allan variance that remains when every stride-th term is taken.
-   !>
-   !> The sum of the squared correlations of all terms is compared with that of the terms taken, for a long record:
-   !> $$ \frac{\sum_j s_z(j/S_1)^2/S_1}{\sum_j s_z(j/S_2)^2/S_2}, \quad S_1 = m, \quad S_2 = m/\mathrm{stride} $$
-   !> (S_1 at most 1024, with the filter factor infinite: the sum is an integral then).
-   pure real(dp) function sampling_efficiency(m, stride, alpha) result(share)
-      !> Averaging factor, and samples from term to term, both >= 1
-      integer(int64), intent(in) :: m, stride
-      !> Exponent of the power-law noise, as in [[greenhall_edf]]; white phase: the terms are independent
-      integer, intent(in) :: alpha
-
-      integer(int64), parameter :: fine = 1024
-      real(dp) :: all_terms, taken, filter
-      integer :: a
-
-      share = 1
-      if (stride <= 1) return
-      a = min(max(alpha, -2), 2)
-      if (a == 2) then
-         share = 1/real(stride, dp)
-         return
-      end if
-      filter = merge(real(m, dp), unlimited, a == 1)
-      all_terms = correlation_sum(real(min(m, fine), dp), filter, a)
-      taken = correlation_sum(real(m, dp)/real(stride, dp), filter, a)
-      share = min(1.0_dp, all_terms/taken)
-   end function sampling_efficiency
 
    !> Sum over all lags j of s_z(j/S)^2, over S, for the Allan variance.
    pure real(dp) function correlation_sum(stride, filter, alpha) result(total)

@@ -46,7 +46,7 @@ module gyroakf_allan_deviations
    implicit none (type, external)
    private
    public :: allan_options, allan_curve_type, compute_allan, compute_allan_from_phase
-   public :: terms_share, check_arguments, assemble_curve
+   public :: terms_share, check_arguments
 
    !> What to compute
    type :: allan_options
@@ -78,8 +78,6 @@ module gyroakf_allan_deviations
       integer, allocatable :: alpha(:)
       !> Degrees of freedom that the terms have of those of a complete record, below 1 where samples are missing or terms left out
       real(dp), allocatable :: share(:)
-      !> The record was streamed in bounded memory, not every term taken at long averaging times ([[gyroakf_allan_stream]])
-      logical :: streamed = .false.
    end type allan_curve_type
 
 contains

@@ -30,7 +30,7 @@ module gyroakf_allan_gaps
    use gyroakf_allan_window_difference, only : sum_gapped_windows
    implicit none (type, external)
    private
-   public :: gapped_variances, correct_for_gaps
+   public :: gapped_variances
 
    !> Share of a gapped variance that the correction leaves at least
    real(dp), parameter :: correction_floor = 0.1_dp

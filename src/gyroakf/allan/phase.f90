@@ -16,7 +16,7 @@ module gyroakf_allan_phase
    use gyroakf_large_pages, only : prefer_large_pages
    implicit none (type, external)
    private
-   public :: integrate_rate, level_phase, present_sample, non_finite_count, add_compensated
+   public :: integrate_rate, level_phase
 
    !> Samples in a block
    integer(int64), parameter :: block_length = 2048

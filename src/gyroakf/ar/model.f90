@@ -21,7 +21,7 @@ module gyroakf_ar_model
    use gyroakf_series_whiteness, only : ljung_box_of
    implicit none (type, external)
    private
-   public :: ar_options, ar_order_type, ar_model_type, fit_ar, fit_ar_of, residual_lags
+   public :: ar_options, ar_order_type, ar_model_type, fit_ar
 
 contains
 
@@ -87,37 +87,6 @@ contains
       call describe(model, error)
       if (.not. allocated(error)) call test_residuals(x, constant, model, error, valid, progress)
    end subroutine fit_ar
-
-   !> Fits AR models to autocovariances, for whoever accumulates them on the way; otherwise as [[fit_ar]].
-   subroutine fit_ar_of(r, n, pairs, mean, options, model, error)
-      !> Biased autocovariances: [0:max_order or order, whichever is larger, or more]
-      real(dp), intent(in) :: r(0:)
-      !> Length of the series
-      integer(int64), intent(in) :: n
-      !> Present pairs at each lag: as many as `r`
-      integer(int64), intent(in) :: pairs(0:)
-      !> Mean of the series
-      real(dp), intent(in) :: mean
-      !> How; yw alone
-      type(ar_options), intent(in) :: options
-      !> The model; its residuals are not tested: see [[residual_lags]]
-      type(ar_model_type), intent(out) :: model
-      !> As of [[fit_ar]]; not_supported (another method)
-      type(error_type), allocatable, intent(out) :: error
-      integer :: most
-
-      call check_options(options, most, error)
-      if (allocated(error)) return
-      if (options%method /= "yw") then
-         call fatal_error(error, status%not_supported, "autocovariances give an AR model by yw, not by "//trim(options%method))
-         return
-      end if
-      call check_length(n, most, "samples", error)
-      if (allocated(error)) return
-      model%mean = mean
-      call model_of(r(0:most), n, pairs(0:most), most, options, model, error)
-      if (.not. allocated(error)) call describe(model, error)
-   end subroutine fit_ar_of
 
    !> The model from autocovariances.
    subroutine model_of(r, n, pairs, most, options, model, error)

@@ -21,7 +21,6 @@ module gyroakf_filter_drift_identification
    use gyroakf_progress, only : progress_type
    use gyroakf_filter_allan_model, only : allan_terms_type, make_allan_model
    use gyroakf_filter_components, only : component_model_type
-   use gyroakf_filter_block_stream, only : block_means_type, most_means, widening
    use gyroakf_filter_drift_blocks, only : model_of_means, process_of_samples
    use gyroakf_filter_drift_choice, only : choose_model, drift_identification_options, drift_identification_type, evident, &
       set_model, state_numbers
@@ -33,18 +32,30 @@ module gyroakf_filter_drift_identification
    implicit none (type, external)
    private
    public :: drift_identification_options, drift_identification_type, identify_drift_model
-   public :: allan_terms_type, block_means_type
+   public :: allan_terms_type
 
    !> Blocks a correlation time that block means resolve
    real(dp), parameter :: resolved = 2.0_dp
    !> Share of the time that the part takes where there are block means too
    real(dp), parameter :: part_share = 0.8_dp
+   !> Maximum number of block means; their width is a power of `widening`
+   integer(int64), parameter :: most_means = 32768, widening = 4
+
+   !> Means of blocks of a whole series
+   type :: block_means_type
+      !> Samples a mean
+      integer(int64) :: width = 0
+      !> [n/width]
+      real(dp), allocatable :: value(:)
+      !> 1 present, 0 where more than half of the samples are missing; not allocated where all are present
+      integer(int8), allocatable :: present(:)
+   end type block_means_type
 
 contains
 
    !> Identifies the drift of a series.
-   subroutine identify_drift_model(z, options, identification, error, valid, noise, progress, means)
-      !> Series, [n], n >= 50, any offset; with `means` the middle part of it, at most `options%most` samples
+   subroutine identify_drift_model(z, options, identification, error, valid, noise, progress)
+      !> Series, [n], n >= 50, any offset
       real(dp), intent(in), contiguous :: z(:)
       !> The limit, the part, the source
       type(drift_identification_options), intent(in) :: options
@@ -59,8 +70,6 @@ contains
       type(allan_terms_type), intent(in), optional :: noise
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional, target :: progress
-      !> Block means of the whole series, where that is longer than what is at hand
-      type(block_means_type), intent(in), optional :: means
       type(drift_fit_type) :: fit
       type(progress_share_type) :: share
       integer(int64) :: length
@@ -70,7 +79,6 @@ contains
       if (present(progress)) share%whole => progress
       length = size(z, kind=int64)
       share%total = length
-      if (present(means)) length = max(length, means%of_samples)
       if (length > options%most) share%share = part_share
       call fit_drift(z, fit, error, valid, options%most, share, options%degree)
       if (allocated(error)) then
@@ -80,7 +88,7 @@ contains
       else
          call choose_model(fit, options%drift_samples, identification)
          call move_alloc(fit%candidate, identification%candidate)
-         if (length > fit%samples) call look_at_means(z, fit, options%drift_samples, share, identification, error, valid, means)
+         if (length > fit%samples) call look_at_means(z, fit, options%drift_samples, share, identification, error, valid)
       end if
       if (allocated(error)) return
       identification%samples = fit%samples
@@ -144,7 +152,7 @@ contains
    end subroutine take_autocovariances
 
    !> Looks in block means of a record that is longer than the part for what is slower than the part shows.
-   subroutine look_at_means(z, fit, limit, share, identification, error, valid, known)
+   subroutine look_at_means(z, fit, limit, share, identification, error, valid)
       real(dp), intent(in), contiguous :: z(:)
       !> Of the part
       type(drift_fit_type), intent(in) :: fit
@@ -157,8 +165,6 @@ contains
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
-      !> The means, where they are known
-      type(block_means_type), intent(in), optional :: known
       type(drift_identification_type) :: slow
       type(drift_fit_type) :: coarse
       type(component_model_type) :: model, expected
@@ -166,12 +172,8 @@ contains
       type(block_means_type) :: means
       real(dp) :: value
 
-      if (present(known)) then
-         means = known
-      else
-         call take_block_means(z, means, error, valid)
-         if (allocated(error)) return
-      end if
+      call take_block_means(z, means, error, valid)
+      if (allocated(error)) return
       share%before = part_share
       share%share = 1.0_dp - part_share
       call fit_drift(means%value, coarse, failed, means%present, progress=share, degree=fit%degree)
@@ -198,9 +200,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
 
-      means%of_samples = size(z, kind=int64)
       means%width = widening
-      do while (means%of_samples/means%width > most_means)
+      do while (size(z, kind=int64)/means%width > most_means)
          means%width = widening*means%width
       end do
       call block_means(z, means%width, means%value, means%present, error, valid)

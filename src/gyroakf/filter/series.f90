@@ -21,7 +21,6 @@ module gyroakf_filter_series
    implicit none (type, external)
    private
    public :: filter_result_type, filter_series
-   public :: filter_run_type, begin_filter_run, feed_filter_run, end_filter_run
 
    !> Samples a block
    integer, parameter :: block_size = 4096
@@ -67,9 +66,8 @@ module gyroakf_filter_series
       real(dp) :: mean = 0, squares = 0
    end type moments_sum_type
 
-   !> What is remembered of a series that arrives in parts
+   !> State of the diagnostics along a series
    type :: filter_run_type
-      private
       type(lag_sums_type) :: innovations
       type(moments_sum_type) :: output
       type(trace_type) :: trace
@@ -115,24 +113,18 @@ contains
       else
          measurements = enough_measurements(z)
       end if
-      call begin_filter_run(filter, size(z, kind=int64), measurements, run, error)
+      call begin_run(filter, size(z, kind=int64), measurements, run, error)
       if (allocated(error)) return
       if (present(valid)) then
-         call feed_filter_run(filter, run, z, x, error, valid, progress)
+         call run_blocks(filter, run, z, x, error, valid, progress)
       else
-         call feed_filter_run(filter, run, z, x, error, progress=progress)
+         call run_blocks(filter, run, z, x, error, progress=progress)
       end if
-      if (.not. allocated(error)) call end_filter_run(filter, run, result, error)
+      if (.not. allocated(error)) call end_run(filter, run, result, error)
    end subroutine filter_series
 
-   !> Prepares for a series that arrives in parts.
-   !>
-   !>     call begin_filter_run(filter, n, measurements, run, error)
-   !>     do                                                          ! the parts of the series, in order
-   !>        call feed_filter_run(filter, run, z, x, error, valid)
-   !>     end do
-   !>     call end_filter_run(filter, run, result, error)
-   subroutine begin_filter_run(filter, samples, measurements, run, error)
+   !> Prepares the diagnostics of a series.
+   subroutine begin_run(filter, samples, measurements, run, error)
       !> The filter, made by new_filter or a design procedure
       type(filter_type), intent(in) :: filter
       !> Samples of the whole series, and how many of them are present (30 are enough to know)
@@ -163,15 +155,15 @@ contains
       run%before = [filter%clamped, filter%gated]
       run%samples = samples
       run%third = samples - samples/3
-   end subroutine begin_filter_run
+   end subroutine begin_run
 
-   !> Filters the next part of the series.
-   subroutine feed_filter_run(filter, run, z, x, error, valid, progress)
+   !> Filters the series block by block.
+   subroutine run_blocks(filter, run, z, x, error, valid, progress)
       !> Of the beginning; its state goes on
       type(filter_type), intent(inout) :: filter
       !> Of the beginning
       type(filter_run_type), intent(inout) :: run
-      !> Next samples, [any number]; NaN counts as missing
+      !> Series, [n]; NaN counts as missing
       real(dp), intent(in), contiguous :: z(:)
       !> Output, of that length; not the same array as z
       real(dp), intent(out), contiguous :: x(:)
@@ -210,7 +202,7 @@ contains
          call trace_innovations(run%trace, run%done, run%normalised(:n), run%here(:n))
          run%done = run%done + n
       end do
-   end subroutine feed_filter_run
+   end subroutine run_blocks
 
    !> Filters a block, and looks at R on the way.
    subroutine filter_block(filter, run, z, x)
@@ -238,7 +230,7 @@ contains
    end subroutine filter_block
 
    !> Measures what the filter did to the series.
-   subroutine end_filter_run(filter, run, result, error)
+   subroutine end_run(filter, run, result, error)
       !> After the last sample
       type(filter_type), intent(in) :: filter
       !> All samples are done
@@ -255,7 +247,7 @@ contains
       result%mean = run%output%mean
       result%variance = run%output%squares/real(run%output%count - 1, dp)
       call conclude(filter, run%innovations, result, error)
-   end subroutine end_filter_run
+   end subroutine end_run
 
    !> Present samples of a series, counted until they are enough.
    pure integer(int64) function enough_measurements(z, valid) result(measurements)

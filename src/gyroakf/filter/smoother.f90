@@ -15,7 +15,7 @@ module gyroakf_filter_smoother
    use gyroakf_filter_smoother_step, only : advance_smoother, smooth_back, smoother_back_type, smoother_step_type
    implicit none (type, external)
    private
-   public :: smooth_drift, block_of
+   public :: smooth_drift
 
    !> Samples of a block, at least
    integer(int64), parameter :: shortest_block = 1024

@@ -11,7 +11,7 @@ module gyroakf_io_audit
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_io_scan, only : scan_extremes
-   use gyroakf_io_bursts, only : burst_type, count_bursts, end_bursts
+   use gyroakf_io_bursts, only : count_bursts
    use gyroakf_io_cadence, only : cadence_type, find_cadence, find_changes
    use gyroakf_io_losses, only : add_gap, find_losses, gap_type
    use gyroakf_io_regular_losses, only : find_gaps, is_beat, is_comb
@@ -19,7 +19,7 @@ module gyroakf_io_audit
    use gyroakf_record, only : audit_type
    implicit none (type, external)
    private
-   public :: gap_type, audit_stamps, audit_values, join_windows
+   public :: gap_type, audit_stamps, audit_values
 
    !> So many samples may be filled in for one that was read
    integer(int64), parameter :: most_filled = 10
@@ -29,7 +29,7 @@ module gyroakf_io_audit
 contains
 
    !> Counts what the stamps show and finds the gaps.
-   subroutine audit_stamps(t, audit, gaps, value, cadence)
+   subroutine audit_stamps(t, audit, gaps, value)
       !> Stamps in s: [n]; NaN where missing. Afterwards, in the first n - `audit%repeated`, without backward jumps, repeated rows
       !> and jumps that are not filled, missing ones interpolated
       real(dp), intent(inout), contiguous :: t(:)
@@ -39,10 +39,7 @@ contains
       type(gap_type), intent(out) :: gaps
       !> The rows, by which repeated ones are told from others of the same stamp: [n, channel]
       real(dp), intent(in), contiguous, optional :: value(:, :)
-      !> For a window of a longer record, whose bursts are counted elsewhere; if absent they are counted here
-      type(cadence_type), intent(out), optional :: cadence
       type(cadence_type) :: whole
-      type(burst_type) :: burst
       integer(int64), allocatable :: repeated(:)
       integer(int64) :: n, change(most_changes), lost
       integer :: changes
@@ -70,13 +67,9 @@ contains
          lost = sum(gaps%length(:gaps%count))
          if (t(n) > t(1)) audit%stamp_rate = real(n - 1 + lost, dp)/(t(n) - t(1))
          call measure_jitter(t(:n), gaps, audit)
-         if (.not. present(cadence)) then
-            call count_bursts(t(:n), whole, burst, audit)
-            call end_bursts(burst, audit)
-         end if
+         call count_bursts(t(:n), whole, audit)
       end if
       if (allocated(repeated)) call merge_repeats(repeated, audit, gaps)
-      if (present(cadence)) cadence = whole
    end subroutine audit_stamps
 
    !> Finds the losses in each stretch of one rate.
@@ -285,34 +278,6 @@ contains
       if (t(middle) > t(1)) audit%rate_first = real(middle_at, dp)/(t(middle) - t(1))
       if (t(n) > t(middle)) audit%rate_second = real(at - middle_at, dp)/(t(n) - t(middle))
    end subroutine measure_jitter
-
-   !> Adds what a window of a longer record shows of its clock and its rates.
-   pure subroutine join_windows(part, before, last_change, audit)
-      !> Of the window
-      type(audit_type), intent(in) :: part
-      !> Rows before the window
-      integer(int64), intent(in) :: before
-      !> Row of the last change of the rate, 0 at first: windows overlap, the same change is found again
-      integer(int64), intent(inout) :: last_change
-      !> Of the record; `line_of_change` is a row
-      type(audit_type), intent(inout) :: audit
-      integer(int64) :: row
-
-      if (part%resolution > 0.0_dp .and. (audit%resolution <= 0.0_dp .or. part%resolution < audit%resolution)) then
-         audit%resolution = part%resolution
-      end if
-      audit%jitter_rms = max(audit%jitter_rms, part%jitter_rms)
-      if (part%rate_changes == 0) return
-      row = before + part%line_of_change
-      if (last_change > 0 .and. row <= last_change + 2048) return
-      if (audit%rate_changes == 0) then
-         audit%line_of_change = row
-         audit%rate_before = part%rate_before
-         audit%rate_after = part%rate_after
-      end if
-      audit%rate_changes = audit%rate_changes + part%rate_changes
-      last_change = row
-   end subroutine join_windows
 
    !> Counts what is missing; extremes and the smallest non-zero step of every channel.
    subroutine audit_values(value, present_mask, audit, error, progress)

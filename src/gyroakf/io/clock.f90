@@ -14,7 +14,7 @@ module gyroakf_io_clock
    use gyroakf_record, only : add_text, record_type
    implicit none (type, external)
    private
-   public :: find_scale, is_clock, drop_absurd, set_rate, may_be_time, least_rows, make_time_warning
+   public :: find_scale, is_clock, set_rate, may_be_time, least_rows, make_time_warning
 
 contains
 

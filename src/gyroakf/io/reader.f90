@@ -18,8 +18,8 @@ module gyroakf_io_reader
    use gyroakf_io_resample, only : resample
    use gyroakf_io_shape, only : cut, fill_gaps, largest_value, make_rates, mark_missing, refuse_tiny, warn_of_wraps, wrap_of
    use gyroakf_io_store, only : take_columns
-   use gyroakf_io_recording, only : close_recording, hold_rows, advise_memory, open_recording, reader_options, &
-      recording_type, say_too_large
+   use gyroakf_io_recording, only : close_recording, hold_rows, open_recording, reader_options, recording_type, &
+      say_too_large
    use gyroakf_io_table, only : table_type
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_record, only : add_text, record_type
@@ -43,15 +43,14 @@ contains
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(recording_type) :: recording
-      character(:), allocatable :: large, advice
+      character(:), allocatable :: large
 
       call open_recording(path, options, recording, error)
       if (.not. allocated(error)) call hold_rows(recording, error, progress)
       call close_recording(recording)
       if (.not. allocated(error) .and. .not. recording%table%whole) then
          call say_too_large(recording, large)
-         call advise_memory(recording, advice)
-         call fatal_error(error, status%no_memory, large//new_line("a")//advice)
+         call fatal_error(error, status%no_memory, large)
       end if
       if (.not. allocated(error)) call complete_record(recording, record, error, progress)
    end subroutine read_record

@@ -54,8 +54,6 @@ module gyroakf_io_reader_options
       integer(int64) :: part_bytes = 0, part_samples = 0
       !> `memory` is what the machine has left, nobody gave it
       logical :: memory_found = .false.
-      !> The option that needs the whole record, as "--truth", for a message; unallocated: the job does
-      character(:), allocatable :: whole_for
       !> Where associated they are read instead of a file, and the path is a name for messages; they have to stay until the end
       integer(int8), pointer, contiguous :: bytes(:) => null()
    end type reader_options

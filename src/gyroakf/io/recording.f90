@@ -20,7 +20,7 @@ module gyroakf_io_recording
    implicit none (type, external)
    private
    public :: reader_options, recording_type, open_recording, next_rows, hold_rows, close_recording
-   public :: bytes_needed, bytes_text, say_too_large, advise_memory, base_bytes
+   public :: bytes_needed, rows_within, bytes_text, say_too_large, base_bytes
 
    !> An open recording
    type :: recording_type
@@ -208,24 +208,50 @@ contains
       recording%stored_type = trim(element_name(element))
    end subroutine note_format
 
-   !> Reads all rows, or as many as the memory allows: `table%whole` tells. None where the file's size alone forbids it.
+   !> Reads all rows that are asked for, or as many as the memory allows: `table%whole`. None where the file's size alone
+   !> exceeds the memory. Without time stamps and with a known rate the rows beyond `options%to` are not read.
    subroutine hold_rows(recording, error, progress)
       !> Open
       type(recording_type), intent(inout) :: recording
       !> Allocated on failure: io, parse, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
-      integer(int64) :: most
+      integer(int64) :: most, wanted
 
-      most = huge(most)
-      if (recording%options%memory > 0) then
-         most = max(0_int64, recording%options%memory - base_bytes)/(bytes_needed(recording, 1_int64) - base_bytes)
-         if (recording%expected_rows > most) return
-         most = most + 1
-      end if
-      call next_rows(recording, most, error, progress)
+      call count_wanted(recording, wanted)
+      if (recording%expected_rows > wanted) recording%expected_rows = wanted
+      most = huge(most) - 1
+      if (recording%options%memory > 0) most = rows_within(recording, recording%options)
+      if (recording%expected_rows > most) return
+      call next_rows(recording, min(most + 1, wanted), error, progress)
+      if (recording%table%rows >= wanted .and. wanted <= most) recording%table%whole = .true.
    end subroutine hold_rows
+
+   !> Rows up to `options%to`, one more as angles are differenced; huge where that is not known before they are read.
+   pure subroutine count_wanted(recording, wanted)
+      type(recording_type), intent(in) :: recording
+      integer(int64), intent(out) :: wanted
+      real(dp) :: rate
+
+      wanted = huge(wanted)
+      if (recording%table%time > 0) return
+      rate = recording%options%rate_hz
+      if (.not. rate > 0.0_dp) rate = recording%table%header%rate_hz
+      if (rate > 0.0_dp .and. recording%options%to < 1.0e15_dp/rate) wanted = ceiling(recording%options%to*rate, int64) + 2
+   end subroutine count_wanted
+
+   !> Rows that fit into `options%memory`.
+   pure integer(int64) function rows_within(recording, options, channels) result(rows)
+      !> Its columns are known
+      type(recording_type), intent(in) :: recording
+      !> Memory, and bytes per sample
+      type(reader_options), intent(in) :: options
+      !> Number of channels, all that are chosen if absent
+      integer, intent(in), optional :: channels
+
+      rows = max(0_int64, options%memory - base_bytes)/(bytes_needed(recording, 1_int64, options, channels) - base_bytes)
+   end function rows_within
 
    !> Reads rows into `table%store` until it has as many as wanted, or a few more, or there are no more: `table%whole` tells.
    !>
@@ -270,29 +296,33 @@ contains
    end function rows_by_size
 
    !> Bytes that the process needs to hold so many rows and work on them.
-   pure integer(int64) function bytes_needed(recording, rows) result(bytes)
+   pure integer(int64) function bytes_needed(recording, rows, options, channels) result(bytes)
       !> Its columns are known
       type(recording_type), intent(in) :: recording
-      !> How many
+      !> Number of rows
       integer(int64), intent(in) :: rows
-      integer(int64) :: row_bytes, fixed
+      !> Bytes per sample of the job
+      type(reader_options), intent(in) :: options
+      !> Number of channels, all that are chosen if absent
+      integer, intent(in), optional :: channels
+      integer(int64) :: row_bytes, fixed, columns
 
-      associate (options => recording%options)
-         row_bytes = size(recording%table%chosen)*(value_bytes + options%channel_bytes) &
-                   + max(options%work_bytes, merge(stamp_bytes, 0_int64, recording%table%time > 0))
-         fixed = base_bytes + min(rows, options%part_samples)*options%part_bytes
-      end associate
+      columns = size(recording%table%chosen)
+      if (present(channels)) columns = channels
+      row_bytes = columns*(value_bytes + options%channel_bytes) &
+                + max(options%work_bytes, merge(stamp_bytes, 0_int64, recording%table%time > 0))
+      fixed = base_bytes + min(rows, options%part_samples)*options%part_bytes
       bytes = huge(bytes)
       if (rows < (huge(bytes) - fixed)/row_bytes) bytes = fixed + rows*row_bytes
    end function bytes_needed
 
-   !> "FILE: about 12000000 rows need 276 MB (276000000 bytes), --memory allows 100 MB".
+   !> "FILE: about 12000000 rows need 276 MB (276000000 bytes), 100 MB of memory are allowed".
    subroutine say_too_large(recording, text)
       !> Not whole
       type(recording_type), intent(in) :: recording
       !> The first line of a message
       character(:), allocatable, intent(out) :: text
-      integer(int64) :: rows
+      integer(int64) :: rows, bytes
 
       rows = max(recording%expected_rows, recording%table%rows)
       if (rows > recording%table%rows) then
@@ -300,32 +330,11 @@ contains
       else
          text = "more than "//integer_text(rows)//" rows need more than "
       end if
-      text = recording%table%name//": "//text//bytes_text(bytes_needed(recording, rows))//" ("// &
-             integer_text(bytes_needed(recording, rows))//" bytes), "
-      if (recording%options%memory_found) then
-         text = text//bytes_text(recording%options%memory)//" of memory can be had"
-      else
-         text = text//"--memory allows "//bytes_text(recording%options%memory)
-      end if
+      bytes = bytes_needed(recording, rows, recording%options)
+      text = recording%table%name//": "//text//bytes_text(bytes)//" ("//integer_text(bytes)//" bytes), "// &
+             bytes_text(recording%options%memory)//" of memory are "// &
+             trim(merge("free   ", "allowed", recording%options%memory_found))
    end subroutine say_too_large
-
-   !> What to do about it, for a command that needs the whole record.
-   subroutine advise_memory(recording, text)
-      !> Not whole
-      type(recording_type), intent(in) :: recording
-      !> A line
-      character(:), allocatable, intent(out) :: text
-
-      text = "give more memory"
-      if (recording%options%memory_found) text = "use a machine with more memory, or insist with --memory SIZE"
-      if (allocated(recording%options%whole_for)) then
-         text = recording%options%whole_for//" needs the whole recording in memory: "//text// &
-                ", or a shorter part of both files; without "//recording%options%whole_for//" gyroakf filter streams it"
-         return
-      end if
-      if (size(recording%table%chosen) > 1) text = text//"; take one channel at a time with --column"
-      text = text//"; gyroakf allan, inspect and filter stream a recording of any length"
-   end subroutine advise_memory
 
    !> A size in GB or MB, as [[bytes_text]] says it.
    pure real(dp) function in_unit(bytes)

@@ -9,7 +9,7 @@ module gyroakf_io_repeats
    use gyroakf_record, only : audit_type
    implicit none (type, external)
    private
-   public :: drop_repeats, merge_repeats, same_row, are_chance
+   public :: drop_repeats, merge_repeats
 
 contains
 

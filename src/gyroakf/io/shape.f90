@@ -16,7 +16,7 @@ module gyroakf_io_shape
    use gyroakf_units, only : angle_to_rate_unit
    implicit none (type, external)
    private
-   public :: fill_gaps, mark_missing, make_rates, cut, keep_rows, wrap_of, wrapped, warn_of_wraps, largest_value, refuse_tiny
+   public :: fill_gaps, mark_missing, make_rates, cut, wrap_of, wrapped, warn_of_wraps, largest_value, refuse_tiny
 
    !> A rate beyond it is an error: the fourth powers of the statistics would overflow
    real(dp), parameter :: largest_value = 1.0e60_dp

@@ -6,8 +6,8 @@ module gyroakf_io_system
    implicit none (type, external)
    private
    public :: c_open, c_read, c_pread, c_close, c_poll, poll_type, c_opendir, c_closedir
-   public :: c_creat, c_write, c_pwrite, c_mkstemp, c_rename, c_rmdir, c_unlink, c_truncate, c_getpid, c_mkdir
-   public :: read_at, write_at, write_all
+   public :: c_creat, c_write, c_rename, c_rmdir, c_unlink, c_truncate, c_getpid, c_mkdir
+   public :: read_at, write_all
 
    !> `struct pollfd` of poll.h
    type, bind(C) :: poll_type
@@ -93,24 +93,6 @@ module gyroakf_io_system
          integer(c_long) :: done
       end function c_write
 
-      function c_pwrite(descriptor, buffer, count, offset) result(done) bind(C, name="pwrite")
-         import :: c_int, c_long, c_ptr, c_size_t
-         implicit none (type, external)
-         integer(c_int), intent(in), value :: descriptor
-         type(c_ptr), intent(in), value :: buffer
-         integer(c_size_t), intent(in), value :: count
-         integer(c_long), intent(in), value :: offset
-         integer(c_long) :: done
-      end function c_pwrite
-
-      !> Makes a file of its own and opens it for reading and writing; the X at the end of the path become letters
-      function c_mkstemp(path) result(descriptor) bind(C, name="mkstemp")
-         import :: c_char, c_int
-         implicit none (type, external)
-         character(kind=c_char), intent(inout) :: path(*)
-         integer(c_int) :: descriptor
-      end function c_mkstemp
-
       function c_rename(old, new) result(failed) bind(C, name="rename")
          import :: c_char, c_int
          implicit none (type, external)
@@ -188,35 +170,6 @@ contains
          failed = tries > most_tries
       end do
    end subroutine read_at
-
-   !> Writes bytes at a place, which the system may take in pieces.
-   subroutine write_at(descriptor, offset, address, bytes, failed)
-      !> Of a regular file
-      integer(c_int), intent(in) :: descriptor
-      !> Bytes before the first that is written
-      integer(int64), intent(in) :: offset
-      !> The first byte, and how many
-      type(c_ptr), intent(in) :: address
-      integer(int64), intent(in) :: bytes
-      !> True where the system takes no more: a full disk
-      logical, intent(out) :: failed
-      integer(int8), pointer, contiguous :: room(:)
-      integer(int64) :: from
-      integer(c_long) :: done
-      integer :: tries
-
-      failed = .false.
-      if (bytes == 0) return
-      call c_f_pointer(address, room, [bytes])
-      from = 0
-      tries = 0
-      do while (from < bytes .and. .not. failed)
-         done = c_pwrite(descriptor, c_loc(room(from + 1)), int(bytes - from, c_size_t), int(offset + from, c_long))
-         tries = merge(0, tries + 1, done > 0)
-         from = from + max(done, 0_c_long)
-         failed = tries > most_tries
-      end do
-   end subroutine write_at
 
    !> Writes bytes, which the system may take in pieces.
    subroutine write_all(descriptor, address, bytes, failed)

@@ -28,7 +28,7 @@ module gyroakf_pipeline_channel
       warn_fit, warn_centred
    implicit none (type, external)
    private
-   public :: run_channel, negligible_mean
+   public :: run_channel
 
    !> A mean below this share of the standard deviation is left in the series that is filtered
    real(dp), parameter :: negligible_mean = 1.0e-6_dp

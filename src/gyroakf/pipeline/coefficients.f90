@@ -17,7 +17,7 @@ module gyroakf_pipeline_coefficients
    use gyroakf_pipeline_warnings, only : note_failure, is_fatal
    implicit none (type, external)
    private
-   public :: run_allan, fit_curve, state_noise, state_one, state_read_off, compare_coefficients
+   public :: run_allan, state_noise, state_one, state_read_off, compare_coefficients
 
 contains
 

@@ -7,7 +7,7 @@ module gyroakf_pipeline_drift
    use gyroakf_units, only : unit_type
    use gyroakf_allan_noise_fit, only : coefficient_type
    use gyroakf_filter_components, only : component_model_type
-   use gyroakf_filter_drift_identification, only : allan_terms_type, block_means_type, drift_identification_options, &
+   use gyroakf_filter_drift_identification, only : allan_terms_type, drift_identification_options, &
       identify_drift_model
    use gyroakf_pipeline_coefficients, only : state_one
    use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, drift_process_type, pipeline_options, stage
@@ -24,7 +24,7 @@ module gyroakf_pipeline_drift
 contains
 
    !> Identifies the drift; what is not slower than `drift_tau` is noise. A failure is noted in the channel.
-   subroutine find_drift(z, step, rate_known, unit, options, channel, error, valid, progress, means)
+   subroutine find_drift(z, step, rate_known, unit, options, channel, error, valid, progress)
       !> Record as read without its outliers, less its mean: [n]
       real(dp), intent(in), contiguous :: z(:)
       !> Sample interval in s, 1 where no rate is known
@@ -43,8 +43,6 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
-      !> Block means of the whole record, where `z` is its middle part
-      type(block_means_type), intent(in), optional :: means
       type(drift_identification_options) :: how
 
       channel%drift_tau = options%drift_tau
@@ -56,7 +54,7 @@ contains
       else if (how%source == "allan") then
          call fatal_error(error, status%not_converged, "the Allan deviation of the record gives no coefficients")
       else
-         call identify_drift_model(z, how, channel%drift, error, valid, progress=progress, means=means)
+         call identify_drift_model(z, how, channel%drift, error, valid, progress=progress)
       end if
       if (is_fatal(error)) return
       channel%available%drift = .not. allocated(error)

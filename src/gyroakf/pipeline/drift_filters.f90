@@ -26,7 +26,7 @@ module gyroakf_pipeline_drift_filters
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure
    implicit none (type, external)
    private
-   public :: run_drift_filters, state_smoother, state_compensated
+   public :: run_drift_filters
 
 contains
 

@@ -38,8 +38,8 @@ contains
    !> sample, the sample's number from 0 where no rate is known. `cleaned` is nan where an outlier was removed; the filters
    !> bridge what is missing. kf and akf are those of the cleaned series without its mean. `drift` is the smoothed drift of the
    !> record as read, its level included, `compensated` is raw less drift; both, and drift_kf and drift_akf, are nan throughout
-   !> where there is no drift, the first two also where a streamed record has no smoother.
-   subroutine write_series(writer, record, result, output, error, progress, before, samples)
+   !> where there is no drift.
+   subroutine write_series(writer, record, result, output, error, progress)
       !> Open
       type(writer_type), intent(inout) :: writer
       !> As read
@@ -52,30 +52,22 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Is told the samples
       class(progress_type), intent(inout), optional :: progress
-      !> Where record and result are a block of a longer one: samples before it (the head is written where these are 0), and all
-      integer(int64), intent(in), optional :: before, samples
       type(column_type) :: columns(1 + size(series_names)*size(result%channel))
       type(row_layout_type) :: layout
-      integer(int64) :: n, all_samples, first
+      integer(int64) :: n
       integer :: c
 
       n = size(record%value, 1, kind=int64)
-      first = 0
-      if (present(before)) first = before
-      all_samples = n
-      if (present(samples)) all_samples = samples
       columns%digits = output%digits
-      call set_even(columns(1), first, record%sample_interval)
+      call set_even(columns(1), 0_int64, record%sample_interval)
       do c = 1, size(result%channel)
          call set_columns(columns(2 + (c - 1)*size(series_names):1 + c*size(series_names)), record, result%channel(c), c)
       end do
       layout%form = "text"
       if (output%form /= "csv") layout%form = output%form
       layout%stage = "writing series."//output%form
-      if (first == 0) then
-         if (layout%form == "text") call put_heads(writer, result)
-         call begin_rows(writer, size(columns), all_samples, layout)
-      end if
+      if (layout%form == "text") call put_heads(writer, result)
+      call begin_rows(writer, size(columns), n, layout)
       call put_rows(writer, columns, 1_int64, n, layout, error, progress)
    end subroutine write_series
 

@@ -104,7 +104,6 @@ contains
       call put_member(json, "bad_lines", record%audit%bad_lines)
       call put_member(json, "warnings", warnings)
       call put_text_or_null(json, "stored_type", record%stored_type)
-      call put_member(json, "streamed", record%streamed)
       call put_stamps(json, record)
       call close_object(json)
    end subroutine put_input

@@ -68,8 +68,8 @@ contains
       type(channel_result_type), intent(in) :: channel
 
       select case (kind)
-      case ("series"); has_figure = options%keep_series .and. allocated(channel%series_cleaned) .and. .not. record%streamed
-      case ("filters"); has_figure = options%keep_series .and. allocated(channel%series_cleaned) .and. .not. record%streamed &
+      case ("series"); has_figure = options%keep_series .and. allocated(channel%series_cleaned)
+      case ("filters"); has_figure = options%keep_series .and. allocated(channel%series_cleaned) &
                                      .and. (channel%available%kf .or. channel%available%akf)
       case ("innovations"); has_figure = channel%available%akf .or. channel%available%drift_akf
       case ("residuals"); has_figure = channel%available%ar .and. channel%ar%residual_correlation%lags > 0

@@ -45,7 +45,6 @@ contains
    !> was asked for), ar_spectrum.csv (where there are AR models), correlation.csv, histogram.csv and spectrum.csv (where there are
    !> tests), report.txt and results.json; those that an earlier run left and this one does not write are removed.
    !> report.html is one of these: [[write_page]] writes it when there are figures.
-   !> The series of a streamed record are not here: they are written while it goes by.
    subroutine write_results(directory, command, record, options, result, error, output, progress, origin, chart)
       !> Made where it does not exist
       character(*), intent(in) :: directory
@@ -75,7 +74,7 @@ contains
       if (present(output)) series = output
       call make_directory(directory, error)
       if (allocated(error)) return
-      wanted(:3) = options%keep_series .and. .not. record%streamed .and. [character(3) :: "csv", "npy", "f64"] == series%form
+      wanted(:3) = options%keep_series .and. [character(3) :: "csv", "npy", "f64"] == series%form
       wanted(4:) = [options%do_allan, options%do_allan, options%do_allan .and. options%dynamic_segments > 0, &
                     options%do_ar, any(result%channel%available%correlation), options%do_tests, &
                     options%do_tests .and. has_spectrum(result), .true., .true., .false.]
@@ -91,9 +90,7 @@ contains
       end do
       do i = 1, size(result_files)
          if (wanted(i)) call commit_writer(writer(i), error)
-         if (.not. (wanted(i) .or. (record%streamed .and. result_files(i) == "series."//series%form))) then
-            call remove_file(directory//"/"//trim(result_files(i)))
-         end if
+         if (.not. wanted(i)) call remove_file(directory//"/"//trim(result_files(i)))
          if (.not. allocated(error)) cycle
          call discard_all(writer, wanted, size(result_files))
          return

@@ -62,8 +62,6 @@ contains
       end if
       call put_missing(writer, record)
       if (allocated(record%resample)) call put_resample(writer, record)
-      if (record%streamed) call put_item(writer, "Memory", "streamed, for the recording is larger than the memory allows: its "// &
-         "blocks were not kept")
       call put_items(writer, "Warning", record%warnings)
    end subroutine put_input
 

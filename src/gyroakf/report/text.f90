@@ -126,8 +126,6 @@ contains
 
       if (chart) call put_chart(writer, record, channel%allan(stage%input), "As read")
       call put_curves_of(writer, record, channel%allan(stage%input), "As read", "input")
-      if (channel%allan(stage%input)%curve%streamed) call put_item(writer, "", "streamed: at averaging times of m >= 64 "// &
-         "samples every m/32-th term was taken (white noise keeps 99.9 % of its degrees of freedom)")
       call put_coefficients(writer, record, channel%allan(stage%input), "input")
       if (channel%available%preprocess .and. options%clean%degree >= 0) then
          if (chart) call put_chart(writer, record, channel%allan(stage%cleaned), "Cleaned")

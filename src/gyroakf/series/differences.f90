@@ -4,69 +4,12 @@ module gyroakf_series_differences
    use gyroakf_kinds, only : dp, int8, int64
    implicit none (type, external)
    private
-   public :: difference_variance, difference_stream_type, feed_differences, variance_of_differences
+   public :: difference_variance
 
    !> Samples of one partial sum; the sums do not depend on the number of threads
    integer(int64), parameter :: block_size = 65536_int64
 
-   !> Sums over a series that arrives in parts
-   type :: difference_stream_type
-      private
-      integer(int64) :: samples = 0, pairs = 0
-      real(dp) :: total = 0.0_dp, squares = 0.0_dp
-      !> The last sample, and whether it was there
-      real(dp) :: last = 0.0_dp
-      logical :: there = .false.
-   end type difference_stream_type
-
 contains
-
-   !> Takes in the next part of a series.
-   subroutine feed_differences(stream, x, valid)
-      !> Fresh at the beginning
-      type(difference_stream_type), intent(inout) :: stream
-      !> Next samples: [any number], finite
-      real(dp), intent(in), contiguous :: x(:)
-      !> 1 present, 0 missing
-      integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: n, pairs
-      real(dp) :: total, squares, d
-      logical :: first_there, last_there
-
-      n = size(x, kind=int64)
-      if (n == 0) return
-      first_there = .true.
-      last_there = .true.
-      if (present(valid)) then
-         call sum_block(x, pairs, total, squares, valid)
-         first_there = valid(1) /= 0_int8
-         last_there = valid(n) /= 0_int8
-      else
-         call sum_block(x, pairs, total, squares)
-      end if
-      if (stream%there .and. first_there) then
-         d = x(1) - stream%last
-         total = total + d
-         squares = squares + d*d
-         pairs = pairs + 1
-      end if
-      stream%samples = stream%samples + n
-      stream%pairs = stream%pairs + pairs
-      stream%total = stream%total + total
-      stream%squares = stream%squares + squares
-      stream%last = x(n)
-      stream%there = last_there
-   end subroutine feed_differences
-
-   !> As [[difference_variance]] of the whole series.
-   pure real(dp) function variance_of_differences(stream) result(variance)
-      !> After the last sample
-      type(difference_stream_type), intent(in) :: stream
-
-      variance = 0.0_dp
-      if (stream%samples < 3 .or. stream%pairs < 2) return
-      variance = max(0.0_dp, stream%squares - stream%total**2/real(stream%pairs, dp))/real(stream%pairs - 1, dp)
-   end function variance_of_differences
 
    !> Variance (ddof 1) of x(i+1) - x(i) over the pairs that are present; 0 where there are fewer than two pairs.
    real(dp) function difference_variance(x, valid) result(variance)

@@ -227,7 +227,6 @@ contains
       type(allan_curve_type), intent(in) :: curve
 
       call put_member(json, "kind", trim(curve%kind))
-      call put_member(json, "mode", trim(merge("streamed", "exact   ", curve%streamed)))
       call put_member(json, "tau_s", curve%tau)
       call put_member(json, "deviation", curve%deviation)
       call put_member(json, "lower", curve%lower)
