@@ -141,13 +141,9 @@ contains
 
       select case (name)
       case ("--ar-method"); value = text_value(trim(pipeline%ar%method))
-      case ("--ar-criterion")                  ! one word means the criterion of both models
-         if (.not. pipeline%do_arma .or. pipeline%arma%criterion == pipeline%ar%criterion) then
-           value = text_value(trim(pipeline%ar%criterion))
-         end if
+      case ("--ar-criterion"); value = text_value(trim(pipeline%ar%criterion))
       case ("--max-order"); value = integer_text(int(pipeline%ar%max_order, int64))
       case ("--order"); if (pipeline%ar%order >= 0) value = integer_text(int(pipeline%ar%order, int64))
-      case ("--ma-order"); if (pipeline%do_arma) value = small_value(pipeline%arma%q, "auto")
       case ("--akf"); value = text_value(trim(pipeline%design%akf))
       case ("--forgetting")                    ! one number means that of both families
          if (.not. abs(pipeline%design%forgetting - pipeline%drift%forgetting) > 0.0_dp) then

@@ -136,9 +136,6 @@ module gyroakf_app_option
       option_type("--max-order", "N", "natural", "run ar filter", "ar", &
                   "largest order compared (default: 12 in ar, else 3)"), &
       option_type("--order", "N", "natural", "run ar filter", "ar", "take this order"), &
-      option_type("--ma-order", "auto|Q", "text", "run ar", "ar", &
-                  "fit an ARMA(p,q) model too, by exact likelihood: q is Q, 0 to 3, p that of --order; what is not given "// &
-                  "is chosen by BIC (or --ar-criterion)"), &
       option_type("--akf", "paper|robust", "choice", "run filter", "filter", &
                   "the adaptive filter: the paper's Sage-Husa on Q and R (default), or on R only in residual form"), &
       option_type("--forgetting", "B", "share", "run filter", "filter", &

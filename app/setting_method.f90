@@ -16,8 +16,6 @@ module gyroakf_app_setting_method
 
    !> Largest AR order and number of lags that can be asked for
    integer(int64), parameter :: most_lags = 1000
-   !> Largest orders of an ARMA model
-   integer, parameter :: largest_ma_order = 3
    !> Most rounds of the search for outliers
    integer, parameter :: most_rounds = 1000
    !> Most lags of an autocorrelation
@@ -68,8 +66,6 @@ contains
                           "--outliers chauvenet has its threshold from the number of samples; --outlier-threshold goes with pauta")
       else if (pipeline%ar%order > pipeline%ar%max_order) then
          call fatal_error(error, status%usage, "--order is larger than --max-order")
-      else if (pipeline%do_arma .and. pipeline%arma%p > largest_ma_order) then
-         call fatal_error(error, status%usage, "--ma-order goes with --order 0 to 3")
       else if (pipeline%noise%tau_min >= pipeline%noise%tau_max) then
          call fatal_error(error, status%usage, "--fit-tau-min is not below --fit-tau-max: nothing would be fitted")
       end if
@@ -140,14 +136,10 @@ contains
 
       select case (option%name)
       case ("--ar-method"); pipeline%ar%method = value%text
-      case ("--ma-order"); call set_small(option, value%text, "auto", largest_ma_order, pipeline%arma%q, error)
-         pipeline%do_arma = .true.
       case ("--ar-criterion"); pipeline%ar%criterion = value%text
-         pipeline%arma%criterion = value%text
       case ("--max-order"); call set_small(option, value%text, "", int(most_lags), pipeline%ar%max_order, error)
       case ("--order"); call set_small(option, value%text, "", int(most_lags), pipeline%ar%order, error)
          pipeline%ar%max_order = max(pipeline%ar%max_order, pipeline%ar%order)
-         pipeline%arma%p = pipeline%ar%order
       case ("--akf"); pipeline%design%akf = value%text
       case ("--forgetting"); pipeline%design%forgetting = value%number
          pipeline%drift%forgetting = value%number

@@ -2,7 +2,7 @@
 !> Are the samples of a converter normal? Tests, sizes of the effect, the step, and a histogram.
 program example_normality
    use gyroakf, only : dp, error_type, record_type, simulate_options, simulate_record, moments_type, compute_moments, &
-      dagostino_type, test_dagostino, anderson_darling_options, anderson_darling_type, test_anderson_darling, judge_normality, &
+      jarque_bera_type, test_jarque_bera, anderson_darling_options, anderson_darling_type, test_anderson_darling, judge_normality, &
       quantisation_type, find_quantisation, histogram_options, histogram_type, compute_histogram
    implicit none (type, external)
    call show
@@ -12,7 +12,7 @@ contains
       type(simulate_options) :: options
       type(record_type) :: record
       type(moments_type) :: moments
-      type(dagostino_type) :: k2
+      type(jarque_bera_type) :: jb
       type(anderson_darling_type) :: ad
       type(quantisation_type) :: grid
       type(histogram_type) :: histogram
@@ -25,13 +25,14 @@ contains
       if (allocated(error)) error stop error%message
       associate (x => record%value(:, 1))
          call compute_moments(x, moments)
-         call test_dagostino(moments, k2, error)
+         call test_jarque_bera(moments, jb, error)
          if (.not. allocated(error)) call test_anderson_darling(x, anderson_darling_options(), ad, error)
          if (.not. allocated(error)) call find_quantisation(x, moments%std, grid, error)
          if (.not. allocated(error)) call compute_histogram(x, moments, histogram_options(step=grid%step), histogram, error)
       end associate
       if (allocated(error)) error stop error%message
-      print "(a, f0.2, 2a)", "K2 ", k2%statistic, ": ", trim(judge_normality(moments%skewness, moments%kurtosis, k2%p_value))
+      print "(a, f0.2, 2a)", "Jarque-Bera ", jb%statistic, ": ", &
+         trim(judge_normality(moments%skewness, moments%kurtosis, jb%p_value))
       print "(a, f0.2)", "Anderson-Darling ", ad%modified
       print "(a, f0.3, a, i0, a)", "step ", grid%step, " on ", grid%levels, " levels"
       do i = 1, size(histogram%count)

@@ -44,16 +44,14 @@ module gyroakf
    use gyroakf_io_writer, only : writer_type, open_writer, put, put_line, put_real, complete_writer, commit_writer, &
       discard_writer, format_real, make_directory
    use gyroakf_series_moments, only : moments_type, compute_moments, join_moments
-   use gyroakf_series_normality, only : jarque_bera_type, test_jarque_bera
-   use gyroakf_series_whiteness, only : ljung_box_type, box_pierce_type, test_ljung_box, ljung_box_of, box_pierce_of
+   use gyroakf_series_whiteness, only : ljung_box_type, test_ljung_box, ljung_box_of
    use gyroakf_series_correlation, only : correlation_type, compute_correlation, correlation_of
    use gyroakf_series_kpss, only : kpss_options, kpss_type, test_kpss
-   use gyroakf_series_phillips_perron, only : phillips_perron_options, phillips_perron_type, test_phillips_perron
    use gyroakf_series_fisher, only : fisher_type, test_fisher_g, fisher_tail
    use gyroakf_series_lines, only : line_options, line_type, find_lines
    use gyroakf_series_periodicity, only : periodicity_options, periodicity_type, analyse_periodicity, whiten_series
    use gyroakf_series_welch, only : welch_options, welch_type, welch_spectrum, default_segment
-   use gyroakf_series_normality, only : jarque_bera_type, test_jarque_bera, dagostino_type, test_dagostino, skewness_error, &
+   use gyroakf_series_normality, only : jarque_bera_type, test_jarque_bera, skewness_error, &
       kurtosis_error, judge_normality
    use gyroakf_series_anderson_darling, only : anderson_darling_options, anderson_darling_type, test_anderson_darling, &
       anderson_darling_p, rounding_statistic
@@ -89,6 +87,8 @@ module gyroakf
    use gyroakf_ar_arma_result, only : arma_options, arma_order_type, arma_drift_type, arma_model_type
    use gyroakf_ar_arma_likelihood, only : arma_log_likelihood
    use gyroakf_ar_arma_model, only : fit_arma
+   use gyroakf_ar_model, only : ar_options, ar_order_type, ar_model_type, fit_ar, fit_ar_of
+   use gyroakf_ar_lag_stream, only : lag_stream_type, begin_lag_stream, feed_lag_stream, finish_lag_stream
    use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, design_drift_kf, design_drift_akf, &
       adaptive_drift
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, channel_result_type, available_type, allan_result_type, &

@@ -24,7 +24,6 @@ program test_main
    use test_allan_noise_model, only : collect_allan_noise_model
    use test_ar, only : collect_ar
    use test_ar_roots, only : collect_ar_roots
-   use test_arma, only : collect_arma
    use test_ar_spectrum, only : collect_ar_spectrum
    use test_audit, only : collect_audit
    use test_report_models, only : collect_report_models
@@ -110,7 +109,6 @@ program test_main
    use test_threads, only : collect_threads
    use test_units, only : collect_units
    use test_kpss, only : collect_kpss
-   use test_phillips_perron, only : collect_phillips_perron
    use test_correlation, only : collect_correlation
    use test_welch, only : collect_welch
    use test_whiteness, only : collect_whiteness
@@ -136,7 +134,6 @@ program test_main
    call add("allan_noise_model", collect_allan_noise_model)
    call add("ar", collect_ar)
    call add("ar_roots", collect_ar_roots)
-   call add("arma", collect_arma)
    call add("ar_spectrum", collect_ar_spectrum)
    call add("audit", collect_audit)
    call add("report_models", collect_report_models)
@@ -223,7 +220,6 @@ program test_main
    call add("threads", collect_threads)
    call add("units", collect_units)
    call add("kpss", collect_kpss)
-   call add("phillips_perron", collect_phillips_perron)
    call add("correlation", collect_correlation)
    call add("welch", collect_welch)
    call add("whiteness", collect_whiteness)

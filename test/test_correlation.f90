@@ -8,24 +8,14 @@ module test_correlation
    use gyroakf_ar_levinson, only : solve_levinson
    use gyroakf_series_correlation, only : correlation_type, compute_correlation, correlation_of
    use gyroakf_series_lag_transform, only : autocovariances_by_transform, transform_from
-   use gyroakf_series_whiteness, only : ljung_box_type, box_pierce_type, test_ljung_box, box_pierce_of
-   use series_library, only : reference_series, reference_names
+   use gyroakf_series_whiteness, only : ljung_box_type, test_ljung_box
+   use series_library, only : reference_series
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
    public :: collect_correlation
 
    real(dp), parameter :: tolerance = 1.0e-12_dp
-   !> Box-Pierce over 10 and 20 lags of the eleven series, 1000 samples: statsmodels 0.15, which keeps 13 digits
-   !> (10 for the offset)
-   real(dp), parameter :: box_pierce_10(11) = [ &
-      & 14.679420031234669_dp, 11.40743344123296_dp, 9.929600311991237_dp, 9117.923459758542_dp, 794.2403661586729_dp, &
-      & 7256.246848918738_dp, 1069.8388848990453_dp, 581.3305695026613_dp, 884.2507686269751_dp, 794.2403661406511_dp, &
-      & 26.622053715511722_dp]
-   real(dp), parameter :: box_pierce_20(11) = [ &
-      & 25.055134684473597_dp, 13.665486780731975_dp, 21.049038635742228_dp, 16963.178758022066_dp, 809.6426994376648_dp, &
-      & 11476.596524843444_dp, 1100.1888429860658_dp, 1170.6967839389552_dp, 895.6772616755114_dp, 809.6426994168635_dp, &
-      & 39.13252101808548_dp]
 
 contains
 
@@ -36,7 +26,6 @@ contains
 
       testsuite = [ &
          & new_unittest("by_hand", test_by_hand), &
-         & new_unittest("reference", test_reference), &
          & new_unittest("every_lag", test_every_lag), &
          & new_unittest("partial", test_partial), &
          & new_unittest("limits", test_limits), &
@@ -48,7 +37,7 @@ contains
          & new_unittest("failures", test_failures)]
    end subroutine collect_correlation
 
-   !> 1 2 3 4: rho = 1/4, -3/10; pacf_2 = (-3/10 - 1/16)/(1 - 1/16); Box-Pierce 4 (1/16 + 9/100).
+   !> 1 2 3 4: rho = 1/4, -3/10; pacf_2 = (-3/10 - 1/16)/(1 - 1/16).
    subroutine test_by_hand(error)
       !> Failure
       type(error_type), allocatable, intent(out) :: error
@@ -62,42 +51,12 @@ contains
       if (allocated(error)) return
       call check(error, maxval(abs(c%pacf - [1.0_dp, 0.25_dp, -0.3625_dp/0.9375_dp])) < tolerance, "pacf")
       if (allocated(error)) return
-      call check(error, c%box_pierce(2), 4.0_dp*(0.0625_dp + 0.09_dp), thr=tolerance)
-      if (allocated(error)) return
       call check(error, c%ljung_box(2), 24.0_dp*(1.0_dp/48.0_dp + 0.045_dp), thr=tolerance)
       if (allocated(error)) return
       call check(error, c%largest_lag == 2 .and. abs(c%largest_rho - 0.3_dp) < tolerance, "largest")
       if (allocated(error)) return
       call check(error, c%mean, 2.5_dp, thr=tolerance)
    end subroutine test_by_hand
-
-   !> Box-Pierce of the eleven series.
-   subroutine test_reference(error)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
-      type(correlation_type) :: c
-      type(box_pierce_type) :: whole
-      type(gyro_error), allocatable :: problem
-      real(dp), allocatable :: r(:)
-      real(dp) :: allowed, mean
-      integer :: i
-
-      do i = 1, size(reference_names)
-         call compute_correlation(reference_series(trim(reference_names(i)), 1000), 20, 0, c, problem)
-         allowed = 1.0e-12_dp
-         if (reference_names(i) == "offset") allowed = 1.0e-10_dp
-         call check(error, c%box_pierce(10), box_pierce_10(i), reference_names(i), thr=allowed, rel=.true.)
-         if (allocated(error)) return
-         call check(error, c%box_pierce(20), box_pierce_20(i), reference_names(i), thr=allowed, rel=.true.)
-         if (allocated(error)) return
-         call compute_autocovariance(reference_series(trim(reference_names(i)), 1000), 20, mean, r, problem)
-         call box_pierce_of(r, 1000_int64, 0, whole, problem)
-         call check(error, whole%statistic, c%box_pierce(20), thr=tolerance, rel=.true.)
-         if (allocated(error)) return
-         call check(error, whole%p_value, c%box_pierce_p(20), thr=1.0e-9_dp, rel=.true.)
-         if (allocated(error)) return
-      end do
-   end subroutine test_reference
 
    !> The statistic at every lag is that of a test with so many lags; fitted parameters take degrees of freedom.
    subroutine test_every_lag(error)
@@ -118,7 +77,7 @@ contains
          call check(error, c%ljung_box_p(k), lb%p_value, thr=1.0e-11_dp, rel=.true.)
          if (allocated(error)) return
       end do
-      call check(error, all(c%ljung_box_p(:2) >= 1.0_dp) .and. all(c%box_pierce_p(:2) >= 1.0_dp), "no degree of freedom")
+      call check(error, all(c%ljung_box_p(:2) >= 1.0_dp), "no degree of freedom")
       if (allocated(error)) return
       call check(error, lb%largest_lag == c%largest_lag .and. abs(c%acf(c%largest_lag)) >= maxval(abs(c%acf(1:))), "largest")
    end subroutine test_every_lag
@@ -272,7 +231,7 @@ contains
       valid = 1_int8
       call compute_correlation(x, 20, 0, a, problem)
       call compute_correlation(x, 20, 0, b, problem, valid)
-      call check(error, b%box_pierce(20), a%box_pierce(20), thr=tolerance, rel=.true.)
+      call check(error, b%ljung_box(20), a%ljung_box(20), thr=tolerance, rel=.true.)
       if (allocated(error)) return
       call check(error, b%limit(20), a%limit(20), thr=tolerance, rel=.true.)
       if (allocated(error)) return

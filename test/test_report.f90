@@ -136,7 +136,7 @@ contains
          "0.05 standard deviations over the record: too small to matter", &
          "KPSS 0.84 against 0.463 at 5 % (0.739 at 1 %, 0.347 at 10 %), p < 0.01 by the table, p = 0.0058 asymptotically", &
          "nearly normal, a small departure is seen because the record is long: skewness 0.0125 +/- 0.022", &
-         "excess kurtosis 0.25 +/- 0.045; Jarque-Bera 1.2, p = 0.55; D'Agostino K2 7.5, p = 0.024", &
+         "excess kurtosis 0.25 +/- 0.045; Jarque-Bera 1.2, p = 0.55", &
          "Anderson-Darling 0.7, p = 0.067", "Anderson-Darling of every 2nd sample, 5994 of them", &
          "with an autocorrelation of 0.41 the errors are larger", &
          "in steps of 0.0114, 0.5 standard deviations, on 17 levels; rounding is 2.1 % of the variance", &

@@ -139,9 +139,7 @@ static void outliers(void) {
 static void tests(void) {
   gyroakf_adf adf;
   gyroakf_kpss kpss;
-  gyroakf_phillips_perron pp;
   gyroakf_whiteness white;
-  gyroakf_normality normality;
   gyroakf_histogram *h;
   gyroakf_adf_coefficient rows[400];
   int32_t count;
@@ -151,12 +149,9 @@ static void tests(void) {
   WITH("ADF, coefficients", adf, opt.lags = 10; status = gyroakf_adf_coefficients(x, n, &opt, 400, rows, &count, NULL));
   WITH("KPSS", kpss, status = gyroakf_kpss_test(x, n, &opt, &kpss, NULL));
   WITH("KPSS, line", kpss, opt.regression = "ct"; status = gyroakf_kpss_test(x, n, &opt, &kpss, NULL));
-  WITH("Phillips-Perron", phillips_perron, status = gyroakf_phillips_perron_test(x, n, &opt, &pp, NULL));
   WATCHED("autocorrelation, 20 lags", status = gyroakf_autocorrelation_watched(x, n, 20, acf, NULL, NULL, listen, NULL, NULL));
   WATCHED("autocorrelation, 1000 lags", status = gyroakf_autocorrelation_watched(x, n, 1000, acf, pacf, limit, listen, NULL, NULL));
   WATCHED("Ljung-Box", status = gyroakf_ljung_box_watched(x, n, 20, 0, &white, listen, NULL, NULL));
-  WATCHED("normality", status = gyroakf_normality_test_watched(x, n, 1000000, &normality, listen, NULL, NULL));
-  WATCHED("normality, all samples", status = gyroakf_normality_test_watched(x, n, 0, &normality, listen, NULL, NULL));
   WATCHED("histogram", status = gyroakf_histogram_new_watched(x, n, 0, &h, listen, NULL, NULL); gyroakf_histogram_free(h));
 }
 
@@ -175,17 +170,12 @@ static void models(void) {
   static const char *const methods[] = {"yw", "burg", "ols", "mcov"};
   double phi[40];
   int32_t order;
-  gyroakf_arma arma;
   char name[40];
   size_t k;
   for (k = 0; k < sizeof methods / sizeof *methods; k++) {
     snprintf(name, sizeof name, "AR, %s", methods[k]);
     WITH(name, ar, opt.method = methods[k]; status = gyroakf_ar_fit(x, n, &opt, 12, &order, phi, NULL, NULL, NULL));
   }
-  WITH("ARMA(1,1)", arma, opt.p = opt.q = 1; status = gyroakf_arma_fit(x, n, &opt, &arma, NULL));
-  WITH("ARMA(3,3)", arma, opt.p = opt.q = 3; status = gyroakf_arma_fit(x, n, &opt, &arma, NULL));
-  WITH("ARMA(1,1), long part", arma, opt.p = opt.q = 1; opt.max_samples = n/10 + 1000; status = gyroakf_arma_fit(x, n, &opt, &arma, NULL));
-  WITH("ARMA, orders chosen", arma, status = gyroakf_arma_fit(x, n, &opt, &arma, NULL));
 }
 
 static void filters(void) {

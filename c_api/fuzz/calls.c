@@ -37,15 +37,14 @@
   F(fit_options_init, 1) F(noise_fit, 4) F(noise_covariance, 4) \
   F(outlier_options_init, 1) F(mark_outliers, 80) \
   F(adf_options_init, 1) F(adf_test, 60) F(adf_coefficients, 60) \
-  F(kpss_options_init, 1) F(kpss_test, 80) F(phillips_perron_options_init, 1) F(phillips_perron_test, 80) \
-  F(autocorrelation, 50) F(autocorrelation_watched, 25) F(ljung_box, 50) F(ljung_box_watched, 25) F(normality_test, 50) \
-  F(normality_test_watched, 25) \
+  F(kpss_options_init, 1) F(kpss_test, 80) \
+  F(autocorrelation, 50) F(autocorrelation_watched, 25) F(ljung_box, 50) F(ljung_box_watched, 25) \
   F(histogram_new, 50) F(histogram_new_watched, 25) F(histogram_bins, 8) F(histogram_edges, 8) F(histogram_counts, 8) \
   F(histogram_expected, 8) \
   F(histogram_outside, 16) F(histogram_free, 30) \
   F(fisher_g, 50) F(fisher_g_watched, 25) F(welch_size, 30) F(welch_spectrum, 50) F(welch_spectrum_watched, 25) \
   F(spectral_lines, 6) F(spectral_lines_watched, 3) \
-  F(ar_options_init, 1) F(ar_fit, 60) F(arma_options_init, 1) F(arma_fit, 4) \
+  F(ar_options_init, 1) F(ar_fit, 60) \
   F(filter_options_init, 1) F(filter_new, 120) F(filter_step, 200) F(filter_freeze, 40) F(filter_run, 100) \
   F(filter_run_watched, 60) F(filter_get, 60) \
   F(filter_free, 60) F(filter_reset, 30) F(filter_save, 60) F(filter_restore, 60) \
@@ -199,13 +198,13 @@ static void *results(size_t bytes, int null_in) {
 }
 
 /* A series and its length, which is wrong only where no value can be looked at: <= 0, or beyond any memory. */
-static const double *series_of(int most, int64_t *n) {
+static const double *series(int64_t *n) {
   static const int64_t wrong[] = {0, -1, INT64_MIN, INT64_MAX, ((int64_t)1 << 44) + 1};
-  int i, k, length = one_in(8) ? below(12) : 1 + below(most), kind = below(16);
+  int i, k, length = one_in(8) ? below(12) : 1 + below(300), kind = below(16);
   double step = 0.0, level = one_in(4) ? 1e6 : 0.0, scale = one_in(6) ? any_double() : 1.0, value = 0.0;
   size_t offset = any_offset();
   unsigned char *data;
-  if (kind == 15 && most >= 300 && one_in(200)) length = 5000;
+  if (kind == 15 && one_in(200)) length = 5000;
   *n = length;
   if (one_in(40)) *n = wrong[below(5)];
   if (one_in(60)) return NULL;
@@ -239,8 +238,6 @@ static const double *series_of(int most, int64_t *n) {
   }
   return (const double *)(const void *)data;
 }
-
-static const double *series(int64_t *n) { return series_of(300, n); }
 
 /* A word: NULL, one that is known somewhere, or anything. */
 static const char *text(void) {
@@ -509,11 +506,7 @@ OPTIONS(outlier_options,
         ODD(method, text()) ODD(threshold, any_double()) ODD(rounds, any_int()) ODD(half_width, any_int()) ODD(degree, any_int()) TOLD)
 OPTIONS(adf_options, ODD(regression, text()) ODD(lags, any_int()) ODD(max_lags, any_int()) ODD(criterion, text()) TOLD)
 OPTIONS(kpss_options, ODD(regression, text()) ODD(rule, text()) ODD(lags, any_long()) TOLD)
-OPTIONS(phillips_perron_options, ODD(regression, text()) ODD(lags, any_long()) TOLD)
 OPTIONS(ar_options, ODD(method, text()) ODD(criterion, text()) ODD(order, any_int()) TOLD)
-OPTIONS(arma_options,
-        ODD(criterion, text()) ODD(p, below(6) - 2) ODD(q, below(6) - 2) ODD(max_p, one_in(4) ? any_int() : below(3))
-        ODD(max_q, one_in(4) ? any_int() : below(3)) ODD(max_samples, any_long()) TOLD)
 OPTIONS(filter_options,
         ODD(estimate_process_mean, any_int()) ODD(estimate_measurement_mean, any_int()) ODD(estimate_process_variance, any_int())
         ODD(estimate_measurement_variance, any_int()) ODD(allow_unobservable, any_int())
@@ -852,7 +845,6 @@ static void call_mark_outliers(void) {
   }
 TESTS(adf, adf, 5)
 TESTS(kpss, kpss, 10)
-TESTS(phillips_perron, phillips_perron, 7)
 
 static void call_adf_coefficients(void) {
   int64_t n;
@@ -908,23 +900,6 @@ static void try_ljung_box(int watched) {
 
 static void call_ljung_box(void) { try_ljung_box(0); }
 static void call_ljung_box_watched(void) { try_ljung_box(1); }
-
-static void try_normality_test(int watched) {
-  gyroakf_progress_fn listener = any_progress();
-  int64_t n, most = one_in(2) ? 0 : any_long();
-  const double *x = series(&n);
-  gyroakf_normality *out = (gyroakf_normality *)place(sizeof *out);
-  gyroakf_error *err = error_place();
-  int status;
-  begin();
-  if (watched) status = gyroakf_normality_test_watched(x, n, most, out, listener, &user, err);
-  else status = gyroakf_normality_test(x, n, most, out, err);
-  end(status, err);
-  promise_numbers(status, (const double *)out, 10);
-}
-
-static void call_normality_test(void) { try_normality_test(0); }
-static void call_normality_test_watched(void) { try_normality_test(1); }
 
 static void try_histogram_new(int watched) {
   gyroakf_progress_fn listener = any_progress();
@@ -1043,19 +1018,6 @@ static void call_ar_fit(void) {
   promise_numbers(status, variance, 1);
   promise_numbers(status, mean, 1);
   if (status == GYROAKF_OK) promise(*order >= 0 && *order <= most, "the order is one of those compared");
-}
-
-static void call_arma_fit(void) {
-  int64_t n;
-  const double *x = series_of(90, &n);
-  gyroakf_arma_options *opt = any_arma_options();
-  gyroakf_arma *out = (gyroakf_arma *)place(sizeof *out);
-  gyroakf_error *err = error_place();
-  int status;
-  begin();
-  status = gyroakf_arma_fit(x, n, opt, out, err);
-  end(status, err);
-  promise_numbers(status, (const double *)out, 26);
 }
 
 /* -------------------------------------------------------------------------------------------------------------- filter */

@@ -482,30 +482,6 @@ typedef struct gyroakf_kpss {
 GYROAKF_API int gyroakf_kpss_test(const double *x, int64_t n, const gyroakf_kpss_options *opt, gyroakf_kpss *out,
                                   gyroakf_error *err);
 
-typedef struct gyroakf_phillips_perron_options {
-  size_t struct_size;
-  const char *regression; /* "n", "c" (default), "ct" */
-  int64_t lags;           /* bandwidth; -1 (default): ceil(12 (n/100)^(1/4)) */
-  gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
-  void *progress_user;          /* handed to it; NULL */
-} gyroakf_phillips_perron_options;
-
-GYROAKF_API void gyroakf_phillips_perron_options_init(gyroakf_phillips_perron_options *opt);
-
-typedef struct gyroakf_phillips_perron {
-  double statistic;     /* Z_tau; the series is stationary at 5 % where it is below critical[1] */
-  double p_value;       /* of the unit root, MacKinnon */
-  double rho_statistic; /* Z_rho, without a p-value */
-  double critical[3];   /* of Z_tau at 1 %, 5 %, 10 % */
-  double coefficient;   /* rho */
-  int64_t lags;         /* bandwidth */
-  int64_t observations; /* in the regression */
-} gyroakf_phillips_perron;
-
-/* Phillips-Perron test of a series x [n]. Its null hypothesis is a unit root. */
-GYROAKF_API int gyroakf_phillips_perron_test(const double *x, int64_t n, const gyroakf_phillips_perron_options *opt,
-                                             gyroakf_phillips_perron *out, gyroakf_error *err);
-
 /* -------------------------------------------------------------------------------------------------------- correlation */
 
 /*
@@ -531,37 +507,7 @@ GYROAKF_API int gyroakf_ljung_box(const double *x, int64_t n, int32_t lags, int3
 GYROAKF_API int gyroakf_ljung_box_watched(const double *x, int64_t n, int32_t lags, int32_t fitted, gyroakf_whiteness *out,
                                           gyroakf_progress_fn progress, void *progress_user, gyroakf_error *err);
 
-/* --------------------------------------------------------------------------------------------------------- normality */
-
-typedef struct gyroakf_normality {
-  double skewness;            /* 0 for a normal distribution: the size of the effect, which n does not inflate */
-  double skewness_error;      /* standard deviation of that of so many independent normal samples */
-  double excess_kurtosis;     /* the same, 0 for a normal distribution */
-  double kurtosis_error;
-  double jarque_bera;         /* statistics and their p-values; they take the samples as independent */
-  double jarque_bera_p;
-  double dagostino_k2;
-  double dagostino_k2_p;
-  double anderson_darling;    /* A2 (1 + 0.75/n + 2.25/n^2) */
-  double anderson_darling_p;  /* 3.8e-24 stands for anything smaller */
-  int64_t samples;            /* present samples */
-  int64_t tested;             /* of them in the Anderson-Darling test */
-  int32_t quantised;          /* 1: all samples are whole steps apart; 0: the numbers below are 0 */
-  double step;                /* u */
-  double step_over_std;       /* from 1 on rounding changes the shape of the distribution */
-  double corrected_std;       /* standard deviation before rounding, by Sheppard's correction, u */
-} gyroakf_normality;
-
-/*
- * Tests of normality of a series x [n] with at least 8 present samples.
- *   most_samples  in the Anderson-Darling test, >= 8: a longer series is thinned to every k-th sample; 0: no limit.
- *                 It takes 16 bytes of memory for each
- * A long record of any sensor fails every test: look at skewness and kurtosis.
- */
-GYROAKF_API int gyroakf_normality_test(const double *x, int64_t n, int64_t most_samples, gyroakf_normality *out,
-                                       gyroakf_error *err);
-GYROAKF_API int gyroakf_normality_test_watched(const double *x, int64_t n, int64_t most_samples, gyroakf_normality *out,
-                                               gyroakf_progress_fn progress, void *progress_user, gyroakf_error *err);
+/* --------------------------------------------------------------------------------------------------------- histogram */
 
 /* Samples counted in bins of equal width. */
 typedef struct gyroakf_histogram gyroakf_histogram;
@@ -664,50 +610,6 @@ GYROAKF_API void gyroakf_ar_options_init(gyroakf_ar_options *opt);
  */
 GYROAKF_API int gyroakf_ar_fit(const double *x, int64_t n, const gyroakf_ar_options *opt, int32_t max_order,
                                int32_t *order, double *phi, double *noise_variance, double *mean, gyroakf_error *err);
-
-typedef struct gyroakf_arma_options {
-  size_t struct_size;
-  const char *criterion; /* "bic" (default), "aic", "aicc", "hqic", "fpe" */
-  int32_t p, q;          /* orders 0 .. 3; -1 (default): chosen by the criterion */
-  int32_t max_p, max_q;  /* largest orders compared, 0 .. 3; 3 */
-  int64_t max_samples;   /* of a longer series the middle so many are used, >= 1000; 131072. Orders are compared on a quarter of
-                            them; where there is more than one gap in 256 samples both are a quarter */
-  gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
-  void *progress_user;          /* handed to it; NULL */
-} gyroakf_arma_options;
-
-GYROAKF_API void gyroakf_arma_options_init(gyroakf_arma_options *opt);
-
-/* Coefficients beyond the orders are 0, errors are standard errors. */
-typedef struct gyroakf_arma {
-  double phi[3], phi_error[3];
-  double theta[3], theta_error[3];
-  double mean, mean_error;     /* u */
-  double noise_variance;       /* of e, u^2 */
-  double log_likelihood;       /* the exact one */
-  double aic, bic;
-  double residual_p_value;     /* Ljung-Box test of the residuals over 20 lags; 1 where there are too few samples */
-  double residual_largest_rho; /* their largest autocorrelation */
-  double drift_time, drift_time_error; /* where drift_found: the model is an AR(1) of this correlation time, samples, */
-  double drift_std, drift_std_error;   /* of this standard deviation, u, */
-  double white_std, white_std_error;   /* in white noise of this one, u */
-  int64_t first, length;       /* the part of the series that was used, x[first] .. x[first + length - 1] */
-  int64_t samples;             /* of it, those that are present */
-  int32_t p, q;
-  int32_t converged;           /* 1: the search for the maximum ended there */
-  int32_t errors_known;        /* 0: the information matrix is singular, all errors are 0 */
-  int32_t drift_found;         /* 1: the model is ARMA(1,1), or AR(1), with -phi < theta <= 0 < phi */
-  int32_t warnings;            /* so many odd things: a common factor, a root at the unit circle, no convergence */
-} gyroakf_arma;
-
-/*
- * ARMA model x_k - mean = sum phi_i (x_{k-i} - mean) + e_k + sum theta_j e_{k-j} by its exact Gaussian likelihood.
- *   x    [n] series, unit u; NaN: missing, which the likelihood takes into account
- *   opt  may be NULL
- * On failure nothing but err is written.
- */
-GYROAKF_API int gyroakf_arma_fit(const double *x, int64_t n, const gyroakf_arma_options *opt, gyroakf_arma *out,
-                                 gyroakf_error *err);
 
 /* ------------------------------------------------------------------------------------------------------------ filter */
 

@@ -106,14 +106,8 @@ struct adf_options : gyroakf_adf_options {
 struct kpss_options : gyroakf_kpss_options {
   kpss_options() { gyroakf_kpss_options_init(this); }
 };
-struct phillips_perron_options : gyroakf_phillips_perron_options {
-  phillips_perron_options() { gyroakf_phillips_perron_options_init(this); }
-};
 struct ar_options : gyroakf_ar_options {
   ar_options() { gyroakf_ar_options_init(this); }
-};
-struct arma_options : gyroakf_arma_options {
-  arma_options() { gyroakf_arma_options_init(this); }
 };
 struct filter_options : gyroakf_filter_options {
   filter_options() { gyroakf_filter_options_init(this); }
@@ -131,12 +125,9 @@ using noise = gyroakf_noise;
 using adf = gyroakf_adf;
 using adf_coefficient = gyroakf_adf_coefficient;
 using kpss = gyroakf_kpss;
-using phillips_perron = gyroakf_phillips_perron;
 using whiteness = gyroakf_whiteness;
-using normality = gyroakf_normality;
 using fisher = gyroakf_fisher;
 using spectral_line = gyroakf_spectral_line;
-using arma = gyroakf_arma;
 using filter_state = gyroakf_filter_state;
 
 /* ----------------------------------------------------------------------------------------------------------- inner parts */
@@ -410,14 +401,6 @@ inline kpss kpss_test(series x, gyroakf_kpss_options opt = kpss_options(), const
   return out;
 }
 
-inline phillips_perron phillips_perron_test(series x, gyroakf_phillips_perron_options opt = phillips_perron_options(), const progress &f = {}) {
-  detail::listener listener(opt, f);
-  gyroakf_error err;
-  phillips_perron out;
-  listener.check(gyroakf_phillips_perron_test(x.data(), x.count(), &opt, &out, &err), err);
-  return out;
-}
-
 /* -------------------------------------------------------------------------------------------------------- correlation */
 
 struct correlogram {
@@ -448,17 +431,7 @@ inline whiteness ljung_box(series x, std::int32_t lags, std::int32_t fitted = 0,
   return out;
 }
 
-/* --------------------------------------------------------------------------------------------------------- normality */
-
-inline normality normality_test(series x, std::int64_t most_samples = 0, const progress &f = {}) {
-  detail::watch watch;
-  detail::listener listener(watch, f);
-  gyroakf_error err;
-  normality out;
-  listener.check(gyroakf_normality_test_watched(x.data(), x.count(), most_samples, &out, watch.progress, watch.progress_user, &err),
-                 err);
-  return out;
-}
+/* --------------------------------------------------------------------------------------------------------- histogram */
 
 class histogram {
  public:
@@ -533,7 +506,7 @@ inline std::vector<spectral_line> spectral_lines(series x, double dt, std::int32
   return out;
 }
 
-/* ------------------------------------------------------------------------------------------------- AR and ARMA models */
+/* ---------------------------------------------------------------------------------------------------------- AR models */
 
 struct ar_model {
   std::vector<double> phi; /* [order] */
@@ -549,14 +522,6 @@ inline ar_model fit_ar(series x, std::int32_t max_order, gyroakf_ar_options opt 
   listener.check(gyroakf_ar_fit(x.data(), x.count(), &opt, max_order, &order, out.phi.data(), &out.noise_variance, &out.mean, &err),
                  err);
   out.phi.resize(static_cast<std::size_t>(order));
-  return out;
-}
-
-inline arma fit_arma(series x, gyroakf_arma_options opt = arma_options(), const progress &f = {}) {
-  detail::listener listener(opt, f);
-  gyroakf_error err;
-  arma out;
-  listener.check(gyroakf_arma_fit(x.data(), x.count(), &opt, &out, &err), err);
   return out;
 }
 

@@ -315,26 +315,6 @@ static void test_noise_failures(void) {
   gyroakf_allan_free(a);
 }
 
-/* Weights of 11 men, as in test/test_normality.f90, and the failures. */
-static void test_normality(void) {
-  static const double men[11] = {148, 154, 158, 160, 161, 162, 166, 170, 182, 195, 236};
-  double x[1000];
-  gyroakf_normality normal;
-  int i;
-  check_success(gyroakf_normality_test(men, 11, 0, &normal, &err), "normality of 11 weights");
-  check(close_to(normal.dagostino_k2, 13.0342631211925817, 1e-12), "K2");
-  check(close_to(normal.anderson_darling, 1.02892976997730313, 1e-12), "Anderson-Darling");
-  check(close_to(normal.skewness, 1.67854390158616478, 1e-12), "skewness");
-  check(normal.samples == 11 && normal.tested == 11 && normal.quantised == 1 && normal.step == 1.0, "whole kilograms");
-  autoregressive(x, 1000, 0.0);
-  for (i = 0; i < 5; i++) x[100 * i] = NAN;
-  check_success(gyroakf_normality_test(x, 1000, 200, &normal, &err), "normality with missing samples, thinned");
-  check(normal.samples == 995 && normal.tested == 199 && normal.quantised == 0, "every fifth of 995");
-  check_failure(gyroakf_normality_test(x, 8, 0, &normal, &err), GYROAKF_TOO_FEW_SAMPLES, "7 samples");
-  check_failure(gyroakf_normality_test(x, 1000, 7, &normal, &err), GYROAKF_INVALID_ARGUMENT, "at most 7 samples");
-  check_failure(gyroakf_normality_test(x, 1000, 0, NULL, &err), GYROAKF_INVALID_ARGUMENT, "no place for the result");
-}
-
 /* Five levels: a bin for each two of them, as in test/test_histogram.f90. */
 static void test_histogram(void) {
   static const double nine[9] = {0, 1, 1, 2, 2, 2, 3, 3, 4};
@@ -427,13 +407,11 @@ static void test_adf(void) {
   check(adf.statistic < adf.critical[0], "still stationary");
 }
 
-/* A stationary series, white noise, and its sums: KPSS, Phillips-Perron, autocorrelation, Ljung-Box. */
+/* A stationary series, white noise, and its sums: KPSS, autocorrelation, Ljung-Box. */
 static void test_correlation(void) {
   double x[2000], sum[2000], acf[11], pacf[11], limit[11];
   gyroakf_kpss_options opt;
-  gyroakf_phillips_perron_options roots_opt;
   gyroakf_kpss kpss;
-  gyroakf_phillips_perron roots;
   gyroakf_whiteness white;
   int i;
   autoregressive(x, 2000, 0.5);
@@ -448,16 +426,6 @@ static void test_correlation(void) {
   opt.lags = 7;
   check_success(gyroakf_kpss_test(x, 2000, &opt, &kpss, &err), "given bandwidth");
   check(kpss.lags == 7 && kpss.critical[1] == 0.146, "about a line");
-  check_success(gyroakf_phillips_perron_test(x, 2000, NULL, &roots, &err), "Phillips-Perron of a stationary series");
-  check(roots.statistic < roots.critical[0] && roots.p_value < 0.01 && roots.coefficient < 0.7, "it has no unit root");
-  check(roots.observations == 1999 && roots.lags == 26, "bandwidth and rows");
-  check_success(gyroakf_phillips_perron_test(sum, 2000, NULL, &roots, &err), "Phillips-Perron of a random walk");
-  check(roots.statistic > roots.critical[1], "it has one");
-  gyroakf_phillips_perron_options_init(&roots_opt);
-  roots_opt.regression = "n";
-  roots_opt.lags = 3;
-  check_success(gyroakf_phillips_perron_test(x, 2000, &roots_opt, &roots, &err), "given bandwidth");
-  check(roots.lags == 3, "3 lags");
   check_success(gyroakf_autocorrelation(x, 2000, 10, acf, pacf, limit, &err), "autocorrelation");
   check(acf[0] == 1 && fabs(acf[1] - 0.5) < 0.1 && acf[1] == pacf[1] && fabs(pacf[3]) < 0.1, "AR(1)");
   check(fabs(limit[10] - 1.959963984540054 / sqrt(2000.0)) < 1e-12, "limit");
@@ -472,9 +440,7 @@ static void test_correlation(void) {
 static void test_correlation_failures(void) {
   double x[100], flat[100] = {0}, acf[100];
   gyroakf_kpss_options opt;
-  gyroakf_phillips_perron_options roots_opt;
   gyroakf_kpss kpss;
-  gyroakf_phillips_perron roots;
   gyroakf_whiteness white;
   nbs(x, 100);
   check_failure(gyroakf_kpss_test(NULL, 100, NULL, &kpss, &err), GYROAKF_INVALID_ARGUMENT, "series NULL");
@@ -490,12 +456,6 @@ static void test_correlation_failures(void) {
   opt.struct_size = 0;
   check_failure(gyroakf_kpss_test(x, 100, &opt, &kpss, &err), GYROAKF_INVALID_ARGUMENT, "options not initialised");
   gyroakf_kpss_options_init(NULL);
-  check_failure(gyroakf_phillips_perron_test(x, 100, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "result NULL");
-  check_failure(gyroakf_phillips_perron_test(flat, 100, NULL, &roots, &err), GYROAKF_CONSTANT_INPUT, "constant series");
-  gyroakf_phillips_perron_options_init(&roots_opt);
-  roots_opt.lags = INT64_MAX;
-  check_failure(gyroakf_phillips_perron_test(x, 100, &roots_opt, &roots, &err), GYROAKF_TOO_FEW_SAMPLES, "lags huge");
-  gyroakf_phillips_perron_options_init(NULL);
   check_failure(gyroakf_autocorrelation(x, 100, 10, NULL, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "result NULL");
   check_failure(gyroakf_autocorrelation(x, 100, 100, acf, NULL, NULL, &err), GYROAKF_TOO_FEW_SAMPLES, "as many lags as samples");
   check_failure(gyroakf_autocorrelation(x, 100, INT32_MAX, acf, NULL, NULL, &err), GYROAKF_TOO_FEW_SAMPLES, "lags huge");
@@ -604,53 +564,6 @@ static void test_ar(void) {
   for (i = 0; i < 60; i++) x[331 * i] = NAN;
   check_success(gyroakf_ar_fit(x, 20000, &opt, 3, &order, phi, &variance, &mean, &err), "missing samples");
   check(order == 1 && fabs(phi[0] - 0.5) < 0.03, "coefficient with missing samples");
-}
-
-/* An ARMA(1,1) that is AR(1) in white noise; a part of it; missing samples. */
-static void test_arma(void) {
-  static double x[4000];
-  gyroakf_arma_options opt;
-  gyroakf_arma m;
-  int32_t i;
-  gyroakf_arma_options_init(&opt);
-  check(opt.p == -1 && opt.q == -1 && opt.max_p == 3 && opt.max_samples == 131072, "defaults");
-  opt.p = opt.q = 1;
-  autoregressive(x, 4000, 0.9);
-  check_success(gyroakf_arma_fit(x, 4000, &opt, &m, &err), "ARMA(1,1) of AR(1)");
-  check(m.p == 1 && m.q == 1 && m.converged && m.errors_known && m.first == 0 && m.length == 4000 && m.samples == 4000, "counts");
-  check(fabs(m.phi[0] - 0.9) < 4 * m.phi_error[0] && fabs(m.theta[0]) < 4 * m.theta_error[0], "coefficients");
-  check(m.phi[1] == 0.0 && m.theta[2] == 0.0 && fabs(m.noise_variance - 1.0) < 0.1, "no others, noise variance");
-  check(close_to(m.bic - m.aic, 4 * (log(4000.0) - 2), 1e-9) && close_to(m.aic, 8 - 2 * m.log_likelihood, 1e-12), "criteria");
-  opt.q = 0;
-  opt.max_samples = 1000;
-  check_success(gyroakf_arma_fit(x, 4000, &opt, &m, &err), "AR(1) of a part");
-  check(m.first == 1500 && m.length == 1000 && m.drift_found == 1 && m.white_std == 0.0, "the middle; no white noise");
-  check(close_to(m.drift_time, -1 / log(m.phi[0]), 1e-12), "correlation time");
-  for (i = 0; i < 10; i++) x[400 * i] = NAN;
-  opt.max_samples = 4000;
-  check_success(gyroakf_arma_fit(x, 4000, &opt, &m, &err), "missing samples");
-  check(m.samples == 3990 && fabs(m.phi[0] - 0.9) < 4 * m.phi_error[0], "are not counted");
-}
-
-static void test_arma_failures(void) {
-  double x[100];
-  gyroakf_arma_options opt;
-  gyroakf_arma m;
-  m.p = 77;
-  nbs(x, 100);
-  check_failure(gyroakf_arma_fit(NULL, 4, NULL, &m, &err), GYROAKF_INVALID_ARGUMENT, "ARMA: series NULL");
-  check_failure(gyroakf_arma_fit(x, 100, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "ARMA: out NULL");
-  check_failure(gyroakf_arma_fit(x, 20, NULL, &m, &err), GYROAKF_TOO_FEW_SAMPLES, "ARMA: 20 samples");
-  gyroakf_arma_options_init(&opt);
-  opt.q = 4;
-  check_failure(gyroakf_arma_fit(x, 100, &opt, &m, &err), GYROAKF_INVALID_ARGUMENT, "ARMA: q = 4");
-  gyroakf_arma_options_init(&opt);
-  opt.criterion = "zzz";
-  check_failure(gyroakf_arma_fit(x, 100, &opt, &m, &err), GYROAKF_INVALID_ARGUMENT, "ARMA: unknown criterion");
-  opt.struct_size = 3;
-  check_failure(gyroakf_arma_fit(x, 100, &opt, &m, &err), GYROAKF_INVALID_ARGUMENT, "ARMA: struct_size 3");
-  check(m.p == 77, "ARMA: a failure leaves the result alone");
-  gyroakf_arma_options_init(NULL);
 }
 
 static void test_ar_failures(void) {
@@ -1087,7 +1000,6 @@ int main(int argc, char **argv) {
   test_noise_failures();
   test_outliers();
   test_adf();
-  test_normality();
   test_histogram();
   test_adf_failures();
   test_correlation();
@@ -1095,8 +1007,6 @@ int main(int argc, char **argv) {
   test_periodicity();
   test_ar();
   test_ar_failures();
-  test_arma();
-  test_arma_failures();
   test_filter_values();
   test_filter_run();
   test_filter_freeze();

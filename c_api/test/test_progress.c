@@ -83,15 +83,6 @@ static int run_kpss(listener *l) {
   return gyroakf_kpss_test(x, samples, &opt, &out, &err);
 }
 
-static int run_phillips_perron(listener *l) {
-  gyroakf_phillips_perron_options opt;
-  gyroakf_phillips_perron out;
-  gyroakf_phillips_perron_options_init(&opt);
-  opt.progress = listen;
-  opt.progress_user = l;
-  return gyroakf_phillips_perron_test(x, samples, &opt, &out, &err);
-}
-
 static int run_ar_by(listener *l, const char *method) {
   gyroakf_ar_options opt;
   double phi[8], variance;
@@ -170,11 +161,6 @@ static int run_correlation(listener *l) {
 static int run_ljung_box(listener *l) {
   gyroakf_whiteness out;
   return gyroakf_ljung_box_watched(x, samples, 20, 0, &out, listen, l, &err);
-}
-
-static int run_normality(listener *l) {
-  gyroakf_normality out;
-  return gyroakf_normality_test_watched(x, samples, samples, &out, listen, l, &err);
 }
 
 static int run_histogram(listener *l) {
@@ -262,28 +248,6 @@ static int run_adf(listener *l) {
   opt.progress = listen;
   opt.progress_user = l;
   return gyroakf_adf_test(x, samples, &opt, &adf, &err);
-}
-
-static int run_arma(listener *l) {
-  gyroakf_arma_options opt;
-  gyroakf_arma arma;
-  gyroakf_arma_options_init(&opt);
-  opt.max_p = opt.max_q = 1;
-  opt.max_samples = 4000;
-  opt.progress = listen;
-  opt.progress_user = l;
-  return gyroakf_arma_fit(x, samples, &opt, &arma, &err);
-}
-
-static int run_given_arma(listener *l) {
-  gyroakf_arma_options opt;
-  gyroakf_arma arma;
-  gyroakf_arma_options_init(&opt);
-  opt.p = opt.q = 1;
-  opt.max_samples = 100000;
-  opt.progress = listen;
-  opt.progress_user = l;
-  return gyroakf_arma_fit(x, samples, &opt, &arma, &err);
 }
 
 static int run_drift(listener *l) {
@@ -439,7 +403,6 @@ void test_progress(void) {
   check_progress(run_gapped_ohdev, "progress of ohdev with gaps", "Allan");
   check_progress(run_gapped_totdev, "progress of totdev with gaps", "Allan");
   check_progress(run_kpss, "progress of the KPSS test", "stationarity");
-  check_progress(run_phillips_perron, "progress of the Phillips-Perron test", "unit-root");
   check_progress(run_ar, "progress of the AR model", "autocovariances");
   check_progress(run_least_squares, "progress of the AR model by least squares", "autocovariances");
   check_progress(run_gapped_burg, "progress of the AR model by Burg's recursion", "autocovariances");
@@ -449,7 +412,6 @@ void test_progress(void) {
   check_progress(run_simulate, "progress of a simulation", "simulating");
   check_progress(run_correlation, "progress of the autocorrelation", "autocovariances");
   check_progress(run_ljung_box, "progress of the Ljung-Box test", "autocovariances");
-  check_progress(run_normality, "progress of the normality test", "normality");
   check_progress(run_histogram, "progress of a histogram", "histogram");
   check_progress(run_fisher, "progress of Fisher's test", "Fourier");
   check_progress(run_welch, "progress of a spectrum", "spectrum");
@@ -458,9 +420,6 @@ void test_progress(void) {
   check_progress(run_filter, "progress of a filter", "filtering");
   check_progress(run_smoother, "progress of the smoother", "weighing");
   check_progress(run_adf, "progress of the ADF test", "unit-root");
-  check_progress(run_arma, "progress of the ARMA model", "ARMA");
-  check_progress(run_given_arma, "progress of an ARMA model of given orders", "ARMA");
-  check_often(run_given_arma, 20, "evaluations of the likelihood of an ARMA model");
   check_progress(run_drift, "progress of the drift", "identifying");
   check_progress(run_arrays, "progress of a recording of arrays", "copying");
   check_often(run_arrays, 6, "samples that are copied");

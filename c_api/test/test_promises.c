@@ -93,20 +93,11 @@ static int kpss_test(call *c) {
   return gyroakf_kpss_test(c->x, c->length, (const gyroakf_kpss_options *)c->opt, (gyroakf_kpss *)(void *)c->figures, &err);
 }
 
-static int phillips_perron_test(call *c) {
-  return gyroakf_phillips_perron_test(c->x, c->length, (const gyroakf_phillips_perron_options *)c->opt,
-                                      (gyroakf_phillips_perron *)(void *)c->figures, &err);
-}
-
 static int autocorrelation(call *c) {
   return gyroakf_autocorrelation(c->x, c->length, 30, c->array[0], c->array[1], c->array[2], &err);
 }
 
 static int ljung_box(call *c) { return gyroakf_ljung_box(c->x, c->length, 20, 0, (gyroakf_whiteness *)(void *)c->figures, &err); }
-
-static int normality_test(call *c) {
-  return gyroakf_normality_test(c->x, c->length, 0, (gyroakf_normality *)(void *)c->figures, &err);
-}
 
 static int histogram_new(call *c) {
   gyroakf_histogram *h = (gyroakf_histogram *)c;
@@ -132,10 +123,6 @@ static int spectral_lines(call *c) {
 static int ar_fit(call *c) {
   return gyroakf_ar_fit(c->x, c->length, (const gyroakf_ar_options *)c->opt, 5, (int32_t *)(void *)c->figures, c->array[0],
                         (double *)(void *)(c->figures + 64), (double *)(void *)(c->figures + 128), &err);
-}
-
-static int arma_fit(call *c) {
-  return gyroakf_arma_fit(c->x, c->length, (const gyroakf_arma_options *)c->opt, (gyroakf_arma *)(void *)c->figures, &err);
 }
 
 static int filter_new(call *c) {
@@ -264,9 +251,7 @@ INIT(fit)
 INIT(outlier)
 INIT(adf)
 INIT(kpss)
-INIT(phillips_perron)
 INIT(ar)
-INIT(arma)
 INIT(filter)
 INIT(drift)
 
@@ -291,16 +276,13 @@ static const row table[] = {
     {"adf_test", adf_test, 1, 1, 0, OPTIONS(adf), 0},
     {"adf_coefficients", adf_coefficients, 1, 1, 0, OPTIONS(adf), 0},
     {"kpss_test", kpss_test, 1, 1, 0, OPTIONS(kpss), 32},
-    {"phillips_perron_test", phillips_perron_test, 1, 1, 0, OPTIONS(phillips_perron), 24},
     {"autocorrelation", autocorrelation, 1, 1, 3, NONE},
     {"ljung_box", ljung_box, 1, 1, 0, NONE},
-    {"normality_test", normality_test, 1, 1, 0, NONE},
     {"histogram_new", histogram_new, 1, 1, 0, NONE},
     {"fisher_g", fisher_g, 1, 1, 0, NONE},
     {"welch_spectrum", welch_spectrum, 1, 1, 2, NONE},
     {"spectral_lines", spectral_lines, 1, 1, 0, NONE},
     {"ar_fit", ar_fit, 1, 1, 1, OPTIONS(ar), 32},
-    {"arma_fit", arma_fit, 1, 1, 0, OPTIONS(arma), 0},
     {"filter_new", filter_new, 1, 0, 0, OPTIONS(filter), 0},
     {"filter_run", filter_run, 1, 1, 1, NONE},
     {"drift_identify", drift_identify, 1, 1, 0, OPTIONS(drift), 40},
@@ -785,7 +767,6 @@ static void test_counts(void) {
   static const int32_t wrong[] = {-1, INT32_MIN};
   gyroakf_adf_coefficient rows_of[4];
   gyroakf_spectral_line line;
-  gyroakf_normality normality;
   gyroakf_histogram *h;
   gyroakf_whiteness white;
   gyroakf_filter *f;
@@ -799,7 +780,6 @@ static void test_counts(void) {
   for (k = 0; k < 2; k++) {
     check_failure(gyroakf_adf_coefficients(series, n, NULL, wrong[k], rows_of, &count, &err), GYROAKF_INVALID_ARGUMENT, "a table of no rows");
     check_failure(gyroakf_spectral_lines(series, n, 1.0, wrong[k], &line, &count, &err), GYROAKF_INVALID_ARGUMENT, "no lines");
-    check_failure(gyroakf_normality_test(series, n, wrong[k], &normality, &err), GYROAKF_INVALID_ARGUMENT, "no samples tested");
     check_failure(gyroakf_histogram_new(series, n, wrong[k], &h, &err), GYROAKF_INVALID_ARGUMENT, "no bins");
     check_failure(gyroakf_autocorrelation(series, n, wrong[k], acf, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "no lags");
     check_failure(gyroakf_ljung_box(series, n, wrong[k], 0, &white, &err), GYROAKF_INVALID_ARGUMENT, "no lags tested");

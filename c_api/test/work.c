@@ -92,7 +92,6 @@ static void analyse(results *r, const double *x, int64_t n) {
   r->kpss[0] = kpss.statistic;
   r->kpss[1] = kpss.p_value;
   r->status += gyroakf_ar_fit(x, n, NULL, 5, &order, r->phi, &r->variance, &r->mean, &error);
-  r->status += gyroakf_arma_fit(x, n, NULL, &r->arma, &error);
   gyroakf_simulate_options_init(&simulation);
   simulation.samples = 500;
   simulation.seed = r->seed;

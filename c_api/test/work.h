@@ -14,7 +14,6 @@ typedef struct results {
   double deviation[work_points], upper[work_points], read[work_samples], filtered[work_samples], stepped[work_samples], simulated[500], phi[5], variance, mean;
   gyroakf_noise noise;
   double adf[2], kpss[2];
-  gyroakf_arma arma;
   gyroakf_filter_state state;
   char texts[work_texts]; /* names, units, warnings and messages, one after the other */
 } results;

@@ -18,7 +18,7 @@ module gyroakf_special
    private
    public :: normal_cdf, log_normal_cdf, normal_quantile, chi_square_cdf, chi_square_survival, chi_square_quantile, digamma, &
       & ln_gamma
-   public :: log1p, expm1
+   public :: log1p
 
    interface
       !> ln(1 + x) of the C library, accurate for small x
@@ -28,14 +28,6 @@ module gyroakf_special
          real(c_double), intent(in), value :: x
          real(c_double) :: log1p
       end function log1p
-
-      !> exp(x) - 1 of the C library, accurate for small x
-      pure function expm1(x) bind(c, name="expm1")
-         import :: c_double
-         implicit none (type, external)
-         real(c_double), intent(in), value :: x
-         real(c_double) :: expm1
-      end function expm1
    end interface
 
    real(dp), parameter :: pi = 3.1415926535897932384626433832795_dp

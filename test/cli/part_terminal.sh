@@ -12,8 +12,8 @@ awk 'BEGIN { print "# rate_hz: 100\n# units: deg/s deg/s deg/s m/s^2 m/s^2\n# co
 grep -v '^#' "$example" | awk 'NR <= 100' >hundred.txt
 grep -v '^#' "$example" | awk 'NR <= 4000' >bare.txt
 "$gyroakf" simulate --samples 6000 --rate 10 --coefficients N=0.005,K=0.0005 --missing 0.01 --output drift.txt --truth drift_truth.txt
-for arguments in "run $example" "run $example --preset paper" "run $example --akf robust" "run $example --ma-order auto" \
-   "run $example --adf-table" "run five.txt" "allan five.txt --kinds mdev,tdev,hdev,totdev --dynamic 5" "run hundred.txt" "run bare.txt" \
+for arguments in "run $example" "run $example --preset paper" "run $example --akf robust" "run $example --adf-table" \
+   "run five.txt" "allan five.txt --kinds mdev,tdev,hdev,totdev --dynamic 5" "run hundred.txt" "run bare.txt" \
    "inspect five.txt" "tests bare.txt" "ar $example" "filter drift.txt --truth drift_truth.txt" "run drift.txt --truth drift_truth.txt" \
    "filter bare.txt --estimate q,r,Q,R" "run bare.txt drift.txt five.txt" "inspect bare.txt five.txt" "filter bare.txt drift.txt"; do
    # shellcheck disable=SC2086

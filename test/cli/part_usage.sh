@@ -75,8 +75,6 @@ a result would overwrite the true drift ; filter x.txt --truth f --json ./f
 '--truth' is not one of 'allan' ; allan x.txt --truth f
 '--forgetting' is not one of 'inspect' ; inspect x.txt --forgetting 0.9
 --order is larger than --max-order ; ar x.txt --order 5 --max-order 3
---ma-order goes with --order 0 to 3 ; ar x.txt --order 4 --ma-order 1
-'4' is not a whole number from 0 to 3 ; ar x.txt --ma-order 4
 '5000' is not a whole number from 0 to 1000 ; x.txt --adf-lags 5000
 --ar and --ar-variance go together ; simulate --ar 0.5
 'N=2' is not a term given once ; simulate --coefficients N=1,N=2

@@ -1,7 +1,5 @@
 ! SPDX-License-Identifier: MIT
 !> Roots of the characteristic polynomial of an AR model: is it stationary, where does it ring, how fast does it forget.
-!>
-!> The moving-average part of an ARMA model has the same polynomial with the signs of its coefficients reversed.
 module gyroakf_ar_roots
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp

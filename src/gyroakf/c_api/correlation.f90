@@ -1,13 +1,11 @@
 ! SPDX-License-Identifier: MIT
-!> C: further tests of stationarity, correlation, whiteness. What the functions promise is said in c_api/include/gyroakf.h.
+!> C: KPSS test, autocorrelation, Ljung-Box test, as documented in c_api/include/gyroakf.h.
 module gyroakf_c_api_correlation
    use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, c_double, c_size_t, &
       & c_null_ptr, c_null_funptr, c_associated, c_sizeof
-   use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_series_correlation, only : correlation_type, compute_correlation
    use gyroakf_series_kpss, only : kpss_options, kpss_type, test_kpss
-   use gyroakf_series_phillips_perron, only : phillips_perron_options, phillips_perron_type, test_phillips_perron
    use gyroakf_series_whiteness, only : ljung_box_type, test_ljung_box
    use gyroakf_c_api_progress, only : callback_type
    use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
@@ -16,7 +14,6 @@ module gyroakf_c_api_correlation
    implicit none (type, external)
    private
    public :: gyroakf_kpss_options_init, gyroakf_kpss_test
-   public :: gyroakf_phillips_perron_options_init, gyroakf_phillips_perron_test
    public :: gyroakf_autocorrelation, gyroakf_autocorrelation_watched, gyroakf_ljung_box, gyroakf_ljung_box_watched
 
    !> `gyroakf_kpss_options`
@@ -35,29 +32,14 @@ module gyroakf_c_api_correlation
       integer(c_int32_t) :: p_bound
    end type kpss_c
 
-   !> `gyroakf_phillips_perron_options`
-   type, bind(C) :: phillips_perron_options_c
-      integer(c_size_t) :: struct_size
-      type(c_ptr) :: regression
-      integer(c_int64_t) :: lags
-      type(c_funptr) :: progress
-      type(c_ptr) :: progress_user
-   end type phillips_perron_options_c
-
-   !> `gyroakf_phillips_perron`
-   type, bind(C) :: phillips_perron_c
-      real(c_double) :: statistic, p_value, rho_statistic, critical(3), coefficient
-      integer(c_int64_t) :: lags, observations
-   end type phillips_perron_c
-
    !> `gyroakf_whiteness`
    type, bind(C) :: ljung_box_c
       real(c_double) :: statistic, p_value, largest_rho
       integer(c_int32_t) :: largest_lag
    end type ljung_box_c
 
-   !> Sizes of the options before they had a progress function
-   integer(c_size_t), parameter :: kpss_size_before = 32, phillips_perron_size_before = 24
+   !> Size of the options before they had a progress function
+   integer(c_size_t), parameter :: kpss_size_before = 32
 
 contains
 
@@ -117,59 +99,6 @@ contains
       options%lags = opt%lags
       if (opt%struct_size == c_sizeof(opt)) callback = callback_type(opt%progress, opt%progress_user)
    end subroutine read_kpss
-
-   !> `gyroakf_phillips_perron_options_init`
-   subroutine gyroakf_phillips_perron_options_init(opt) bind(C, name="gyroakf_phillips_perron_options_init")
-      type(phillips_perron_options_c), intent(out), optional :: opt
-
-      if (.not. present(opt)) return
-      opt%struct_size = c_sizeof(opt)
-      opt%regression = c_null_ptr
-      opt%lags = -1
-      opt%progress = c_null_funptr
-      opt%progress_user = c_null_ptr
-   end subroutine gyroakf_phillips_perron_options_init
-
-   !> `gyroakf_phillips_perron_test`
-   integer(c_int) function gyroakf_phillips_perron_test(x, n, opt, out, err) bind(C, name="gyroakf_phillips_perron_test")
-      type(c_ptr), intent(in), value :: x
-      integer(c_int64_t), intent(in), value :: n
-      type(phillips_perron_options_c), intent(in), optional :: opt
-      type(phillips_perron_c), intent(inout), optional :: out
-      type(error_c), intent(out), optional :: err
-      type(host_type) :: host
-      type(series_type) :: series
-      type(phillips_perron_options) :: options
-      type(phillips_perron_type) :: result
-      type(callback_type) :: callback
-      type(error_type), allocatable :: error
-
-      call enter_library(host)
-      call check_place(present(out), error)
-      if (.not. allocated(error)) call read_phillips_perron(options, callback, error, opt)
-      if (.not. allocated(error)) call open_series(x, n, series, error)
-      if (.not. allocated(error)) call test_phillips_perron(series%x, options, result, error, series%valid, callback)
-      call close_series(series)
-      call check_finite([result%statistic, result%p_value, result%rho_statistic, result%coefficient], error)
-      if (.not. allocated(error)) out = phillips_perron_c(result%statistic, result%p_value, result%rho_statistic, &
-         & result%critical, result%coefficient, result%lags, result%observations)
-      gyroakf_phillips_perron_test = leave_library(host, error, err)
-   end function gyroakf_phillips_perron_test
-
-   !> Options of C into options of the library; the defaults where they are absent.
-   subroutine read_phillips_perron(options, callback, error, opt)
-      type(phillips_perron_options), intent(out) :: options
-      type(callback_type), intent(out) :: callback
-      type(error_type), allocatable, intent(out) :: error
-      type(phillips_perron_options_c), intent(in), optional :: opt
-
-      if (.not. present(opt)) return
-      call check_struct_size(opt%struct_size, c_sizeof(opt), error, phillips_perron_size_before)
-      if (allocated(error)) return
-      call take_text(opt%regression, options%regression, error)
-      options%lags = opt%lags
-      if (opt%struct_size == c_sizeof(opt)) callback = callback_type(opt%progress, opt%progress_user)
-   end subroutine read_phillips_perron
 
    !> `gyroakf_autocorrelation`
    integer(c_int) function gyroakf_autocorrelation(x, n, lags, acf, pacf, limit, err) bind(C, name="gyroakf_autocorrelation")

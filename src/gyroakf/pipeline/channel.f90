@@ -15,7 +15,6 @@ module gyroakf_pipeline_channel
    use gyroakf_ar_shared_autocovariance, only : autocovariance_type
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stage
    use gyroakf_pipeline_coefficients, only : run_allan, compare_coefficients
-   use gyroakf_pipeline_arma, only : run_arma
    use gyroakf_pipeline_changes, only : run_halves, run_dynamic
    use gyroakf_pipeline_distribution, only : run_distribution
    use gyroakf_pipeline_drift_filters, only : run_drift_filters
@@ -118,8 +117,6 @@ contains
          if (allocated(error)) return
          call warn_model(channel)
       end if
-      call run_arma(record, z, options, channel, error, valid, progress)
-      if (allocated(error)) return
       if (options%do_tests) call run_periodicity(z, record%sample_interval, record%rate_known, options, channel, error, valid, &
                                                  progress)
       if (allocated(error)) return

@@ -1,13 +1,12 @@
 ! SPDX-License-Identifier: MIT
-!> Tests of one channel that look at its correlation: KPSS, Phillips-Perron, autocorrelation and whiteness.
+!> Tests of one channel that look at its correlation: KPSS, autocorrelation and whiteness.
 module gyroakf_pipeline_correlation
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type
    use gyroakf_ar_shared_autocovariance, only : autocovariance_type
    use gyroakf_series_kpss, only : test_kpss
-   use gyroakf_series_phillips_perron, only : test_phillips_perron, phillips_perron_options
-   use gyroakf_series_whiteness, only : ljung_box_of, box_pierce_of
+   use gyroakf_series_whiteness, only : ljung_box_of
    use gyroakf_series_correlation, only : correlation_of
    use gyroakf_series_lag_transform, only : many_autocovariances
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type
@@ -18,13 +17,13 @@ module gyroakf_pipeline_correlation
 
 contains
 
-   !> KPSS and Phillips-Perron.
+   !> KPSS test.
    subroutine run_stationarity(z, options, channel, error, valid, progress)
       !> The cleaned series: [n]
       real(dp), intent(in), contiguous :: z(:)
       !> Options of the main job
       type(pipeline_options), intent(in) :: options
-      !> `kpss` and `phillips_perron` are filled, or failures noted
+      !> `kpss` is filled, or its failure noted
       type(channel_result_type), intent(inout) :: channel
       !> no_memory, cancelled and the like
       type(error_type), allocatable, intent(out) :: error
@@ -32,26 +31,20 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
-      type(phillips_perron_options) :: roots
 
       call test_kpss(z, options%kpss, channel%kpss, error, valid, progress)
       if (is_fatal(error)) return
       channel%available%kpss = .not. allocated(error)
       call note_failure(channel, "KPSS test", error)
-      roots%regression = options%adf%regression(:2)           ! ctt: a line at most
-      call test_phillips_perron(z, roots, channel%phillips_perron, error, valid, progress)
-      if (is_fatal(error)) return
-      channel%available%phillips_perron = .not. allocated(error)
-      call note_failure(channel, "Phillips-Perron test", error)
    end subroutine run_stationarity
 
-   !> Autocorrelation, Ljung-Box and Box-Pierce of a series.
+   !> Autocorrelation and Ljung-Box test of a series.
    subroutine run_correlation(z, options, channel, error, valid, shared, progress)
       !> The cleaned series: [n]
       real(dp), intent(in), contiguous :: z(:)
       !> Options of the main job
       type(pipeline_options), intent(in) :: options
-      !> `correlation`, `ljung_box`, `box_pierce` are filled, or failures noted
+      !> `correlation` and `ljung_box` are filled, or failures noted
       type(channel_result_type), intent(inout) :: channel
       !> no_memory and the like
       type(error_type), allocatable, intent(out) :: error
@@ -107,7 +100,7 @@ contains
       real(dp), intent(in), contiguous :: r(0:)
       !> Samples of the series, > h
       integer(int64), intent(in) :: n
-      !> `correlation`, `ljung_box`, `box_pierce` are filled, or failures noted
+      !> `correlation` and `ljung_box` are filled, or failures noted
       type(channel_result_type), intent(inout) :: channel
       !> no_memory and the like
       type(error_type), allocatable, intent(out) :: error
@@ -115,7 +108,6 @@ contains
       integer(int64), intent(in), optional :: pairs(0:)
 
       call ljung_box_of(r, n, 0, channel%ljung_box, error, pairs)
-      if (.not. allocated(error)) call box_pierce_of(r, n, 0, channel%box_pierce, error, pairs)
       channel%available%ljung_box = .not. allocated(error)
       if (.not. allocated(error)) call correlation_of(r, n, 0, channel%correlation, error, pairs)
       if (is_fatal(error)) return

@@ -6,7 +6,7 @@ module gyroakf_pipeline_distribution
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_record, only : add_text
    use gyroakf_io_writer, only : format_real
-   use gyroakf_series_normality, only : test_dagostino, judge_normality
+   use gyroakf_series_normality, only : judge_normality
    use gyroakf_series_anderson_darling, only : test_anderson_darling, rounding_statistic
    use gyroakf_series_histogram, only : histogram_options, compute_histogram
    use gyroakf_series_quantisation, only : find_quantisation, coarse_ratio
@@ -16,12 +16,12 @@ module gyroakf_pipeline_distribution
    private
    public :: run_distribution
 
-   !> Where rounding alone adds more than this to A2, the Anderson-Darling test does not decide
+   !> Where rounding alone adds as much as this to A2, the Anderson-Darling test does not decide
    real(dp), parameter :: negligible_rounding = 0.1_dp
 
 contains
 
-   !> Quantisation of the record as read; D'Agostino's and the Anderson-Darling test and the histogram of the cleaned series.
+   !> Quantisation of the record as read; Anderson-Darling test and histogram of the cleaned series.
    subroutine run_distribution(x, z, options, channel, error, valid, progress)
       !> As read, and cleaned: [n]
       real(dp), intent(in), contiguous :: x(:), z(:)
@@ -36,7 +36,6 @@ contains
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(histogram_options) :: bins
-      real(dp) :: p_value
 
       call tell_progress("steps of the samples", 0_int64, 0_int64, error, progress)
       if (allocated(error)) return
@@ -45,21 +44,11 @@ contains
       channel%available%quantisation = .not. allocated(error)
       call note_failure(channel, "quantisation", error)
       call warn_coarse(channel)
-      call test_dagostino(channel%cleaned, channel%dagostino, error)
-      if (is_fatal(error)) return
-      channel%available%dagostino = .not. allocated(error)
-      call note_failure(channel, "D'Agostino's test", error)
       call test_anderson_darling(z, options%anderson_darling, channel%anderson_darling, error, valid, progress)
       if (is_fatal(error)) return
       channel%available%anderson_darling = .not. allocated(error)
       call note_failure(channel, "Anderson-Darling test", error)
-      p_value = channel%dagostino%p_value
-      if (rounding_statistic(channel%quantisation%ratio, channel%anderson_darling%samples) < negligible_rounding) then
-         p_value = min(p_value, channel%anderson_darling%p_value)
-      end if
-      if (channel%available%dagostino .or. channel%available%anderson_darling) then
-         channel%normality = judge_normality(channel%cleaned%skewness, channel%cleaned%kurtosis, p_value)
-      end if
+      call judge_distribution(channel)
       call tell_progress("histogram", 0_int64, 0_int64, error, progress)
       if (allocated(error)) return
       bins = options%histogram
@@ -69,6 +58,23 @@ contains
       channel%available%histogram = .not. allocated(error)
       call note_failure(channel, "histogram", error)
    end subroutine run_distribution
+
+   !> The verdict on normality: by the Anderson-Darling test where all samples were tested and
+   !> rounding is negligible, otherwise by Jarque-Bera.
+   subroutine judge_distribution(channel)
+      type(channel_result_type), intent(inout) :: channel
+      real(dp) :: p_value, rounding
+
+      if (.not. channel%available%jarque_bera) return
+      p_value = channel%jarque_bera%p_value
+      associate (test => channel%anderson_darling)
+         rounding = rounding_statistic(channel%quantisation%ratio, test%samples)
+         if (channel%available%anderson_darling .and. test%stride == 1 .and. &
+             rounding < negligible_rounding) p_value = test%p_value
+      end associate
+      channel%normality = judge_normality(channel%cleaned%skewness, channel%cleaned%kurtosis, &
+                                          p_value)
+   end subroutine judge_distribution
 
    !> The step is as large as what is measured.
    subroutine warn_coarse(channel)

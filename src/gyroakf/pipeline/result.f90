@@ -9,19 +9,17 @@ module gyroakf_pipeline_result
    use gyroakf_preprocess_clean, only : clean_options, clean_type
    use gyroakf_series_moments, only : moments_type
    use gyroakf_series_stationarity, only : adf_options, adf_type
-   use gyroakf_series_normality, only : jarque_bera_type, dagostino_type
+   use gyroakf_series_normality, only : jarque_bera_type
    use gyroakf_series_anderson_darling, only : anderson_darling_options, anderson_darling_type
    use gyroakf_series_histogram, only : histogram_options, histogram_type
    use gyroakf_series_quantisation, only : quantisation_type
-   use gyroakf_series_whiteness, only : ljung_box_type, box_pierce_type
+   use gyroakf_series_whiteness, only : ljung_box_type
    use gyroakf_series_correlation, only : correlation_type
    use gyroakf_series_kpss, only : kpss_options, kpss_type
-   use gyroakf_series_phillips_perron, only : phillips_perron_type
    use gyroakf_series_lines, only : line_options
    use gyroakf_series_periodicity, only : periodicity_type
    use gyroakf_series_welch, only : welch_type
    use gyroakf_ar_model, only : ar_options, ar_model_type
-   use gyroakf_ar_arma_result, only : arma_options, arma_model_type
    use gyroakf_filter_design, only : design_options, drift_options
    use gyroakf_filter_series, only : filter_result_type
    use gyroakf_filter_drift_identification, only : drift_identification_options, drift_identification_type
@@ -69,9 +67,6 @@ module gyroakf_pipeline_result
       type(adf_options) :: adf
       !> Order and coefficients of the AR model
       type(ar_options) :: ar
-      !> An ARMA model is fitted too, and how
-      logical :: do_arma = .false.
-      type(arma_options) :: arma
       !> The paper's filters
       type(design_options) :: design
       !> The adaptive filter of the identified drift, also that of the smoother
@@ -110,13 +105,12 @@ module gyroakf_pipeline_result
    !> Which parts of a channel's result are there
    type :: available_type
       logical :: preprocess = .false., adf = .false., jarque_bera = .false., ljung_box = .false., ar = .false.
-      logical :: arma = .false.
       logical :: kf = .false., akf = .false., drift = .false., drift_kf = .false., drift_akf = .false.
       !> The smoothed drift, and with it what is left of the record without it
       logical :: drift_smoother = .false.
       logical :: halves = .false., dynamic = .false.
-      logical :: dagostino = .false., anderson_darling = .false., histogram = .false., quantisation = .false.
-      logical :: kpss = .false., phillips_perron = .false., correlation = .false.
+      logical :: anderson_darling = .false., histogram = .false., quantisation = .false.
+      logical :: kpss = .false., correlation = .false.
       logical :: periodicity = .false., spectrum = .false.
    end type available_type
 
@@ -222,17 +216,14 @@ module gyroakf_pipeline_result
       type(jarque_bera_type) :: jarque_bera
       type(ljung_box_type) :: ljung_box
       !> Normality of the cleaned series
-      type(dagostino_type) :: dagostino
       type(anderson_darling_type) :: anderson_darling
       type(histogram_type) :: histogram
-      !> Verdict of [[judge_normality]] by the smaller p-value of K2 and Anderson-Darling, by that of K2 where rounding alone adds
-      !> more than 0.1 to A2; "" where neither is available
+      !> Verdict of [[judge_normality]] by the Anderson-Darling test of all samples; by Jarque-Bera
+      !> where the series was thinned or rounding alone adds 0.1 or more to A2; "": not tested
       character(9) :: normality = ""
       !> The grid of the record as read, compared with the standard deviation of the cleaned series
       type(quantisation_type) :: quantisation
-      type(box_pierce_type) :: box_pierce
       type(kpss_type) :: kpss
-      type(phillips_perron_type) :: phillips_perron
       !> Autocorrelation of the cleaned series
       type(correlation_type) :: correlation
       !> Fisher's test and lines, of a part of a long record
@@ -250,10 +241,6 @@ module gyroakf_pipeline_result
       type(ar_model_type) :: filter_ar
       !> Largest share of the variance, in percent, that one-step prediction by the AR model removes: 100 (1 - sigma_a^2/var)
       real(dp) :: predictable_percent = 0.0_dp
-      !> The ARMA model, where it was asked for
-      type(arma_model_type) :: arma
-      !> Correlation time of the drift that it is and its standard error, in s (samples without a rate)
-      real(dp) :: arma_time = 0.0_dp, arma_time_error = 0.0_dp
       !> The paper's filters
       type(filter_result_type) :: kf, akf
       type(filter_figures_type) :: kf_figures, akf_figures

@@ -16,7 +16,7 @@ module gyroakf_report_correlation_table
 contains
 
    !> A line per channel and lag: autocorrelation, partial autocorrelation (nan where it does not exist), the 95 % limit of white
-   !> noise and Bartlett's, Ljung-Box and Box-Pierce over the lags so far with their p, present pairs.
+   !> noise and Bartlett's, Ljung-Box over the lags so far with its p, present pairs.
    subroutine write_correlation(writer, result)
       !> Open
       type(writer_type), intent(inout) :: writer
@@ -24,7 +24,7 @@ contains
       type(pipeline_result_type), intent(in) :: result
       integer :: c, k
 
-      call put_line(writer, "channel,lag,acf,pacf,limit,ljung_box,p_value,bartlett_limit,box_pierce,box_pierce_p_value,pairs")
+      call put_line(writer, "channel,lag,acf,pacf,limit,ljung_box,p_value,bartlett_limit,pairs")
       do c = 1, size(result%channel)
          if (.not. result%channel(c)%available%correlation) cycle
          associate (correlation => result%channel(c)%correlation)
@@ -45,10 +45,6 @@ contains
                call put_real(writer, correlation%ljung_box_p(k), digits)
                call put(writer, ",")
                call put_real(writer, correlation%bartlett(k), digits)
-               call put(writer, ",")
-               call put_real(writer, correlation%box_pierce(k), digits)
-               call put(writer, ",")
-               call put_real(writer, correlation%box_pierce_p(k), digits)
                call put_line(writer, ","//count_text(correlation%pairs(k)))
             end do
          end associate

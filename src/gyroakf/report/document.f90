@@ -9,7 +9,6 @@ module gyroakf_report_document
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_result_type, channel_result_type
    use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, flush_json
-   use gyroakf_report_document_arma, only : put_arma
    use gyroakf_report_document_origin, only : origin_type, put_origin
    use gyroakf_report_document_preprocess, only : put_preprocess
    use gyroakf_report_document_parts, only : put_tests, put_ar, put_allan, put_coefficients
@@ -165,7 +164,6 @@ contains
       call flush_json(json, writer)
       call put_allan(json, writer, channel)
       call put_coefficients(json, channel)
-      call put_arma(json, channel)
       call put_truth(json, channel)
       call close_object(json)
       call flush_json(json, writer)

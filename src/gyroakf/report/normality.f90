@@ -52,10 +52,7 @@ contains
       case ("normal"); text = "nothing speaks against a normal distribution: "
       case ("nearly"); text = "nearly normal, a small departure is seen because the record is long: "
       case ("undecided"); text = "too few samples to tell: "
-      case ("not"); text = "not normal: "
-      case default
-         text = "no evidence against a normal distribution: "
-         if (channel%jarque_bera%p_value < level) text = "not normal: "
+      case default; text = "not normal: "
       end select
    end function verdict_text
 
@@ -64,20 +61,19 @@ contains
       type(channel_result_type), intent(in) :: channel
       character(:), allocatable :: text
 
-      text = "skewness "//number(channel%jarque_bera%skewness, 3)
-      if (channel%available%dagostino) text = text//" +/- "//number(channel%dagostino%skewness_error, 2)
-      text = text//", excess kurtosis "//number(channel%jarque_bera%kurtosis - 3, 3)
-      if (channel%available%dagostino) text = text//" +/- "//number(channel%dagostino%kurtosis_error, 2)
+      associate (test => channel%jarque_bera)
+         text = "skewness "//number(test%skewness, 3)//" +/- "//number(test%skewness_error, 2)// &
+                ", excess kurtosis "//number(test%kurtosis - 3, 3)// &
+                " +/- "//number(test%kurtosis_error, 2)
+      end associate
    end function effect_text
 
-   !> "Jarque-Bera 3.2, p = 0.2; D'Agostino K2 ...".
+   !> "Jarque-Bera 3.2, p = 0.2; Anderson-Darling ...".
    pure function tests_text(channel) result(text)
       type(channel_result_type), intent(in) :: channel
       character(:), allocatable :: text
 
       text = "Jarque-Bera "//number(channel%jarque_bera%statistic, 4)//", "//p_value_text(channel%jarque_bera%p_value)
-      if (channel%available%dagostino) text = text//"; D'Agostino K2 "//number(channel%dagostino%statistic, 4)//", "// &
-         p_value_text(channel%dagostino%p_value)
       if (channel%available%anderson_darling) text = text//"; Anderson-Darling "// &
          number(channel%anderson_darling%modified, 4)//", "//p_value_text(channel%anderson_darling%p_value)
    end function tests_text

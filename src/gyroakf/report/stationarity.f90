@@ -32,7 +32,6 @@ contains
       end if
       call put_item(writer, "Stationarity", stationarity_verdict(channel))
       if (channel%available%adf) call put_item(writer, "", adf_text(channel))
-      if (channel%available%phillips_perron) call put_item(writer, "", phillips_perron_text(channel))
       if (channel%available%kpss) call put_item(writer, "", kpss_text(channel))
    end subroutine put_stationarity
 
@@ -93,16 +92,6 @@ contains
              p_value_text(channel%adf%p_value)//"; "//regression_name(channel%adf%regression)//", "// &
              plural(int(channel%adf%lag, int64), "lag")//", "//count_text(channel%adf%observations)//" observations"
    end function adf_text
-
-   !> The Phillips-Perron test.
-   function phillips_perron_text(channel) result(text)
-      type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: text
-
-      text = "Phillips-Perron Z_tau "//number(channel%phillips_perron%statistic, 5)//" against "// &
-             number(channel%phillips_perron%critical(2), 4)//" at 5 %, "//p_value_text(channel%phillips_perron%p_value)// &
-             "; "//regression_name(channel%phillips_perron%regression)//", bandwidth "//count_text(channel%phillips_perron%lags)
-   end function phillips_perron_text
 
    !> The KPSS test; beyond its table p is stated as a bound, with the asymptotic one beside it.
    function kpss_text(channel) result(text)

@@ -27,7 +27,7 @@ contains
       type(channel_result_type), intent(in) :: channel
 
       associate (is => channel%available)
-         test_count = count([is%adf, is%phillips_perron, is%kpss, is%jarque_bera, is%dagostino, is%anderson_darling, is%ljung_box])
+         test_count = count([is%adf, is%kpss, is%jarque_bera, is%anderson_darling, is%ljung_box])
       end associate
    end function test_count
 
@@ -49,15 +49,10 @@ contains
       associate (is => channel%available)
          if (is%adf) call add_test(table, row, "augmented Dickey-Fuller", "unit root", channel%adf%statistic, &
                                    p_value_text(channel%adf%p_value), .not. channel%adf%p_value >= level, channel%adf%critical(2))
-         if (is%phillips_perron) call add_test(table, row, "Phillips-Perron", "unit root", channel%phillips_perron%statistic, &
-            p_value_text(channel%phillips_perron%p_value), .not. channel%phillips_perron%p_value >= level, &
-            channel%phillips_perron%critical(2))
          if (is%kpss) call add_test(table, row, "KPSS", "stationary", channel%kpss%statistic, kpss_p_text(channel), &
                                     .not. channel%kpss%stationary, channel%kpss%critical(2))
          if (is%jarque_bera) call add_test(table, row, "Jarque-Bera", "normal", channel%jarque_bera%statistic, &
             p_value_text(channel%jarque_bera%p_value), channel%jarque_bera%p_value < level)
-         if (is%dagostino) call add_test(table, row, "D'Agostino K2", "normal", channel%dagostino%statistic, &
-                                         p_value_text(channel%dagostino%p_value), channel%dagostino%p_value < level)
          if (is%anderson_darling) call add_test(table, row, "Anderson-Darling", "normal", channel%anderson_darling%modified, &
             p_value_text(channel%anderson_darling%p_value), channel%anderson_darling%p_value < level)
          if (is%ljung_box) call add_test(table, row, "Ljung-Box", "white", channel%ljung_box%statistic, &

@@ -12,7 +12,6 @@ module gyroakf_report_text
    use gyroakf_report_models, only : put_ar_table
    use gyroakf_report_drift, only : put_drift_model
    use gyroakf_report_filters, only : put_filter_table, put_filter_details
-   use gyroakf_report_arma, only : put_arma
    use gyroakf_report_noise, only : put_chart, put_curves_of, put_coefficients, put_comparison
    use gyroakf_report_changes, only : put_changes
    use gyroakf_report_truth, only : put_truth
@@ -94,7 +93,6 @@ contains
          call put_periodicity(writer, record, channel)
       case ("ar")
          call put_ar_table(writer, record, channel)
-         call put_arma(writer, record, channel)
       case ("filter")
          call put_ar_table(writer, record, channel)
          call put_filter_table(writer, record, channel)
@@ -105,7 +103,6 @@ contains
          call put_tests(writer, channel)
          call put_periodicity(writer, record, channel)
          call put_ar_table(writer, record, channel)
-         call put_arma(writer, record, channel)
          call put_filter_table(writer, record, channel)
          call put_filter_details(writer, channel)
          call put_truth(writer, record, channel)

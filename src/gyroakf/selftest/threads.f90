@@ -62,9 +62,10 @@ contains
       type(channel_result_type), intent(in) :: channel
 
       associate (has => channel%available)
-         is_whole = all([has%preprocess, has%adf, has%kpss, has%phillips_perron, has%jarque_bera, has%ljung_box, has%dagostino, &
-            & has%anderson_darling, has%periodicity, has%spectrum, has%ar, has%kf, has%akf, has%drift, has%drift_kf, &
-            & has%drift_akf, has%drift_smoother, channel%allan(1)%available])
+         is_whole = all([has%preprocess, has%adf, has%kpss, has%jarque_bera, has%ljung_box, &
+            & has%anderson_darling, has%periodicity, has%spectrum, has%ar, has%kf, has%akf, &
+            & has%drift, has%drift_kf, has%drift_akf, has%drift_smoother, &
+            & channel%allan(1)%available])
       end associate
    end function is_whole
 
@@ -102,9 +103,8 @@ contains
             & channel%cleaned%kurtosis, real(channel%clean%removed, dp), channel%clean%trend%legendre]
       case (2)
          x = [channel%adf%statistic, channel%adf%level, channel%adf%noise_variance, real(channel%adf%lag, dp), &
-            & channel%kpss%statistic, channel%phillips_perron%statistic, channel%jarque_bera%statistic, &
-            & channel%ljung_box%statistic, channel%dagostino%statistic, channel%anderson_darling%statistic, &
-            & channel%periodicity%fisher%statistic, &
+            & channel%kpss%statistic, channel%jarque_bera%statistic, channel%ljung_box%statistic, &
+            & channel%anderson_darling%statistic, channel%periodicity%fisher%statistic, &
             & channel%spectrum%density]
       case (3)
          x = [channel%ar%coefficient, channel%ar%std_error, channel%ar%noise_variance, channel%ar%residual_ljung_box%statistic, &

@@ -34,8 +34,9 @@ module gyroakf_series_correlation
       real(dp), allocatable :: limit(:)
       !> Those of a series that is correlated up to the lag before (Bartlett): [0:h]
       real(dp), allocatable :: bartlett(:)
-      !> Ljung-Box and Box-Pierce statistic over the lags 1 .. k and the probability of a larger one: [0:h]; p is 1 up to `fitted`
-      real(dp), allocatable :: ljung_box(:), ljung_box_p(:), box_pierce(:), box_pierce_p(:)
+      !> Ljung-Box statistic over the lags 1 .. k and the probability of a larger one: [0:h];
+      !> p is 1 up to `fitted`
+      real(dp), allocatable :: ljung_box(:), ljung_box_p(:)
       !> Size of the effect: largest |acf| beyond lag 0, and its lag
       real(dp) :: largest_rho = 0.0_dp
       integer :: largest_lag = 0
@@ -142,8 +143,6 @@ contains
       if (stat == 0) allocate (result%bartlett(0:h), stat=stat)
       if (stat == 0) allocate (result%ljung_box(0:h), stat=stat)
       if (stat == 0) allocate (result%ljung_box_p(0:h), stat=stat)
-      if (stat == 0) allocate (result%box_pierce(0:h), stat=stat)
-      if (stat == 0) allocate (result%box_pierce_p(0:h), stat=stat)
       there = stat == 0
    end subroutine make_room
 
@@ -165,7 +164,7 @@ contains
       end do
    end subroutine set_limits
 
-   !> Ljung-Box and Box-Pierce at every lag; weights as in [[ljung_box_of]] and [[box_pierce_of]].
+   !> Ljung-Box statistic at every lag; weights as in [[ljung_box_of]].
    subroutine set_tests(result)
       type(correlation_type), intent(inout) :: result
       real(dp) :: n, used, rho, weight
@@ -174,19 +173,14 @@ contains
       n = real(result%samples, dp)
       used = real(result%observations, dp)
       result%ljung_box(0) = 0.0_dp
-      result%box_pierce(0) = 0.0_dp
       result%ljung_box_p(0) = 1.0_dp
-      result%box_pierce_p(0) = 1.0_dp
       do k = 1, result%lags
          weight = real(result%pairs(k), dp)*(n/(n - real(k, dp)))
          rho = result%acf(k)
-         result%box_pierce(k) = result%box_pierce(k - 1) + weight*rho*rho
          result%ljung_box(k) = result%ljung_box(k - 1) + weight*(n/(n - real(k, dp)))*rho*rho*((used + 2.0_dp)/used)
          result%ljung_box_p(k) = 1.0_dp
-         result%box_pierce_p(k) = 1.0_dp
          if (k <= result%fitted) cycle
          result%ljung_box_p(k) = chi_square_survival(result%ljung_box(k), real(k - result%fitted, dp))
-         result%box_pierce_p(k) = chi_square_survival(result%box_pierce(k), real(k - result%fitted, dp))
       end do
    end subroutine set_tests
 

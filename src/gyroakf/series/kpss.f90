@@ -194,7 +194,7 @@ contains
          result%lags = options%lags
          result%rule = "fixed"
       else if (options%rule == "legacy") then
-         result%lags = schwert_lags(result%observations, .false.)
+         result%lags = schwert_lags(result%observations)
       else
          q = min(first_lags(result%observations), ubound(products, 1))
          result%lags = hobijn_lags(products(0:q), result%observations)

@@ -1,13 +1,13 @@
 ! SPDX-License-Identifier: MIT
-!> Sums over residuals that the tests of KPSS and of Phillips and Perron need: cumulative sums, lagged products at small lags,
-!> and the long-run variance at any bandwidth in one pass whose cost does not depend on the bandwidth.
+!> Sums over residuals for the KPSS test: cumulative sums, lagged products at small lags, and the
+!> long-run variance at any bandwidth in one pass whose cost does not depend on the bandwidth.
 module gyroakf_series_long_run
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last, chunk_group
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_ar_autocovariance, only : add_lagged_products
-   use gyroakf_series_residuals, only : residual_type, load_residuals, residual_count
+   use gyroakf_series_residuals, only : residual_type, load_residuals
    implicit none (type, external)
    private
    public :: cumulative_type, sum_residuals, sum_bartlett, bartlett_variance, hobijn_lags, schwert_lags
@@ -38,12 +38,12 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
-      type(cumulative_type) :: part(chunk_count(residual_count(residual)))
+      type(cumulative_type) :: part(chunk_count(residual%samples))
       real(dp), allocatable :: partial(:, :)
       integer(int64) :: n
       integer :: chunk, from, group, stat, bad
 
-      n = residual_count(residual)
+      n = residual%samples
       allocate (products(0:q), stat=stat)
       if (stat == 0) allocate (partial(0:q, chunk_count(n)), stat=stat)
       if (stat == 0) then
@@ -141,11 +141,11 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
-      real(dp) :: part(chunk_count(residual_count(residual) + lags))
+      real(dp) :: part(chunk_count(residual%samples + lags))
       integer(int64) :: n
       integer :: chunk, from, group
 
-      n = residual_count(residual) + lags
+      n = residual%samples + lags
       total = 0.0_dp
       group = chunk_group(chunk_count(n), present(progress))
       do from = 1, chunk_count(n), group
@@ -176,7 +176,7 @@ contains
 
       total = 0.0_dp
       before = 0.0_dp                            ! the window that ends at first - 1
-      do start = max(1_int64, first - width), min(first - 1, residual_count(residual)), block_length
+      do start = max(1_int64, first - width), min(first - 1, residual%samples), block_length
          length = int(min(block_length, first - start))
          call load_residuals(residual, x, start, next(:length), valid)
          before = before + sum(next(:length))
@@ -237,18 +237,12 @@ contains
       if (wanted < real(n - 1, dp)) lags = int(wanted, int64)
    end function hobijn_lags
 
-   !> ceiling or floor of 12 (n/100)^(1/4), at most n - 1. Source: Schwert, J. Bus. Econ. Stat. 7 (1989) 147-159.
-   pure integer(int64) function schwert_lags(n, upper) result(lags)
+   !> floor(12 (n/100)^(1/4)), at most n - 1. Source: Schwert, J. Bus. Econ. Stat. 7 (1989) 147-159.
+   pure integer(int64) function schwert_lags(n) result(lags)
       !> Number of residuals, >= 1
       integer(int64), intent(in) :: n
-      !> .true. ceiling, .false. floor
-      logical, intent(in) :: upper
-      real(dp) :: wanted
 
-      wanted = 12.0_dp*sqrt(sqrt(real(n, dp)/100.0_dp))
-      lags = int(wanted, int64)
-      if (upper .and. wanted > real(lags, dp)) lags = lags + 1
-      lags = min(lags, n - 1)
+      lags = min(int(12.0_dp*sqrt(sqrt(real(n, dp)/100.0_dp)), int64), n - 1)
    end function schwert_lags
 
 end module gyroakf_series_long_run

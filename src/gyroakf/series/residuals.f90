@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Residuals of a series about its constant or line, or of its first-order autoregression about them, block by block: what the
-!> tests of KPSS and of Phillips and Perron sum. Nothing of the record's length is stored.
+!> Residuals of a series about its constant or line, block by block, for the KPSS test and the
+!> autocovariances at many lags. Nothing of the record's length is stored.
 module gyroakf_series_residuals
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
@@ -9,7 +9,7 @@ module gyroakf_series_residuals
    use gyroakf_preprocess_trend, only : trend_type, fit_trend
    implicit none (type, external)
    private
-   public :: residual_type, fit_residuals, load_residuals, residual_count, rounding_variance
+   public :: residual_type, fit_residuals, load_residuals, rounding_variance
 
    !> How a residual follows from the series
    type :: residual_type
@@ -17,10 +17,6 @@ module gyroakf_series_residuals
       integer(int64) :: samples = 0
       !> Subtracted in this order: constant, what it lost when it was rounded, slope times P_1(i), i.e. -1 .. 1 over the samples
       real(dp) :: shift = 0.0_dp, rest = 0.0_dp, slope = 0.0_dp
-      !> Rows of the regression of the differences: row i is d_i = z_(i+1) - z_i less the terms below, rows 1 .. samples - 1
-      logical :: differences = .false.
-      !> Coefficients of z_i, of 1 and of P_1 over the rows
-      real(dp) :: level = 0.0_dp, constant = 0.0_dp, line = 0.0_dp
    end type residual_type
 
 contains
@@ -29,7 +25,7 @@ contains
    subroutine fit_residuals(x, terms, residual, error, valid)
       !> Series: [n], finite
       real(dp), intent(in), contiguous :: x(:)
-      !> 0 nothing is subtracted, 1 constant, 2 line
+      !> 1 constant, 2 line
       integer, intent(in) :: terms
       !> The fit
       type(residual_type), intent(out) :: residual
@@ -55,24 +51,14 @@ contains
          else if (found < 1) then
             call fatal_error(error, status%too_few_samples, "every sample of the series is missing")
          end if
-      case (2)
+      case default
          call fit_trend(x, 1, trend, error, valid)
          if (allocated(error)) return
          residual%shift = trend%legendre(0)
          residual%rest = trend%remainder
          residual%slope = trend%legendre(1)
-      case default                              ! the series itself
       end select
    end subroutine fit_residuals
-
-   !> Number of residuals, missing ones included.
-   pure integer(int64) function residual_count(residual)
-      !> The fit
-      type(residual_type), intent(in) :: residual
-
-      residual_count = residual%samples
-      if (residual%differences) residual_count = residual%samples - 1
-   end function residual_count
 
    !> Variance that the rounding of the samples alone leaves about a perfect constant or line.
    pure real(dp) function rounding_variance(residual)
@@ -96,25 +82,20 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> 1 where there is a residual, 0 elsewhere: as e
       real(dp), intent(out), optional, contiguous :: flag(:)
-      integer(int64) :: from, to, i, j
+      integer(int64) :: from, to, i
 
       from = min(max(first, 1_int64), first + size(e, kind=int64))
-      to = max(min(first + size(e, kind=int64) - 1, residual_count(residual)), from - 1)
+      to = max(min(first + size(e, kind=int64) - 1, residual%samples), from - 1)
       e(:from - first) = 0.0_dp
       e(to - first + 2:) = 0.0_dp
-      if (residual%differences) then
-         call load_rows(residual, x, from, to, e(from - first + 1:to - first + 1))
-      else
-         call load_samples(residual, x, from, to, e(from - first + 1:to - first + 1))
-      end if
+      call load_samples(residual, x, from, to, e(from - first + 1:to - first + 1))
       if (present(flag)) then
          flag(:) = 0.0_dp
          flag(from - first + 1:to - first + 1) = 1.0_dp
       end if
       if (.not. present(valid)) return
-      j = merge(1, 0, residual%differences)
       do i = from, to
-         if (valid(i) /= 0_int8 .and. valid(i + j) /= 0_int8) cycle
+         if (valid(i) /= 0_int8) cycle
          e(i - first + 1) = 0.0_dp
          if (present(flag)) flag(i - first + 1) = 0.0_dp
       end do
@@ -143,26 +124,5 @@ contains
          end do
       end if
    end subroutine load_samples
-
-   !> Differences less their regression.
-   pure subroutine load_rows(residual, x, from, to, e)
-      type(residual_type), intent(in) :: residual
-      real(dp), intent(in), contiguous :: x(:)
-      integer(int64), intent(in) :: from, to
-      real(dp), intent(out) :: e(from:)
-      real(dp) :: t, width, row_width, step, z, row
-      integer(int64) :: i
-
-      width = 1.0_dp/real(max(residual%samples - 1, 1_int64), dp)
-      row_width = 1.0_dp/real(max(residual%samples - 2, 1_int64), dp)
-      step = 2.0_dp*residual%slope*width + residual%constant
-      !$omp simd private(t, z, row)
-      do i = from, to
-         t = real(2*(i - 1) - (residual%samples - 1), dp)*width
-         row = real(2*(i - 1) - (residual%samples - 2), dp)*row_width
-         z = ((x(i) - residual%shift) - residual%rest) - residual%slope*t
-         e(i) = (((x(i + 1) - x(i)) - step) - residual%level*z) - residual%line*row
-      end do
-   end subroutine load_rows
 
 end module gyroakf_series_residuals

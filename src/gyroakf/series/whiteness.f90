@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Whiteness of a series: the tests of Ljung and Box, and of Box and Pierce.
+!> Whiteness of a series: the Ljung-Box test.
 module gyroakf_series_whiteness
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_progress, only : progress_type
@@ -8,7 +8,7 @@ module gyroakf_series_whiteness
    use gyroakf_ar_autocovariance, only : compute_autocovariance
    implicit none (type, external)
    private
-   public :: ljung_box_type, box_pierce_type, test_ljung_box, ljung_box_of, box_pierce_of, default_lags
+   public :: ljung_box_type, test_ljung_box, ljung_box_of, default_lags
 
    !> Result of the Ljung-Box test
    type :: ljung_box_type
@@ -25,18 +25,6 @@ module gyroakf_series_whiteness
       !> The lag that has it, the first of equals
       integer :: largest_lag = 0
    end type ljung_box_type
-
-   !> Result of the Box-Pierce test
-   type :: box_pierce_type
-      !> Q
-      real(dp) :: statistic = 0.0_dp
-      !> Probability of a larger Q under the null hypothesis, whiteness
-      real(dp) :: p_value = 1.0_dp
-      !> Lags used; 0: the test was not made
-      integer :: lags = 0
-      !> Parameters fitted before, subtracted from the degrees of freedom
-      integer :: fitted = 0
-   end type box_pierce_type
 
 contains
 
@@ -121,42 +109,6 @@ contains
       result%fitted = fitted
       result%p_value = chi_square_survival(result%statistic, real(h - fitted, dp))
    end subroutine ljung_box_of
-
-   !> Box-Pierce test from autocovariances: the older form, too small in short series; Ljung and Box corrected it.
-   !>
-   !> $$Q = n \sum_{k=1}^{h} \hat\rho_k^2 \sim \chi^2(h - \text{fitted})$$
-   !> With missing samples $$Q = \sum_k \frac{n-k}{n} m_k \hat\rho_k^2$$ with the mean over the m_k present pairs as rho_k.
-   !> Source: Box & Pierce, J. Am. Stat. Assoc. 65 (1970) 1509-1526.
-   subroutine box_pierce_of(r, n, fitted, result, error, pairs)
-      !> Biased autocovariances: [0:h], h > fitted
-      real(dp), intent(in) :: r(0:)
-      !> Length of the series that they come from, > h
-      integer(int64), intent(in) :: n
-      !> Parameters fitted before, >= 0
-      integer, intent(in) :: fitted
-      !> The test
-      type(box_pierce_type), intent(out) :: result
-      !> invalid_argument, too_few_samples, constant_input
-      type(error_type), allocatable, intent(out) :: error
-      !> Present pairs at each lag: [0:h]; without it there are no gaps
-      integer(int64), intent(in), optional :: pairs(0:)
-      type(ljung_box_type) :: other
-      real(dp) :: weight, rho
-      integer :: k, h
-
-      call ljung_box_of(r, n, fitted, other, error, pairs)
-      if (allocated(error)) return
-      h = ubound(r, 1)
-      do k = 1, h
-         rho = r(k)/r(0)
-         weight = real(n, dp)
-         if (present(pairs)) weight = real(pairs(k), dp)*(real(n, dp)/real(n - k, dp))
-         result%statistic = result%statistic + weight*rho*rho
-      end do
-      result%lags = h
-      result%fitted = fitted
-      result%p_value = chi_square_survival(result%statistic, real(h - fitted, dp))
-   end subroutine box_pierce_of
 
    !> Refuses a number of lags that leaves no degree of freedom.
    subroutine check_lags(lags, fitted, error)

@@ -7,12 +7,12 @@
 !> from 0.
 program unit_root
    use, intrinsic :: iso_fortran_env, only : error_unit, output_unit
-   use gyroakf, only : adf_options, adf_type, dp, error_type, int64, kpss_options, kpss_type, phillips_perron_options, &
-      & phillips_perron_type, random_type, seed_random, test_adf, test_kpss, test_phillips_perron
+   use gyroakf, only : adf_options, adf_type, dp, error_type, int64, kpss_options, kpss_type, random_type, seed_random, &
+      & test_adf, test_kpss
    use monte_carlo_table, only : argument_or, first_order, fixed, percent
    implicit none (type, external)
 
-   integer, parameter :: columns = 11
+   integer, parameter :: columns = 9
    real(dp), parameter :: phi(*) = [1.0_dp, 0.95_dp, 0.9_dp, 0.5_dp, 0.0_dp], five_percent = 0.05_dp
    integer(int64), parameter :: samples(*) = [100_int64, 1000_int64]
 
@@ -20,8 +20,8 @@ program unit_root
 
    records = argument_or(10000)
    write (output_unit, "(i0, a)") records, " series each; rejected at 5 %:"
-   write (output_unit, "(/, a)") "| n | phi | ADF c, AIC | p < 0.05 | c, BIC | c, t | c, 0 lags | ct, AIC | n, AIC | PP c | " &
-      & //"PP ct | KPSS c | KPSS ct |"
+   write (output_unit, "(/, a)") "| n | phi | ADF c, AIC | p < 0.05 | c, BIC | c, t | c, 0 lags | ct, AIC | n, AIC | " &
+      & //"KPSS c | KPSS ct |"
    write (output_unit, "(*(a))") ("|--:", j=1, columns + 2), "|"
    do i = 1, size(samples)
       do j = 1, size(phi)
@@ -76,7 +76,7 @@ contains
       rejected(6) = adf%stationary
       call ask_adf(x, adf_options(regression="n"), adf)
       rejected(7) = adf%stationary
-      call ask_others(x, rejected(8:))
+      call ask_kpss(x, rejected(8:))
    end subroutine one_series
 
    !> The augmented Dickey-Fuller test.
@@ -90,26 +90,22 @@ contains
       call check(failure)
    end subroutine ask_adf
 
-   !> The tests of Phillips and Perron, and KPSS, with a constant and with a line.
-   subroutine ask_others(x, rejected)
+   !> The KPSS test with a constant and with a line.
+   subroutine ask_kpss(x, rejected)
       real(dp), intent(in), contiguous :: x(:)
-      !> [4]
+      !> [2]
       logical, intent(out) :: rejected(:)
-      type(phillips_perron_type) :: pp
       type(kpss_type) :: kpss
       type(error_type), allocatable :: failure
       character(2), parameter :: regression(2) = ["c ", "ct"]
       integer :: k
 
       do k = 1, 2
-         call test_phillips_perron(x, phillips_perron_options(regression=regression(k)), pp, failure)
-         call check(failure)
-         rejected(k) = pp%stationary
          call test_kpss(x, kpss_options(regression=regression(k)), kpss, failure)
          call check(failure)
-         rejected(2 + k) = .not. kpss%stationary
+         rejected(k) = .not. kpss%stationary
       end do
-   end subroutine ask_others
+   end subroutine ask_kpss
 
    !> Ends the program where a test failed.
    subroutine check(failure)

@@ -6,7 +6,7 @@ module gyroakf_report_document_correlation
    use gyroakf_report_json, only : json_type, open_object, close_object, put_member, put_null
    implicit none (type, external)
    private
-   public :: put_kpss, put_phillips_perron, put_box_pierce, put_ljung_box
+   public :: put_kpss, put_ljung_box
 
 contains
 
@@ -42,52 +42,6 @@ contains
       call put_member(json, "drift", channel%kpss%drift)
       call close_object(json)
    end subroutine put_kpss
-
-   !> "phillips_perron".
-   subroutine put_phillips_perron(json, channel)
-      !> The document
-      type(json_type), intent(inout) :: json
-      !> One channel
-      type(channel_result_type), intent(in) :: channel
-
-      if (.not. channel%available%phillips_perron) then
-         call put_null(json, "phillips_perron")
-         return
-      end if
-      call open_object(json, "phillips_perron")
-      call put_member(json, "statistic", channel%phillips_perron%statistic)
-      call put_member(json, "p_value", channel%phillips_perron%p_value)
-      call put_member(json, "lags", channel%phillips_perron%lags)
-      call put_member(json, "observations", channel%phillips_perron%observations)
-      call put_member(json, "regression", trim(channel%phillips_perron%regression))
-      call open_object(json, "critical")
-      call put_member(json, "1%", channel%phillips_perron%critical(1))
-      call put_member(json, "5%", channel%phillips_perron%critical(2))
-      call put_member(json, "10%", channel%phillips_perron%critical(3))
-      call close_object(json)
-      call put_member(json, "stationary", channel%phillips_perron%stationary)
-      call put_member(json, "rho_statistic", channel%phillips_perron%rho_statistic)
-      call put_member(json, "coefficient", channel%phillips_perron%coefficient)
-      call close_object(json)
-   end subroutine put_phillips_perron
-
-   !> "box_pierce".
-   subroutine put_box_pierce(json, channel)
-      !> The document
-      type(json_type), intent(inout) :: json
-      !> One channel
-      type(channel_result_type), intent(in) :: channel
-
-      if (.not. channel%available%ljung_box .or. channel%box_pierce%lags == 0) then
-         call put_null(json, "box_pierce")
-         return
-      end if
-      call open_object(json, "box_pierce")
-      call put_member(json, "statistic", channel%box_pierce%statistic)
-      call put_member(json, "p_value", channel%box_pierce%p_value)
-      call put_member(json, "lags", channel%box_pierce%lags)
-      call close_object(json)
-   end subroutine put_box_pierce
 
    !> A Ljung-Box test.
    subroutine put_ljung_box(json, key, test, available)

@@ -9,17 +9,17 @@ module gyroakf_report_document_distribution
 
 contains
 
-   !> "dagostino_k2", "anderson_darling", "histogram", "quantisation"; null where one is not available.
+   !> "normality", "anderson_darling", "histogram", "quantisation"; null where one is not available.
    subroutine put_distribution(json, channel)
       !> The document
       type(json_type), intent(inout) :: json
       !> One channel
       type(channel_result_type), intent(in) :: channel
 
-      if (channel%available%dagostino) then
-         call put_dagostino(json, channel)
+      if (channel%available%jarque_bera) then
+         call put_member(json, "normality", trim(channel%normality))
       else
-         call put_null(json, "dagostino_k2")
+         call put_null(json, "normality")
       end if
       if (channel%available%anderson_darling) then
          call put_anderson_darling(json, channel)
@@ -37,21 +37,6 @@ contains
          call put_null(json, "quantisation")
       end if
    end subroutine put_distribution
-
-   subroutine put_dagostino(json, channel)
-      type(json_type), intent(inout) :: json
-      type(channel_result_type), intent(in) :: channel
-
-      call open_object(json, "dagostino_k2")
-      call put_member(json, "statistic", channel%dagostino%statistic)
-      call put_member(json, "p_value", channel%dagostino%p_value)
-      call put_member(json, "z_skewness", channel%dagostino%z_skewness)
-      call put_member(json, "z_kurtosis", channel%dagostino%z_kurtosis)
-      call put_member(json, "skewness_std_error", channel%dagostino%skewness_error)
-      call put_member(json, "kurtosis_std_error", channel%dagostino%kurtosis_error)
-      call put_member(json, "verdict", trim(channel%normality))
-      call close_object(json)
-   end subroutine put_dagostino
 
    subroutine put_anderson_darling(json, channel)
       type(json_type), intent(inout) :: json

@@ -14,7 +14,7 @@ module gyroakf_report_document_parts
    use gyroakf_report_document_periodicity, only : put_fisher, put_lines, put_welch
    use gyroakf_report_document_stated, only : put_stated, put_densities, put_known, put_description
    use gyroakf_report_document_adf, only : put_adf_regression
-   use gyroakf_report_document_correlation, only : put_kpss, put_phillips_perron, put_box_pierce, put_ljung_box
+   use gyroakf_report_document_correlation, only : put_kpss, put_ljung_box
    implicit none (type, external)
    private
    public :: put_tests, put_ar, put_allan, put_coefficients
@@ -37,6 +37,8 @@ contains
          call put_member(json, "p_value", channel%jarque_bera%p_value)
          call put_member(json, "skewness", channel%jarque_bera%skewness)
          call put_member(json, "kurtosis", channel%jarque_bera%kurtosis)
+         call put_member(json, "skewness_std_error", channel%jarque_bera%skewness_error)
+         call put_member(json, "kurtosis_std_error", channel%jarque_bera%kurtosis_error)
          call close_object(json)
       else
          call put_null(json, "jarque_bera")
@@ -44,8 +46,6 @@ contains
       call put_ljung_box(json, "ljung_box", channel%ljung_box, channel%available%ljung_box)
       call put_fisher(json, channel)
       call put_distribution(json, channel)
-      call put_phillips_perron(json, channel)
-      call put_box_pierce(json, channel)
       call put_lines(json, channel)
       call put_welch(json, channel)
       call close_object(json)
