@@ -128,7 +128,6 @@ contains
       case ("--kpss-lags"); value = small_value(int(pipeline%kpss%lags), "auto")
       case ("--lags"); value = count_value(int(pipeline%correlation_lags, int64))
       case ("--welch-segment"); value = positive_value(pipeline%welch_segment, "auto")
-      case ("--lines"); value = integer_text(int(pipeline%lines%most, int64))
       case default                          ! of another group
       end select
    end subroutine value_of_series
@@ -171,7 +170,6 @@ contains
          value = text_value("oadev")
          if (allocated(pipeline%other_kinds)) value = text_value("oadev,"//pipeline%other_kinds)
       case ("--taus"); value = text_value(pipeline%allan%taus, "octave")
-      case ("--dynamic"); value = count_value(int(pipeline%dynamic_segments, int64))
       case ("--confidence"); value = real_value(pipeline%allan%confidence)
       case ("--min-coverage"); value = real_value(pipeline%allan%min_coverage)
       case ("--terms"); value = text_value(trim(pipeline%noise%terms))

@@ -46,7 +46,7 @@ module gyroakf_app_help
       "allan", "gyroakf allan log.csv --rate 100 --unit deg/s", &
       "allan", "zcat log.gz | gyroakf allan - --rate 200 --unit rad/s --taus log:20 --json -", &
       "allan", "gyroakf allan log.csv --terms NBK --fit-tau-min 0.1 --fit-tau-max 1000 --out results", &
-      "allan", "gyroakf allan log.csv --kinds mdev,ohdev --dynamic 8 --out results", &
+      "allan", "gyroakf allan log.csv --kinds mdev,ohdev --out results", &
       "allan", "find day -name '*.csv' | gyroakf allan --list - --rate 100 --out results", &
       "allan", "gyroakf allan imu.csv --unit rad/s,rad/s,rad/s,m/s^2,m/s^2,m/s^2 --kalibr imu.yaml", &
       "tests", "gyroakf tests log.csv --outliers auto --detrend 3", &

@@ -127,7 +127,6 @@ module gyroakf_app_option
                   "lags of the autocorrelation (correlation.csv) and of the test of whiteness (default 20)"), &
       option_type("--welch-segment", "auto|S", "text", "run tests", "tests", &
                   "segments of Welch's spectrum in seconds (default auto: a power of two samples of which 8 fit, at most 16384)"), &
-      option_type("--lines", "N", "natural", "run tests", "tests", "look for at most N spectral lines (default 10; 0: none)"), &
       option_type("--ar-method", "yw|burg|ols|mcov", "choice", "run ar filter", "ar", &
                   "Yule-Walker by the Levinson recursion (default), Burg's recursion, least squares with intercept, or "// &
                   "forward and backward"), &
@@ -156,8 +155,6 @@ module gyroakf_app_option
                   "further kinds of deviation, separated by commas; the terms are fitted to oadev, which is always there"), &
       option_type("--taus", "octave|decade|log:N|all|LIST", "text", "run allan", "allan", &
                   "averaging times (default octave); log:N has N a decade, LIST is seconds separated by commas"), &
-      option_type("--dynamic", "SEGMENTS", "count", "allan", "allan", &
-                  "the deviation in so many segments that overlap by half, to see where the noise changes (dynamic.csv)"), &
       option_type("--confidence", "P", "share", "run allan", "allan", &
                   "probability between the limits of the deviations (default 0.683)"), &
       option_type("--min-coverage", "P", "share", "run allan", "allan", &

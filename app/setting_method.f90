@@ -20,10 +20,6 @@ module gyroakf_app_setting_method
    integer, parameter :: most_rounds = 1000
    !> Most lags of an autocorrelation
    integer, parameter :: most_correlation_lags = 100000
-   !> Most spectral lines
-   integer, parameter :: most_lines = 1000
-   !> Most segments of a dynamic Allan deviation
-   integer, parameter :: most_segments = 100000
 
 contains
 
@@ -93,7 +89,6 @@ contains
       case ("--kpss-lags"); call set_bandwidth(option, value%text, pipeline%kpss%lags, error)
       case ("--lags"); call set_small(option, value%text, "", most_correlation_lags, pipeline%correlation_lags, error)
       case ("--welch-segment"); call set_segment(pipeline, option, value%text, error)
-      case ("--lines"); call set_small(option, value%text, "", most_lines, pipeline%lines%most, error)
       case default; call not_wired(option, error)
       end select
    end subroutine set_series
@@ -167,7 +162,6 @@ contains
          pipeline%allan%confidence = value%number
          pipeline%noise%confidence = value%number
          if (value%number >= 1) call value_error(option, "limits that always hold are infinite", error)
-      case ("--dynamic"); call set_small(option, value%text, "", most_segments, pipeline%dynamic_segments, error)
       case ("--min-coverage"); pipeline%allan%min_coverage = value%number
       case ("--terms"); call set_terms(pipeline%noise, option, value%text, error)
       case ("--fit-tau-min"); pipeline%noise%tau_min = value%number

@@ -36,6 +36,7 @@ module gyroakf
    use gyroakf_allan_read_off, only : read_off_options, read_off_type, read_off
    use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, chi_square_limits
    use gyroakf_allan_dynamic, only : dynamic_options, dynamic_type, dynamic_allan
+   use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, sampling_efficiency, chi_square_limits
    use gyroakf_allan_halves, only : halves_options, halves_type, compare_halves
    use gyroakf_io_number, only : parse_number
    use gyroakf_io_columns_writer, only : column_type, row_layout_type, set_even, begin_rows, put_rows
@@ -48,7 +49,6 @@ module gyroakf
    use gyroakf_series_correlation, only : correlation_type, compute_correlation, correlation_of
    use gyroakf_series_kpss, only : kpss_options, kpss_type, test_kpss
    use gyroakf_series_fisher, only : fisher_type, test_fisher_g, fisher_tail
-   use gyroakf_series_lines, only : line_options, line_type, find_lines
    use gyroakf_series_periodicity, only : periodicity_options, periodicity_type, analyse_periodicity, whiten_series
    use gyroakf_series_welch, only : welch_options, welch_type, welch_spectrum, default_segment
    use gyroakf_series_normality, only : jarque_bera_type, test_jarque_bera, skewness_error, &

@@ -10,7 +10,6 @@ program test_main
    use test_adf_table, only : collect_adf_table
    use test_allan_covariance, only : collect_allan_covariance
    use test_allan_deviation, only : collect_allan_deviation
-   use test_allan_dynamic, only : collect_allan_dynamic
    use test_allan_freedom, only : collect_allan_freedom
    use test_allan_gaps, only : collect_allan_gaps
    use test_allan_mixture, only : collect_allan_mixture
@@ -121,7 +120,6 @@ program test_main
    call add("adf_table", collect_adf_table)
    call add("allan_covariance", collect_allan_covariance)
    call add("allan_deviation", collect_allan_deviation)
-   call add("allan_dynamic", collect_allan_dynamic)
    call add("allan_freedom", collect_allan_freedom)
    call add("allan_gaps", collect_allan_gaps)
    call add("allan_mixture", collect_allan_mixture)

@@ -102,7 +102,6 @@ contains
          end do
          call fill_periodicity(channel)
          call fill_halves(channel)
-         call fill_dynamic(channel)
          call compare_coefficients(channel)
          call add_text(channel%warnings, "2.5 % of the samples (3) were removed as outliers, at 0.2, 0.4 s")
          call add_text(channel%unavailable, "drift identification: too few samples")
@@ -174,7 +173,7 @@ contains
                        channel%allan(stage%compensated)%stated)
    end subroutine fill_drift
 
-   !> A line, its harmonic, which wanders, and a spectrum of three frequencies.
+   !> Fisher's test and a spectrum of three frequencies.
    subroutine fill_periodicity(channel)
       type(channel_result_type), intent(inout) :: channel
 
@@ -183,20 +182,9 @@ contains
       channel%frequency_unit = "Hz"
       channel%whitened = "the residuals of AR(1)"
       channel%fisher_frequency = 1.25_dp
-      channel%line_share = 0.018_dp
       channel%periodicity%fisher%statistic = 0.3_dp
       channel%periodicity%fisher%ordinates = 5
       channel%periodicity%fisher%p_value = 0.004_dp
-      channel%periodicity%searched = .true.
-      allocate (channel%periodicity%line(2))
-      channel%periodicity%line%frequency = [0.625_dp, 1.25_dp]
-      channel%periodicity%line%amplitude = [0.004_dp, 0.002_dp]
-      channel%periodicity%line%share = [0.015_dp, 0.003_dp]
-      channel%periodicity%line%p_value = [0.0_dp, 2.0e-4_dp]
-      channel%periodicity%line%harmonic = [0, 2]
-      channel%periodicity%line%fundamental = [0, 1]
-      channel%periodicity%line(1)%steady = .false.
-      channel%periodicity%line(1)%width = 0.02_dp
       channel%spectrum%frequency = [0.0_dp, 1.25_dp, 2.5_dp]
       channel%spectrum%density = [1.0e-5_dp, 2.0e-5_dp, 3.0e-5_dp]
       channel%spectrum%lower = 0.8_dp*channel%spectrum%density
@@ -227,28 +215,6 @@ contains
       channel%halves%score = [6.0_dp, 4.0_dp]
       channel%halves%differs = [.true., .true.]
    end subroutine fill_halves
-
-   !> 30 segments of 1 s at two averaging times; of the second segment nothing is left at the longer one.
-   subroutine fill_dynamic(channel)
-      type(channel_result_type), intent(inout) :: channel
-      integer :: j
-
-      channel%available%dynamic = .true.
-      associate (dynamic => channel%dynamic)
-         dynamic%segment = 1
-         dynamic%m = [1_int64, 2_int64]
-         dynamic%tau = [0.2_dp, 0.4_dp]
-         dynamic%start = [(0.5_dp*real(j, dp), j=0, 29)]
-         allocate (dynamic%deviation(2, 30), dynamic%terms(2, 30))
-         dynamic%deviation = 0.0201_dp
-         dynamic%terms = 4
-         dynamic%terms(2, 2) = 0
-         dynamic%deviation(2, 2) = 0
-         dynamic%lower = 0.9_dp*dynamic%deviation
-         dynamic%upper = 1.1_dp*dynamic%deviation
-         dynamic%edf = real(dynamic%terms, dp)
-      end associate
-   end subroutine fill_dynamic
 
    subroutine fill_series(channel)
       type(channel_result_type), intent(inout) :: channel

@@ -1,12 +1,14 @@
 ! SPDX-License-Identifier: MIT
-!> Tests of spectral lines and of the analysis of periodicity.
+!> Tests of Fisher's test of a correlated series.
 module test_periodicity
    use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_ar_model, only : ar_model_type
    use gyroakf_simulate_random, only : random_type, seed_random, fill_normal
-   use gyroakf_series_lines, only : line_options, line_type, find_lines
-   use gyroakf_series_periodicity, only : periodicity_options, periodicity_type, analyse_periodicity, whiten_series, even_length
+   use gyroakf_series_fisher, only : fisher_type, test_fisher_g
+   use gyroakf_series_periodicity, only : periodicity_options, periodicity_type, analyse_periodicity, &
+      whiten_series, even_length
    use series_library, only : reference_series
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)
@@ -23,12 +25,10 @@ contains
 
       testsuite = [ &
          new_unittest("reference_sine", test_reference_sine), &
-         new_unittest("cramer_rao", test_cramer_rao), &
-         new_unittest("coloured", test_coloured), &
-         new_unittest("strong_line", test_strong_line), &
-         new_unittest("harmonics", test_harmonics), &
-         new_unittest("wandering", test_wandering), &
-         new_unittest("no_lines", test_no_lines), &
+         new_unittest("correlated", test_correlated), &
+         new_unittest("dominant", test_dominant), &
+         new_unittest("nothing_periodic", test_nothing_periodic), &
+         new_unittest("given_model", test_given_model), &
          new_unittest("gaps", test_gaps), &
          new_unittest("invariance", test_invariance), &
          new_unittest("threads", test_threads), &
@@ -56,154 +56,108 @@ contains
       x = x + [(amplitude*cos(turn*frequency*t + 0.1_dp*seed), t=0, n - 1)]
    end subroutine make
 
+   !> The largest ordinate is the nearest or second nearest to a frequency in cycles per sample.
+   pure logical function near(p, frequency)
+      type(periodicity_type), intent(in) :: p
+      real(dp), intent(in) :: frequency
+
+      near = abs(p%fisher%frequency - frequency) < 1.0_dp/real(p%fisher%samples, dp)
+   end function near
+
    !> The reference series with amplitude 0.3 at a twentieth of the rate.
    subroutine test_reference_sine(error)
       type(error_type), allocatable, intent(out) :: error
       type(periodicity_type) :: p
       type(gyro_error), allocatable :: problem
 
-      call analyse_periodicity(reference_series("sine", 12000), 0.2_dp, periodicity_options(), p, problem)
-      call check(error, size(p%line), 1)
+      call analyse_periodicity(reference_series("sine", 12000), periodicity_options(), p, problem)
+      call check(error, .not. allocated(problem))
       if (allocated(error)) return
-      call check(error, p%line(1)%frequency, 0.25_dp, thr=4*p%line(1)%frequency_error)
-      if (allocated(error)) return
-      call check(error, p%line(1)%amplitude, 0.3_dp, thr=4*p%line(1)%amplitude_error)
-      if (allocated(error)) return
-      call check(error, p%line(1)%amplitude_error, sqrt(2/12000.0_dp), thr=0.1_dp*sqrt(2/12000.0_dp))
-      if (allocated(error)) return
-      call check(error, p%line(1)%share, 0.045_dp/1.045_dp, thr=0.005_dp)
-      if (allocated(error)) return
-      call check(error, p%line(1)%p_value < 1.0e-50_dp .and. p%line(1)%steady .and. p%line(1)%harmonic == 0)
-      if (allocated(error)) return
-      call check(error, p%fisher%p_value < 1.0e-100_dp .and. abs(p%fisher%frequency - 0.05_dp) < 1.0e-4_dp)
+      call check(error, p%fisher%p_value < 1.0e-90_dp .and. near(p, 0.05_dp))
    end subroutine test_reference_sine
 
-   !> 40 records: errors of frequency and amplitude are as large as stated, which is the Cramer-Rao bound.
-   subroutine test_cramer_rao(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(line_type), allocatable :: line(:)
-      type(gyro_error), allocatable :: problem
-      real(dp), allocatable :: x(:)
-      real(dp) :: f, score(2), mean(2)
-      integer :: i
-
-      score = 0
-      mean = 0
-      do i = 1, 40
-         f = 0.123_dp + 0.00007_dp*i              ! anywhere between the ordinates
-         call make(i, 1000, 0.0_dp, f, 0.5_dp, x)
-         call find_lines(x, 1.0_dp, line_options(), line, problem)
-         call check(error, size(line), 1)
-         if (allocated(error)) return
-         score = score + [((line(1)%frequency - f)/line(1)%frequency_error)**2, &
-                          ((line(1)%amplitude - 0.5_dp)/line(1)%amplitude_error)**2]
-         mean = mean + [line(1)%frequency_error, line(1)%amplitude_error]/40
-      end do
-      call check(error, all(sqrt(score/40) > 0.7_dp .and. sqrt(score/40) < 1.35_dp))
-      if (allocated(error)) return
-      call check(error, mean(1), sqrt(24/(0.25_dp*1.0e9_dp))/turn, thr=0.1_dp*mean(1))
-      if (allocated(error)) return
-      call check(error, mean(2), sqrt(2.0e-3_dp), thr=0.1_dp*mean(2))
-   end subroutine test_cramer_rao
-
-   !> In AR(1) noise the amplitude is that of the series, not of the whitened one.
-   subroutine test_coloured(error)
+   !> In AR(1) noise the residuals are tested.
+   subroutine test_correlated(error)
       type(error_type), allocatable, intent(out) :: error
       type(periodicity_type) :: p
       type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
 
       call make(3, 6000, 0.95_dp, 0.02_dp, 1.0_dp, x)
-      call analyse_periodicity(x, 0.01_dp, periodicity_options(), p, problem)
-      call check(error, size(p%line) == 1 .and. p%order >= 1)
+      call analyse_periodicity(x, periodicity_options(), p, problem)
+      call check(error, p%order >= 1 .and. p%samples == 6000 - p%order .and. p%first == p%order + 1)
       if (allocated(error)) return
-      call check(error, p%line(1)%frequency, 2.0_dp, thr=4*p%line(1)%frequency_error)
-      if (allocated(error)) return
-      call check(error, p%line(1)%amplitude, 1.0_dp, thr=4*p%line(1)%amplitude_error)
-      if (allocated(error)) return
-      call check(error, p%line(1)%amplitude_error < 0.2_dp)
-   end subroutine test_coloured
+      call check(error, p%fisher%p_value < 1.0e-4_dp .and. near(p, 0.02_dp))
+   end subroutine test_correlated
 
-   !> 80 dB over the noise: one line, as exact as the noise allows, the model that of the noise.
-   subroutine test_strong_line(error)
+   !> A sinusoid 20 to 80 dB over the noise, on an ordinate and half way between two: AR(3) would predict
+   !> it.
+   subroutine test_dominant(error)
       type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: frequency(4) = [0.21_dp, 0.210125_dp, 0.0725_dp, 0.4333_dp]
       type(periodicity_type) :: p
       type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
+      integer :: i, j
 
-      call make(4, 4000, 0.7_dp, 0.21_dp, 1.0e4_dp, x)
-      call analyse_periodicity(x, 1.0_dp, periodicity_options(), p, problem)
-      call check(error, size(p%line), 1)
-      if (allocated(error)) return
-      call check(error, p%line(1)%frequency, 0.21_dp, thr=1.0e-9_dp)
-      if (allocated(error)) return
-      call check(error, p%line(1)%amplitude, 1.0e4_dp, thr=0.1_dp)
-      if (allocated(error)) return
-      call check(error, p%line(1)%amplitude_error < 0.05_dp)
-   end subroutine test_strong_line
-
-   !> Two families: 2 x and 3 x of the one, nothing of the other.
-   subroutine test_harmonics(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(periodicity_type) :: p
-      type(gyro_error), allocatable :: problem
-      real(dp), allocatable :: x(:)
-      integer :: t
-
-      call make(5, 8000, 0.3_dp, 0.0701_dp, 1.0_dp, x)
-      x = x + [(0.4_dp*cos(turn*0.1402_dp*t) + 0.3_dp*cos(turn*0.2103_dp*t) + 0.3_dp*cos(turn*0.1537_dp*t), t=0, 7999)]
-      call analyse_periodicity(x, 0.01_dp, periodicity_options(), p, problem)
-      call check(error, size(p%line), 4)
-      if (allocated(error)) return
-      call check(error, all(p%line%harmonic == [0, 2, 0, 3]))
-      if (allocated(error)) return
-      call check(error, all(p%line%fundamental == [0, 1, 0, 1]))
-      if (allocated(error)) return
-      call check(error, all(p%line(2:)%frequency > p%line(:3)%frequency))
-   end subroutine test_harmonics
-
-   !> A line whose phase wanders is one line, not many, and not steady; its power is that of the whole.
-   subroutine test_wandering(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(periodicity_type) :: p
-      type(gyro_error), allocatable :: problem
-      real(dp), allocatable :: x(:), turns(:)
-      integer :: t
-
-      call make(6, 12000, 0.0_dp, 0.1_dp, 0.0_dp, x)
-      turns = x
-      do t = 2, 12000
-         turns(t) = turns(t - 1) + 0.02_dp*turns(t)
+      do i = 1, size(frequency)
+         do j = 0, 3
+            call make(4 + i, 4000, 0.7_dp, frequency(i), 10.0_dp*10**j, x)
+            call analyse_periodicity(x, periodicity_options(), p, problem)
+            call check(error, p%order == 0 .and. p%samples == 4000 .and. p%fisher%peak > 0.75_dp)
+            if (allocated(error)) return
+            call check(error, p%fisher%p_value < 1.0e-100_dp .and. near(p, frequency(i)))
+            if (allocated(error)) return
+         end do
       end do
-      call make(7, 12000, 0.0_dp, 0.1_dp, 0.0_dp, x)
-      x = x + [(2*cos(turn*0.2_dp*t + turns(t)), t=1, 12000)]
-      call analyse_periodicity(x, 1.0_dp, periodicity_options(), p, problem)
-      call check(error, size(p%line) >= 1 .and. size(p%line) <= 2)
-      if (allocated(error)) return
-      t = maxloc(p%line%amplitude, 1)
-      call check(error, .not. p%line(t)%steady .and. p%line(t)%width > 3.0_dp/12000)
-      if (allocated(error)) return
-      call check(error, p%line(t)%amplitude, 2.0_dp, thr=0.2_dp)
-   end subroutine test_wandering
+   end subroutine test_dominant
 
-   !> White, coloured, drifting, coarsely quantised noise: nothing is found.
-   subroutine test_no_lines(error)
+   !> White, correlated, drifting, coarsely quantized noise: nothing is significant, and the residuals are
+   !> tested where the noise is correlated.
+   subroutine test_nothing_periodic(error)
       type(error_type), allocatable, intent(out) :: error
       character(8), parameter :: names(6) = [character(8) :: "wn", "wn_bm", "rw", "ar1", "ar1_99", "ar2"]
       type(periodicity_type) :: p
       type(gyro_error), allocatable :: problem
+      real(dp), allocatable :: x(:)
       integer :: i
 
       do i = 1, size(names)
-         call analyse_periodicity(reference_series(trim(names(i)), 12000), 1.0_dp, periodicity_options(), p, problem)
+         x = reference_series(trim(names(i)), 12000)
+         call analyse_periodicity(x, periodicity_options(), p, problem)
          call check(error, .not. allocated(problem), names(i))
          if (allocated(error)) return
-         call check(error, size(p%line), 0, names(i))
+         call check(error, p%fisher%p_value > 0.01_dp, names(i))
+         if (allocated(error)) return
+         call check(error, p%order >= 1 .or. names(i)(:2) == "wn", names(i))
          if (allocated(error)) return
       end do
-      call analyse_periodicity(anint(0.4_dp*reference_series("wn", 12000)), 1.0_dp, periodicity_options(), p, problem)
-      call check(error, size(p%line), 0, "quantised")
-   end subroutine test_no_lines
+      x = anint(0.4_dp*reference_series("wn", 12000))
+      call analyse_periodicity(x, periodicity_options(), p, problem)
+      call check(error, p%fisher%p_value > 0.01_dp, "quantized")
+   end subroutine test_nothing_periodic
+
+   !> The test of the residuals of a given model, which is not fitted again.
+   subroutine test_given_model(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(ar_model_type) :: model
+      type(periodicity_type) :: p
+      type(fisher_type) :: fisher
+      type(gyro_error), allocatable :: problem
+      real(dp), allocatable :: x(:), white(:)
+      integer(int8), allocatable :: here(:)
+
+      x = reference_series("ar1", 3000)
+      model%order = 2
+      model%mean = 0.25_dp
+      model%coefficient = [0.5_dp, 0.25_dp]
+      call analyse_periodicity(x, periodicity_options(), p, problem, model=model)
+      call check(error, p%order == 2 .and. p%total == 3000)
+      if (allocated(error)) return
+      call whiten_series(x, model%mean, model%coefficient, white, here, problem)
+      call test_fisher_g(white, fisher, problem)
+      call check(error, p%fisher%statistic, fisher%statistic, thr=0.0_dp)
+   end subroutine test_given_model
 
    !> Through 30 % of missing samples; their values do not matter.
    subroutine test_gaps(error)
@@ -218,16 +172,19 @@ contains
       allocate (valid(6000))
       valid = 1_int8
       where (uniform < 0.3_dp) valid = 0_int8
-      call analyse_periodicity(x, 1.0_dp, periodicity_options(), a, problem, valid)
-      call check(error, size(a%line), 1)
-      if (allocated(error)) return
-      call check(error, a%line(1)%frequency, 0.3333_dp, thr=4*a%line(1)%frequency_error)
-      if (allocated(error)) return
-      call check(error, a%line(1)%amplitude, 0.5_dp, thr=4*a%line(1)%amplitude_error)
+      call analyse_periodicity(x, periodicity_options(), a, problem, valid)
+      call check(error, a%order >= 1 .and. a%fisher%p_value < 1.0e-6_dp .and. near(a, 0.3333_dp))
       if (allocated(error)) return
       where (valid == 0_int8) x = 1.0e7_dp
-      call analyse_periodicity(x, 1.0_dp, periodicity_options(), b, problem, valid)
-      call check(error, b%line(1)%amplitude, a%line(1)%amplitude, thr=0.0_dp)
+      call analyse_periodicity(x, periodicity_options(), b, problem, valid)
+      call check(error, b%fisher%statistic, a%fisher%statistic, thr=0.0_dp)
+      if (allocated(error)) return
+      call make(8, 6000, 0.5_dp, 0.3333_dp, 1.0e3_dp, x)
+      valid(:3000) = 1_int8
+      valid(3300:) = 1_int8
+      where (valid == 0_int8) x = 1.0e7_dp
+      call analyse_periodicity(x, periodicity_options(), a, problem, valid)
+      call check(error, a%order == 0 .and. near(a, 0.3333_dp), "a dominant sinusoid")
    end subroutine test_gaps
 
    !> Offset 1e6 under a signal of 1e-3; scale.
@@ -238,18 +195,12 @@ contains
       real(dp), allocatable :: x(:)
 
       call make(9, 3000, 0.5_dp, 0.11_dp, 0.5_dp, x)
-      call analyse_periodicity(x, 1.0_dp, periodicity_options(), a, problem)
-      call analyse_periodicity(1.0e6_dp + 1.0e-3_dp*x, 1.0_dp, periodicity_options(), b, problem)
-      call check(error, size(a%line) == 1 .and. size(b%line) == 1)
-      if (allocated(error)) return
-      call check(error, b%line(1)%frequency, a%line(1)%frequency, thr=1.0e-9_dp)
-      if (allocated(error)) return
-      call check(error, b%line(1)%amplitude, 1.0e-3_dp*a%line(1)%amplitude, thr=1.0e-10_dp)
-      if (allocated(error)) return
+      call analyse_periodicity(x, periodicity_options(), a, problem)
+      call analyse_periodicity(1.0e6_dp + 1.0e-3_dp*x, periodicity_options(), b, problem)
       call check(error, b%fisher%statistic, a%fisher%statistic, thr=1.0e-7_dp)
       if (allocated(error)) return
-      call analyse_periodicity(-1024*x, 1.0_dp, periodicity_options(), b, problem)
-      call check(error, b%line(1)%amplitude, 1024*a%line(1)%amplitude, thr=1.0e-9_dp)
+      call analyse_periodicity(-1024*x, periodicity_options(), b, problem)
+      call check(error, b%fisher%statistic, a%fisher%statistic, thr=1.0e-12_dp)
    end subroutine test_invariance
 
    !> The same on one thread and on two.
@@ -263,22 +214,16 @@ contains
       call make(11, 150000, 0.5_dp, 0.11_dp, 0.3_dp, x)
       before = thread_count()
       call set_thread_count(1)
-      call analyse_periodicity(x, 1.0_dp, periodicity_options(), a, problem)
+      call analyse_periodicity(x, periodicity_options(), a, problem)
       call set_thread_count(2)
-      if (.not. allocated(problem)) call analyse_periodicity(x, 1.0_dp, periodicity_options(), b, problem)
+      if (.not. allocated(problem)) call analyse_periodicity(x, periodicity_options(), b, problem)
       call set_thread_count(before)
       call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
-      call check(error, size(a%line) == 1 .and. size(b%line) == 1)
-      if (allocated(error)) return
-      call check(error, b%line(1)%frequency, a%line(1)%frequency, thr=0.0_dp)
-      if (allocated(error)) return
-      call check(error, b%line(1)%amplitude, a%line(1)%amplitude, thr=0.0_dp)
       if (allocated(error)) return
       call check(error, b%fisher%statistic, a%fisher%statistic, thr=0.0_dp)
    end subroutine test_threads
 
-   !> At most so many samples of the middle.
+   !> At most so many samples of the middle, of the residuals and of the series.
    subroutine test_middle_part(error)
       type(error_type), allocatable, intent(out) :: error
       type(periodicity_type) :: a, b
@@ -289,38 +234,34 @@ contains
       call make(10, 6000, 0.5_dp, 0.11_dp, 1.0_dp, x)
       options%longest = 1000
       options%ar%order = 1
-      call analyse_periodicity(x, 1.0_dp, options, a, problem)
-      call check(error, int(a%samples) == 1000 .and. int(a%first) == 2501 .and. a%order == 1 .and. int(a%total) == 6000)
+      call analyse_periodicity(x, options, a, problem)
+      call check(error, a%samples == 1000 .and. a%first == 2501 .and. a%order == 1 .and. a%total == 6000)
       if (allocated(error)) return
-      call check(error, size(a%line), 1)
+      call check(error, a%fisher%p_value < 1.0e-20_dp .and. near(a, 0.11_dp))
       if (allocated(error)) return
-      x(:2498) = 0
-      x(3503:) = 0
-      call analyse_periodicity(x, 1.0_dp, options, b, problem)
-      call check(error, b%line(1)%frequency, a%line(1)%frequency, thr=1.0e-5_dp)
+      call make(10, 6000, 0.5_dp, 0.11_dp, 100.0_dp, x)
+      call analyse_periodicity(x, options, a, problem)
+      call check(error, a%samples == 1000 .and. a%first == 2501 .and. a%order == 0)
+      if (allocated(error)) return
+      x(:2500) = 0
+      x(3501:) = 0
+      call analyse_periodicity(x, options, b, problem)
+      call check(error, b%fisher%statistic, a%fisher%statistic, thr=0.0_dp)
    end subroutine test_middle_part
 
-   !> Without noise: the line, and not its rounding.
+   !> Without noise: the sinusoid, and not its rounding.
    subroutine test_perfect(error)
       type(error_type), allocatable, intent(out) :: error
-      type(line_type), allocatable :: line(:)
       type(periodicity_type) :: p
       type(gyro_error), allocatable :: problem
       real(dp) :: x(1000)
       integer :: t
 
       x = [(2*cos(turn*0.1234_dp*t), t=0, 999)]
-      call find_lines(x, 1.0_dp, line_options(), line, problem)
-      call check(error, size(line), 1)
+      call analyse_periodicity(x, periodicity_options(), p, problem)
+      call check(error, .not. allocated(problem) .and. p%order == 0)
       if (allocated(error)) return
-      call check(error, line(1)%frequency, 0.1234_dp, thr=1.0e-12_dp)
-      if (allocated(error)) return
-      call check(error, line(1)%amplitude, 2.0_dp, thr=1.0e-10_dp)
-      if (allocated(error)) return
-      call analyse_periodicity(x, 1.0_dp, periodicity_options(), p, problem)
-      call check(error, .not. allocated(problem))
-      if (allocated(error)) return
-      call check(error, maxval(p%line%amplitude), 2.0_dp, thr=1.0e-6_dp)
+      call check(error, p%fisher%frequency, 0.123_dp, thr=1.0e-12_dp)
    end subroutine test_perfect
 
    !> Residuals by hand; one missing sample takes p + 1 of them.
@@ -351,33 +292,32 @@ contains
                             == [1048576_int64, 100000_int64, 6_int64, 32_int64]))
    end subroutine test_even_length
 
-   !> Too short, constant, options out of range.
+   !> Too short, or the residuals are; constant.
    subroutine test_failures(error)
       type(error_type), allocatable, intent(out) :: error
+      type(periodicity_options) :: options
       real(dp), allocatable :: x(:), flat(:)
 
       x = reference_series("wn", 100)
       flat = 0*x + 0.1_dp
-      call expect(x(:31), 1.0_dp, line_options(), status%too_few_samples, error)
-      if (.not. allocated(error)) call expect(flat, 1.0_dp, line_options(), status%constant_input, error)
-      if (.not. allocated(error)) call expect(x, -1.0_dp, line_options(), status%invalid_argument, error)
-      if (.not. allocated(error)) call expect(x, 1.0_dp, line_options(most=-1), status%invalid_argument, error)
-      if (.not. allocated(error)) call expect(x, 1.0_dp, line_options(false_alarm=0.0_dp), status%invalid_argument, error)
-      if (.not. allocated(error)) call expect(x(:32), 1.0_dp, line_options(most=0), status%ok, error)
+      options%ar%order = 1
+      call expect(x(:31), options, status%too_few_samples, error)
+      if (.not. allocated(error)) call expect(x(:32), options, status%too_few_samples, error)
+      if (.not. allocated(error)) call expect(x(:33), options, status%ok, error)
+      if (.not. allocated(error)) call expect(flat, options, status%constant_input, error)
    end subroutine test_failures
 
    !> The status of one call.
-   subroutine expect(x, dt, options, code, error)
+   subroutine expect(x, options, code, error)
       real(dp), intent(in) :: x(:)
-      real(dp), intent(in) :: dt
-      type(line_options), intent(in) :: options
+      type(periodicity_options), intent(in) :: options
       integer, intent(in) :: code
       type(error_type), allocatable, intent(out) :: error
-      type(line_type), allocatable :: line(:)
+      type(periodicity_type) :: p
       type(gyro_error), allocatable :: problem
       integer :: got
 
-      call find_lines(x, dt, options, line, problem)
+      call analyse_periodicity(x, options, p, problem)
       got = status%ok
       if (allocated(problem)) got = problem%code
       call check(error, got, code)

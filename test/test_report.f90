@@ -13,8 +13,7 @@ module test_report
    use gyroakf_utf8, only : text_width
    use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_report_document, only : write_document
-   use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, write_dynamic, &
-      series_output_type
+   use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, series_output_type
    use json_reader, only : json_item, read_json, json_text_at, json_real, check_schema, file_text
    use report_fixture, only : make_record, make_result, fill_drift, begin_text, end_text
    implicit none (type, external)
@@ -41,7 +40,6 @@ contains
          new_unittest("width", test_width), &
          new_unittest("drift", test_drift), &
          new_unittest("halves", test_halves), &
-         new_unittest("dynamic", test_dynamic), &
          new_unittest("single-commands", test_single_commands), &
          new_unittest("document-schema", test_document_schema), &
          new_unittest("document-inspect", test_document_inspect), &
@@ -201,29 +199,25 @@ contains
                  index(text, "  One-sided       0.02234 deg/s/sqrt(Hz) = ") > 0 .and. index(text, "As read in SI, and") > 0)
    end subroutine test_run_tables
 
-   !> Fisher's test, lines with the harmonic named, the spectrum.
+   !> Fisher's test and the spectrum.
    subroutine test_periodicity_text(error)
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: wrapped, text
 
       call run_text(.true., wrapped)
       call unwrap(wrapped, text)
-      call check(error, index(text, "a period stands out, that of the line at 1.25 Hz: Fisher's g 0.3 at") > 0)
-      if (allocated(error)) return
-      call check(error, index(text, "2 lines with 1.8 % of the variance: vibration, or interference") > 0)
-      if (allocated(error)) return
-      call check(error, index(text, " 2 x 0.625 Hz") > 0 .and. index(text, "wanders over 0.02 Hz") > 0)
+      call check(error, index(text, "Fisher's g 0.3 at 1.25 Hz, the largest of 5 ordinates, p = 0.004, "// &
+                              "of the residuals of AR(1)") > 0)
       if (allocated(error)) return
       call check(error, index(text, "Welch: a density every 1.25 Hz, mean of 4 segments of 4 samples") > 0 &
                  .and. index(text, "1 left out") > 0)
    end subroutine test_periodicity_text
 
-   !> What Fisher's test found: nothing, drift, correlation, or no one knows because no lines were sought; of which samples.
+   !> What Fisher's test detects: nothing, drift, a period; in which samples.
    subroutine test_periodicity_verdicts(error)
       type(error_type), allocatable, intent(out) :: error
-      character(60), parameter :: words(4) = [character(60) :: "no single period stands out: Fisher's g", &
-         "less than 5 periods in the record: drift, not a period", "a peak stands out that is no line: correlation", &
-         "a period stands out, or correlation"]
+      character(60), parameter :: words(3) = [character(60) :: "no single period stands out: Fisher's g", &
+         "less than 5 periods in the record: drift, not a period", "a period stands out, or correlation"]
       type(writer_type) :: writer
       type(record_type) :: record
       type(pipeline_result_type) :: result
@@ -238,7 +232,6 @@ contains
       do i = 1, size(words)
          result%channel(1)%periodicity%fisher%p_value = merge(0.5_dp, 1.0e-9_dp, i == 1)
          result%channel(1)%periodicity%fisher%ordinate = merge(2, 80, i == 2)
-         result%channel(1)%periodicity%searched = i < 4
          call begin_text(writer)
          call write_report(writer, "tests", record, pipeline_options(), result)
          call end_text(writer, text)
@@ -246,7 +239,7 @@ contains
          call check(error, index(flat, trim(words(i))) > 0, "missing: "//trim(words(i)))
          if (allocated(error)) return
       end do
-      call check(error, index(flat, "are of 1000 of 5000 samples, from the middle") > 0)
+      call check(error, index(flat, "; the middle 1000 of 5000 samples") > 0)
    end subroutine test_periodicity_verdicts
 
    !> No rate, no unit: per sample and in input units, and which options would help.
@@ -318,40 +311,6 @@ contains
          if (allocated(error)) return
       end do
    end subroutine test_halves
-
-   !> The dynamic deviation: 24 of 30 segments in the table, all of them in the file and in the document.
-   subroutine test_dynamic(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(writer_type) :: writer
-      type(record_type) :: record
-      type(pipeline_result_type) :: result
-      type(json_item), allocatable :: items(:)
-      character(:), allocatable :: text, flat
-      logical :: valid
-
-      call make_record(record, .true.)
-      call make_result(record, result)
-      call begin_text(writer)
-      call write_report(writer, "allan", record, pipeline_options(), result)
-      call write_dynamic(writer, result)
-      call end_text(writer, text)
-      call unwrap(text, flat)
-      call check(error, index(flat, "oadev in deg/s of 30 segments of 1 s, by beginning") > 0 .and. index(flat, "24 of them") > 0)
-      if (allocated(error)) return
-      call check(error, index(text, lf//"         0.5  0.0201       -"//lf) > 0 .and. &
-                 index(text, lf//"        14.5  0.0201  0.0201"//lf//"         all    0.02  0.0141"//lf) > 0, "the table")
-      if (allocated(error)) return
-      call check(error, index(text, "channel,time,tau,deviation,lower,upper,edf,terms"//lf// &
-                              "gx,0,0.2,0.0201,0.01809,0.02211,4,4"//lf// &
-                              "gx,0,0.4,0.0201,0.01809,0.02211,4,4"//lf//"gx,0.5,0.2,") > 0)
-      if (allocated(error)) return
-      call check(error, index(text, lf//"gx,0.5,0.4,nan,nan,nan,0,0"//lf) > 0)
-      if (allocated(error)) return
-      call document(record, items, valid, result)
-      call check(error, json_real(items, "/channels/0/allan/dynamic/upper/29/1"), 0.02211_dp, thr=1e-12_dp)
-      if (allocated(error)) return
-      call check(error, json_text_at(items, "/channels/0/allan/dynamic/deviation/1/1"), "null")
-   end subroutine test_dynamic
 
    !> The shorter reports say their part and keep the width.
    subroutine test_single_commands(error)

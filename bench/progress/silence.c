@@ -157,13 +157,10 @@ static void tests(void) {
 
 static void spectra(void) {
   gyroakf_fisher fisher;
-  gyroakf_spectral_line lines[20];
-  int32_t count;
   WATCHED("Fisher's g", status = gyroakf_fisher_g_watched(x, n, &fisher, listen, NULL, NULL));
   WATCHED("Fisher's g, a hard length", status = gyroakf_fisher_g_watched(x, n - 1, &fisher, listen, NULL, NULL));
   WATCHED("Welch's spectrum", status = gyroakf_welch_spectrum_watched(x, n, 0.01, 0, NULL, y, NULL, listen, NULL, NULL));
   WATCHED("Welch's spectrum, one segment", status = gyroakf_welch_spectrum_watched(x, n, 0.01, n, NULL, y, NULL, listen, NULL, NULL));
-  WATCHED("spectral lines", status = gyroakf_spectral_lines_watched(x, n, 0.01, 20, lines, &count, listen, NULL, NULL));
 }
 
 static void models(void) {

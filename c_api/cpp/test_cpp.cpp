@@ -155,11 +155,6 @@ void test_series(const std::vector<double> &x) {
             spectrum.frequency.back() == 0.5 / dt,
         "a spectrum");
   fails(GYROAKF_INVALID_ARGUMENT, [&] { gyroakf::welch_spectrum(x, dt, -5); }, "a segment of -5");
-  std::vector<double> wave = x;
-  for (int i = 0; i < n; i++) wave[static_cast<std::size_t>(i)] += 0.5 * std::sin(2 * 3.14159265358979 * 7 * dt * i);
-  const auto lines = gyroakf::spectral_lines(wave, dt);
-  check(lines.size() == 1 && std::fabs(lines[0].frequency - 7) < 0.01 && std::fabs(lines[0].amplitude - 0.5) < 0.05, "a line of 7 Hz");
-  fails(GYROAKF_INVALID_ARGUMENT, [&] { gyroakf::spectral_lines(x, dt, 1001); }, "more lines than there may be");
 
   std::vector<double> outlier = x;
   outlier[77] += 1000;
@@ -217,7 +212,6 @@ void test_filters(const std::vector<double> &x) {
   fails(GYROAKF_CANCELLED, [&] { gyroakf::histogram(part, 0, stop); }, "a cancelled histogram");
   fails(GYROAKF_CANCELLED, [&] { gyroakf::fisher_g(part, stop); }, "a cancelled Fisher test");
   fails(GYROAKF_CANCELLED, [&] { gyroakf::welch_spectrum(part, 1, 0, stop); }, "a cancelled spectrum");
-  fails(GYROAKF_CANCELLED, [&] { gyroakf::spectral_lines(part, 1, 5, stop); }, "a cancelled search for lines");
   fails(GYROAKF_CANCELLED, [&] { gyroakf::kpss_test(part, gyroakf::kpss_options(), stop); }, "a cancelled KPSS test");
   fails(GYROAKF_CANCELLED, [&] { gyroakf::fit_ar(part, 3, gyroakf::ar_options(), stop); }, "a cancelled AR model");
   fails(GYROAKF_CANCELLED, [&] { gyroakf::mark_outliers(part, gyroakf::outlier_options(), stop); }, "cancelled marks");

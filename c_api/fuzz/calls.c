@@ -43,7 +43,6 @@
   F(histogram_expected, 8) \
   F(histogram_outside, 16) F(histogram_free, 30) \
   F(fisher_g, 50) F(fisher_g_watched, 25) F(welch_size, 30) F(welch_spectrum, 50) F(welch_spectrum_watched, 25) \
-  F(spectral_lines, 6) F(spectral_lines_watched, 3) \
   F(ar_options_init, 1) F(ar_fit, 60) \
   F(filter_options_init, 1) F(filter_new, 120) F(filter_step, 200) F(filter_freeze, 40) F(filter_run, 100) \
   F(filter_run_watched, 60) F(filter_get, 60) \
@@ -982,25 +981,6 @@ static void try_welch_spectrum(int watched) {
 
 static void call_welch_spectrum(void) { try_welch_spectrum(0); }
 static void call_welch_spectrum_watched(void) { try_welch_spectrum(1); }
-
-static void try_spectral_lines(int watched) {
-  gyroakf_progress_fn listener = any_progress();
-  int64_t n;
-  const double *x = series(&n);
-  double dt = one_in(4) ? any_double() : 0.01;
-  int32_t most = one_in(4) ? any_int() : below(20), *count = (int32_t *)place(sizeof *count);
-  gyroakf_spectral_line *lines = (gyroakf_spectral_line *)place((most > 0 && most <= 1000 ? (size_t)most : 0) * sizeof *lines);
-  gyroakf_error *err = error_place();
-  int status;
-  begin();
-  if (watched) status = gyroakf_spectral_lines_watched(x, n, dt, most, lines, count, listener, &user, err);
-  else status = gyroakf_spectral_lines(x, n, dt, most, lines, count, err);
-  end(status, err);
-  if (status == GYROAKF_OK) promise(*count >= 0 && *count <= most, "so many lines as there are places");
-}
-
-static void call_spectral_lines(void) { try_spectral_lines(0); }
-static void call_spectral_lines_watched(void) { try_spectral_lines(1); }
 
 static void call_ar_fit(void) {
   int64_t n;

@@ -566,24 +566,6 @@ GYROAKF_API int gyroakf_welch_spectrum_watched(const double *x, int64_t n, doubl
                                                double *density, double *degrees_of_freedom, gyroakf_progress_fn progress,
                                                void *progress_user, gyroakf_error *err);
 
-typedef struct gyroakf_spectral_line {
-  double frequency, frequency_error; /* and its standard error, 1/(unit of dt) */
-  double amplitude, amplitude_error; /* and its standard error, in x's unit */
-  double share;                      /* of its power in the variance */
-  double log_p_value;                /* logarithm of the probability of a false alarm at any frequency; below ln 0.001 */
-  double width;                      /* of the transform, or of a line that wanders */
-  int32_t steady;                    /* 1: a sinusoid describes it; 0: it wanders */
-  int32_t harmonic;                  /* 2, 3, ... of a lower line; 0: of none */
-} gyroakf_spectral_line;
-
-/* The spectral lines of x [n], n >= 40, in the noise that an AR model of it describes: most <= 1000 places, count of them filled,
- * by frequency. */
-GYROAKF_API int gyroakf_spectral_lines(const double *x, int64_t n, double dt, int32_t most, gyroakf_spectral_line *lines,
-                                       int32_t *count, gyroakf_error *err);
-GYROAKF_API int gyroakf_spectral_lines_watched(const double *x, int64_t n, double dt, int32_t most,
-                                               gyroakf_spectral_line *lines, int32_t *count, gyroakf_progress_fn progress,
-                                               void *progress_user, gyroakf_error *err);
-
 /* ---------------------------------------------------------------------------------------------------------- AR model */
 
 typedef struct gyroakf_ar_options {

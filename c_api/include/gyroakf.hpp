@@ -127,7 +127,6 @@ using adf_coefficient = gyroakf_adf_coefficient;
 using kpss = gyroakf_kpss;
 using whiteness = gyroakf_whiteness;
 using fisher = gyroakf_fisher;
-using spectral_line = gyroakf_spectral_line;
 using filter_state = gyroakf_filter_state;
 
 /* ----------------------------------------------------------------------------------------------------------- inner parts */
@@ -490,19 +489,6 @@ inline spectrum welch_spectrum(series x, double dt, std::int64_t segment = 0, co
   listener.check(gyroakf_welch_spectrum_watched(x.data(), x.count(), dt, segment, out.frequency.data(), out.density.data(),
                                                 &out.degrees_of_freedom, watch.progress, watch.progress_user, &err),
                  err);
-  return out;
-}
-
-inline std::vector<spectral_line> spectral_lines(series x, double dt, std::int32_t most = 100, const progress &f = {}) {
-  detail::watch watch;
-  detail::listener listener(watch, f);
-  gyroakf_error err;
-  std::vector<spectral_line> out(static_cast<std::size_t>(std::clamp(most, 1, 1000)));
-  std::int32_t count = 0;
-  listener.check(gyroakf_spectral_lines_watched(x.data(), x.count(), dt, most, out.data(), &count, watch.progress,
-                                                watch.progress_user, &err),
-                 err);
-  out.resize(static_cast<std::size_t>(count));
   return out;
 }
 

@@ -182,12 +182,6 @@ static int run_one_segment(listener *l) {
   return gyroakf_welch_spectrum_watched(x, samples, 1.0, samples, NULL, NULL, NULL, listen, l, &err);
 }
 
-static int run_lines(listener *l) {
-  gyroakf_spectral_line lines[4];
-  int32_t count;
-  return gyroakf_spectral_lines_watched(x, 20000, 1.0, 4, lines, &count, listen, l, &err);
-}
-
 /* A filter goes on where it was cancelled; the estimates up to there are those of a whole run. */
 static int run_filter(listener *l) {
   const double phi = 0.9;
@@ -416,7 +410,6 @@ void test_progress(void) {
   check_progress(run_fisher, "progress of Fisher's test", "Fourier");
   check_progress(run_welch, "progress of a spectrum", "spectrum");
   check_progress(run_one_segment, "progress of a spectrum of one segment", "spectrum");
-  check_progress(run_lines, "progress of the lines", "lines");
   check_progress(run_filter, "progress of a filter", "filtering");
   check_progress(run_smoother, "progress of the smoother", "weighing");
   check_progress(run_adf, "progress of the ADF test", "unit-root");

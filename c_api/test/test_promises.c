@@ -115,11 +115,6 @@ static int welch_spectrum(call *c) {
   return gyroakf_welch_spectrum(c->x, c->length, 0.01, 256, c->array[0], c->array[1], (double *)(void *)c->figures, &err);
 }
 
-static int spectral_lines(call *c) {
-  return gyroakf_spectral_lines(c->x, c->length, 0.01, 10, (gyroakf_spectral_line *)(void *)(c->figures + 64),
-                                (int32_t *)(void *)c->figures, &err);
-}
-
 static int ar_fit(call *c) {
   return gyroakf_ar_fit(c->x, c->length, (const gyroakf_ar_options *)c->opt, 5, (int32_t *)(void *)c->figures, c->array[0],
                         (double *)(void *)(c->figures + 64), (double *)(void *)(c->figures + 128), &err);
@@ -281,7 +276,6 @@ static const row table[] = {
     {"histogram_new", histogram_new, 1, 1, 0, NONE},
     {"fisher_g", fisher_g, 1, 1, 0, NONE},
     {"welch_spectrum", welch_spectrum, 1, 1, 2, NONE},
-    {"spectral_lines", spectral_lines, 1, 1, 0, NONE},
     {"ar_fit", ar_fit, 1, 1, 1, OPTIONS(ar), 32},
     {"filter_new", filter_new, 1, 0, 0, OPTIONS(filter), 0},
     {"filter_run", filter_run, 1, 1, 1, NONE},
@@ -419,7 +413,6 @@ static void test_overlapping_tables(void) {
   void *ahead = x - 1, *last = x + n - 1, *apart = room;
   gyroakf_adf_coefficient *const tables[3] = {(gyroakf_adf_coefficient *)ahead, (gyroakf_adf_coefficient *)last,
                                               (gyroakf_adf_coefficient *)apart};
-  gyroakf_spectral_line *const lines[3] = {(gyroakf_spectral_line *)ahead, (gyroakf_spectral_line *)last, (gyroakf_spectral_line *)apart};
   int8_t *const marks[3] = {(int8_t *)x - 1, (int8_t *)last + 7, (int8_t *)apart};
   int32_t count;
   int k;
@@ -427,20 +420,16 @@ static void test_overlapping_tables(void) {
   memcpy(before, room, sizeof room);
   for (k = 0; k < 2; k++) {
     check_failure(gyroakf_adf_coefficients(x, n, NULL, 2, tables[k], &count, &err), GYROAKF_INVALID_ARGUMENT, "a table over the series");
-    check_failure(gyroakf_spectral_lines(x, n, 1.0, 2, lines[k], &count, &err), GYROAKF_INVALID_ARGUMENT, "lines over the series");
     check_failure(gyroakf_mark_outliers(x, n, NULL, marks[k], NULL, &err), GYROAKF_INVALID_ARGUMENT, "marks over the series");
   }
   check(memcmp(before, room, sizeof room) == 0, "the series is not changed");
   check_success(gyroakf_adf_coefficients(x, n, NULL, 20, tables[2], &count, &err), "a table before the series");
-  check_success(gyroakf_spectral_lines(x, n, 1.0, 12, lines[2], &count, &err), "lines before the series");
   check_success(gyroakf_mark_outliers(x, 800, NULL, marks[2], NULL, &err), "marks before the series");
   check(memcmp(x, series, sizeof series) == 0, "the series is not changed");
   for (k = 1; k < 8; k++) {
     char *odd = (char *)room + k;
     check_failure(gyroakf_adf_coefficients(x, n, NULL, 2, (gyroakf_adf_coefficient *)(void *)odd, &count, &err),
                   GYROAKF_INVALID_ARGUMENT, "a table at an odd address");
-    check_failure(gyroakf_spectral_lines(x, n, 1.0, 2, (gyroakf_spectral_line *)(void *)odd, &count, &err), GYROAKF_INVALID_ARGUMENT,
-                  "lines at an odd address");
   }
 }
 
@@ -766,7 +755,6 @@ static void test_other_structs(void) {
 static void test_counts(void) {
   static const int32_t wrong[] = {-1, INT32_MIN};
   gyroakf_adf_coefficient rows_of[4];
-  gyroakf_spectral_line line;
   gyroakf_histogram *h;
   gyroakf_whiteness white;
   gyroakf_filter *f;
@@ -779,7 +767,6 @@ static void test_counts(void) {
   values[0] = series;
   for (k = 0; k < 2; k++) {
     check_failure(gyroakf_adf_coefficients(series, n, NULL, wrong[k], rows_of, &count, &err), GYROAKF_INVALID_ARGUMENT, "a table of no rows");
-    check_failure(gyroakf_spectral_lines(series, n, 1.0, wrong[k], &line, &count, &err), GYROAKF_INVALID_ARGUMENT, "no lines");
     check_failure(gyroakf_histogram_new(series, n, wrong[k], &h, &err), GYROAKF_INVALID_ARGUMENT, "no bins");
     check_failure(gyroakf_autocorrelation(series, n, wrong[k], acf, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "no lags");
     check_failure(gyroakf_ljung_box(series, n, wrong[k], 0, &white, &err), GYROAKF_INVALID_ARGUMENT, "no lags tested");
@@ -796,7 +783,6 @@ static void test_counts(void) {
   check_failure(gyroakf_adf_coefficients(series, n, NULL, 0, rows_of, &count, &err), GYROAKF_INVALID_ARGUMENT, "a table of 0 rows");
   check_success(gyroakf_adf_coefficients(series, n, NULL, 0, NULL, &count, &err), "no table");
   check(count > 1 && count < 77, "its rows");
-  check_failure(gyroakf_spectral_lines(series, n, 1.0, 1001, &line, &count, &err), GYROAKF_INVALID_ARGUMENT, "too many lines");
   check_failure(gyroakf_histogram_new(series, n, 10000001, &h, &err), GYROAKF_INVALID_ARGUMENT, "too many bins");
   check_failure(gyroakf_histogram_new(series, n, 1, &h, &err), GYROAKF_INVALID_ARGUMENT, "one bin");
   check(gyroakf_welch_size(-1, 0) == 0 && gyroakf_welch_size(INT64_MIN, 0) == 0 && gyroakf_welch_size(10, -1) == 0 &&

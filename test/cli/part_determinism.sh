@@ -13,8 +13,8 @@ good "run on one thread" run same.txt "${same_options[@]}" --threads 1 --json sa
 if agree same_one.json same_1.json; then pass
 else fail "one thread and two: $(head -n 5 said)"; fi
 if [ "$(sed -n 's/^\([0-9]*\) numbers.*/\1/p' said)" -gt 2500 ]; then pass; else fail "too few numbers were compared: $(cat said)"; fi
-good "allan on one thread" allan same.txt --taus log:10 --dynamic 5 --threads 1 --quiet --json same_one.json --force
-good "allan on two threads" allan same.txt --taus log:10 --dynamic 5 --threads 2 --quiet --json same_2.json --force
+good "allan on one thread" allan same.txt --taus log:10 --threads 1 --quiet --json same_one.json --force
+good "allan on two threads" allan same.txt --taus log:10 --threads 2 --quiet --json same_2.json --force
 if agree same_one.json same_2.json; then pass
 else fail "allan, one thread and two: $(head -n 5 said)"; fi
 for method in burg ols mcov; do

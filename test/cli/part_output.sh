@@ -135,14 +135,6 @@ holds "the report says that the halves differ" "the second half has another Alla
 near "the ratio of the halves" "$(sed -n '/"halves"/,/}/p' loud.json | sed -nE 's/.*"ratio": *\[([0-9.]+),.*/\1/p')" 1.2 0.03
 good "halves that do not" allan quiet.txt
 holds "the report says that they do not" "no difference is found between the Allan curves" out
-good "the dynamic deviation" allan loud.txt --dynamic 9 --out dynamic --json dynamic.json
-is "dynamic.csv has segments times averaging times" "$(grep -c '^channel' dynamic/dynamic.csv) $(tail -n +2 dynamic/dynamic.csv | wc -l)" \
-   "1 $((9*11))"
-near "the last segment is louder" "$(awk -F, '$3 == 0.1 { if (!first) first = $4; last = $4 } END { print last/first }' \
-   dynamic/dynamic.csv)" 1.2 0.05
-holds "the report has the table" "of 9 segments of 400 s" out
-is "JSON has a row for each segment" "$(sed -n '/"dynamic"/,/^ *"lower"/p' dynamic.json | grep -c '^ *\[')" 9
-bad "dynamic without a number" 1 "--dynamic" allan loud.txt --dynamic x
 good "a list of averaging times" allan "$example" --taus 1,2,10,100
 good "ar with options" ar "$example" --outliers mad --outlier-threshold 4 --detrend 2 --order 2 --ar-criterion bic
 for method in yw burg ols mcov; do
@@ -264,15 +256,13 @@ fi
 # a reader that goes away: no run-time error, no traceback
 "$gyroakf" run "$example" 2>err | head -n 1 >/dev/null
 if grep -qiE 'backtrace|run-?time error|fortran' err; then fail "closed pipe: $(head -c 300 err)"; else pass; fi
-# a vibration: named with its amplitude; the spectrum is among the result files
+# a vibration: its frequency; the spectrum is among the result files
 awk 'BEGIN { srand(1); for (i = 0; i < 20000; i++) { s = 0; for (j = 0; j < 12; j++) s += rand(); print s - 6 + sin(0.5 * i) } }' \
   >vibration.txt
-good "lines" tests vibration.txt --rate 100 --unit deg/s --out vibration --json -
-is "one line" "$(grep -c '"share"' out)" 1
-near "its frequency" "$(sed -n '/"spectral_lines"/,/"share"/s/.*"frequency_hz": \([^,]*\).*/\1/p' out)" 7.957747 1e-3
-near "its amplitude" "$(sed -n '/"spectral_lines"/,/"share"/s/.*"amplitude": \([^,]*\).*/\1/p' out)" 1 0.05
+good "a vibration" tests vibration.txt --rate 100 --unit deg/s --out vibration --json -
+near "its frequency" "$(sed -n '/"fisher_g"/,/"samples"/s/.*"frequency_hz": \([^,]*\).*/\1/p' out)" 7.957747 5e-3
 is "rows of the spectrum" "$(grep -c '^column1' vibration/spectrum.csv)" 1025
-good "segments of two seconds" tests vibration.txt --rate 100 --out vibration --force --welch-segment 2 --lines 0
+good "segments of two seconds" tests vibration.txt --rate 100 --out vibration --force --welch-segment 2
 is "rows of its spectrum" "$(grep -c '^column1' vibration/spectrum.csv)" 101
 good "no rate" tests vibration.txt
 holds "frequencies without a rate" "cycles/sample" out

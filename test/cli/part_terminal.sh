@@ -13,7 +13,7 @@ grep -v '^#' "$example" | awk 'NR <= 100' >hundred.txt
 grep -v '^#' "$example" | awk 'NR <= 4000' >bare.txt
 "$gyroakf" simulate --samples 6000 --rate 10 --coefficients N=0.005,K=0.0005 --missing 0.01 --output drift.txt --truth drift_truth.txt
 for arguments in "run $example" "run $example --preset paper" "run $example --akf robust" "run $example --adf-table" \
-   "run five.txt" "allan five.txt --kinds mdev,tdev,hdev,totdev --dynamic 5" "run hundred.txt" "run bare.txt" \
+   "run five.txt" "allan five.txt --kinds mdev,tdev,hdev,totdev" "run hundred.txt" "run bare.txt" \
    "inspect five.txt" "tests bare.txt" "ar $example" "filter drift.txt --truth drift_truth.txt" "run drift.txt --truth drift_truth.txt" \
    "filter bare.txt --estimate q,r,Q,R" "run bare.txt drift.txt five.txt" "inspect bare.txt five.txt" "filter bare.txt drift.txt"; do
    # shellcheck disable=SC2086

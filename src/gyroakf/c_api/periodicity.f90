@@ -1,11 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> C: what is periodic in a series. What each function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_periodicity
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, c_double, c_null_ptr, &
-      & c_null_funptr, c_f_pointer, c_associated, c_sizeof
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int64_t, c_double, c_null_ptr, c_null_funptr
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_series_fisher, only : fisher_type, test_fisher_g
-   use gyroakf_series_periodicity, only : periodicity_options, periodicity_type, analyse_periodicity
    use gyroakf_series_welch, only : welch_options, welch_type, welch_spectrum, default_segment
    use gyroakf_c_api_progress, only : callback_type
    use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_finite, &
@@ -14,19 +12,13 @@ module gyroakf_c_api_periodicity
    implicit none (type, external)
    private
    public :: gyroakf_fisher_g, gyroakf_fisher_g_watched, gyroakf_welch_size, gyroakf_welch_spectrum, &
-      & gyroakf_welch_spectrum_watched, gyroakf_spectral_lines, gyroakf_spectral_lines_watched
+      & gyroakf_welch_spectrum_watched
 
    !> `gyroakf_fisher`
    type, bind(C) :: fisher_c
       real(c_double) :: statistic, p_value, log_p_value, frequency
       integer(c_int64_t) :: ordinates
    end type fisher_c
-
-   !> `gyroakf_spectral_line`
-   type, bind(C) :: spectral_line_c
-      real(c_double) :: frequency, frequency_error, amplitude, amplitude_error, share, log_p_value, width
-      integer(c_int32_t) :: steady, harmonic
-   end type spectral_line_c
 
 contains
 
@@ -129,72 +121,5 @@ contains
       if (present(degrees_of_freedom) .and. .not. allocated(error)) degrees_of_freedom = result%degrees_of_freedom
       gyroakf_welch_spectrum_watched = leave_library(host, error, err)
    end function gyroakf_welch_spectrum_watched
-
-   !> `gyroakf_spectral_lines`
-   integer(c_int) function gyroakf_spectral_lines(x, n, dt, most, lines, count, err) bind(C, name="gyroakf_spectral_lines")
-      type(c_ptr), intent(in), value :: x
-      integer(c_int64_t), intent(in), value :: n
-      real(c_double), intent(in), value :: dt
-      integer(c_int32_t), intent(in), value :: most
-      type(c_ptr), intent(in), value :: lines
-      integer(c_int32_t), intent(inout), optional :: count
-      type(error_c), intent(out), optional :: err
-
-      gyroakf_spectral_lines = gyroakf_spectral_lines_watched(x, n, dt, most, lines, count, c_null_funptr, c_null_ptr, err)
-   end function gyroakf_spectral_lines
-
-   !> `gyroakf_spectral_lines_watched`
-   integer(c_int) function gyroakf_spectral_lines_watched(x, n, dt, most, lines, count, progress, progress_user, err) &
-      & bind(C, name="gyroakf_spectral_lines_watched")
-      type(c_ptr), intent(in), value :: x
-      integer(c_int64_t), intent(in), value :: n
-      real(c_double), intent(in), value :: dt
-      integer(c_int32_t), intent(in), value :: most
-      type(c_ptr), intent(in), value :: lines
-      integer(c_int32_t), intent(inout), optional :: count
-      type(c_funptr), intent(in), value :: progress
-      type(c_ptr), intent(in), value :: progress_user
-      type(error_c), intent(out), optional :: err
-      type(host_type) :: host
-      type(series_type) :: series
-      type(periodicity_options) :: options
-      type(periodicity_type) :: result
-      type(spectral_line_c) :: line
-      type(callback_type) :: callback
-      type(error_type), allocatable :: error
-
-      call enter_library(host)
-      callback = callback_type(progress, progress_user)
-      options%lines%most = int(most)
-      if (.not. present(count) .or. .not. c_associated(lines) .or. most > 1000) call fatal_error(error, &
-         status%invalid_argument, "the places for the lines and their number must not be NULL, and there are at most 1000")
-      call check_aligned(lines, error)
-      if (.not. allocated(error)) call open_series(x, n, series, error)
-      if (.not. allocated(error)) call check_apart([x, lines], [8*n, most*c_sizeof(line)], error)
-      if (.not. allocated(error)) call analyse_periodicity(series%x, dt, options, result, error, series%valid, &
-         & progress=callback)
-      call close_series(series)
-      if (.not. allocated(error)) call write_lines(result, lines, count)
-      gyroakf_spectral_lines_watched = leave_library(host, error, err)
-   end function gyroakf_spectral_lines_watched
-
-   !> The lines into the caller's array.
-   subroutine write_lines(result, lines, number)
-      type(periodicity_type), intent(in) :: result
-      type(c_ptr), intent(in) :: lines
-      integer(c_int32_t), intent(out) :: number
-      type(spectral_line_c), pointer :: place(:)
-      integer :: i
-
-      number = int(size(result%line), c_int32_t)
-      call c_f_pointer(lines, place, [size(result%line)])
-      do i = 1, size(result%line)
-         associate (line => result%line(i))
-            place(i) = spectral_line_c(line%frequency, line%frequency_error, line%amplitude, line%amplitude_error, line%share, &
-                              line%log_p_value, line%width, merge(1_c_int32_t, 0_c_int32_t, line%steady), &
-                              int(line%harmonic, c_int32_t))
-         end associate
-      end do
-   end subroutine write_lines
 
 end module gyroakf_c_api_periodicity

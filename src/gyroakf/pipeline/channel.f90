@@ -15,7 +15,7 @@ module gyroakf_pipeline_channel
    use gyroakf_ar_shared_autocovariance, only : autocovariance_type
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stage
    use gyroakf_pipeline_coefficients, only : run_allan, compare_coefficients
-   use gyroakf_pipeline_changes, only : run_halves, run_dynamic
+   use gyroakf_pipeline_changes, only : run_halves
    use gyroakf_pipeline_distribution, only : run_distribution
    use gyroakf_pipeline_drift_filters, only : run_drift_filters
    use gyroakf_pipeline_filters, only : run_filters
@@ -135,7 +135,6 @@ contains
          call tell_progress("comparing the halves", 0_int64, size(x, kind=int64), error, progress)
          if (allocated(error)) return
          call run_halves(x, record%sample_interval, options, channel, error, valid, progress)
-         if (.not. allocated(error)) call run_dynamic(x, record%sample_interval, options, channel, error, valid)
          if (allocated(error)) return
       end if
       if (options%do_filter .and. channel%available%ar) then

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> What is periodic in a channel: Welch's spectrum of the cleaned series, Fisher's test and the lines of the whitened one.
+!> Periodicity of a channel: Welch's spectrum of the cleaned series, Fisher's test of its AR residuals.
 module gyroakf_pipeline_periodicity
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -12,15 +12,14 @@ module gyroakf_pipeline_periodicity
    private
    public :: run_periodicity, longest_part, longest_segment
 
-   !> Fisher's test and the lines see so many samples from the middle of a longer record: there a line of 1.5e-4 of the variance is
-   !> found as surely as in the whole, and lines of sensors are seldom steady for longer
+   !> Fisher's test takes so many samples from the middle of a longer record
    integer(int64), parameter :: longest_part = 262144_int64
    !> A longer segment of the spectrum is refused: its memory is not that of the record
    integer(int64), parameter :: longest_segment = 1048576_int64
 
 contains
 
-   !> Spectrum, Fisher's test, lines; failures are noted in the channel.
+   !> Spectrum and Fisher's test; failures are noted in the channel.
    subroutine run_periodicity(z, step, rate_known, options, channel, error, valid, progress)
       !> The cleaned series, in the unit of the record: [n]
       real(dp), intent(in), contiguous :: z(:)
@@ -56,16 +55,15 @@ contains
       channel%available%spectrum = .not. allocated(error)
       call note_failure(channel, "spectrum", error)
       choice%longest = longest_part
-      choice%lines = options%lines
       choice%ar = options%ar
       if (channel%available%ar) then
-         call analyse_periodicity(z, step, choice, channel%periodicity, error, valid, channel%ar, progress)
+         call analyse_periodicity(z, choice, channel%periodicity, error, valid, channel%ar, progress)
       else
-         call analyse_periodicity(z, step, choice, channel%periodicity, error, valid, progress=progress)
+         call analyse_periodicity(z, choice, channel%periodicity, error, valid, progress=progress)
       end if
       if (is_fatal(error)) return
       channel%available%periodicity = .not. allocated(error)
-      call note_failure(channel, "Fisher's test and lines", error)
+      call note_failure(channel, "Fisher's test", error)
       if (channel%available%periodicity) call state(channel, step)
    end subroutine run_periodicity
 
@@ -79,7 +77,6 @@ contains
       write (order, "(i0)") channel%periodicity%order
       channel%whitened = "the series"
       if (channel%periodicity%order > 0) channel%whitened = "the residuals of AR("//trim(order)//")"
-      channel%line_share = sum(channel%periodicity%line%share)
    end subroutine state
 
 end module gyroakf_pipeline_periodicity

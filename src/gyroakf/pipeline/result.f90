@@ -16,7 +16,6 @@ module gyroakf_pipeline_result
    use gyroakf_series_whiteness, only : ljung_box_type
    use gyroakf_series_correlation, only : correlation_type
    use gyroakf_series_kpss, only : kpss_options, kpss_type
-   use gyroakf_series_lines, only : line_options
    use gyroakf_series_periodicity, only : periodicity_type
    use gyroakf_series_welch, only : welch_type
    use gyroakf_ar_model, only : ar_options, ar_model_type
@@ -25,7 +24,6 @@ module gyroakf_pipeline_result
    use gyroakf_filter_drift_identification, only : drift_identification_options, drift_identification_type
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type
    use gyroakf_allan_noise_fit, only : noise_options, noise_type
-   use gyroakf_allan_dynamic, only : dynamic_type
    use gyroakf_allan_read_off, only : read_off_type
    use gyroakf_allan_halves, only : halves_type
    use gyroakf_pipeline_truth_result, only : truth_result_type
@@ -77,8 +75,6 @@ module gyroakf_pipeline_result
       type(allan_options) :: allan
       !> Further kinds for the series as read and cleaned, separated by commas: "mdev,ohdev"
       character(:), allocatable :: other_kinds
-      !> Segments of the dynamic Allan deviation, overlapping by half; 0: it is not computed
-      integer :: dynamic_segments = 0
       !> Coefficients from the curves
       type(noise_options) :: noise
       !> Anderson-Darling test of the cleaned series: longer ones are thinned
@@ -96,8 +92,6 @@ module gyroakf_pipeline_result
       real(dp) :: drift_tau = 0.0_dp
       !> Segment of Welch's spectrum in s (samples without a rate); 0: chosen
       real(dp) :: welch_segment = 0.0_dp
-      !> Spectral lines of the cleaned series
-      type(line_options) :: lines
       !> The cleaned and filtered series stay in the result (8 bytes a sample and series)
       logical :: keep_series = .false.
    end type pipeline_options
@@ -108,7 +102,7 @@ module gyroakf_pipeline_result
       logical :: kf = .false., akf = .false., drift = .false., drift_kf = .false., drift_akf = .false.
       !> The smoothed drift, and with it what is left of the record without it
       logical :: drift_smoother = .false.
-      logical :: halves = .false., dynamic = .false.
+      logical :: halves = .false.
       logical :: anderson_darling = .false., histogram = .false., quantisation = .false.
       logical :: kpss = .false., correlation = .false.
       logical :: periodicity = .false., spectrum = .false.
@@ -226,13 +220,13 @@ module gyroakf_pipeline_result
       type(kpss_type) :: kpss
       !> Autocorrelation of the cleaned series
       type(correlation_type) :: correlation
-      !> Fisher's test and lines, of a part of a long record
+      !> Fisher's test, of a part of a long record
       type(periodicity_type) :: periodicity
       !> What was whitened: "the residuals of AR(2)"; the unit of all frequencies: Hz or cycles/sample
       character(40) :: whitened = "the series"
       character(13) :: frequency_unit = "Hz"
-      !> Frequency of Fisher's test in that unit; share of all lines in the variance
-      real(dp) :: fisher_frequency = 0.0_dp, line_share = 0.0_dp
+      !> Frequency of Fisher's test in that unit
+      real(dp) :: fisher_frequency = 0.0_dp
       !> Welch's spectrum of the cleaned series
       type(welch_type) :: spectrum
       !> The model that was chosen
@@ -264,8 +258,6 @@ module gyroakf_pipeline_result
       type(allan_result_type) :: allan(5)
       !> Whether the curve of the record as read changed from its first to its second half
       type(halves_type) :: halves
-      !> Deviation of the record as read in segments, where it was asked for
-      type(dynamic_type) :: dynamic
       !> From cleaned to akf, Q N B K R, in percent; only where `reduction_known` (detected in both)
       real(dp) :: reduction_percent(5) = 0.0_dp
       logical :: reduction_known(5) = .false.

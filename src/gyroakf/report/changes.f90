@@ -4,26 +4,21 @@ module gyroakf_report_changes
    use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : record_type
    use gyroakf_io_writer, only : writer_type
-   use gyroakf_allan_dynamic, only : dynamic_type
    use gyroakf_allan_halves, only : halves_type
-   use gyroakf_pipeline_result, only : channel_result_type, stage
-   use gyroakf_report_layout, only : put_heading, put_item, put_paragraph, number, p_value_text, plural, count_text
-   use gyroakf_report_table, only : table_type, new_table, set_cell, put_table
-   use gyroakf_report_input, only : unit_name
+   use gyroakf_pipeline_result, only : channel_result_type
+   use gyroakf_report_layout, only : put_heading, put_item, number, p_value_text, plural
    implicit none (type, external)
    private
    public :: put_changes
 
    !> Averaging times that are told one by one
    integer, parameter :: told_max = 3
-   !> Averaging times and segments that a table shows at most
-   integer, parameter :: columns_max = 6, rows_max = 24
    !> A change of the deviation by less is small
    real(dp), parameter :: small_change = 0.03_dp
 
 contains
 
-   !> The comparison of the halves, and the dynamic deviation.
+   !> The comparison of the halves.
    subroutine put_changes(writer, record, channel)
       !> The report
       type(writer_type), intent(inout) :: writer
@@ -31,97 +26,16 @@ contains
       type(record_type), intent(in) :: record
       !> Its results
       type(channel_result_type), intent(in) :: channel
-
-      if (.not. (channel%available%halves .or. channel%available%dynamic)) return
-      call put_heading(writer, "Change of the noise during the record")
-      if (channel%available%halves) call put_halves(writer, record, channel)
-      if (channel%available%dynamic) call put_dynamic(writer, record, channel)
-   end subroutine put_changes
-
-   !> The comparison of the halves.
-   subroutine put_halves(writer, record, channel)
-      type(writer_type), intent(inout) :: writer
-      type(record_type), intent(in) :: record
-      type(channel_result_type), intent(in) :: channel
       character(:), allocatable :: text
 
+      if (.not. channel%available%halves) return
+      call put_heading(writer, "Change of the noise during the record")
       text = halves_text(channel%halves, trim(merge(" s      ", " samples", record%rate_known)))
       if (channel%halves%changed .and. (channel%clean%method == "none" .or. .not. channel%available%preprocess)) then
          text = text//"; outliers in one half do that too (--outliers auto marks them)"
       end if
       call put_item(writer, "Halves", text)
-   end subroutine put_halves
-
-   !> A table of the deviation at some averaging times: a row a segment, the whole record below.
-   subroutine put_dynamic(writer, record, channel)
-      type(writer_type), intent(inout) :: writer
-      type(record_type), intent(in) :: record
-      type(channel_result_type), intent(in) :: channel
-      type(table_type) :: table
-      integer, allocatable :: column(:), row(:)
-      integer :: i, j
-
-      associate (dynamic => channel%dynamic)
-         call spread_out(count(maxval(dynamic%edf, dim=2) >= 2 .or. dynamic%tau <= dynamic%tau(1)), columns_max, column)
-         call spread_out(size(dynamic%start), rows_max, row)
-         call put_paragraph(writer, dynamic_title(record, dynamic, size(row)), 2)
-         call new_table(table, size(row) + 2, size(column) + 1)
-         call set_cell(table, 1, 1, "from \ tau")
-         do i = 1, size(column)
-            call set_cell(table, 1, i + 1, number(dynamic%tau(column(i)), 4))
-            do j = 1, size(row)
-               call set_cell(table, j + 1, i + 1, "-")
-               if (dynamic%terms(column(i), row(j)) > 0) call set_cell(table, j + 1, i + 1, &
-                  number(dynamic%deviation(column(i), row(j)), 4))
-            end do
-            call set_cell(table, size(row) + 2, i + 1, whole_text(channel, dynamic%m(column(i))))
-         end do
-         do j = 1, size(row)
-            call set_cell(table, j + 1, 1, number(dynamic%start(row(j)), 6))
-         end do
-         call set_cell(table, size(row) + 2, 1, "all")
-         call put_table(writer, table, 0)
-      end associate
-   end subroutine put_dynamic
-
-   !> What the table shows.
-   pure function dynamic_title(record, dynamic, rows) result(text)
-      type(record_type), intent(in) :: record
-      type(dynamic_type), intent(in) :: dynamic
-      integer, intent(in) :: rows
-      character(:), allocatable :: text
-
-      text = "Dynamic deviation: oadev in "//unit_name(record)//" of "// &
-             plural(size(dynamic%start, kind=int64), "segment")//" of "//number(dynamic%segment, 6)// &
-             trim(merge(" s      ", " samples", record%rate_known))//", by beginning of the segment and averaging time"
-      if (rows < size(dynamic%start)) text = text//" ("//count_text(int(rows, int64))//" of them are"//" shown)"
-   end function dynamic_title
-
-   !> Deviation of the whole record at an averaging factor, where its curve has it.
-   pure function whole_text(channel, m) result(text)
-      type(channel_result_type), intent(in) :: channel
-      integer(int64), intent(in) :: m
-      character(:), allocatable :: text
-      integer :: i
-
-      text = "-"
-      if (.not. allocated(channel%allan(stage%input)%curve%m)) return
-      i = findloc(channel%allan(stage%input)%curve%m, m, dim=1)
-      if (i > 0) text = number(channel%allan(stage%input)%curve%deviation(i), 4)
-   end function whole_text
-
-   !> Numbers from 1 to n, all of them or `most` evenly spread ones, the first and the last included.
-   pure subroutine spread_out(n, most, place)
-      integer, intent(in) :: n, most
-      integer, allocatable, intent(out) :: place(:)
-      integer :: i
-
-      if (n <= most) then
-         place = [(i, i=1, n)]
-      else
-         place = [(1 + nint(real(n - 1, dp)*real(i - 1, dp)/real(most - 1, dp)), i=1, most)]
-      end if
-   end subroutine spread_out
+   end subroutine put_changes
 
    !> What the comparison of the halves says.
    pure function halves_text(halves, time) result(text)

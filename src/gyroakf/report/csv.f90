@@ -13,7 +13,7 @@ module gyroakf_report_csv
    use gyroakf_report_layout, only : count_text
    implicit none (type, external)
    private
-   public :: write_series, write_allan, write_coefficients, write_dynamic, series_output_type, quoted
+   public :: write_series, write_allan, write_coefficients, series_output_type, quoted
 
    !> How the series are written
    type :: series_output_type
@@ -261,35 +261,6 @@ contains
       call put_value(writer, parameter(2), .true.)
       call put_line(writer, "")
    end subroutine put_further
-
-   !> dynamic.csv: a line per channel, segment and tau; time is that of the segment's beginning, deviations are in the unit of the
-   !> input, nan where too much is missing.
-   subroutine write_dynamic(writer, result)
-      !> Open
-      type(writer_type), intent(inout) :: writer
-      !> Dynamic deviations
-      type(pipeline_result_type), intent(in) :: result
-      integer :: c, i, j
-
-      call put_line(writer, "channel,time,tau,deviation,lower,upper,edf,terms")
-      do c = 1, size(result%channel)
-         if (.not. result%channel(c)%available%dynamic) cycle
-         associate (dynamic => result%channel(c)%dynamic)
-            do j = 1, size(dynamic%start)
-               do i = 1, size(dynamic%tau)
-                  call put(writer, quoted(result%channel(c)%name))
-                  call put_value(writer, dynamic%start(j), .true.)
-                  call put_value(writer, dynamic%tau(i), .true.)
-                  call put_value(writer, dynamic%deviation(i, j), dynamic%terms(i, j) > 0)
-                  call put_value(writer, dynamic%lower(i, j), dynamic%terms(i, j) > 0)
-                  call put_value(writer, dynamic%upper(i, j), dynamic%terms(i, j) > 0)
-                  call put_value(writer, dynamic%edf(i, j), .true.)
-                  call put_line(writer, ","//count_text(dynamic%terms(i, j)))
-               end do
-            end do
-         end associate
-      end do
-   end subroutine write_dynamic
 
    !> A field of text, in quotes where it needs them.
    pure function quoted(text) result(field)

@@ -12,8 +12,7 @@ module gyroakf_report_files
    use gyroakf_report_document_origin, only : origin_type
    use gyroakf_report_spectrum_file, only : write_spectrum, has_spectrum
    use gyroakf_report_ar_details, only : write_ar_spectrum
-   use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, write_dynamic, &
-      series_output_type
+   use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, series_output_type
    use gyroakf_report_histogram, only : write_histogram
    use gyroakf_report_correlation_table, only : write_correlation
    implicit none (type, external)
@@ -21,9 +20,9 @@ module gyroakf_report_files
    public :: write_results, result_files, existing_result, series_output_type
 
    !> In the order in which they are written; one of the first three
-   character(16), parameter :: result_files(13) = [character(16) :: "series.csv", "series.npy", "series.f64", "allan.csv", &
-      "coefficients.csv", "dynamic.csv", "ar_spectrum.csv", "correlation.csv", "histogram.csv", "spectrum.csv", "report.txt", &
-      "results.json", "report.html"]
+   character(16), parameter :: result_files(12) = [character(16) :: "series.csv", "series.npy", "series.f64", "allan.csv", &
+      "coefficients.csv", "ar_spectrum.csv", "correlation.csv", "histogram.csv", "spectrum.csv", "report.txt", "results.json", &
+      "report.html"]
 
 contains
 
@@ -41,9 +40,9 @@ contains
       path = ""
    end function existing_result
 
-   !> Writes the series (where they were kept), allan.csv and coefficients.csv (where there are curves), dynamic.csv (where it
-   !> was asked for), ar_spectrum.csv (where there are AR models), correlation.csv, histogram.csv and spectrum.csv (where there are
-   !> tests), report.txt and results.json; those that an earlier run left and this one does not write are removed.
+   !> Writes the series (where they were kept), allan.csv and coefficients.csv (where there are curves),
+   !> ar_spectrum.csv (where there are AR models), correlation.csv, histogram.csv and spectrum.csv
+   !> (where there are tests), report.txt and results.json; those that an earlier run left and this one does not write are removed.
    !> report.html is one of these: [[write_page]] writes it when there are figures.
    subroutine write_results(directory, command, record, options, result, error, output, progress, origin, chart)
       !> Made where it does not exist
@@ -75,8 +74,8 @@ contains
       call make_directory(directory, error)
       if (allocated(error)) return
       wanted(:3) = options%keep_series .and. [character(3) :: "csv", "npy", "f64"] == series%form
-      wanted(4:) = [options%do_allan, options%do_allan, options%do_allan .and. options%dynamic_segments > 0, &
-                    options%do_ar, any(result%channel%available%correlation), options%do_tests, &
+      wanted(4:) = [options%do_allan, options%do_allan, options%do_ar, &
+                    any(result%channel%available%correlation), options%do_tests, &
                     options%do_tests .and. has_spectrum(result), .true., .true., .false.]
       do i = 1, size(result_files)
          if (.not. wanted(i)) cycle
@@ -113,7 +112,6 @@ contains
       select case (name)
       case ("allan.csv"); call write_allan(writer, result)
       case ("coefficients.csv"); call write_coefficients(writer, result)
-      case ("dynamic.csv"); call write_dynamic(writer, result)
       case ("ar_spectrum.csv"); call write_ar_spectrum(writer, result, record%sample_interval)
       case ("histogram.csv"); call write_histogram(writer, result)
       case ("correlation.csv"); call write_correlation(writer, result)

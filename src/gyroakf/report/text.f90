@@ -90,7 +90,7 @@ contains
          call put_changes(writer, record, channel)
       case ("tests")
          call put_tests(writer, channel)
-         call put_periodicity(writer, record, channel)
+         call put_periodicity(writer, channel)
       case ("ar")
          call put_ar_table(writer, record, channel)
       case ("filter")
@@ -101,7 +101,7 @@ contains
          call put_drift_model(writer, record, channel)
       case default
          call put_tests(writer, channel)
-         call put_periodicity(writer, record, channel)
+         call put_periodicity(writer, channel)
          call put_ar_table(writer, record, channel)
          call put_filter_table(writer, record, channel)
          call put_filter_details(writer, channel)

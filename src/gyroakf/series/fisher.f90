@@ -11,7 +11,7 @@ module gyroakf_series_fisher
    use gyroakf_fft, only : real_fft_plan_type, new_real_fft_plan, real_fft_forward
    implicit none (type, external)
    private
-   public :: fisher_type, test_fisher_g, fisher_of_spectrum, fisher_tail, centre_and_scale
+   public :: fisher_type, test_fisher_g, fisher_tail
 
    !> Samples that are summed at once
    integer(int64), parameter :: block_length = 1024_int64
@@ -20,6 +20,9 @@ module gyroakf_series_fisher
    type :: fisher_type
       !> g: share of the largest ordinate in the sum of all
       real(dp) :: statistic = 0.0_dp
+      !> Share of the largest ordinate and the larger of its neighbors: a sinusoid without noise has
+      !> at least 0.81
+      real(dp) :: peak = 0.0_dp
       !> Probability of a larger g in white noise, and its logarithm, which does not underflow (-huge where g is 1)
       real(dp) :: p_value = 1.0_dp, log_p_value = 0.0_dp
       !> Frequency of the largest ordinate, cycles per sample, and its number k: f = k/n
@@ -73,7 +76,7 @@ contains
       integer :: stat
 
       n = size(x, kind=int64)
-      call centre_and_scale(x, centred, error, valid, progress=progress)
+      call centre_and_scale(x, centred, error, valid, progress)
       if (allocated(error)) return
       allocate (spectrum(0:n/2), stat=stat)
       if (stat /= 0) then
@@ -87,8 +90,7 @@ contains
    end subroutine test_fisher_g
 
    !> The present samples less their mean, times the power of two that brings the largest to 1/2 .. 1; 0 where missing.
-   subroutine centre_and_scale(x, centred, error, valid, exponents, progress)
-      !> Series: [n], n >= 3; finite
+   subroutine centre_and_scale(x, centred, error, valid, progress)
       real(dp), intent(in), contiguous :: x(:)
       !> [0:n-1]
       real(dp), allocatable, intent(out) :: centred(:)
@@ -96,8 +98,6 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> The result is to be multiplied by two to this power
-      integer, intent(out), optional :: exponents
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp) :: lowest, highest, mean
@@ -123,7 +123,6 @@ contains
       size_of_all = exponent(max(abs(lowest), abs(highest)))
       lowest = scale(lowest, -size_of_all)
       power = exponent(scale(highest, -size_of_all) - lowest)
-      if (present(exponents)) exponents = size_of_all + power
       do i = 0, n - 1
          if (iand(i, told_points) == 0) call tell_progress("Fourier transform", 0_int64, n, error, progress)
          if (allocated(error)) return
@@ -174,7 +173,7 @@ contains
       end do
    end subroutine find_range
 
-   !> Fisher's test from a spectrum, for whoever has it already.
+   !> Fisher's test from the Fourier transform of the series.
    subroutine fisher_of_spectrum(spectrum, n, result, error)
       !> Fourier transform of n real samples: [0:n/2]
       complex(dp), intent(in), contiguous :: spectrum(0:)
@@ -192,7 +191,7 @@ contains
       largest = -1.0_dp
       rest = 0.0_dp                                ! of all but the largest: 1 - g without cancellation
       do k = 1, result%ordinates
-         power = real(spectrum(k), dp)**2 + aimag(spectrum(k))**2
+         power = squared_modulus(spectrum(k))
          if (power > largest) then
             if (k > 1) rest = rest + largest
             largest = power
@@ -207,9 +206,20 @@ contains
          return
       end if
       result%statistic = largest/total
+      power = 0.0_dp
+      k = result%ordinate
+      if (k > 1) power = squared_modulus(spectrum(k - 1))
+      if (k < result%ordinates) power = max(power, squared_modulus(spectrum(k + 1)))
+      result%peak = (largest + power)/total
       result%frequency = real(result%ordinate, dp)/real(n, dp)
       call fisher_tail(result%statistic, rest/total, result%ordinates, result%p_value, result%log_p_value)
    end subroutine fisher_of_spectrum
+
+   pure real(dp) function squared_modulus(z)
+      complex(dp), intent(in) :: z
+
+      squared_modulus = real(z, dp)**2 + aimag(z)**2
+   end function squared_modulus
 
    !> Probability of a larger g among m ordinates of white noise.
    !>

@@ -1,74 +1,67 @@
 ! SPDX-License-Identifier: MIT
-!> What is periodic in a series that is correlated: Fisher's g and the strongest lines, both of the whitened series.
+!> Fisher's test for a hidden periodicity in a correlated series.
 !>
-!> On correlated data Fisher's test finds the correlation, and drift leaks over the whole periodogram: an AR model whitens the
-!> series first. Gains and shares of the lines are stated for the series before.
+!> In correlated data Fisher's test detects the correlation, and drift leaks into the whole periodogram;
+!> therefore the residuals of an AR model are tested. A sinusoid that holds nearly all of the variance is
+!> the exception: the AR model would predict it and so remove it.
 module gyroakf_series_periodicity
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
-   use gyroakf_series_moments, only : moments_type, compute_moments
-   use gyroakf_series_fisher, only : fisher_type
-   use gyroakf_series_lines, only : line_options, line_type, find_lines
-   use gyroakf_series_sinusoid, only : sinusoid_type, remove_sinusoid
+   use gyroakf_series_fisher, only : fisher_type, test_fisher_g
    implicit none (type, external)
    private
    public :: periodicity_options, periodicity_type, analyse_periodicity, whiten_series, even_length
 
+   !> A shorter series is refused
+   integer(int64), parameter :: min_samples = 32_int64
    !> From this length on the transform is made of a length with small prime factors only
    integer(int64), parameter :: trimmed_from = 65536_int64
-   !> A line with more of the variance bends the AR model; lines are sought in whitened series so many times at most
-   real(dp), parameter :: strong_share = 0.01_dp
-   integer, parameter :: most_rounds = 2
+   !> A sinusoid dominates where two adjacent ordinates hold this share of the power, with at least
+   !> so many periods
+   real(dp), parameter :: dominant_share = 0.75_dp
+   integer(int64), parameter :: min_periods = 5_int64
    !> Samples less one between two reports of progress: a power of two less one
    integer(int64), parameter :: told_samples = 131071_int64
 
-   !> How it is looked for
+   !> How the series is whitened, and how much of it is tested
    type :: periodicity_options
-      !> The lines
-      type(line_options) :: lines
-      !> The model that whitens, where none is given
+      !> The AR model, where none is given
       type(ar_options) :: ar
-      !> At most so many samples, from the middle of the series, are looked at; 0: all
+      !> At most so many samples, from the middle of the series, are tested; 0: all
       integer(int64) :: longest = 0
    end type periodicity_options
 
-   !> What was found
+   !> Fisher's test and what it was applied to
    type :: periodicity_type
-      !> Fisher's test of the whitened series; its frequency is in cycles per sample
+      !> The test; its frequency is in cycles per sample
       type(fisher_type) :: fisher
-      !> By frequency, in the unit of the series; of length 0 where there is none
-      type(line_type), allocatable :: line(:)
-      !> Order of the AR model that whitened; 0: the series was taken as it is
+      !> Order of the AR model whose residuals were tested; 0: the series itself
       integer :: order = 0
-      !> First sample looked at, counted from 1, and how many: whitened values, missing ones included
+      !> First sample tested, counted from 1, and their number, missing ones included
       integer(int64) :: first = 1, samples = 0
-      !> Lines were sought: there are samples enough, and the options want them
-      logical :: searched = .false.
       !> Samples of the series, missing ones included
       integer(int64) :: total = 0
    end type periodicity_type
 
 contains
 
-   !> Whitens a series, tests it for a periodicity and looks for its lines.
+   !> Fisher's test of the residuals of an AR model of the series.
    !>
+   !> The series itself is tested where no AR model can be fitted to it, and where two adjacent ordinates
+   !> of its periodogram hold three quarters of the power: a sinusoid of at least five periods that an
+   !> AR model would predict.
    !> A series of 65536 values or more loses its last ones (and an odd one its last) down to a length with the prime factors
    !> 2, 3, 5, 7, 11, 13 only, some parts in a thousand at most.
-   !>
-   !> Lines are sought in the series as it is first. Where one has more than 1 % of the variance, the AR model is fitted to what the
-   !> lines leave instead of the given one: that of a strong line would take its surroundings for a part of it.
-   subroutine analyse_periodicity(x, dt, options, result, error, valid, model, progress)
+   subroutine analyse_periodicity(x, options, result, error, valid, model, progress)
       !> Series: [n], n >= 32 more than the order; finite; not modified
       real(dp), intent(in), contiguous :: x(:)
-      !> Sample interval > 0; 1: frequencies in cycles per sample
-      real(dp), intent(in) :: dt
-      !> How
+      !> Model and length
       type(periodicity_options), intent(in) :: options
-      !> What was found
+      !> The test
       type(periodicity_type), intent(out) :: result
-      !> As of [[find_lines]] and, without a model, of [[fit_ar]]
+      !> As of [[test_fisher_g]] and, without a model, of [[fit_ar]]
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
@@ -76,122 +69,85 @@ contains
       type(ar_model_type), intent(in), optional :: model
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
-      type(ar_model_type) :: white, used
-      type(moments_type) :: moments
-      real(dp), allocatable :: rest(:)
-      logical :: found
-      integer :: round
+      type(ar_model_type) :: fitted
 
-      call tell_progress("looking for lines", 0_int64, 0_int64, error, progress)
+      call test_series(x, options%longest, result, error, valid, progress)
       if (allocated(error)) return
-      call compute_moments(x, moments, valid)
-      allocate (white%coefficient(0))
-      white%mean = moments%mean
-      call look(x, dt, options, moments%variance, white, result, error, valid, progress)
-      if (allocated(error)) return
-      do round = 1, most_rounds
-         if (any(result%line%share > strong_share)) then
-            call take_lines(x, dt, result, rest, error, progress)
-            if (.not. allocated(error)) call model_of_rest(rest, options%ar, result, used, found, error, valid, progress)
-            if (allocated(error) .or. .not. found) return
-         else if (round > 1) then
-            return
-         else if (present(model)) then
-            used = model
-         else
-            call fit_ar(x, options%ar, used, error, valid, progress=progress)
-            if (allocated(error)) then
-               if (error%code == status%singular) deallocate (error)      ! gaps can do that: the series as it is must do
-               return
-            end if
-         end if
-         call look(x, dt, options, moments%variance, used, result, error, valid, progress)
-         if (allocated(error)) return
-      end do
+      if (result%fisher%peak >= dominant_share .and. result%fisher%ordinate >= min_periods) return
+      if (present(model)) then
+         call test_residuals(x, model, options%longest, result, error, valid, progress)
+         return
+      end if
+      call fit_ar(x, options%ar, fitted, error, valid, progress=progress)
+      if (.not. allocated(error)) then
+         call test_residuals(x, fitted, options%longest, result, error, valid, progress)
+      else if (error%code == status%singular) then
+         deallocate (error)                       ! gaps can cause it: the test of the series stands
+      end if
    end subroutine analyse_periodicity
 
-   !> Lines and Fisher's test with one model.
-   subroutine look(x, dt, options, variance, model, result, error, valid, progress)
+   !> Fisher's test of the series itself.
+   subroutine test_series(x, longest, result, error, valid, progress)
       real(dp), intent(in), contiguous :: x(:)
-      real(dp), intent(in) :: dt
-      type(periodicity_options), intent(in) :: options
-      !> Of the series
-      real(dp), intent(in) :: variance
+      integer(int64), intent(in) :: longest
+      type(periodicity_type), intent(inout) :: result
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8), intent(in), optional :: valid(:)
+      class(progress_type), intent(inout), optional :: progress
+      integer(int64) :: first, last
+
+      call cut_middle(size(x, kind=int64), 0, longest, result)
+      call check_length(result%samples, error)
+      if (allocated(error)) return
+      first = result%first
+      last = first + result%samples - 1
+      if (present(valid)) then
+         call test_fisher_g(x(first:last), result%fisher, error, valid(first:last), progress)
+      else
+         call test_fisher_g(x(first:last), result%fisher, error, progress=progress)
+      end if
+   end subroutine test_series
+
+   !> Fisher's test of the residuals of an AR model.
+   subroutine test_residuals(x, model, longest, result, error, valid, progress)
+      real(dp), intent(in), contiguous :: x(:)
       type(ar_model_type), intent(in) :: model
+      integer(int64), intent(in) :: longest
       type(periodicity_type), intent(inout) :: result
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: white(:)
       integer(int8), allocatable :: here(:)
+      integer(int64) :: first, last
 
-      call cut_middle(size(x, kind=int64), model%order, options%longest, result)
-      call whiten_part(x, model, result, white, here, error, valid, progress)
+      call cut_middle(size(x, kind=int64), model%order, longest, result)
+      call check_length(result%samples, error)
       if (allocated(error)) return
-      if (allocated(here)) then
-         call find_lines(white, dt, options%lines, result%line, error, here, model%coefficient, variance, result%fisher, progress)
-      else
-         call find_lines(white, dt, options%lines, result%line, error, phi=model%coefficient, variance=variance, &
-                         fisher=result%fisher, progress=progress)
-      end if
-      result%searched = options%lines%most > 0
-   end subroutine look
-
-   !> The part that was looked at without its lines.
-   subroutine take_lines(x, dt, result, rest, error, progress)
-      real(dp), intent(in), contiguous :: x(:)
-      real(dp), intent(in) :: dt
-      type(periodicity_type), intent(in) :: result
-      !> [samples]; not allocated where there is no memory for it
-      real(dp), allocatable, intent(out) :: rest(:)
-      !> cancelled
-      type(error_type), allocatable, intent(out) :: error
-      class(progress_type), intent(inout), optional :: progress
-      type(sinusoid_type) :: sinusoid
-      integer :: i, stat
-
-      allocate (rest(result%samples), stat=stat)
-      if (stat /= 0) return
-      rest(:) = x(result%first:result%first + result%samples - 1)
-      do i = 1, size(result%line)
-         call tell_progress("looking for lines", 0_int64, 0_int64, error, progress)
-         if (allocated(error)) return
-         sinusoid%frequency = result%line(i)%frequency*dt
-         sinusoid%cosine = result%line(i)%cosine
-         sinusoid%sine = result%line(i)%sine
-         call remove_sinusoid(rest, sinusoid)
-      end do
-   end subroutine take_lines
-
-   !> The AR model of what the lines leave; false where there is none, and the old one stays.
-   subroutine model_of_rest(rest, options, part, model, found, error, valid, progress)
-      real(dp), allocatable, intent(in) :: rest(:)
-      type(ar_options), intent(in) :: options
-      type(periodicity_type), intent(in) :: part
-      type(ar_model_type), intent(inout) :: model
-      logical, intent(out) :: found
-      !> cancelled
-      type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
-      class(progress_type), intent(inout), optional :: progress
-      type(ar_model_type) :: fresh
-
-      found = .false.
-      if (.not. allocated(rest)) return
+      first = result%first - result%order
+      last = result%first + result%samples - 1
       if (present(valid)) then
-         call fit_ar(rest, options, fresh, error, valid(part%first:part%first + part%samples - 1), progress=progress)
+         call whiten_series(x(first:last), model%mean, model%coefficient, white, here, error, &
+                            valid(first:last), progress)
       else
-         call fit_ar(rest, options, fresh, error, progress=progress)
+         call whiten_series(x(first:last), model%mean, model%coefficient, white, here, error, &
+                            progress=progress)
       end if
-      found = .not. allocated(error)
-      if (found) then
-         model = fresh
-      else if (error%code /= status%cancelled) then
-         deallocate (error)
-      end if
-   end subroutine model_of_rest
+      if (.not. allocated(error)) call test_fisher_g(white, result%fisher, error, here, progress)
+   end subroutine test_residuals
 
-   !> Where the part begins whose residuals are looked at, and how many they are.
+   !> Refuses a series that is too short.
+   subroutine check_length(n, error)
+      integer(int64), intent(in) :: n
+      type(error_type), allocatable, intent(out) :: error
+      character(100) :: text
+
+      if (n >= min_samples) return
+      write (text, "(2(a, i0))") "Fisher's test needs at least ", min_samples, " samples, there are ", n
+      call fatal_error(error, status%too_few_samples, trim(text))
+   end subroutine check_length
+
+   !> First sample and number of the samples in the middle that are tested.
    pure subroutine cut_middle(n, order, longest, result)
       integer(int64), intent(in) :: n
       integer, intent(in) :: order
@@ -226,29 +182,6 @@ contains
          length = length - 2
       end do
    end function even_length
-
-   !> Residuals of the part.
-   subroutine whiten_part(x, model, part, white, here, error, valid, progress)
-      real(dp), intent(in), contiguous :: x(:)
-      type(ar_model_type), intent(in) :: model
-      type(periodicity_type), intent(in) :: part
-      !> Residuals: [samples]
-      real(dp), allocatable, intent(out) :: white(:)
-      !> Which are there; only with `valid`
-      integer(int8), allocatable, intent(out) :: here(:)
-      type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
-      class(progress_type), intent(inout), optional :: progress
-      integer(int64) :: from, to
-
-      from = part%first - part%order
-      to = part%first + part%samples - 1
-      if (present(valid)) then
-         call whiten_series(x(from:to), model%mean, model%coefficient, white, here, error, valid(from:to), progress)
-      else
-         call whiten_series(x(from:to), model%mean, model%coefficient, white, here, error, progress=progress)
-      end if
-   end subroutine whiten_part
 
    !> Residuals of an AR model, $$e_t = (x_t - m) - \sum_j \phi_j (x_{t-j} - m), \quad t = p + 1 \ldots n;$$ one is missing where
    !> any of its p + 1 samples is.

@@ -6,12 +6,11 @@ module gyroakf_report_document_parts
    use gyroakf_io_writer, only : writer_type
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_allan_halves, only : halves_type
-   use gyroakf_allan_dynamic, only : dynamic_type
    use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stated_read_off_type, stage, stage_names
    use gyroakf_report_document_ar, only : put_ar_members
    use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, flush_json
    use gyroakf_report_document_distribution, only : put_distribution
-   use gyroakf_report_document_periodicity, only : put_fisher, put_lines, put_welch
+   use gyroakf_report_document_periodicity, only : put_fisher, put_welch
    use gyroakf_report_document_stated, only : put_stated, put_densities, put_known, put_description
    use gyroakf_report_document_adf, only : put_adf_regression
    use gyroakf_report_document_correlation, only : put_kpss, put_ljung_box
@@ -46,7 +45,6 @@ contains
       call put_ljung_box(json, "ljung_box", channel%ljung_box, channel%available%ljung_box)
       call put_fisher(json, channel)
       call put_distribution(json, channel)
-      call put_lines(json, channel)
       call put_welch(json, channel)
       call close_object(json)
    end subroutine put_tests
@@ -148,58 +146,8 @@ contains
       else
          call put_null(json, "halves")
       end if
-      if (channel%available%dynamic) then
-         call put_dynamic(json, writer, channel%dynamic)
-      else
-         call put_null(json, "dynamic")
-      end if
       call close_object(json)
    end subroutine put_allan
-
-   !> "dynamic": an array of deviations and limits for each segment, null where too much is missing.
-   subroutine put_dynamic(json, writer, dynamic)
-      !> The document
-      type(json_type), intent(inout) :: json
-      !> Takes what is written
-      type(writer_type), intent(inout) :: writer
-      !> Dynamic Allan deviation
-      type(dynamic_type), intent(in) :: dynamic
-
-      call open_object(json, "dynamic")
-      call put_member(json, "segment_s", dynamic%segment)
-      call put_member(json, "start_s", dynamic%start)
-      call put_member(json, "tau_s", dynamic%tau)
-      call put_rows(json, "deviation", dynamic%deviation, dynamic%terms > 0)
-      call flush_json(json, writer)
-      call put_rows(json, "lower", dynamic%lower, dynamic%terms > 0)
-      call flush_json(json, writer)
-      call put_rows(json, "upper", dynamic%upper, dynamic%terms > 0)
-      call close_object(json)
-      call flush_json(json, writer)
-   end subroutine put_dynamic
-
-   !> An array of the columns of a matrix, null where a number is not known.
-   subroutine put_rows(json, key, value, known)
-      type(json_type), intent(inout) :: json
-      character(*), intent(in) :: key
-      real(dp), intent(in) :: value(:, :)
-      logical, intent(in) :: known(:, :)
-      integer :: i, j
-
-      call open_array(json, key)
-      do j = 1, size(value, 2)
-         if (all(known(:, j))) then
-            call put_member(json, "", value(:, j))
-            cycle
-         end if
-         call open_array(json, "")
-         do i = 1, size(value, 1)
-            call put_known(json, "", value(i, j), known(i, j))
-         end do
-         call close_array(json)
-      end do
-      call close_array(json)
-   end subroutine put_rows
 
    !> "halves": the second half of the record against the first.
    subroutine put_halves(json, halves)

@@ -3,11 +3,10 @@
 module gyroakf_report_document_periodicity
    use gyroakf_kinds, only : int64
    use gyroakf_pipeline_result, only : channel_result_type
-   use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null
-   use gyroakf_report_document_stated, only : put_known
+   use gyroakf_report_json, only : json_type, open_object, close_object, put_member, put_null
    implicit none (type, external)
    private
-   public :: put_fisher, put_lines, put_welch
+   public :: put_fisher, put_welch
 
 contains
 
@@ -34,39 +33,6 @@ contains
       call put_member(json, "first_sample", channel%periodicity%first)
       call close_object(json)
    end subroutine put_fisher
-
-   !> "spectral_lines": an array, null where none were sought.
-   subroutine put_lines(json, channel)
-      !> The document
-      type(json_type), intent(inout) :: json
-      !> One channel
-      type(channel_result_type), intent(in) :: channel
-      integer :: i
-
-      if (.not. (channel%available%periodicity .and. channel%periodicity%searched)) then
-         call put_null(json, "spectral_lines")
-         return
-      end if
-      call open_array(json, "spectral_lines")
-      do i = 1, size(channel%periodicity%line)
-         associate (line => channel%periodicity%line(i))
-            call open_object(json)
-            call put_member(json, "frequency_hz", line%frequency)
-            call put_member(json, "frequency_std_error_hz", line%frequency_error)
-            call put_member(json, "amplitude", line%amplitude)
-            call put_member(json, "amplitude_std_error", line%amplitude_error)
-            call put_member(json, "share", line%share)
-            call put_member(json, "p_value", line%p_value)
-            call put_member(json, "log_p_value", line%log_p_value)
-            call put_member(json, "steady", line%steady)
-            call put_member(json, "width_hz", line%width)
-            call put_member(json, "harmonic", line%harmonic)
-            call put_known(json, "fundamental_hz", channel%periodicity%line(max(line%fundamental, 1))%frequency, line%harmonic > 0)
-            call close_object(json)
-         end associate
-      end do
-      call close_array(json)
-   end subroutine put_lines
 
    !> "welch": what spectrum.csv holds.
    subroutine put_welch(json, channel)
