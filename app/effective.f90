@@ -153,8 +153,6 @@ contains
          if (pipeline%design%estimate == " ") value = text_value(trim(merge("R ", "QR", pipeline%design%akf == "robust")))
       case ("--r-factor"); value = real_value(pipeline%design%r_factor)
       case ("--drift-tau"); value = positive_value(pipeline%drift_tau)
-      case ("--drift-source"); value = text_value(trim(pipeline%identification%source))
-      case ("--drift-degree"); value = integer_text(int(pipeline%identification%degree, int64))
       case default                          ! of another group
       end select
    end subroutine value_of_model

@@ -145,12 +145,6 @@ module gyroakf_app_option
                   "R of the Kalman filter is F times the variance of the series (default 1)"), &
       option_type("--drift-tau", "S", "positive", "run filter", "filter", &
                   "what is slower than this counts as drift (default: the larger of 5 samples and 1 s)"), &
-      option_type("--drift-source", "record|allan", "choice", "run filter", "filter", &
-                  "where the drift's model comes from: the likelihood of the record itself (default), or N, B and K of its "// &
-                  "Allan deviation"), &
-      option_type("--drift-degree", "K", "natural", "run filter", "filter", &
-                  "a polynomial of degree K, 1 to 3, under the drift, fitted with its model and part of the drift "// &
-                  "(default 0: the mean alone)"), &
       option_type("--kinds", "oadev|adev|mdev|tdev|hdev|ohdev|totdev", "choices", "run allan", "allan", &
                   "further kinds of deviation, separated by commas; the terms are fitted to oadev, which is always there"), &
       option_type("--taus", "octave|decade|log:N|all|LIST", "text", "run allan", "allan", &
@@ -215,8 +209,8 @@ module gyroakf_app_option
       option_type("--digits", "N", "natural", "run filter simulate", "output", &
                   "significant digits of series and records as text (default 0: as few as read back to the same number)"), &
       option_type("--truth", "FILE", "text", "run filter", "output", &
-                  "the true drift (simulate --truth, a reference sensor) on the record's grid: every filter, and others, "// &
-                  "are scored against it"), &
+                  "the true drift (simulate --truth, a reference sensor) on the record's grid: RMSE of "// &
+                  "every filter"), &
       option_type("--chart", "on|off", "choice", "run allan", "output", &
                   "draw the Allan deviation in characters in the report (default on)"), &
       option_type("--color", "auto|always|never", "choice", reading, "output", &

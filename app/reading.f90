@@ -20,8 +20,8 @@ module gyroakf_app_reading
 
    !> Share of the memory that can be had which a recording may take
    real(dp), parameter :: usable_share = 0.95_dp
-   !> Bytes a sample that a true drift takes: as read, less the trend, an estimate to compare with, the integral for its length
-   integer(int64), parameter :: truth_bytes = 40, megabyte = 1000000
+   !> Bytes a sample that a true drift takes: as read and in the unit of the record, each with its marks
+   integer(int64), parameter :: truth_bytes = 18, megabyte = 1000000
 
 contains
 

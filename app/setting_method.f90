@@ -5,7 +5,6 @@ module gyroakf_app_setting_method
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_allan_noise_fit, only : noise_options
    use gyroakf_filter_design, only : design_options
-   use gyroakf_filter_drift_trend, only : largest_degree
    use gyroakf_preprocess_hampel, only : largest_half_width
    use gyroakf_pipeline, only : pipeline_options
    use gyroakf_app_option, only : option_type
@@ -139,8 +138,6 @@ contains
       case ("--forgetting"); pipeline%design%forgetting = value%number
          pipeline%drift%forgetting = value%number
       case ("--drift-tau"); pipeline%drift_tau = value%number
-      case ("--drift-source"); pipeline%identification%source = value%text
-      case ("--drift-degree"); call set_small(option, value%text, "", largest_degree, pipeline%identification%degree, error)
       case ("--estimate"); call set_estimate(pipeline%design, option, value%text, error)
       case ("--r-factor"); pipeline%design%r_factor = value%number
       case default; call not_wired(option, error)

@@ -66,16 +66,11 @@ module gyroakf
    use gyroakf_filter_series, only : filter_result_type, filter_series
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_likelihood, only : component_likelihood
-   use gyroakf_filter_innovation_window, only : filter_innovation_window, innovation_window_options
-   use gyroakf_filter_variational_bayes, only : filter_variational_bayes, variational_options
-   use gyroakf_filter_moving_average, only : moving_average
-   use gyroakf_filter_score, only : score_estimate, score_times, score_type
    use gyroakf_filter_smoother, only : smooth_drift
    use gyroakf_filter_drift_filter, only : new_drift_filter
    use gyroakf_filter_two_pass, only : smooth_adaptive
    use gyroakf_filter_drift_fit, only : drift_fit_type, drift_candidate_type, fit_drift, is_slow
    use gyroakf_filter_saving, only : save_filter, restore_filter, reset_filter
-   use gyroakf_filter_allan_model, only : allan_terms_type, make_allan_model
    use gyroakf_filter_drift_identification, only : drift_identification_options, drift_identification_type, identify_drift_model
    use gyroakf_preprocess_trend, only : trend_type, fit_trend, remove_trend, evaluate_trend
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series

@@ -43,14 +43,9 @@ program test_main
    use test_html, only : collect_html
    use test_identification, only : collect_identification
    use test_likelihood, only : collect_likelihood
-   use test_innovation_window, only : collect_innovation_window
-   use test_variational_bayes, only : collect_variational_bayes
-   use test_moving_average, only : collect_moving_average
-   use test_score, only : collect_score
    use test_truth, only : collect_truth
    use test_smoother, only : collect_smoother
    use test_drift_fit, only : collect_drift_fit
-   use test_drift_trend, only : collect_drift_trend
    use test_drift_identification, only : collect_drift_identification
    use test_figures, only : collect_figures
    use test_filter_saving, only : collect_filter_saving
@@ -151,14 +146,9 @@ program test_main
    call add("two_pass", collect_two_pass)
    call add("identification", collect_identification)
    call add("likelihood", collect_likelihood)
-   call add("score", collect_score)
    call add("truth", collect_truth)
-   call add("moving_average", collect_moving_average)
-   call add("variational_bayes", collect_variational_bayes)
-   call add("innovation_window", collect_innovation_window)
    call add("smoother", collect_smoother)
    call add("drift_fit", collect_drift_fit)
-   call add("drift_trend", collect_drift_trend)
    call add("drift_identification", collect_drift_identification)
    call add("figures", collect_figures)
    call add("filter_saving", collect_filter_saving)

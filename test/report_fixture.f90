@@ -141,9 +141,7 @@ contains
          drift%candidate%aic = [-56951.82_dp, -58726.91_dp]
          drift%candidate%bic = [-56937.04_dp, -58697.34_dp]
          drift%candidate(2)%model = drift%model
-         drift%allan_known = .true.
          drift%log_likelihood = 29363.5_dp
-         drift%allan_log_likelihood = 29350.0_dp
       end associate
       channel%white_std_error = 0.0021_dp
       allocate (channel%drift_process(2))

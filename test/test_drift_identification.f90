@@ -6,11 +6,9 @@ module test_drift_identification
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_progress, only : progress_type
-   use gyroakf_filter_allan_model, only : make_allan_model
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_blocks, only : model_of_means, process_of_samples
-   use gyroakf_filter_drift_identification, only : allan_terms_type, drift_identification_options, drift_identification_type, &
-      identify_drift_model
+   use gyroakf_filter_drift_identification, only : drift_identification_options, drift_identification_type, identify_drift_model
    use filter_library, only : fill_noise, make_series, paper_phi
    implicit none (type, external)
    private
@@ -41,8 +39,6 @@ contains
          new_unittest("invariance", test_invariance), &
          new_unittest("beyond-part", test_beyond_part), &
          new_unittest("means", test_means), &
-         new_unittest("allan-terms", test_allan_terms), &
-         new_unittest("allan-likelihood", test_allan_likelihood), &
          new_unittest("cancelled", test_cancelled), &
          new_unittest("refused", test_refused)]
    end subroutine collect_drift_identification
@@ -338,59 +334,6 @@ contains
       call check(error, -means%r, 8*(1 - 1/256.0_dp)/6 - 30.0_dp/16, thr=1.0e-12_dp, rel=.true.)
    end subroutine test_means
 
-   !> N and K exactly; the process for B is highest where the curve is flat, as high as the floor.
-   subroutine test_allan_terms(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(component_model_type) :: model
-      type(gyro_error), allocatable :: failed
-      real(dp) :: floor, time, x, highest
-
-      call make_allan_model(allan_terms_type(n=2.0_dp, b=0.05_dp, k=1.0e-4_dp, longest=1.0e6_dp), model, failed)
-      call check(error, .not. allocated(failed) .and. model%count == 2)
-      if (allocated(error)) return
-      call check(error, abs(model%r - 4) + abs(model%q(2) - 1.0e-8_dp) + abs(model%phi(2) - 1) < 1.0e-14_dp)
-      if (allocated(error)) return
-      time = -1/log(model%phi(1))
-      x = sqrt(3.0_dp)*2.0_dp/1.0e-4_dp/time           ! the middle of the floor in correlation times
-      call check(error, x, 1.8926_dp, thr=1.0e-4_dp)
-      if (allocated(error)) return
-      floor = sqrt(2*log(2.0_dp)/acos(-1.0_dp))*0.05_dp
-      highest = sqrt(2*model%q(1)/(1 - model%phi(1)**2)/x*(1 - (3 - 4*exp(-x) + exp(-2*x))/(2*x)))
-      call check(error, highest, floor, thr=1.0e-6_dp, rel=.true.)
-      if (allocated(error)) return
-      call make_allan_model(allan_terms_type(n=1.0_dp), model, failed)
-      call check(error, .not. allocated(failed) .and. model%count == 0)
-      if (allocated(error)) return
-      call make_allan_model(allan_terms_type(n=-1.0_dp), model, failed)
-      call check_refused(error, failed, status%invalid_argument)
-   end subroutine test_allan_terms
-
-   !> The true N and K are below the maximum, by what chance makes; wrong ones by more; asked for, they are the model.
-   subroutine test_allan_likelihood(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(drift_identification_type) :: found
-      type(gyro_error), allocatable :: failed
-      real(dp) :: z(6000), fall(2)
-      integer :: k
-
-      call fill_noise(91, z)
-      call add_walk(91, 0.02_dp, z)
-      do k = 1, 2
-         call identify_drift_model(z, drift_identification_options(), found, failed, &
-                                   noise=allan_terms_type(n=1.0_dp, k=0.02_dp*k**2, longest=600.0_dp))
-         call check(error, .not. allocated(failed) .and. found%allan_known)
-         if (allocated(error)) return
-         fall(k) = found%log_likelihood - found%allan_log_likelihood
-      end do
-      call check(error, fall(1) > 0 .and. fall(1) < 9 .and. fall(2) > fall(1) + 20)
-      if (allocated(error)) return
-      call identify_drift_model(z, drift_identification_options(source="allan"), found, failed, &
-                                noise=allan_terms_type(n=1.0_dp, k=0.02_dp, longest=600.0_dp))
-      call check(error, found%source == "allan" .and. found%found .and. found%slow(1) .and. found%name == "walk")
-      if (allocated(error)) return
-      call check(error, found%drift_std, 0.02_dp, thr=1.0e-12_dp, rel=.true.)
-   end subroutine test_allan_likelihood
-
    !> Whoever has enough is heard at the next evaluation.
    subroutine test_cancelled(error)
       type(error_type), allocatable, intent(out) :: error
@@ -425,12 +368,6 @@ contains
       call check_refused(error, failed, status%invalid_argument)
       if (allocated(error)) return
       call identify_drift_model(z, drift_identification_options(most=49_int64), found, failed)
-      call check_refused(error, failed, status%invalid_argument)
-      if (allocated(error)) return
-      call identify_drift_model(z, drift_identification_options(source="guess"), found, failed)
-      call check_refused(error, failed, status%invalid_argument)
-      if (allocated(error)) return
-      call identify_drift_model(z, drift_identification_options(source="allan"), found, failed)
       call check_refused(error, failed, status%invalid_argument)
       if (allocated(error)) return
       z = 3.0_dp

@@ -4,10 +4,10 @@ module test_truth
    use expectations, only : check_refused
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_preprocess_trend, only : evaluate_trend
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_record, only : record_type
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, run_pipeline
-   use gyroakf_pipeline_truth_result, only : score_of
    use gyroakf_simulate_record, only : simulate_options, simulate_record
    use gyroakf_units, only : parse_unit
    implicit none (type, external)
@@ -20,11 +20,9 @@ contains
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
-         new_unittest("removed-is-drift", test_removed), &
-         new_unittest("polynomial", test_polynomial), &
+         new_unittest("rmse-of-outputs", test_outputs), &
          new_unittest("units", test_units), &
          new_unittest("gaps", test_gaps), &
-         new_unittest("no-white-noise", test_no_white_noise), &
          new_unittest("refused", test_refused)]
    end subroutine collect_truth
 
@@ -53,101 +51,65 @@ contains
       options%clean%method = "none"
    end function filters_only
 
-   !> Trend and mean that are taken out before the filters are part of the drift: without a filter the error is record - truth, over
-   !> the samples that are there.
-   subroutine test_removed(error)
+   !> The RMSE of each filter is that of its output with the trend and the mean that were removed before it,
+   !> over the samples that are present; the true drift does not outlive the filters.
+   subroutine test_outputs(error)
       type(error_type), allocatable, intent(out) :: error
       type(record_type) :: record, truth
       type(pipeline_result_type) :: result
+      type(pipeline_options) :: options
       type(gyro_error), allocatable :: gyro
-      real(dp) :: expected
+      real(dp) :: trend(4000)
       integer :: degree
+      integer(int64) :: k
 
       call make(record, truth)
-      expected = sqrt(sum((record%value - truth%value)**2, mask=record%present == 1_int8)/count(record%present == 1_int8))
       do degree = -1, 3, 4
-         call run_pipeline(record, filters_only(degree), result, gyro, truth=truth)
+         options = filters_only(degree)
+         options%keep_series = .true.
+         call run_pipeline(record, options, result, gyro, truth=truth)
          call check(error, .not. allocated(gyro))
          if (allocated(error)) return
-         associate (scores => result%channel(1)%truth)
-            call check(error, scores%method(score_of(scores, "none"))%score%rmse, expected, thr=1.0e-12_dp)
+         associate (c => result%channel(1), present => record%present(:, 1) == 1_int8)
+            trend = 0
+            if (degree >= 0) trend = [(evaluate_trend(c%clean%trend, k), k=0, 3999)]
+            call check(error, c%kf_figures%rmse_samples, count(present, kind=int64))
             if (allocated(error)) return
-            call check(error, scores%method(score_of(scores, "none"))%score%samples, count(record%present == 1_int8, kind=int64))
+            call same(c%kf_figures%rmse, trend + c%cleaned%mean + c%series_kf, present)
             if (allocated(error)) return
-            call check(error, min(score_of(scores, "kf"), score_of(scores, "drift_kf"), score_of(scores, "moving_average")) > 0)
+            call same(c%akf_figures%rmse, trend + c%cleaned%mean + c%series_akf, present)
             if (allocated(error)) return
-            call check(error, scores%method(score_of(scores, "drift_kf"))%score%rmse < 0.8_dp*expected)
+            call same(c%drift_kf_figures%rmse, c%series_drift_kf, present)
             if (allocated(error)) return
-            call check(error, .not. allocated(scores%drift))
+            call same(c%drift_akf_figures%rmse, c%series_drift_akf, present)
+            if (allocated(error)) return
+            call same(c%drift_smoother_figures%rmse, c%series_drift, present)
+            if (allocated(error)) return
+            call check(error, c%drift_smoother_figures%rmse < 0.95_dp*c%drift_kf_figures%rmse)
+            if (allocated(error)) return
+            call check(error, c%drift_kf_figures%rmse < c%kf_figures%rmse)
+            if (allocated(error)) return
+            call check(error, .not. (allocated(c%true_drift) .or. allocated(c%true_drift_present)))
          end associate
          if (allocated(error)) return
       end do
       call run_pipeline(record, filters_only(-1), result, gyro)
-      call check(error, .not. result%channel(1)%truth%known)
-   end subroutine test_removed
-
-   !> A steep parabola in record and truth: with a polynomial under the drift the filters are as near to the truth as without the
-   !> parabola, and what they give has it; drift and what is left are the record. Without it the drift has to follow the parabola.
-   subroutine test_polynomial(error)
-      type(error_type), allocatable, intent(out) :: error
-      character(*), parameter :: names(5) = [character(17) :: "drift_kf", "drift_akf", "drift_smoother", "innovation_window", &
-                                             "variational_bayes"]
-      type(record_type) :: record, truth
-      type(pipeline_result_type) :: plain, with, without
-      type(pipeline_options) :: options
-      type(gyro_error), allocatable :: gyro
-      real(dp) :: parabola(4000)
-      integer :: k
-
-      call make(record, truth)
-      options = filters_only(-1)
-      options%keep_series = .true.
-      options%identification%degree = 2
-      call run_pipeline(record, options, plain, gyro, truth=truth)
-      parabola = [(20*(k/4000.0_dp)**2, k=1, 4000)]
-      record%value(:, 1) = record%value(:, 1) + parabola
-      truth%value(:, 1) = truth%value(:, 1) + parabola
-      call run_pipeline(record, options, with, gyro, truth=truth)
-      options%identification%degree = 0
-      if (.not. allocated(gyro)) call run_pipeline(record, options, without, gyro, truth=truth)
-      call check(error, .not. allocated(gyro))
-      if (allocated(error)) return
-      do k = 1, size(names)
-         call check(error, rmse(with, names(k)), rmse(plain, names(k)), thr=1.0e-3_dp, rel=.true.)
-         if (allocated(error)) return
-      end do
-      call check(error, rmse(without, "drift_smoother") > 1.05_dp*rmse(with, "drift_smoother"), "no worse without the polynomial")
-      if (allocated(error)) return
-      associate (c => with%channel(1), here => record%present(:, 1) == 1_int8)
-         call check(error, maxval(abs(c%series_drift + c%series_compensated - record%value(:, 1)), mask=here) < 1.0e-12_dp)
-         if (allocated(error)) return
-         call check(error, sqrt(sum((c%series_drift_kf - truth%value(:, 1))**2, mask=here)/count(here)), &
-                    rmse(with, "drift_kf"), thr=1.0e-9_dp, rel=.true.)
-         if (allocated(error)) return
-         call check(error, variance_of(pack(c%series_drift_akf, here)), c%drift_akf%variance, thr=1.0e-9_dp, rel=.true.)
-         if (allocated(error)) return
-         call check(error, c%drift_smoother_figures%variance_ratio, c%drift_smoother%variance/c%level%variance, thr=1.0e-12_dp)
-         if (allocated(error)) return
-         call check(error, c%drift_akf_figures%variance_ratio > 0.99_dp .and. c%compensated_ratio < 0.01_dp, "what is drift")
-      end associate
+      call check(error, result%channel(1)%kf_figures%rmse_samples, 0_int64)
 
    contains
 
-      real(dp) function rmse(result, name)
-         type(pipeline_result_type), intent(in) :: result
-         character(*), intent(in) :: name
+      subroutine same(rmse, estimate, present)
+         !> Stated; the estimate with all that was removed; which samples count
+         real(dp), intent(in) :: rmse, estimate(:)
+         logical, intent(in) :: present(:)
+         real(dp) :: expected
 
-         rmse = result%channel(1)%truth%method(score_of(result%channel(1)%truth, name))%score%rmse
-      end function rmse
+         expected = sqrt(sum((estimate - truth%value(:, 1))**2, mask=present)/count(present))
+         call check(error, rmse, expected, thr=1.0e-9_dp, rel=.true.)
+      end subroutine same
+   end subroutine test_outputs
 
-      pure real(dp) function variance_of(x)
-         real(dp), intent(in) :: x(:)
-
-         variance_of = sum((x - sum(x)/size(x))**2)/(size(x) - 1)
-      end function variance_of
-   end subroutine test_polynomial
-
-   !> A truth in another unit is converted; the angle of a gyroscope is in degrees, whatever its unit.
+   !> A truth in another unit is converted.
    subroutine test_units(error)
       type(error_type), allocatable, intent(out) :: error
       type(record_type) :: record, truth
@@ -176,17 +138,12 @@ contains
          !> Unit of the first over that of the second
          real(dp), intent(in) :: factor
 
-         associate (a => first%channel(1)%truth%method(1)%score, b => second%channel(1)%truth%method(1)%score)
-            call check(error, b%rmse, factor*a%rmse, thr=1.0e-9_dp, rel=.true.)
-            if (allocated(error)) return
-            call check(error, maxval(abs(b%attitude_error - a%attitude_error)) < 1.0e-9_dp)
-         end associate
-         if (allocated(error)) return
-         call check(error, trim(second%channel(1)%truth%angle_unit) == "deg")
+         call check(error, second%channel(1)%kf_figures%rmse, factor*first%channel(1)%kf_figures%rmse, thr=1.0e-9_dp, &
+                    rel=.true.)
       end subroutine same
    end subroutine test_units
 
-   !> Where the truth is missing nothing is scored.
+   !> Samples whose true drift is missing do not count.
    subroutine test_gaps(error)
       type(error_type), allocatable, intent(out) :: error
       type(record_type) :: record, truth
@@ -200,39 +157,12 @@ contains
       call run_pipeline(record, filters_only(0), result, gyro, truth=truth)
       call check(error, .not. allocated(gyro))
       if (allocated(error)) return
-      associate (score => result%channel(1)%truth%method(1)%score)
-         call check(error, score%samples, count(record%present*truth%present == 1_int8, kind=int64))
+      associate (figures => result%channel(1)%kf_figures)
+         call check(error, figures%rmse_samples, count(record%present*truth%present == 1_int8, kind=int64))
          if (allocated(error)) return
-         call check(error, score%rmse < 0.03_dp)
+         call check(error, figures%rmse < 0.03_dp)
       end associate
    end subroutine test_gaps
-
-   !> A filter that needs white noise is left out of the comparison where the model has none; the job goes on.
-   subroutine test_no_white_noise(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(record_type) :: record, truth
-      type(pipeline_result_type) :: result
-      type(pipeline_options) :: options
-      type(simulate_options) :: walk
-      type(gyro_error), allocatable :: gyro
-
-      walk%samples = 2000
-      walk%coefficient = 0.0_dp
-      walk%coefficient(4) = 0.01_dp
-      call simulate_record(walk, record, gyro, truth)
-      options = filters_only(-1)
-      options%identification%source = "allan"
-      call run_pipeline(record, options, result, gyro, truth=truth)
-      call check(error, .not. allocated(gyro))
-      if (allocated(error)) return
-      associate (channel => result%channel(1))
-         call check(error, .not. channel%drift%model%r > 0.0_dp, "the Allan deviation shows white noise")
-         if (allocated(error)) return
-         call check(error, score_of(channel%truth, "variational_bayes"), 0)
-         if (allocated(error)) return
-         call check(error, min(score_of(channel%truth, "drift_kf"), score_of(channel%truth, "innovation_window")) > 0)
-      end associate
-   end subroutine test_no_white_noise
 
    !> A truth that does not fit.
    subroutine test_refused(error)

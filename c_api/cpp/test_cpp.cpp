@@ -229,7 +229,6 @@ void test_filters(const std::vector<double> &x) {
   gyroakf_drift_smooth(&again, x.data(), n, expected.data(), nullptr, nullptr, &err);
   const auto drift = gyroakf::smooth_drift(model, x);
   check(same(drift.value, expected.data()) && drift.variance.size() == x.size() && drift.variance[5] > 0, "a drift is smoothed");
-  check(gyroakf::drift_polynomial(model, 3) == std::vector<double>(3, 0.0), "no polynomial under it");
   gyroakf::filter drift_filter(model);
   check(drift_filter.run(x).size() == x.size() && drift_filter.state().steps == n, "a drift filter");
   fails(GYROAKF_INVALID_ARGUMENT, [] { gyroakf::filter{gyroakf::drift_model()}; }, "a filter of no process");

@@ -47,7 +47,7 @@
   F(filter_options_init, 1) F(filter_new, 120) F(filter_step, 200) F(filter_freeze, 40) F(filter_run, 100) \
   F(filter_run_watched, 60) F(filter_get, 60) \
   F(filter_free, 60) F(filter_reset, 30) F(filter_save, 60) F(filter_restore, 60) \
-  F(drift_model_init, 1) F(drift_options_init, 1) F(drift_identify, 6) F(drift_polynomial, 20) F(drift_filter_new, 60) \
+  F(drift_model_init, 1) F(drift_options_init, 1) F(drift_identify, 6) F(drift_filter_new, 60) \
   F(drift_smooth, 40) F(drift_smooth_watched, 20)
 
 typedef struct entry {
@@ -516,7 +516,7 @@ OPTIONS(filter_options,
         })
 
 OPTIONS(drift_options,
-        ODD(drift_samples, any_double()) ODD(most_samples, any_long()) ODD(degree, one_in(8) ? any_int() : below(4)) TOLD)
+        ODD(drift_samples, any_double()) ODD(most_samples, any_long()) TOLD)
 
 /* A model, often a good one. */
 static gyroakf_drift_model *any_drift_model(void) {
@@ -531,9 +531,7 @@ static gyroakf_drift_model *any_drift_model(void) {
     m->phi[i] = odd && one_in(3) ? any_double() : i == 0 && one_in(3) ? 1.0 : 0.9 * uniform() + 0.09;
     m->q[i] = odd && one_in(3) ? any_double() : 0.01 * uniform();
     m->slow[i] = odd && one_in(3) ? any_int() : i == 0;
-    m->polynomial[i] = odd && one_in(3) ? any_double() : uniform();
   }
-  m->degree = odd && one_in(4) ? any_int() : below(4);
   m->struct_size = any_size(sizeof *m);
   return m;
 }
@@ -1153,20 +1151,6 @@ static void call_drift_identify(void) {
   status = gyroakf_drift_identify(z, n, opt, model, err);
   end(status, err);
   if (status == GYROAKF_OK) promise(model->count >= 0 && model->count <= 3 && model->r >= 0, "a model is one");
-}
-
-static void call_drift_polynomial(void) {
-  gyroakf_drift_model *model = any_drift_model();
-  int64_t n = one_in(20) ? any_long() : below(200);
-  double *polynomial;
-  gyroakf_error *err = error_place();
-  int status;
-  if (n > 6000 && n <= (int64_t)1 << 44) n = 6000;
-  polynomial = one_in(40) ? NULL : (double *)take(n > 0 && n <= 6000 ? (size_t)n * sizeof(double) : 0, any_offset(), output);
-  begin();
-  status = gyroakf_drift_polynomial(model, n, polynomial, err);
-  end(status, err);
-  promise_numbers(status, polynomial, n);
 }
 
 static void call_drift_filter_new(void) {

@@ -700,12 +700,9 @@ typedef struct gyroakf_drift_model {
   double q[3];     /* [count] u^2, >= 0 */
   double r;        /* u^2, >= 0 */
   int32_t slow[3]; /* [count] 1: part of the drift; 0 */
-  int32_t degree;  /* of a polynomial under the drift, 0 .. 3; 0: none */
-  double polynomial[3];       /* [degree] u: of the Legendre polynomials P1, P2, P3 of time, -1 at the first sample, 1 at the last */
-  double polynomial_error[3]; /* [degree] their standard errors, the model being known; 0: not known */
 } gyroakf_drift_model;
 
-/* No process, no polynomial, r = 0. */
+/* No process, r = 0. */
 GYROAKF_API void gyroakf_drift_model_init(gyroakf_drift_model *model);
 
 typedef struct gyroakf_drift_options {
@@ -714,7 +711,6 @@ typedef struct gyroakf_drift_options {
   int64_t most_samples; /* samples that the likelihood uses at most, >= 50; 131072 */
   gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
   void *progress_user;          /* handed to it; NULL */
-  int32_t degree; /* of a polynomial under the drift that is fitted with it, 0 .. 3; 0: none */
 } gyroakf_drift_options;
 
 GYROAKF_API void gyroakf_drift_options_init(gyroakf_drift_options *opt);
@@ -730,15 +726,6 @@ GYROAKF_API void gyroakf_drift_options_init(gyroakf_drift_options *opt);
  */
 GYROAKF_API int gyroakf_drift_identify(const double *z, int64_t n, const gyroakf_drift_options *opt, gyroakf_drift_model *model,
                                        gyroakf_error *err);
-
-/*
- * The polynomial under the drift of a whole record of n samples, the one that the model was identified from; 0 where it has none.
- * Filters and smoother know the processes alone: take it from the record, then the mean of what is left, and put both back on what
- * they give. It is that of a record: it tells nothing of what comes behind, and a filter in real time has none.
- *   polynomial  [n] gets its values
- * GYROAKF_INVALID_ARGUMENT, GYROAKF_NON_FINITE (the coefficients).
- */
-GYROAKF_API int gyroakf_drift_polynomial(const gyroakf_drift_model *model, int64_t n, double *polynomial, gyroakf_error *err);
 
 /*
  * A filter whose estimate is the drift: every gyroakf_filter_ function works on it; x, p and gain of its state are those of the

@@ -522,14 +522,6 @@ inline drift_model identify_drift(series z, gyroakf_drift_options opt = drift_op
   return out;
 }
 
-/* The polynomial under the drift at each of n samples; 0 where there is none. */
-inline std::vector<double> drift_polynomial(const gyroakf_drift_model &model, std::int64_t n) {
-  gyroakf_error err;
-  std::vector<double> out(static_cast<std::size_t>(n > 0 ? n : 0));
-  detail::check(gyroakf_drift_polynomial(&model, n, out.data(), &err), err);
-  return out;
-}
-
 struct drift {
   std::vector<double> value, variance; /* [n] and the variance of its error */
 };

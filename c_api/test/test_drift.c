@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The drift: identified, filtered, smoothed; filters saved, restored, reset. */
 #include <math.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -58,43 +57,6 @@ static void test_identify(const double *z, gyroakf_drift_model *model) {
   }
   check(smooth < 0.01 * rough && spread < 0.05 * N, "the drift is smooth");
   check(isfinite(drift[125]) && variance[125] > variance[1000] && variance[1000] > 0, "less is known in a gap");
-}
-
-/* A line under the drift: found with its error, at every sample of the record; a struct of before the members is taken too. */
-static void test_polynomial(const double *z) {
-  static double x[N], line[N];
-  gyroakf_drift_options opt;
-  gyroakf_drift_model model;
-  int i;
-  for (i = 0; i < N; i++) x[i] = z[i] + 100 * (2.0 * i - (N - 1)) / (N - 1);
-  gyroakf_drift_options_init(&opt);
-  check(opt.degree == 0, "no polynomial is the default");
-  opt.degree = 1;
-  gyroakf_drift_model_init(&model);
-  check_success(gyroakf_drift_identify(x, N, &opt, &model, &err), "a line under the drift");
-  check(model.degree == 1 && model.polynomial_error[0] > 0, "it has an error");
-  check(fabs(model.polynomial[0] - 100) < 5 * model.polynomial_error[0], "it is found");
-  check(model.polynomial[1] == 0 && model.polynomial_error[2] == 0, "a line alone");
-  check_success(gyroakf_drift_polynomial(&model, N, line, &err), "its values");
-  check(line[0] == -model.polynomial[0] && line[N - 1] == model.polynomial[0], "at both ends");
-  check(fabs(line[N / 2] + line[N / 2 - 1]) < 1e-10, "in the middle");
-  opt.degree = 4;
-  check_failure(gyroakf_drift_identify(x, N, &opt, &model, &err), GYROAKF_INVALID_ARGUMENT, "degree 4");
-  opt.degree = -1;
-  check_failure(gyroakf_drift_identify(x, N, &opt, &model, &err), GYROAKF_INVALID_ARGUMENT, "degree -1");
-  check_failure(gyroakf_drift_polynomial(&model, 0, line, &err), GYROAKF_INVALID_ARGUMENT, "no samples");
-  check_failure(gyroakf_drift_polynomial(&model, N, NULL, &err), GYROAKF_INVALID_ARGUMENT, "no place for it");
-  check_failure(gyroakf_drift_polynomial(NULL, N, line, &err), GYROAKF_INVALID_ARGUMENT, "no model");
-  model.polynomial[0] = NAN;
-  check_failure(gyroakf_drift_polynomial(&model, N, line, &err), GYROAKF_NON_FINITE, "a coefficient that is no number");
-  model.degree = 7;
-  check_failure(gyroakf_drift_polynomial(&model, N, line, &err), GYROAKF_INVALID_ARGUMENT, "a degree of 7");
-  model.struct_size = offsetof(gyroakf_drift_model, polynomial);
-  opt.struct_size = offsetof(gyroakf_drift_options, degree);
-  check_success(gyroakf_drift_polynomial(&model, N, line, &err), "a model of before");
-  check(line[0] == 0 && line[N - 1] == 0, "has no polynomial");
-  check_success(gyroakf_drift_identify(z, N, &opt, &model, &err), "options and model of before");
-  check(model.degree == 7, "what they have not is not touched");
 }
 
 static void test_failures(double *z, const gyroakf_drift_model *good) {
@@ -180,7 +142,6 @@ void test_drift(void) {
   gyroakf_drift_model model;
   make_series(z);
   test_identify(z, &model);
-  test_polynomial(z);
   test_failures(z, &model);
   test_saving(z, &model);
 }

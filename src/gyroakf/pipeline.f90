@@ -114,7 +114,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional, target :: progress
-      !> The true drift on the same grid, as `simulate_record` gives it: every filter and some others are scored against it
+      !> The true drift on the same grid, as `simulate_record` gives it: every filter gets its RMSE against it
       type(record_type), intent(in), optional :: truth
       type(channel_progress_type) :: named
       type(error_type), allocatable :: first
@@ -139,7 +139,7 @@ contains
       do channel = 1, channels
          result%channel(channel)%name = "channel"
          if (allocated(record%channel)) result%channel(channel)%name = record%channel(channel)%text
-         if (present(truth) .and. options%do_filter) call take_truth(truth, record, channel, result%channel(channel)%truth, error)
+         if (present(truth) .and. options%do_filter) call take_truth(truth, record, channel, result%channel(channel), error)
          if (allocated(error)) return
          if (present(progress) .and. channels > 1) then
             named%listener => progress

@@ -189,16 +189,6 @@ is "raw is drift and compensated" "$(awk -F, 'NR > 1 && $2 != "nan" { d = $2 - $
 is "the drift goes on where samples are lost" "$(awk -F, 'NR > 1 && ($6 == "nan" || $8 == "nan" || $9 == "nan")' walk/series.csv)" ""
 holds "curve of what is left" ",compensated,oadev," walk/allan.csv
 is "JSON has it too" "$(grep -cE '"compensated": \{' walk.json)" 2
-good "the drift of the curve" filter walk.txt --drift-source allan --json allan_drift.json
-holds "where it comes from" '"source": "allan"' allan_drift.json
-holds "the report says so" "from the coefficients of the Allan deviation" out
-good "a polynomial under the drift" filter walk.txt --drift-degree 2 --json under.json
-holds "the report has it" "Polynomial      P1 " out
-is "the JSON has it" "$(tr -d ' \n' <under.json | grep -cE '"polynomial":\{"degree":2,"coefficients":\[[^]]*,[^]]*\],"std_errors":\[[^]]*,[^]]*\]\}')" 1
-is "the option is told" "$(grep -cE '"(--)?drift-degree": "?2' under.json)" 1
-holds "without it there is none" '"polynomial": null' allan_drift.json
-bad "no such degree" 1 "--drift-degree" filter walk.txt --drift-degree 4
-bad "no such source" 1 "--drift-source" filter walk.txt --drift-source truth
 good "the paper's chain" run "$example" --preset paper
 good "a preset changed" run "$example" --outlier-threshold 4 --preset paper --json -
 

@@ -6,8 +6,8 @@ module filter_truth_methods
       & design_kf, design_options, dp, error_type, evaluate_trend, filter_options, filter_result_type, filter_series, &
       & filter_type, fit_ar, identify_drift_model, int64, drift_identification_options, drift_identification_type, &
       & new_drift_filter, smooth_adaptive, smooth_drift
-   use gyroakf_filter_innovation_window, only : filter_innovation_window, innovation_window_options
-   use gyroakf_filter_variational_bayes, only : filter_variational_bayes, variational_options
+   use filter_truth_innovation_window, only : filter_innovation_window, innovation_window_options
+   use filter_truth_variational_bayes, only : filter_variational_bayes, variational_options
    use gyroakf_kinds, only : int8
    use gyroakf_series_differences, only : difference_variance
    implicit none (type, external)

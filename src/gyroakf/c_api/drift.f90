@@ -7,19 +7,18 @@ module gyroakf_c_api_drift
    use gyroakf_filter_components, only : component_model_type, most_components, check_components
    use gyroakf_filter_drift_filter, only : new_drift_filter
    use gyroakf_filter_drift_identification, only : drift_identification_options, drift_identification_type, identify_drift_model
-   use gyroakf_filter_drift_trend, only : largest_degree, legendre_sum
    use gyroakf_filter_smoother, only : smooth_drift
    use gyroakf_filter_two_pass, only : smooth_adaptive
    use gyroakf_filter_types, only : filter_options, filter_type
    use gyroakf_c_api_filter, only : filter_options_c, new_handle, hand_over, read_options
    use gyroakf_c_api_progress, only : callback_type
    use gyroakf_c_api_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
-      & check_finite, open_series, close_series, max_samples
+      & check_finite, open_series, close_series
    use gyroakf_c_api_places, only : check_aligned, check_apart
    implicit none (type, external)
    private
-   public :: gyroakf_drift_model_init, gyroakf_drift_options_init, gyroakf_drift_identify, gyroakf_drift_polynomial, &
-      & gyroakf_drift_filter_new, gyroakf_drift_smooth, gyroakf_drift_smooth_watched
+   public :: gyroakf_drift_model_init, gyroakf_drift_options_init, gyroakf_drift_identify, gyroakf_drift_filter_new, &
+      & gyroakf_drift_smooth, gyroakf_drift_smooth_watched
 
    !> `gyroakf_drift_model`
    type, bind(C) :: drift_model_c
@@ -27,8 +26,6 @@ module gyroakf_c_api_drift
       integer(c_int32_t) :: count
       real(c_double) :: phi(most_components), q(most_components), r
       integer(c_int32_t) :: slow(most_components)
-      integer(c_int32_t) :: degree
-      real(c_double) :: polynomial(largest_degree), polynomial_error(largest_degree)
    end type drift_model_c
 
    !> `gyroakf_drift_options`
@@ -38,13 +35,7 @@ module gyroakf_c_api_drift
       integer(c_int64_t) :: most_samples
       type(c_funptr) :: progress
       type(c_ptr) :: progress_user
-      integer(c_int32_t) :: degree
    end type drift_options_c
-
-   !> Their sizes before the members of the polynomial
-   integer(c_size_t), parameter :: model_before = 88, options_before = 40
-   !> Coefficients of a polynomial beyond it are refused: their sums could overflow
-   real(c_double), parameter :: largest_coefficient = huge(1.0_c_double)/8
 
 contains
 
@@ -59,9 +50,6 @@ contains
       model%q = 0
       model%r = 0
       model%slow = 0
-      model%degree = 0
-      model%polynomial = 0
-      model%polynomial_error = 0
    end subroutine gyroakf_drift_model_init
 
    !> `gyroakf_drift_options_init`
@@ -75,7 +63,6 @@ contains
       opt%most_samples = defaults%most
       opt%progress = c_null_funptr
       opt%progress_user = c_null_ptr
-      opt%degree = int(defaults%degree, c_int32_t)
    end subroutine gyroakf_drift_options_init
 
    !> `gyroakf_drift_identify`
@@ -101,33 +88,6 @@ contains
       if (.not. allocated(error)) call give_model(found, model)
       gyroakf_drift_identify = leave_library(host, error, err)
    end function gyroakf_drift_identify
-
-   !> `gyroakf_drift_polynomial`
-   integer(c_int) function gyroakf_drift_polynomial(model, n, polynomial, err) bind(C, name="gyroakf_drift_polynomial")
-      type(drift_model_c), intent(in), optional :: model
-      integer(c_int64_t), intent(in), value :: n
-      type(c_ptr), intent(in), value :: polynomial
-      type(error_c), intent(out), optional :: err
-      type(host_type) :: host
-      type(error_type), allocatable :: error
-      real(c_double), pointer, contiguous :: value(:)
-      integer(c_int64_t) :: k
-
-      call enter_library(host)
-      call check_model_place(error, model)
-      call check_aligned(polynomial, error)
-      if (.not. allocated(error)) call check_polynomial(n, polynomial, error, model)
-      if (.not. allocated(error)) then
-         call c_f_pointer(polynomial, value, [n])
-         value = 0
-         if (model%struct_size > model_before) then
-            do k = 1, n
-               value(k) = legendre_sum(model%polynomial(:model%degree), k, n)
-            end do
-         end if
-      end if
-      gyroakf_drift_polynomial = leave_library(host, error, err)
-   end function gyroakf_drift_polynomial
 
    !> `gyroakf_drift_filter_new`
    integer(c_int) function gyroakf_drift_filter_new(model, opt, out, err) bind(C, name="gyroakf_drift_filter_new")
@@ -204,9 +164,8 @@ contains
       type(drift_options_c), intent(in), optional :: opt
 
       if (.not. present(opt)) return
-      call check_struct_size(opt%struct_size, c_sizeof(opt), error, options_before)
+      call check_struct_size(opt%struct_size, c_sizeof(opt), error)
       if (allocated(error)) return
-      if (opt%struct_size > options_before) options%degree = opt%degree
       options%drift_samples = opt%drift_samples
       options%most = opt%most_samples
       callback = callback_type(opt%progress, opt%progress_user)
@@ -241,33 +200,11 @@ contains
       type(drift_model_c), intent(in), optional :: model
 
       if (present(model)) then
-         call check_struct_size(model%struct_size, c_sizeof(model), error, model_before)
+         call check_struct_size(model%struct_size, c_sizeof(model), error)
       else
          call fatal_error(error, status%invalid_argument, "the drift model must not be NULL")
       end if
    end subroutine check_model_place
-
-   !> The polynomial of a model, and the place for its values.
-   subroutine check_polynomial(n, polynomial, error, model)
-      integer(c_int64_t), intent(in) :: n
-      type(c_ptr), intent(in) :: polynomial
-      type(error_type), allocatable, intent(out) :: error
-      !> Of a size that is known
-      type(drift_model_c), intent(in), optional :: model
-
-      if (.not. c_associated(polynomial)) then
-         call fatal_error(error, status%invalid_argument, "the place for the polynomial must not be NULL")
-      else if (n < 1 .or. n > max_samples) then
-         call fatal_error(error, status%invalid_argument, "the number of samples must be at least 1, and what a machine can hold")
-      else if (present(model)) then
-         if (model%struct_size == model_before) return
-         if (model%degree < 0 .or. model%degree > largest_degree) then
-            call fatal_error(error, status%invalid_argument, "the polynomial under a drift has a degree of 0 to 3")
-         else if (.not. all(abs(model%polynomial(:model%degree)) <= largest_coefficient)) then
-            call fatal_error(error, status%non_finite, "the coefficients of the polynomial under a drift must be finite")
-         end if
-      end if
-   end subroutine check_polynomial
 
    !> A model of C into one of the library, checked.
    subroutine read_model(components, slow, error, model)
@@ -295,10 +232,6 @@ contains
       model%q = found%model%q
       model%r = found%model%r
       model%slow = merge(1_c_int32_t, 0_c_int32_t, found%slow)
-      if (model%struct_size == model_before) return
-      model%degree = int(found%degree, c_int32_t)
-      model%polynomial = found%trend
-      model%polynomial_error = found%trend_error
    end subroutine give_model
 
 end module gyroakf_c_api_drift

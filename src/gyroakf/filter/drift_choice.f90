@@ -4,14 +4,13 @@
 !> AIC compares the models; what is drift is what is slower than a limit. Something slow is found where the best model is better
 !> than the best one without anything slow, white noise alone among them, by 8 of AIC, and its process is larger than its standard
 !> error. Of 300 records of white noise (2000 samples) one passes, of 300 of AR(1) noise with phi = 0.41 none, of 300 of AR(1) noise
-!> with phi = 0.6 in as much white noise none, with a polynomial under the drift or without (`bench/filter_truth/run.sh alarms`).
+!> with phi = 0.6 in as much white noise none (`bench/filter_truth/run.sh alarms`).
 !>
 !> Source: Akaike, IEEE Trans. Autom. Control 19 (1974) 716-723; Self & Liang, J. Am. Stat. Assoc. 82 (1987) 605-610 (the edge).
 module gyroakf_filter_drift_choice
    use gyroakf_kinds, only : dp, int64
    use gyroakf_filter_components, only : component_model_type, most_components
    use gyroakf_filter_drift_fit, only : drift_candidate_type, drift_fit_type, is_slow
-   use gyroakf_filter_drift_trend, only : largest_degree
    implicit none (type, external)
    private
    public :: drift_identification_options, drift_identification_type, choose_model, set_model, state_numbers, evident
@@ -22,10 +21,6 @@ module gyroakf_filter_drift_choice
       real(dp) :: drift_samples = 5.0_dp
       !> Samples that the likelihood uses at most, >= 50
       integer(int64) :: most = 131072
-      !> Where the model comes from: "record" (largest likelihood) or "allan" (coefficients of the Allan deviation)
-      character(8) :: source = "record"
-      !> Degree of a polynomial under the drift that is fitted with it, 0 to 3; 0: the mean alone
-      integer :: degree = 0
    end type drift_identification_options
 
    !> What was found; u is the unit of the series
@@ -39,7 +34,7 @@ module gyroakf_filter_drift_choice
       logical :: slow(most_components) = .false.
       !> "walk", "ar1", "walk+ar1", "white": whether there is a random walk, whether there are AR(1) processes (one or two)
       character(8) :: name = "white"
-      !> "likelihood", "autocov", "allan"
+      !> "likelihood", "autocov"
       character(10) :: source = "likelihood"
       !> Standard errors of phi, q and r, 0 where they are not known
       type(component_model_type) :: std_error
@@ -51,23 +46,15 @@ module gyroakf_filter_drift_choice
       !> Of the white noise, u
       real(dp) :: white_std = 0.0_dp
       !> All that were fitted to the part, and which of them was chosen; 0: white noise, or a model from elsewhere (block means,
-      !> autocovariances, the Allan deviation)
+      !> autocovariances)
       type(drift_candidate_type), allocatable :: candidate(:)
       integer :: chosen = 0
       !> Used by the likelihood (the middle of the record), of the record
       integer(int64) :: samples = 0, of_samples = 0
-      !> Degree of the polynomial under it; 0: the mean alone
-      integer :: degree = 0
-      !> The polynomial, u: coefficients of the Legendre polynomials of degree 1, 2, 3 in time, -1 .. 1 over the whole record, by
-      !> generalised least squares with the model; their standard errors, the model being known, 0 where not known
-      real(dp) :: trend(largest_degree) = 0.0_dp, trend_error(largest_degree) = 0.0_dp
       !> Samples a mean of those block means that the processes slower than two of them come from; 1: no block means
       integer(int64) :: block = 1
-      !> The model of the Allan deviation
-      type(component_model_type) :: from_allan
-      logical :: allan_known = .false.
-      !> Of both models on the same samples, as AIC counts it: the difference has no unit
-      real(dp) :: allan_log_likelihood = 0.0_dp, log_likelihood = 0.0_dp
+      !> Of the model on the samples of the fit, as AIC counts it
+      real(dp) :: log_likelihood = 0.0_dp
    end type drift_identification_type
 
    !> Decrease of AIC from the best model without drift that speaks for one
@@ -102,10 +89,10 @@ contains
       end associate
       identification%chosen = merge(fit%best, fast, identification%found)
       if (identification%chosen == 0) then
-         identification%model%r = fit%white_variance
-         identification%std_error%r = fit%white_variance*sqrt(2.0_dp/real(fit%measurements, dp))
+         identification%model%r = fit%variance
+         identification%std_error%r = fit%variance*sqrt(2.0_dp/real(fit%measurements, dp))
          identification%errors_known = .true.
-         identification%log_likelihood = 2.0_dp + fit%degree - 0.5_dp*fit%white_aic
+         identification%log_likelihood = 2.0_dp - 0.5_dp*fit%white_aic
          return
       end if
       associate (chosen => fit%candidate(identification%chosen))

@@ -8,8 +8,7 @@
 !> the standard errors. A variance that the likelihood does not tell from 0 is 0.
 !> $$ \mathrm{AIC} = -2 \ln L + 2 k, \quad \mathrm{BIC} = -2 \ln L + k \ln n $$
 !> with k variances and coefficients, and the mean where no random walk takes its place. What counts as drift is not theirs to say:
-!> it is what is slower than a limit that the user sets. A polynomial under the drift is fitted with it where one is asked for, by
-!> generalised least squares in turn with the model ([[gyroakf_filter_drift_trend]]), which raises the likelihood of both.
+!> it is what is slower than a limit that the user sets.
 !>
 !> Source: Durbin & Koopman, Time Series Analysis by State Space Methods, 2nd ed. (2012), 7.3; Harvey, Forecasting, Structural Time
 !> Series Models and the Kalman Filter (1989), 4.5.
@@ -21,7 +20,6 @@ module gyroakf_filter_drift_fit
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_objective, only : likelihood_objective, give_errors, invert_curvature, model_of, parameters_of, value_at
    use gyroakf_filter_drift_starts, only : from_ar, from_walk, known_type, list_starts, look_at_autocovariances, of_all_kinds
-   use gyroakf_filter_drift_trend, only : fit_polynomial, largest_degree, rough_polynomial, subtract_polynomial
    implicit none (type, external)
    private
    public :: drift_fit_type, drift_candidate_type, fit_drift, is_slow
@@ -45,8 +43,6 @@ module gyroakf_filter_drift_fit
       real(dp) :: aic = 0.0_dp, bic = 0.0_dp
       !> A maximum was found
       logical :: converged = .false.
-      !> The polynomial under it, u: coefficients of the Legendre polynomials of degree 1, 2, 3 in time, -1 .. 1 over the part
-      real(dp) :: trend(largest_degree) = 0.0_dp
    end type drift_candidate_type
 
    !> All candidates
@@ -59,13 +55,8 @@ module gyroakf_filter_drift_fit
       integer(int64) :: samples = 0, first = 1, measurements = 0
       !> Subtracted before: the mean of those present, u; their variance about it, u^2
       real(dp) :: mean = 0.0_dp, variance = 0.0_dp
-      !> AIC of white noise alone, of mean, polynomial and variance
+      !> AIC of white noise alone, of mean and variance
       real(dp) :: white_aic = 0.0_dp
-      !> Variance of that white noise, u^2
-      real(dp) :: white_variance = 0.0_dp
-      !> Degree of the polynomial, and that of the best candidate
-      integer :: degree = 0
-      real(dp) :: trend(largest_degree) = 0.0_dp
    end type drift_fit_type
 
    !> Samples used of a huge record (half a second), and fewest
@@ -85,20 +76,18 @@ module gyroakf_filter_drift_fit
    real(dp), parameter :: indistinct = 1.0e-2_dp
    !> Groups whose best starts are followed to their end, the two best of the first
    integer, parameter :: followed(4) = [of_all_kinds, of_all_kinds, from_walk, from_ar]
-   !> Times that model and polynomial are fitted in turn
-   integer, parameter :: most_turns = 6
    real(dp), parameter :: log_two_pi = 1.8378770664093454835606594728112_dp
    character(8), parameter :: names(3) = [character(8) :: "walk", "ar1", "walk+ar1"]
 
 contains
 
    !> Fits the candidates.
-   subroutine fit_drift(x, fit, error, valid, most, progress, degree)
+   subroutine fit_drift(x, fit, error, valid, most, progress)
       !> Series, [n], n >= 50; of a huge one the middle is used
       real(dp), intent(in), contiguous :: x(:)
       !> What was found
       type(drift_fit_type), intent(out) :: fit
-      !> invalid_argument (degree), too_few_samples, constant_input, no_memory, cancelled, not_converged (no candidate has a top)
+      !> too_few_samples, constant_input, no_memory, cancelled, not_converged (no candidate has a top)
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
@@ -106,8 +95,6 @@ contains
       integer(int64), intent(in), optional :: most
       !> Told how far it is, at every evaluation of a likelihood; may cancel
       class(progress_type), intent(inout), optional, target :: progress
-      !> Of the polynomial under the drift, 0 to 3; 0, the mean alone, if absent
-      integer, intent(in), optional :: degree
       type(likelihood_objective) :: objective
       type(drift_candidate_type) :: found
       type(known_type) :: known
@@ -115,11 +102,6 @@ contains
       real(dp) :: scale
       integer :: k
 
-      if (present(degree)) fit%degree = degree
-      if (fit%degree < 0 .or. fit%degree > largest_degree) then
-         call fatal_error(error, status%invalid_argument, "the polynomial under a drift has a degree of 0 to 3")
-         return
-      end if
       fit%samples = min(size(x, kind=int64), most_samples)
       if (present(most)) fit%samples = min(size(x, kind=int64), max(most, fewest_samples))
       call take_part(x, objective, scale, fit, error, valid)
@@ -133,7 +115,7 @@ contains
          objective%ar = k /= 1
          objective%done = k - 1
          objective%evaluations = 0
-         call fit_candidate(objective, names(k), scale, fit%degree, known, found, failed)
+         call fit_candidate(objective, names(k), scale, known, found, failed)
          if (allocated(objective%cancelled)) exit
          if (allocated(failed)) cycle
          call append(fit%candidate, found)
@@ -144,8 +126,6 @@ contains
          call move_alloc(objective%cancelled, error)
       else if (fit%best == 0) then
          call fatal_error(error, status%not_converged, "no drift model has a largest likelihood for this series")
-      else
-         fit%trend = fit%candidate(fit%best)%trend
       end if
    end subroutine fit_drift
 
@@ -201,51 +181,9 @@ contains
       else
          objective%z = objective%z/scale
          fit%variance = scale**2
-         call start_polynomial(objective, fit%degree)
-         fit%white_variance = fit%variance
-         if (fit%degree > 0) fit%white_variance = fit%variance*mean_square(objective)
-         fit%white_aic = real(fit%measurements, dp)*(log_two_pi + 1.0_dp + log(scale**2*mean_square(objective))) &
-                         + 2.0_dp*(2 + fit%degree)
+         fit%white_aic = real(fit%measurements, dp)*(log_two_pi + 1.0_dp + log(fit%variance)) + 4.0_dp
       end if
    end subroutine take_part
-
-   !> Keeps the series and takes its polynomial by least squares from what is searched.
-   subroutine start_polynomial(objective, degree)
-      type(likelihood_objective), intent(inout) :: objective
-      integer, intent(in) :: degree
-      real(dp) :: step(degree)
-      integer :: k
-
-      if (degree == 0) return
-      objective%whole = objective%z
-      allocate (objective%polynomial(degree), source=0.0_dp)
-      do k = 1, 10                             ! the polynomials are nearly orthogonal: each pass leaves little to the next
-         call rough_polynomial(objective%z, objective%here, step)
-         call set_polynomial(objective, objective%polynomial + step)
-      end do
-   end subroutine start_polynomial
-
-   !> The series less a polynomial.
-   subroutine set_polynomial(objective, coefficient)
-      type(likelihood_objective), intent(inout) :: objective
-      real(dp), intent(in) :: coefficient(:)
-
-      objective%polynomial = coefficient
-      objective%z = objective%whole
-      if (.not. allocated(objective%here)) then
-         call subtract_polynomial(coefficient, objective%z)
-         return
-      end if
-      call subtract_polynomial(coefficient, objective%z, objective%here)
-      where (objective%here == 0_int8) objective%z = 0.0_dp
-   end subroutine set_polynomial
-
-   !> Mean of the squares of the samples that are there.
-   pure real(dp) function mean_square(objective)
-      type(likelihood_objective), intent(in) :: objective
-
-      mean_square = sum(objective%z**2)/real(objective%measurements, dp)
-   end function mean_square
 
    !> Takes the mean of the samples from them.
    pure subroutine centre(objective, mean, deviation)
@@ -271,13 +209,11 @@ contains
    end subroutine centre
 
    !> Fits one of them from its best starts.
-   subroutine fit_candidate(objective, name, scale, degree, known, found, error)
+   subroutine fit_candidate(objective, name, scale, known, found, error)
       type(likelihood_objective), intent(inout) :: objective
       character(*), intent(in) :: name
       !> Standard deviation of the series
       real(dp), intent(in) :: scale
-      !> Of the polynomial
-      integer, intent(in) :: degree
       !> What is known; gets the walk and the AR(1) process
       type(known_type), intent(inout) :: known
       type(drift_candidate_type), intent(out) :: found
@@ -295,16 +231,12 @@ contains
       end if
       allocate (inverse(size(minimum%parameter), size(minimum%parameter)))
       call finish(objective, minimum, inverse, found%errors_known)
-      if (degree > 0) then
-         call take_turns(objective, minimum, inverse, found%errors_known)
-         found%trend(:degree) = scale*objective%polynomial
-      end if
       call model_of(objective, minimum%parameter, model)
       if (.not. objective%ar) known%walk = model
       if (.not. objective%walk) known%ar = model
       found%name = name
       found%converged = minimum%converged
-      found%parameters = parameters_of(objective) + merge(0, 1, objective%walk) + degree
+      found%parameters = parameters_of(objective) + merge(0, 1, objective%walk)
       found%log_likelihood = -minimum%value*real(objective%measurements, dp) - &
                              real(objective%measurements - merge(1, 0, objective%walk), dp)*log(scale)
       deviance = 2.0_dp*real(objective%measurements, dp)*(minimum%value + log(scale))
@@ -315,35 +247,6 @@ contains
       found%model%q = scale**2*model%q
       found%model%r = scale**2*model%r
    end subroutine fit_candidate
-
-   !> The polynomial for the model, the model for the polynomial, until the likelihood has nothing to gain.
-   subroutine take_turns(objective, minimum, inverse, known)
-      type(likelihood_objective), intent(inout) :: objective
-      !> That of the polynomial by least squares; the common minimum afterwards
-      type(minimum_type), intent(inout) :: minimum
-      !> As of `finish`
-      real(dp), intent(out) :: inverse(:, :)
-      logical, intent(out) :: known
-      type(component_model_type) :: model
-      type(minimum_type) :: other
-      type(error_type), allocatable :: failed
-      real(dp) :: coefficient(size(objective%polynomial)), before, worth
-      integer :: turn
-
-      worth = exactly/real(objective%measurements, dp)
-      coefficient = objective%polynomial
-      do turn = 1, most_turns
-         before = minimum%value
-         call model_of(objective, minimum%parameter, model)
-         call fit_polynomial(model, objective%whole, objective%here, coefficient)
-         call set_polynomial(objective, coefficient)
-         call minimise(objective, minimum%parameter, minimise_options(flat, most_iterations, worth, worth), other, failed)
-         if (allocated(failed)) exit
-         minimum = other
-         if (before - minimum%value <= worth) exit
-      end do
-      call finish(objective, minimum, inverse, known)
-   end subroutine take_turns
 
    !> The best of the ends of the best starts, nearly.
    subroutine search(objective, known, minimum)

@@ -9,9 +9,7 @@
 !> whole record, of a power of four samples each, at most 32,768 of them: their model is of the same kind
 !> ([[gyroakf_filter_drift_blocks]]). Where the means have a model with processes slower than two blocks that is better by 8 of AIC
 !> than what the model of the part says of them, those processes take the place of all that are as slow in the part's model;
-!> faster ones and the white noise remain. A polynomial under the drift is fitted with it where one is asked for, in the part and in
-!> the means; that of the record follows by generalised least squares once the model is chosen ([[gyroakf_filter_drift_trend]]). It
-!> is that of the whole record: it tells nothing of what comes before and behind.
+!> faster ones and the white noise remain.
 !>
 !> Source: Durbin & Koopman, Time Series Analysis by State Space Methods, 2nd ed. (2012), 7.3, 7.4.
 module gyroakf_filter_drift_identification
@@ -19,20 +17,17 @@ module gyroakf_filter_drift_identification
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
-   use gyroakf_filter_allan_model, only : allan_terms_type, make_allan_model
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_blocks, only : model_of_means, process_of_samples
    use gyroakf_filter_drift_choice, only : choose_model, drift_identification_options, drift_identification_type, evident, &
       set_model, state_numbers
    use gyroakf_filter_drift_fit, only : drift_fit_type, fit_drift, is_slow
-   use gyroakf_filter_drift_trend, only : largest_degree, subtract_polynomial, whole_polynomial
    use gyroakf_filter_identification, only : block_means, drift_model_type, identify_drift
    use gyroakf_filter_likelihood, only : component_likelihood
    use gyroakf_filter_progress_share, only : progress_share_type
    implicit none (type, external)
    private
    public :: drift_identification_options, drift_identification_type, identify_drift_model
-   public :: allan_terms_type
 
    !> Blocks a correlation time that block means resolve
    real(dp), parameter :: resolved = 2.0_dp
@@ -54,33 +49,31 @@ module gyroakf_filter_drift_identification
 contains
 
    !> Identifies the drift of a series.
-   subroutine identify_drift_model(z, options, identification, error, valid, noise, progress)
+   subroutine identify_drift_model(z, options, identification, error, valid, progress)
       !> Series, [n], n >= 50, any offset
       real(dp), intent(in), contiguous :: z(:)
-      !> The limit, the part, the source
+      !> The limit, the part
       type(drift_identification_options), intent(in) :: options
       !> What was found
       type(drift_identification_type), intent(out) :: identification
-      !> invalid_argument (options, noise), too_few_samples, constant_input, non_finite (variances that overflow), no_memory,
+      !> invalid_argument (options), too_few_samples, constant_input, non_finite (variances that overflow), no_memory,
       !> not_converged, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Coefficients of the series' Allan deviation; source "allan" needs them
-      type(allan_terms_type), intent(in), optional :: noise
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional, target :: progress
       type(drift_fit_type) :: fit
       type(progress_share_type) :: share
       integer(int64) :: length
 
-      call check_options(options, present(noise), error)
+      call check_options(options, error)
       if (allocated(error)) return
       if (present(progress)) share%whole => progress
       length = size(z, kind=int64)
       share%total = length
       if (length > options%most) share%share = part_share
-      call fit_drift(z, fit, error, valid, options%most, share, options%degree)
+      call fit_drift(z, fit, error, valid, options%most, share)
       if (allocated(error)) then
          if (error%code /= status%not_converged) return
          deallocate (error)
@@ -93,36 +86,22 @@ contains
       if (allocated(error)) return
       identification%samples = fit%samples
       identification%of_samples = length
-      if (present(noise)) call compare_allan(z, noise, fit, options, identification, error, valid)
-      if (allocated(error)) return
       if (.not. ieee_is_finite(identification%model%r)) then
          call fatal_error(error, status%non_finite, "the samples are too large: the variances of the drift are not finite numbers")
          return
       end if
       call state_numbers(identification)
-      identification%degree = options%degree
-      call whole_polynomial(identification%model, z, identification%trend(:options%degree), &
-                            identification%trend_error(:options%degree), error, valid)
    end subroutine identify_drift_model
 
    !> Refuses options out of range.
-   subroutine check_options(options, has_noise, error)
+   subroutine check_options(options, error)
       type(drift_identification_options), intent(in) :: options
-      !> Coefficients of an Allan deviation are at hand
-      logical, intent(in) :: has_noise
       type(error_type), allocatable, intent(out) :: error
 
       if (.not. (options%drift_samples > 0.0_dp .and. options%drift_samples <= huge(1.0_dp))) then
          call fatal_error(error, status%invalid_argument, "the correlation time from which a process is drift must be positive")
       else if (options%most < 50) then
          call fatal_error(error, status%invalid_argument, "the likelihood of a drift model needs a part of at least 50 samples")
-      else if (options%degree < 0 .or. options%degree > largest_degree) then
-         call fatal_error(error, status%invalid_argument, "the polynomial under a drift has a degree of 0 to 3")
-      else if (options%source /= "record" .and. options%source /= "allan") then
-         call fatal_error(error, status%invalid_argument, "the source of a drift model is record or allan, not '"// &
-                          trim(options%source)//"'")
-      else if (options%source == "allan" .and. .not. has_noise) then
-         call fatal_error(error, status%invalid_argument, "a drift model from the Allan deviation needs its coefficients")
       end if
    end subroutine check_options
 
@@ -176,7 +155,7 @@ contains
       if (allocated(error)) return
       share%before = part_share
       share%share = 1.0_dp - part_share
-      call fit_drift(means%value, coarse, failed, means%present, progress=share, degree=fit%degree)
+      call fit_drift(means%value, coarse, failed, means%present, progress=share)
       if (allocated(failed)) then
          if (failed%code == status%cancelled .or. failed%code == status%no_memory) call move_alloc(failed, error)
          return                                     ! too few means: the part says it all
@@ -267,7 +246,7 @@ contains
       value = 0.0_dp
       if (model%count == 0) then
          if (.not. model%r > 0.0_dp) return
-         value = -0.5_dp*real(fit%measurements, dp)*(log_two_pi + log(model%r) + fit%white_variance/model%r)
+         value = -0.5_dp*real(fit%measurements, dp)*(log_two_pi + log(model%r) + fit%variance/model%r)
          return
       end if
       allocate (part(fit%samples), stat=stat)
@@ -282,36 +261,11 @@ contains
       scaled%q = model%q/scale/scale
       scaled%r = model%r/scale/scale
       if (present(valid)) then
-         call subtract_polynomial(fit%trend/scale, part, valid(fit%first:fit%first + fit%samples - 1))
          call component_likelihood(scaled, part, value, error, valid(fit%first:fit%first + fit%samples - 1))
       else
-         call subtract_polynomial(fit%trend/scale, part)
          call component_likelihood(scaled, part, value, error)
       end if
       value = value - real(fit%measurements, dp)*log(scale)
    end subroutine likelihood_of
-
-   !> The model of the Allan deviation, its likelihood, and its place where it was asked for.
-   subroutine compare_allan(z, noise, fit, options, identification, error, valid)
-      real(dp), intent(in), contiguous :: z(:)
-      type(allan_terms_type), intent(in) :: noise
-      type(drift_fit_type), intent(in) :: fit
-      type(drift_identification_options), intent(in) :: options
-      type(drift_identification_type), intent(inout) :: identification
-      type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
-      type(error_type), allocatable :: failed
-
-      call make_allan_model(noise, identification%from_allan, error)
-      if (allocated(error)) return
-      call likelihood_of(identification%from_allan, z, fit, identification%allan_log_likelihood, failed, valid)
-      identification%allan_known = .not. allocated(failed) .and. (identification%from_allan%count > 0 .or. noise%n > 0.0_dp)
-      if (options%source /= "allan") return
-      identification%source = "allan"
-      identification%std_error = component_model_type()
-      identification%errors_known = .false.
-      identification%block = 1
-      call set_model(identification%from_allan, options%drift_samples, identification)
-   end subroutine compare_allan
 
 end module gyroakf_filter_drift_identification

@@ -24,8 +24,6 @@ module gyroakf_filter_drift_objective
       real(dp), allocatable :: z(:)
       !> Which samples there are; not allocated where all are
       integer(int8), allocatable :: here(:)
-      !> The same with its polynomial, and the coefficients of that; not allocated where there is none
-      real(dp), allocatable :: whole(:), polynomial(:)
       !> The processes of the model
       logical :: walk = .false., ar = .false.
       !> Parameters of processes that are not there and of variances that are 0

@@ -22,7 +22,6 @@ module gyroakf_pipeline_channel
    use gyroakf_pipeline_filter_model, only : choose_filter_model
    use gyroakf_pipeline_shared_pass, only : plan_pass, run_adf
    use gyroakf_pipeline_periodicity, only : run_periodicity
-   use gyroakf_pipeline_truth, only : reduce_truth
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_outliers, warn_order, warn_model, &
       warn_fit, warn_centred
    implicit none (type, external)
@@ -80,7 +79,8 @@ contains
       else if (options%do_filter) then
          call run_drift_filters(record, x, options, channel, error, valid, progress)
       end if
-      if (allocated(channel%truth%drift)) deallocate (channel%truth%drift)
+      if (allocated(channel%true_drift)) deallocate (channel%true_drift)
+      if (allocated(channel%true_drift_present)) deallocate (channel%true_drift_present)
       if (allocated(error) .or. .not. options%keep_series) return
       if (allocated(cleaned)) call move_alloc(cleaned, channel%series_cleaned)
       if (.not. allocated(channel%series_cleaned)) channel%series_cleaned = x
@@ -241,8 +241,7 @@ contains
       integer :: failed
 
       if (abs(channel%cleaned%mean) <= negligible_mean*channel%cleaned%std) then
-         call reduce_truth(0.0_dp, channel)
-         call run_filters(record, z, options, channel, error, valid, progress)
+         call run_filters(record, z, 0.0_dp, options, channel, error, valid, progress)
          return
       end if
       allocate (centred(size(z, kind=int64)), stat=failed)
@@ -252,8 +251,7 @@ contains
       end if
       centred(:) = z - channel%cleaned%mean
       call warn_centred(channel)
-      call reduce_truth(channel%cleaned%mean, channel)
-      call run_filters(record, centred, options, channel, error, valid, progress)
+      call run_filters(record, centred, channel%cleaned%mean, options, channel, error, valid, progress)
    end subroutine filter_centred
 
 end module gyroakf_pipeline_channel

@@ -2,15 +2,14 @@
 !> The drift of one channel: identified from the record as read, its processes stated in the units of the report.
 module gyroakf_pipeline_drift
    use gyroakf_kinds, only : dp, int8
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type
    use gyroakf_units, only : unit_type
    use gyroakf_allan_noise_fit, only : coefficient_type
    use gyroakf_filter_components, only : component_model_type
-   use gyroakf_filter_drift_identification, only : allan_terms_type, drift_identification_options, &
-      identify_drift_model
+   use gyroakf_filter_drift_identification, only : drift_identification_options, identify_drift_model
    use gyroakf_pipeline_coefficients, only : state_one
-   use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, drift_process_type, pipeline_options, stage
+   use gyroakf_pipeline_result, only : channel_result_type, drift_process_type, pipeline_options
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure
    implicit none (type, external)
    private
@@ -35,7 +34,7 @@ contains
       type(unit_type), intent(in) :: unit
       !> Of the main job
       type(pipeline_options), intent(in) :: options
-      !> The coefficients of the record as read are used where they are there; `drift` and what is stated of it are filled
+      !> `drift` and what is stated of it are filled
       type(channel_result_type), intent(inout) :: channel
       !> no_memory, cancelled and the like
       type(error_type), allocatable, intent(out) :: error
@@ -49,34 +48,13 @@ contains
       if (channel%drift_tau <= 0.0_dp) channel%drift_tau = max(drift_samples*step, merge(drift_seconds, 0.0_dp, rate_known))
       how = options%identification
       how%drift_samples = min(channel%drift_tau, longest_time)/step
-      if (channel%allan(stage%input)%fitted) then
-         call identify_drift_model(z, how, channel%drift, error, valid, terms_of(channel%allan(stage%input), step), progress)
-      else if (how%source == "allan") then
-         call fatal_error(error, status%not_converged, "the Allan deviation of the record gives no coefficients")
-      else
-         call identify_drift_model(z, how, channel%drift, error, valid, progress=progress)
-      end if
+      call identify_drift_model(z, how, channel%drift, error, valid, progress)
       if (is_fatal(error)) return
       channel%available%drift = .not. allocated(error)
       call note_failure(channel, "drift identification", error)
       if (.not. channel%available%drift) channel%drift%found = .false.
       if (channel%available%drift) call state_drift(step, rate_known, unit, channel)
    end subroutine find_drift
-
-   !> What the Allan deviation says of the noise, a sample being the unit of time; what it does not detect is not there.
-   pure type(allan_terms_type) function terms_of(allan, step) result(terms)
-      !> Fitted
-      type(allan_result_type), intent(in) :: allan
-      !> Sample interval
-      real(dp), intent(in) :: step
-
-      associate (of => allan%noise%coefficient)
-         if (of(2)%detected) terms%n = of(2)%value/sqrt(step)
-         if (of(3)%detected) terms%b = of(3)%value
-         if (of(4)%detected) terms%k = of(4)%value*sqrt(step)
-      end associate
-      terms%longest = maxval(allan%curve%tau)/step
-   end function terms_of
 
    !> States the model: times in s, standard deviations, the random walk as a coefficient K.
    subroutine state_drift(step, rate_known, unit, channel)

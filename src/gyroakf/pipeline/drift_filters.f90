@@ -2,27 +2,23 @@
 !> The recommended filters of one channel: of the drift that the record itself shows.
 !>
 !> They work on the record as read without its outliers: a polynomial that was fitted to the whole record is not there while a
-!> sensor is in use, and a random walk follows what it would remove. Where a polynomial under the drift is asked for all the same it
-!> is taken from what is filtered, and off the truth, and put back on every output, as a part of the drift. Off line the smoother
-!> sees the record from both sides; what is left of the record without the smoothed drift is `compensated`.
+!> sensor is in use, and a random walk follows what it would remove. Off line the smoother sees the record from both sides; what is
+!> left of the record without the smoothed drift is `compensated`.
 module gyroakf_pipeline_drift_filters
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
-   use gyroakf_filter_drift_trend, only : subtract_polynomial
    use gyroakf_filter_design, only : adaptive_drift, design_drift_akf, design_drift_kf
    use gyroakf_filter_kalman, only : filter_type
-   use gyroakf_filter_series, only : filter_result_type, filter_series
+   use gyroakf_filter_series, only : filter_series
    use gyroakf_filter_two_pass, only : smooth_adaptive
    use gyroakf_series_differences, only : difference_variance
    use gyroakf_series_moments, only : compute_moments, moments_type
-   use gyroakf_pipeline_alternatives, only : model_decay, score_adaptive
    use gyroakf_pipeline_coefficients, only : run_allan
    use gyroakf_pipeline_drift, only : find_drift, smoothed_share
    use gyroakf_pipeline_filters, only : figures_of, reserve
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stage
-   use gyroakf_pipeline_truth, only : restore_truth, score_output
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure
    implicit none (type, external)
    private
@@ -53,59 +49,31 @@ contains
       real(dp) :: differences
 
       call compute_moments(x, channel%level, valid)
-      if (options%identification%source == "allan" .and. .not. options%do_allan) then
-         call run_allan(x, record%sample_interval, record%rate_known, record%unit, options, stage%input, channel, error, valid, &
-                        progress)
-         if (allocated(error)) return
-      end if
       call reserve(z, size(x, kind=int64), error)
       if (allocated(error)) return
       z(:) = x - channel%level%mean
       call find_drift(z, record%sample_interval, record%rate_known, record%unit, options, channel, error, valid, progress)
       if (allocated(error) .or. .not. channel%drift%found) return
-      call restore_truth(channel%level%mean, channel)
-      if (channel%drift%degree > 0) then
-         call subtract_polynomial(channel%drift%trend(:channel%drift%degree), z, valid)
-         if (channel%truth%known) call subtract_polynomial(channel%drift%trend(:channel%drift%degree), channel%truth%drift, valid)
-      end if
       differences = difference_variance(z, valid)
-      call run_one(z, record%sample_interval, differences, .false., options, channel, error, valid, progress)
-      if (.not. allocated(error)) call run_one(z, record%sample_interval, differences, .true., options, channel, error, valid, &
-                                               progress)
+      call run_one(z, differences, .false., options, channel, error, valid, progress)
+      if (.not. allocated(error)) then
+         call run_one(z, differences, .true., options, channel, error, valid, progress)
+      end if
       if (.not. allocated(error)) call reserve(drift, size(x, kind=int64), error)
-      if (.not. allocated(error)) call run_smoother(z, record%sample_interval, drift, differences, options, channel, error, valid, &
-                                                    progress)
-      if (.not. allocated(error)) call score_adaptive(z, record%sample_interval, channel%drift%model, &
-                                                      channel%drift%slow(:channel%drift%model%count), channel%truth, error, valid)
+      if (.not. allocated(error)) then
+         call run_smoother(z, drift, differences, options, channel, error, valid, progress)
+      end if
       if (allocated(error) .or. .not. channel%available%drift_smoother) return
       deallocate (z)
       call compensate(record, x, drift, options, channel, error, valid, progress)
    end subroutine run_drift_filters
 
-   !> Puts the polynomial under the drift on an output, and measures that anew.
-   subroutine put_polynomial_back(channel, x, result, valid)
-      !> Its drift is found
-      type(channel_result_type), intent(in) :: channel
-      !> An estimate of the drift without the level: [n]
-      real(dp), intent(inout), contiguous :: x(:)
-      !> Its mean and variance are set
-      type(filter_result_type), intent(inout) :: result
-      integer(int8), intent(in), optional :: valid(:)
-      type(moments_type) :: moments
-
-      if (channel%drift%degree == 0) return
-      call subtract_polynomial(-channel%drift%trend(:channel%drift%degree), x, valid)
-      call compute_moments(x, moments, valid)
-      result%mean = moments%mean
-      result%variance = moments%variance
-   end subroutine put_polynomial_back
-
    !> One of the drift's two filters.
-   subroutine run_one(z, interval, differences, adaptive, options, channel, error, valid, progress)
+   subroutine run_one(z, differences, adaptive, options, channel, error, valid, progress)
       !> Without its mean: [n]
       real(dp), intent(in), contiguous :: z(:)
-      !> Sample interval, variance of the differences
-      real(dp), intent(in) :: interval, differences
+      !> Variance of the differences
+      real(dp), intent(in) :: differences
       !> R is adapted
       logical, intent(in) :: adaptive
       type(pipeline_options), intent(in) :: options
@@ -130,37 +98,28 @@ contains
          call note_failure(channel, trim(merge("adaptive drift filter", "drift Kalman filter  ", adaptive)), error)
          return
       end if
-      associate (drift => channel%drift)
-         call score_output(trim(merge("drift_akf", "drift_kf ", adaptive)), x, interval, channel%truth, error, valid, &
-                           model_decay(drift%model, drift%slow(:drift%model%count)))
-      end associate
-      if (allocated(error)) return
-      if (adaptive) then
-         call put_polynomial_back(channel, x, channel%drift_akf, valid)
-      else
-         call put_polynomial_back(channel, x, channel%drift_kf, valid)
-      end if
-      if (options%keep_series) x(:) = x + channel%level%mean
       if (adaptive) then
          channel%available%drift_akf = .true.
          channel%drift_akf%mean = channel%drift_akf%mean + channel%level%mean
-         channel%drift_akf_figures = figures_of(channel%drift_akf, channel%level%variance, channel)
-         if (options%keep_series) call move_alloc(x, channel%series_drift_akf)
+         channel%drift_akf_figures = figures_of(channel%drift_akf, channel%level%variance, x, &
+                                                channel%level%mean, .false., channel, valid)
       else
          channel%available%drift_kf = .true.
          channel%drift_kf%mean = channel%drift_kf%mean + channel%level%mean
-         channel%drift_kf_figures = figures_of(channel%drift_kf, channel%level%variance, channel)
-         if (options%keep_series) call move_alloc(x, channel%series_drift_kf)
+         channel%drift_kf_figures = figures_of(channel%drift_kf, channel%level%variance, x, &
+                                               channel%level%mean, .false., channel, valid)
       end if
+      if (.not. options%keep_series) return
+      x(:) = x + channel%level%mean
+      if (adaptive) call move_alloc(x, channel%series_drift_akf)
+      if (.not. adaptive) call move_alloc(x, channel%series_drift_kf)
    end subroutine run_one
 
    !> The drift from both sides, the variance of the white noise at each sample too.
-   subroutine run_smoother(z, interval, drift, differences, options, channel, error, valid, progress)
+   subroutine run_smoother(z, drift, differences, options, channel, error, valid, progress)
       !> Without its mean: [n]
       real(dp), intent(in), contiguous :: z(:)
-      !> Sample interval
-      real(dp), intent(in) :: interval
-      !> Smoothed, with the polynomial under it: [n]
+      !> Smoothed: [n]
       real(dp), intent(out), contiguous :: drift(:)
       !> Variance of the differences
       real(dp), intent(in) :: differences
@@ -180,23 +139,20 @@ contains
       channel%available%drift_smoother = .not. allocated(error)
       call note_failure(channel, "drift smoother", error)
       if (.not. channel%available%drift_smoother) return
-      call score_output("drift_smoother", drift, interval, channel%truth, error, valid, &
-                        model_decay(channel%drift%model, channel%drift%slow(:channel%drift%model%count)), .true.)
-      if (allocated(error)) return
-      if (channel%drift%degree > 0) call subtract_polynomial(-channel%drift%trend(:channel%drift%degree), drift, valid)
       call compute_moments(drift, moments, valid)
-      call state_smoother(moments, size(z, kind=int64), options, channel)
+      call state_smoother(drift, moments, options, channel, valid)
    end subroutine run_smoother
 
    !> What the smoother did.
-   subroutine state_smoother(moments, samples, options, channel)
-      !> Of its output less the level, with the polynomial under it, over the present samples
+   subroutine state_smoother(drift, moments, options, channel, valid)
+      !> Its output less the level: [n]
+      real(dp), intent(in), contiguous :: drift(:)
+      !> Of that, over the present samples
       type(moments_type), intent(in) :: moments
-      !> Of the series
-      integer(int64), intent(in) :: samples
       type(pipeline_options), intent(in) :: options
       !> Its `drift_smoother` and figures are filled
       type(channel_result_type), intent(inout) :: channel
+      integer(int8), intent(in), optional :: valid(:)
 
       associate (model => channel%drift%model, result => channel%drift_smoother)
          result%mean = moments%mean + channel%level%mean
@@ -205,10 +161,11 @@ contains
          result%q = sum(model%q(:model%count), mask=channel%drift%slow(:model%count))
          result%r = model%r
          result%forgetting = options%drift%forgetting
-         result%steps = samples
+         result%steps = size(drift, kind=int64)
          allocate (result%estimate(1))
          result%estimate(1)%text = "R"
-         channel%drift_smoother_figures = figures_of(result, channel%level%variance, channel)
+         channel%drift_smoother_figures = figures_of(result, channel%level%variance, drift, &
+                                                     channel%level%mean, .false., channel, valid)
       end associate
    end subroutine state_smoother
 

@@ -26,7 +26,6 @@ module gyroakf_pipeline_result
    use gyroakf_allan_noise_fit, only : noise_options, noise_type
    use gyroakf_allan_read_off, only : read_off_type
    use gyroakf_allan_halves, only : halves_type
-   use gyroakf_pipeline_truth_result, only : truth_result_type
    implicit none (type, external)
    private
    public :: pipeline_options, pipeline_result_type, channel_result_type, available_type
@@ -196,6 +195,10 @@ module gyroakf_pipeline_result
       real(dp) :: raw_variance_ratio = 0.0_dp
       !> Share of a constant rotation, in percent, that passes, and that is lost
       real(dp) :: passed_percent = 0.0_dp, lost_percent = 0.0_dp
+      !> Root mean square error against the true drift, in the unit of the record, and the number of
+      !> samples it is taken over; 0: the true drift is not known
+      real(dp) :: rmse = 0.0_dp
+      integer(int64) :: rmse_samples = 0
    end type filter_figures_type
 
    !> One channel
@@ -252,8 +255,10 @@ module gyroakf_pipeline_result
       !> The record as read, without its outliers, less the smoothed drift: in-sample, for the drift was taken from it
       type(moments_type) :: compensated
       real(dp) :: compensated_ratio = 0.0_dp
-      !> How near the filters come to the true drift, where that was given
-      type(truth_result_type) :: truth
+      !> The true drift, where it was given, in the unit of the record: [n]; deallocated after the filters
+      real(dp), allocatable :: true_drift(:)
+      !> 1 where it is known, 0 where it is not: [n]; unallocated: known everywhere
+      integer(int8), allocatable :: true_drift_present(:)
       !> By [[gyroakf_pipeline_result:stage]]
       type(allan_result_type) :: allan(5)
       !> Whether the curve of the record as read changed from its first to its second half

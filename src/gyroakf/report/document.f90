@@ -13,7 +13,6 @@ module gyroakf_report_document
    use gyroakf_report_document_preprocess, only : put_preprocess
    use gyroakf_report_document_parts, only : put_tests, put_ar, put_allan, put_coefficients
    use gyroakf_report_document_filters, only : put_drift, put_filters
-   use gyroakf_report_document_truth, only : put_truth
    implicit none (type, external)
    private
    public :: write_document, put_document, gather_warnings, schema_number
@@ -164,7 +163,6 @@ contains
       call flush_json(json, writer)
       call put_allan(json, writer, channel)
       call put_coefficients(json, channel)
-      call put_truth(json, channel)
       call close_object(json)
       call flush_json(json, writer)
    end subroutine put_channel

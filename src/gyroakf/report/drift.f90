@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> The drift of a record in plain sentences: what it is made of, with errors, what else was tried, what the Allan deviation says.
+!> The drift of a record in plain sentences: what it is made of, with errors, and what else was tried.
 module gyroakf_report_drift
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_writer, only : writer_type
@@ -40,37 +40,10 @@ contains
          else if (drift%source == "likelihood") then
             call put_item(writer, "White noise", "none: the likelihood does not tell it from 0")
          end if
-         if (drift%degree > 0) call put_item(writer, "Polynomial", polynomial_text(record, channel))
          call put_item(writer, "Found by", source_text(channel))
          call put_candidates(writer, channel)
-         if (drift%allan_known .and. drift%source /= "allan") call put_item(writer, "Allan", allan_text(channel))
       end associate
    end subroutine put_drift_model
-
-   !> The polynomial under the drift, coefficient by coefficient.
-   pure function polynomial_text(record, channel) result(text)
-      !> For the unit
-      type(record_type), intent(in) :: record
-      !> Its drift has a polynomial
-      type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: text
-      character(2) :: name
-      integer :: i
-
-      text = ""
-      do i = 1, channel%drift%degree
-         write (name, '("P", i1)') i
-         text = text//name//" "//with_error(channel%drift%trend(i), channel%drift%trend_error(i))//", "
-      end do
-      text = text(:len(text) - 2)//" "//unit_name(record)//": Legendre polynomials of time, -1 at the first sample "// &
-             "and 1 at the last. "
-      if (channel%drift%found) then
-         text = text//"It is taken from what the drift's filters see and put back on what they give; known from the whole "// &
-                "record, it is not known while the sensor is in use."
-      else
-         text = text//"It is all the drift there is: --detrend removes it."
-      end if
-   end function polynomial_text
 
    !> Where the model comes from, and what is not known of it.
    pure function source_text(channel) result(text)
@@ -80,9 +53,6 @@ contains
 
       associate (drift => channel%drift)
          select case (drift%source)
-         case ("allan")
-            text = "from the coefficients of the Allan deviation (--drift-source allan)"
-            return
          case ("autocov"); text = "least squares on the autocovariances, for no likelihood has a maximum"
          case default
             text = "largest likelihood of "
@@ -198,15 +168,6 @@ contains
       case default; text = trim(name)
       end select
    end function candidate_name
-
-   !> How well the coefficients of the Allan deviation describe the same samples.
-   pure function allan_text(channel) result(text)
-      type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: text
-
-      text = "N, B and K of the Allan deviation as such a model describe the same samples with a log-likelihood lower by "// &
-             number(channel%drift%log_likelihood - channel%drift%allan_log_likelihood, 3)
-   end function allan_text
 
    !> " s", or " samples".
    pure function time_unit(record) result(text)

@@ -8,12 +8,13 @@ module gyroakf_report_filters
    use gyroakf_filter_series, only : filter_result_type
    use gyroakf_pipeline_result, only : channel_result_type, filter_figures_type
    use gyroakf_report_input, only : has_unit, unit_name
-   use gyroakf_report_layout, only : put_item, put_items, put_paragraph, number, scientific, fixed, count_text
-   use gyroakf_report_table, only : table_type, new_table, set_exact, set_cell, set_row, put_numbered
+   use gyroakf_report_layout, only : put_heading, put_item, put_items, put_paragraph, number, scientific, fixed, &
+      count_text
+   use gyroakf_report_table, only : table_type, new_table, set_exact, set_cell, set_row, put_numbered, put_table
    use gyroakf_report_stationarity, only : whiteness_text, negligible_rho
    implicit none (type, external)
    private
-   public :: put_filter_table, make_filter_table, put_filter_details
+   public :: put_filter_table, make_filter_table, put_filter_details, put_rmse
 
 contains
 
@@ -173,6 +174,38 @@ contains
       if (channel%available%drift_smoother) call put_item(writer, "smoother", "fixed interval; R of each sample from adaptive "// &
          "filters from both ends, b = "//number(channel%drift_smoother%forgetting, 4))
    end subroutine put_filter_details
+
+   !> RMSE of every filter against the true drift; nothing where that is not known.
+   subroutine put_rmse(writer, record, channel)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> For the unit
+      type(record_type), intent(in) :: record
+      !> Filters are filled as far as they are available
+      type(channel_result_type), intent(in) :: channel
+      character(11), parameter :: name(5) = [character(11) :: "KF (paper)", "AKF (paper)", "drift KF", &
+                                             "drift AKF", "smoother"]
+      type(filter_figures_type) :: figures(5)
+      type(table_type) :: table
+      integer :: i, row
+
+      figures = [channel%kf_figures, channel%akf_figures, channel%drift_kf_figures, channel%drift_akf_figures, &
+                 channel%drift_smoother_figures]
+      if (all(figures%rmse_samples == 0)) return
+      call put_heading(writer, "Against the true drift")
+      call new_table(table, 1 + count(figures%rmse_samples > 0), 2)
+      call set_row(table, 1, [character(4) :: "", "RMSE"])
+      row = 1
+      do i = 1, size(figures)
+         if (figures(i)%rmse_samples == 0) cycle
+         row = row + 1
+         call set_cell(table, row, 1, trim(name(i)))
+         call set_cell(table, row, 2, number(figures(i)%rmse, 4))
+      end do
+      call put_table(writer, table, 1)
+      call put_item(writer, "", "RMSE in "//unit_name(record)//" over "// &
+                    count_text(maxval(figures%rmse_samples))//" samples")
+   end subroutine put_rmse
 
    subroutine put_details(writer, name, filter)
       type(writer_type), intent(inout) :: writer

@@ -11,10 +11,9 @@ module gyroakf_report_text
    use gyroakf_report_sections, only : put_tests
    use gyroakf_report_models, only : put_ar_table
    use gyroakf_report_drift, only : put_drift_model
-   use gyroakf_report_filters, only : put_filter_table, put_filter_details
+   use gyroakf_report_filters, only : put_filter_table, put_filter_details, put_rmse
    use gyroakf_report_noise, only : put_chart, put_curves_of, put_coefficients, put_comparison
    use gyroakf_report_changes, only : put_changes
-   use gyroakf_report_truth, only : put_truth
    use gyroakf_report_periodicity, only : put_periodicity
    use gyroakf_report_advice, only : put_advice, put_warnings
    implicit none (type, external)
@@ -97,7 +96,7 @@ contains
          call put_ar_table(writer, record, channel)
          call put_filter_table(writer, record, channel)
          call put_filter_details(writer, channel)
-         call put_truth(writer, record, channel)
+         call put_rmse(writer, record, channel)
          call put_drift_model(writer, record, channel)
       case default
          call put_tests(writer, channel)
@@ -105,7 +104,7 @@ contains
          call put_ar_table(writer, record, channel)
          call put_filter_table(writer, record, channel)
          call put_filter_details(writer, channel)
-         call put_truth(writer, record, channel)
+         call put_rmse(writer, record, channel)
          call put_drift_model(writer, record, channel)
          if (chart) call put_chart(writer, record, channel%allan(stage%input), "As read")
          call put_comparison(writer, record, channel)

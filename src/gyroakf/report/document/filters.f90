@@ -4,15 +4,12 @@ module gyroakf_report_document_filters
    use gyroakf_kinds, only : dp
    use gyroakf_record, only : text_type
    use gyroakf_filter_components, only : component_model_type
-   use gyroakf_filter_drift_choice, only : drift_identification_type
    use gyroakf_filter_drift_fit, only : drift_candidate_type
    use gyroakf_filter_series, only : filter_result_type
-   use gyroakf_pipeline_result, only : channel_result_type
-   use gyroakf_pipeline_truth_result, only : truth_result_type
+   use gyroakf_pipeline_result, only : channel_result_type, filter_figures_type
    use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null
    use gyroakf_report_document_correlation, only : put_ljung_box
    use gyroakf_report_document_stated, only : put_known
-   use gyroakf_report_document_truth, only : put_rmse
    implicit none (type, external)
    private
    public :: put_filters, put_drift
@@ -27,22 +24,24 @@ contains
       type(channel_result_type), intent(in) :: channel
 
       call open_object(json, "filters")
-      call put_filter(json, "kf", channel%kf, channel%available%kf, channel%truth)
-      call put_filter(json, "akf", channel%akf, channel%available%akf, channel%truth)
-      call put_filter(json, "drift_kf", channel%drift_kf, channel%available%drift_kf, channel%truth)
-      call put_filter(json, "drift_akf", channel%drift_akf, channel%available%drift_akf, channel%truth)
-      call put_filter(json, "drift_smoother", channel%drift_smoother, channel%available%drift_smoother, channel%truth)
+      associate (is => channel%available)
+         call put_filter(json, "kf", channel%kf, channel%kf_figures, is%kf)
+         call put_filter(json, "akf", channel%akf, channel%akf_figures, is%akf)
+         call put_filter(json, "drift_kf", channel%drift_kf, channel%drift_kf_figures, is%drift_kf)
+         call put_filter(json, "drift_akf", channel%drift_akf, channel%drift_akf_figures, is%drift_akf)
+         call put_filter(json, "drift_smoother", channel%drift_smoother, channel%drift_smoother_figures, &
+                         is%drift_smoother)
+      end associate
       call close_object(json)
    end subroutine put_filters
 
    !> One filter; "forgetting" is null where nothing is adapted. A smoother has no innovations, and no gain of its own.
-   subroutine put_filter(json, key, filter, available, truth)
+   subroutine put_filter(json, key, filter, figures, available)
       type(json_type), intent(inout) :: json
       character(*), intent(in) :: key
       type(filter_result_type), intent(in) :: filter
+      type(filter_figures_type), intent(in) :: figures
       logical, intent(in) :: available
-      !> Scores of the channel
-      type(truth_result_type), intent(in) :: truth
       type(text_type) :: nothing(0)
       logical :: measured
 
@@ -69,7 +68,7 @@ contains
       end if
       call put_member(json, "clamped", filter%clamped)
       call put_member(json, "gated", filter%gated)
-      call put_rmse(json, truth, key)
+      call put_known(json, "rmse", figures%rmse, figures%rmse_samples > 0)
       if (allocated(filter%warnings)) then
          call put_member(json, "warnings", filter%warnings)
       else
@@ -129,40 +128,11 @@ contains
          call put_member(json, "samples", drift%samples)
          call put_member(json, "of_samples", drift%of_samples)
          call put_member(json, "block_samples", drift%block)
-         call put_polynomial(json, drift)
-         if (drift%allan_known) then
-            call open_object(json, "allan")
-            call put_model(json, drift%from_allan)
-            call put_member(json, "log_likelihood", drift%allan_log_likelihood)
-            call close_object(json)
-         else
-            call put_null(json, "allan")
-         end if
          call put_known(json, "compensated_mean", channel%compensated%mean, channel%available%drift_smoother)
          call put_known(json, "compensated_variance", channel%compensated%variance, channel%available%drift_smoother)
       end associate
       call close_object(json)
    end subroutine put_drift
-
-   !> "polynomial": what is under the drift.
-   subroutine put_polynomial(json, drift)
-      type(json_type), intent(inout) :: json
-      type(drift_identification_type), intent(in) :: drift
-
-      if (drift%degree == 0) then
-         call put_null(json, "polynomial")
-         return
-      end if
-      call open_object(json, "polynomial")
-      call put_member(json, "degree", drift%degree)
-      call put_member(json, "coefficients", drift%trend(:drift%degree))
-      if (any(drift%trend_error(:drift%degree) > 0.0_dp)) then
-         call put_member(json, "std_errors", drift%trend_error(:drift%degree))
-      else
-         call put_null(json, "std_errors")
-      end if
-      call close_object(json)
-   end subroutine put_polynomial
 
    !> Members "phi", "q", "r".
    subroutine put_model(json, model)

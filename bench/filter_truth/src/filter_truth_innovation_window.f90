@@ -9,7 +9,7 @@
 !> the model.
 !>
 !> Source: Mohamed & Schwarz, Adaptive Kalman filtering for INS/GPS, Journal of Geodesy 73 (1999) 193-203, R alone.
-module gyroakf_filter_innovation_window
+module filter_truth_innovation_window
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_filter_components, only : check_components, component_model_type, component_state_type, correct_components, &
@@ -145,4 +145,4 @@ contains
       end if
    end subroutine remember
 
-end module gyroakf_filter_innovation_window
+end module filter_truth_innovation_window

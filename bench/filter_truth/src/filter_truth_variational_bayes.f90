@@ -9,7 +9,7 @@
 !>
 !> Source: Sarkka & Nummenmaa, Recursive noise adaptive Kalman filtering by variational Bayesian approximations, IEEE Trans.
 !> Automatic Control 54 (2009) 596-600.
-module gyroakf_filter_variational_bayes
+module filter_truth_variational_bayes
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_filter_components, only : check_components, component_model_type, component_state_type, correct_components, &
@@ -131,4 +131,4 @@ contains
       state = corrected
    end subroutine correct_variational
 
-end module gyroakf_filter_variational_bayes
+end module filter_truth_variational_bayes
