@@ -71,8 +71,8 @@ contains
    subroutine check_many(config, error)
       class(reading_config), intent(in) :: config
       type(error_type), allocatable, intent(out) :: error
-      character(10) :: option(4)
-      type(text_type) :: target(4)
+      character(8) :: option(3)
+      type(text_type) :: target(3)
       integer :: i, inputs
 
       inputs = 0
@@ -136,7 +136,6 @@ contains
       type is (analysis_config)
          if (.not. has_many_files(config)) then
             if (path == "") path = existing(config%kalibr)
-            if (path == "") path = existing(config%markdown)
             if (path == "") path = existing(config%latex)
          end if
       end select
@@ -169,8 +168,8 @@ contains
    subroutine check_outputs(config, error)
       class(reading_config), intent(in) :: config
       type(error_type), allocatable, intent(out) :: error
-      character(10) :: option(4)
-      type(text_type) :: target(4)
+      character(8) :: option(3)
+      type(text_type) :: target(3)
       integer :: i
 
       if (allocated(config%json)) call check_target(config, "--json", config%json, error)
@@ -193,18 +192,17 @@ contains
    !> The options that name a file, and the files, "" where they were not given.
    subroutine list_targets(config, option, target)
       type(analysis_config), intent(in) :: config
-      character(10), intent(out) :: option(4)
-      type(text_type), intent(out) :: target(4)
+      character(8), intent(out) :: option(3)
+      type(text_type), intent(out) :: target(3)
       integer :: i
 
-      option = [character(10) :: "--json", "--kalibr", "--markdown", "--latex"]
+      option = [character(8) :: "--json", "--kalibr", "--latex"]
       do i = 1, size(target)
          target(i)%text = ""
       end do
       if (allocated(config%json)) target(1)%text = config%json
       if (allocated(config%kalibr)) target(2)%text = config%kalibr
-      if (allocated(config%markdown)) target(3)%text = config%markdown
-      if (allocated(config%latex)) target(4)%text = config%latex
+      if (allocated(config%latex)) target(3)%text = config%latex
    end subroutine list_targets
 
    !> No two options write the same file, or both standard output.

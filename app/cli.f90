@@ -8,7 +8,6 @@ module gyroakf_app_cli
    use gyroakf_error, only : error_type
    use gyroakf_app_argument, only : argument_list
    use gyroakf_pipeline, only : apply_preset
-   use gyroakf_record, only : text_type, add_text
    use gyroakf_simulate_record, only : paper_preset
    use gyroakf_app_check, only : check_job
    use gyroakf_app_config, only : cli_config, text_config, reading_config, analysis_config, simulate_config, new_config
@@ -18,7 +17,6 @@ module gyroakf_app_cli
    use gyroakf_app_help, only : program_help, command_help, version_text, citation_text
    use gyroakf_app_manual, only : manual_text
    use gyroakf_app_option, only : option_type, options, command_names, find_option, belongs_to, suggest_word
-   use gyroakf_app_repeat, only : add_repeat
    use gyroakf_app_setting_input, only : set_input, set_common
    use gyroakf_app_setting_method, only : set_method
    use gyroakf_app_setting_record, only : set_record
@@ -47,7 +45,7 @@ contains
 
       call sort_words(arguments, words, error)
       if (allocated(error)) return
-      call take_config(words, error)
+      if (is_given(words, "--config")) call add_config(value_of(words, "--config"), words, error)
       if (allocated(error)) return
       call find_command(words, command, first, error)
       if (allocated(error)) return
@@ -76,23 +74,6 @@ contains
          end if
       end do
    end function typed_line
-
-   !> The options of the file of --config or of --repeat.
-   subroutine take_config(words, error)
-      type(words_type), intent(inout) :: words
-      type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: path
-
-      if (is_given(words, "--config") .and. is_given(words, "--repeat")) then
-         call usage_error(error, "--config and --repeat both name a file of options: give one of them")
-      else if (is_given(words, "--config")) then
-         path = value_of(words, "--config")
-         call add_config(path, words, error)
-      else if (is_given(words, "--repeat")) then
-         path = value_of(words, "--repeat")
-         call add_repeat(path, words, error)
-      end if
-   end subroutine take_config
 
    !> The command among the words that are no options, and the first file.
    subroutine find_command(words, command, first, error)
@@ -178,8 +159,6 @@ contains
       call new_config(command, path, config)
       select type (config)
       class is (reading_config)
-         if (allocated(words%expected)) config%expected = words%expected
-         call name_given(words, config%given)
          allocate (config%paths(max(0, words%positional - first + 1)))
          do i = 1, size(config%paths)
             config%paths(i)%text = words%word(first + i - 1)%text
@@ -205,21 +184,6 @@ contains
          config%origin = origin_of(words, config%record%seed)
       end select
    end subroutine make_job
-
-   !> The options that were given; --dt stands as rate.
-   subroutine name_given(words, given)
-      type(words_type), intent(in) :: words
-      type(text_type), allocatable, intent(out) :: given(:)
-      character(:), allocatable :: name
-      integer :: i
-
-      allocate (given(0))
-      do i = 1, words%used
-         name = trim(options(words%given(i)%row)%name(3:))
-         if (name == "dt") name = "rate"
-         call add_text(given, name)
-      end do
-   end subroutine name_given
 
    !> The command line that makes a simulated record again: what was given but for the file, and the seed.
    function origin_of(words, seed) result(origin)

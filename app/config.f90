@@ -4,7 +4,6 @@ module gyroakf_app_config
    use gyroakf_io_reader, only : reader_options
    use gyroakf_pipeline, only : pipeline_options
    use gyroakf_record, only : text_type
-   use gyroakf_report_document_origin, only : input_file_type
    use gyroakf_report_files, only : series_output_type
    use gyroakf_simulate_record, only : simulate_options
    implicit none (type, external)
@@ -54,10 +53,6 @@ module gyroakf_app_config
       character(:), allocatable :: command_line
       !> Of the recording among those of the command line
       integer :: number = 1
-      !> Of a run that is repeated: the files that have to be the same; unallocated: it is none
-      type(input_file_type), allocatable :: expected(:)
-      !> Names of the options that were given, without their dashes; --dt stands as rate
-      type(text_type), allocatable :: given(:)
    end type reading_config
 
    !> inspect
@@ -74,8 +69,8 @@ module gyroakf_app_config
       character(:), allocatable :: plot
       !> Not even for report.html
       logical :: no_figures = .false.
-      !> Files of Kalibr's imu.yaml, of the tables in Markdown and in LaTeX ("-" is standard output); unallocated: none
-      character(:), allocatable :: kalibr, markdown, latex
+      !> Files of Kalibr's imu.yaml and of the tables in LaTeX ("-" is standard output); unallocated: none
+      character(:), allocatable :: kalibr, latex
       !> Draw the Allan deviation in characters
       logical :: chart = .true.
       !> File of the true drift; unallocated: none

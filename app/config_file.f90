@@ -16,7 +16,7 @@ module gyroakf_app_config_file
    use gyroakf_app_words, only : given_type, words_type, is_given
    implicit none (type, external)
    private
-   public :: add_config, config_text, join
+   public :: add_config, config_text
 
    character(*), parameter :: nl = new_line("a")
 

@@ -9,18 +9,15 @@ module gyroakf_app_job
    use gyroakf_pipeline, only : pipeline_result_type, channel_result_type
    use gyroakf_record, only : record_type, text_type
    use gyroakf_report_document, only : write_document
-   use gyroakf_report_document_origin, only : origin_type
    use gyroakf_report_figures, only : figure_folder, write_figures
    use gyroakf_report_files, only : write_results
    use gyroakf_report_kalibr, only : write_kalibr
    use gyroakf_report_latex, only : write_latex
-   use gyroakf_report_markdown, only : write_markdown
    use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_app_config, only : analysis_config, inspect_config
    use gyroakf_app_gnuplot, only : draw_figures
    use gyroakf_app_page, only : make_page
    use gyroakf_app_interrupt, only : guard_files, interrupted, release_files
-   use gyroakf_app_origin, only : find_origin
    use gyroakf_app_progress_bar, only : bar_type, clear_bar
    use gyroakf_app_reading, only : read_and_look, read_and_run
    use gyroakf_app_terminal, only : adapt_writer
@@ -41,16 +38,14 @@ contains
       !> As of [[read_record]]; io
       type(error_type), allocatable, intent(out) :: error
       type(writer_type) :: writer
-      type(origin_type) :: origin
 
-      call find_origin(config, origin, error, bar)
-      if (.not. allocated(error)) call read_and_look(config, record, error, bar)
+      call read_and_look(config, record, error, bar)
       if (allocated(error)) return
       call clear_bar(bar)
-      if (allocated(config%out)) call write_inspection(config%out, record, origin, error)
+      if (allocated(config%out)) call write_inspection(config%out, record, config%command_line, error)
       if (allocated(error)) return
       if (allocated(config%json)) then
-         call begin_document(config%json, record, origin, writer, error)
+         call begin_document(config%json, record, config%command_line, writer, error)
          if (.not. allocated(error)) call commit_writer(writer, error)
          if (allocated(error) .or. config%json == "-") return
       end if
@@ -63,10 +58,10 @@ contains
    end subroutine inspect
 
    !> inspect --out: report.txt and results.json.
-   subroutine write_inspection(directory, record, origin, error)
+   subroutine write_inspection(directory, record, command_line, error)
       character(*), intent(in) :: directory
       type(record_type), intent(in) :: record
-      type(origin_type), intent(in) :: origin
+      character(*), intent(in) :: command_line
       type(error_type), allocatable, intent(out) :: error
       type(writer_type) :: report, document
 
@@ -77,7 +72,9 @@ contains
          call report_inspect(report, record)
          call complete_writer(report, error)
       end if
-      if (.not. allocated(error)) call begin_document(directory//"/results.json", record, origin, document, error)
+      if (.not. allocated(error)) then
+         call begin_document(directory//"/results.json", record, command_line, document, error)
+      end if
       if (.not. allocated(error)) call complete_writer(document, error)
       if (.not. allocated(error)) call commit_writer(report, error)
       if (.not. allocated(error)) call commit_writer(document, error)
@@ -98,20 +95,18 @@ contains
       type(pipeline_result_type), intent(out) :: result
       !> As of [[read_record]] and [[run_pipeline]]; io; cancelled
       type(error_type), allocatable, intent(out) :: error
-      type(origin_type) :: origin
 
-      call find_origin(config, origin, error, bar)
-      if (.not. allocated(error)) call read_and_run(config, record, result, error, bar)
+      call read_and_run(config, record, result, error, bar)
       if (.not. allocated(error)) call check_result(config, result, error)
       if (allocated(error)) return
       call guard_files()
-      call write_files(config, bar, record, result, origin, error)
+      call write_files(config, bar, record, result, error)
       if (.not. allocated(error) .and. allocated(config%plot)) call draw(config, record, result, error)
       if (.not. allocated(error) .and. allocated(config%out)) call make_page(config, record, result, error)
       call release_files()
       call clear_bar(bar)
       if (.not. allocated(error) .and. interrupted()) call fatal_error(error, status%cancelled, "ended; the files are complete")
-      if (.not. allocated(error)) call print_result(config, record, result, origin, error)
+      if (.not. allocated(error)) call print_result(config, record, result, error)
    end subroutine analyse
 
    !> The figures, from the result files that are there.
@@ -129,23 +124,22 @@ contains
    end subroutine draw
 
    !> The files that options name and the result files: all are complete before the first one appears.
-   subroutine write_files(config, bar, record, result, origin, error)
+   subroutine write_files(config, bar, record, result, error)
       type(analysis_config), intent(in) :: config
       type(bar_type), intent(inout) :: bar
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in) :: result
-      type(origin_type), intent(in) :: origin
       type(error_type), allocatable, intent(out) :: error
-      character(10), parameter :: kinds(4) = [character(10) :: "--json", "--kalibr", "--markdown", "--latex"]
+      character(8), parameter :: kinds(3) = [character(8) :: "--json", "--kalibr", "--latex"]
       type(writer_type) :: writer(size(kinds))
       integer :: i
 
       if (allocated(config%out)) call make_directory(config%out, error)
       do i = 1, size(kinds)
-         if (.not. allocated(error)) call begin_file(trim(kinds(i)), config, record, result, origin, writer(i), error)
+         if (.not. allocated(error)) call begin_file(trim(kinds(i)), config, record, result, writer(i), error)
       end do
       if (.not. allocated(error) .and. allocated(config%out)) call write_results(config%out, config%command, record, &
-         config%pipeline, result, error, config%series, bar, origin, config%chart)
+         config%pipeline, result, error, config%series, bar, config%command_line, config%chart)
       if (allocated(error)) then
          do i = 1, size(kinds)
             call discard_writer(writer(i))
@@ -158,40 +152,38 @@ contains
    end subroutine write_files
 
    !> A file that an option names, complete but not yet in its place; nothing where it is not asked for, or is standard output.
-   subroutine begin_file(kind, config, record, result, origin, writer, error)
+   subroutine begin_file(kind, config, record, result, writer, error)
       !> The option
       character(*), intent(in) :: kind
       type(analysis_config), intent(in) :: config
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in) :: result
-      type(origin_type), intent(in) :: origin
       type(writer_type), intent(out) :: writer
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: path
 
       call find_target(config, kind, path)
       if (path == "" .or. path == "-") return
-      call write_kind(kind, path, record, result, origin, writer, error)
+      call write_kind(kind, path, config, record, result, writer, error)
       if (.not. allocated(error)) call complete_writer(writer, error)
       if (allocated(error)) call discard_writer(writer)
    end subroutine begin_file
 
    !> The content of a file that an option names, in an open writer.
-   subroutine write_kind(kind, path, record, result, origin, writer, error)
+   subroutine write_kind(kind, path, config, record, result, writer, error)
       !> The option, and its value
       character(*), intent(in) :: kind, path
+      type(analysis_config), intent(in) :: config
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in) :: result
-      type(origin_type), intent(in) :: origin
       type(writer_type), intent(out) :: writer
       type(error_type), allocatable, intent(out) :: error
 
       call open_writer(writer, path, error)
       if (allocated(error)) return
       select case (kind)
-      case ("--json"); call write_document(writer, record, result, origin)
+      case ("--json"); call write_document(writer, record, result, config%command_line)
       case ("--kalibr"); call write_kalibr(writer, record, result, error)
-      case ("--markdown"); call write_markdown(writer, record, result)
       case default; call write_latex(writer, record, result)
       end select
    end subroutine write_kind
@@ -206,7 +198,6 @@ contains
       select case (kind)
       case ("--json"); if (allocated(config%json)) path = config%json
       case ("--kalibr"); if (allocated(config%kalibr)) path = config%kalibr
-      case ("--markdown"); if (allocated(config%markdown)) path = config%markdown
       case default; if (allocated(config%latex)) path = config%latex
       end select
    end subroutine find_target
@@ -249,13 +240,12 @@ contains
    end function has_result
 
    !> What an option wants on standard output, or the command's report.
-   subroutine print_result(config, record, result, origin, error)
+   subroutine print_result(config, record, result, error)
       type(analysis_config), intent(in) :: config
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in) :: result
-      type(origin_type), intent(in) :: origin
       type(error_type), allocatable, intent(out) :: error
-      character(10), parameter :: kinds(3) = [character(10) :: "--json", "--markdown", "--latex"]
+      character(7), parameter :: kinds(2) = [character(7) :: "--json", "--latex"]
       type(writer_type) :: writer
       character(:), allocatable :: path
       integer :: i
@@ -263,7 +253,7 @@ contains
       do i = 1, size(kinds)
          call find_target(config, trim(kinds(i)), path)
          if (path /= "-") cycle
-         call write_kind(trim(kinds(i)), "-", record, result, origin, writer, error)
+         call write_kind(trim(kinds(i)), "-", config, record, result, writer, error)
          if (.not. allocated(error)) call commit_writer(writer, error)
          return
       end do
@@ -276,15 +266,15 @@ contains
    end subroutine print_result
 
    !> The JSON document in an open writer: it tells what was read.
-   subroutine begin_document(path, record, origin, writer, error)
+   subroutine begin_document(path, record, command_line, writer, error)
       character(*), intent(in) :: path
       type(record_type), intent(in) :: record
-      type(origin_type), intent(in) :: origin
+      character(*), intent(in) :: command_line
       type(writer_type), intent(out) :: writer
       type(error_type), allocatable, intent(out) :: error
 
       call open_writer(writer, path, error)
-      if (.not. allocated(error)) call write_document(writer, record, origin=origin)
+      if (.not. allocated(error)) call write_document(writer, record, command_line=command_line)
    end subroutine begin_document
 
 end module gyroakf_app_job

@@ -250,7 +250,6 @@ contains
       select type (config)
       type is (analysis_config)
          if (allocated(config%kalibr)) config%kalibr = folder//"/"//config%kalibr
-         if (allocated(config%markdown)) config%markdown = folder//"/"//config%markdown
          if (allocated(config%latex)) config%latex = folder//"/"//config%latex
       end select
    end subroutine prepare_one

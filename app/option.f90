@@ -195,11 +195,9 @@ module gyroakf_app_option
       option_type("--kalibr", "FILE", "text", "run allan", "output", &
                   "write N and K as Kalibr's imu.yaml: SI, of each sensor the largest axis; needs rate and unit; of many "// &
                   "files into the folder of each"), &
-      option_type("--markdown", "FILE", "text", "run", "output", &
-                  "write the tables (tests, AR models, filters, noise coefficients) as Markdown; - is standard output; of many "// &
-                  "files into the folder of each"), &
       option_type("--latex", "FILE", "text", "run", "output", &
-                  "write the same tables as LaTeX, for \input into a paper; they need the package booktabs"), &
+                  "write the tables (tests, AR models, filters, coefficients) as LaTeX for \input, with the package "// &
+                  "booktabs; - is standard output; of many files into the folder of each"), &
       option_type("--plot", "png|svg|pdf|none", "choice", analysing, "output", &
                   "draw figures with gnuplot into DIR/plots of --out DIR, beside the scripts that draw them; none: not even "// &
                   "for DIR/report.html, which has them where gnuplot is found"), &
@@ -230,9 +228,6 @@ module gyroakf_app_option
                   "how far long work is, on standard error; auto (default): on a terminal, after a second"), &
       option_type("--config", "FILE", "text", any_command, "work", &
                   "take options from FILE, name = value a line; those of the command line come on top"), &
-      option_type("--repeat", "FILE", "text", reading, "work", &
-                  "repeat the run that wrote this results.json: its command, options and file, whose checksum is compared; "// &
-                  "what the command line gives comes instead"), &
       option_type("--write-config", "FILE", "text", any_command, "work", &
                   "write all options into FILE, those that are not given as comments; without a recording nothing else is done"), &
       option_type("--help", "", "flag", any_command, "common", "this text, or that of a command"), &
@@ -245,9 +240,9 @@ module gyroakf_app_option
    !> All options
    type(option_type), parameter :: options(*) = [input_options, series_options, record_options, common_options]
 
-   !> Options of a command line alone: no file of options has them, no document tells them
-   character(14), parameter :: of_the_line(8) = [character(14) :: "--config", "--repeat", "--write-config", "--help", &
-                                                 "--version", "--citation", "--man", "--completion"]
+   !> Options of a command line alone: no file of options has them
+   character(14), parameter :: of_the_line(7) = [character(14) :: "--config", "--write-config", "--help", "--version", &
+                                                 "--citation", "--man", "--completion"]
 
 contains
 

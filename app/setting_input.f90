@@ -172,7 +172,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       select case (option%name)
-      case ("--config", "--repeat", "--write-config")                 ! of the words as a whole, see gyroakf_app_cli
+      case ("--config", "--write-config")                             ! of the words as a whole, see gyroakf_app_cli
       case ("--quiet"); config%quiet = .true.
       case ("--progress"); config%progress = value%text
       case ("--force"); config%force = .true.
@@ -219,10 +219,9 @@ contains
             config%kalibr = value%text
             if (value%text == "-") call value_error(option, "it needs the name of a file", error)
          end select
-      case ("--markdown", "--latex", "--chart")
+      case ("--latex", "--chart")
          select type (config)
          type is (analysis_config)
-            if (option%name == "--markdown") config%markdown = value%text
             if (option%name == "--latex") config%latex = value%text
             if (option%name == "--chart") config%chart = value%text == "on"
          end select

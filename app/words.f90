@@ -3,7 +3,6 @@
 module gyroakf_app_words
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_record, only : text_type
-   use gyroakf_report_document_origin, only : input_file_type
    use gyroakf_app_argument, only : argument_list
    use gyroakf_app_option, only : option_type, options, find_option, takes_value, suggest_option
    implicit none (type, external)
@@ -30,8 +29,6 @@ module gyroakf_app_words
       integer :: positional = 0
       !> The first one stood behind "--": it is no command
       logical :: behind_dashes = .false.
-      !> Of a run that is repeated: its files, with their checksums
-      type(input_file_type), allocatable :: expected(:)
    end type words_type
 
 contains

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # The program built in two ways gives the same numbers:   ci/determinism.sh PROGRAM PROGRAM
 #
-# such as the optimised and the checked one. All of results.json agrees to 1e-10, but for what tells the run (`origin`). Of two
+# such as the optimised and the checked one. All of results.json agrees to 1e-10, but for the command line. Of two
 # kinds of numbers the difference is not that relative to the number:
 #   - residuals of the Allan fit are logarithms of ratios, some near 0: their difference is the relative difference of the ratio;
 #   - means of series that have none, such as residuals and innovations of least squares: below 1e-15 they are rounding.
@@ -25,8 +25,8 @@ trap 'rm -rf "$work"' EXIT
 passed=0
 failed=0
 
-# results.json without what tells its run: paths, options, checksums
-no_origin() { sed '/^  "origin": {/,/^  },/d' "$1"; }
+# results.json without its command line
+no_command_line() { sed '/^  "command_line": /d' "$1"; }
 
 # compare NAME FILE OPTION...
 compare() {
@@ -40,7 +40,7 @@ compare() {
       fi
    done
    if awk -v tolerance=1e-10 -v logarithms="$logarithms" -v rounded="$rounded" -f ci/compare_json.awk -- \
-      <(no_origin "$work/0.json") <(no_origin "$work/1.json") >"$work/said"; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
+      <(no_command_line "$work/0.json") <(no_command_line "$work/1.json") >"$work/said"; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
    sed "s/^/$name: /" "$work/said"
 }
 

@@ -77,13 +77,7 @@ module gyroakf
    use gyroakf_series_stationarity, only : adf_options, adf_type, adf_coefficient_type, test_adf
    use gyroakf_preprocess_hampel, only : mark_hampel
    use gyroakf_preprocess_truncation, only : truncated_deviation, final_cut, hampel_share, expected_false_alarms
-   use gyroakf_series_stationarity, only : adf_options, adf_type, test_adf
    use gyroakf_ar_model, only : ar_options, ar_order_type, ar_model_type, fit_ar
-   use gyroakf_ar_arma_result, only : arma_options, arma_order_type, arma_drift_type, arma_model_type
-   use gyroakf_ar_arma_likelihood, only : arma_log_likelihood
-   use gyroakf_ar_arma_model, only : fit_arma
-   use gyroakf_ar_model, only : ar_options, ar_order_type, ar_model_type, fit_ar, fit_ar_of
-   use gyroakf_ar_lag_stream, only : lag_stream_type, begin_lag_stream, feed_lag_stream, finish_lag_stream
    use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, design_drift_kf, design_drift_akf, &
       adaptive_drift
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, channel_result_type, available_type, allan_result_type, &

@@ -51,7 +51,6 @@ program test_main
    use test_filter_saving, only : collect_filter_saving
    use test_drift_steady, only : collect_drift_steady
    use test_json, only : collect_json
-   use test_json_reader, only : collect_json_reader
    use test_kalman, only : collect_kalman
    use test_least_squares, only : collect_least_squares
    use test_legacy, only : collect_legacy
@@ -85,7 +84,6 @@ program test_main
    use test_record_writer, only : collect_record_writer
    use test_release, only : collect_release
    use test_report, only : collect_report
-   use test_sha256, only : collect_sha256
    use test_sage_husa, only : collect_sage_husa
    use test_selftest, only : collect_selftest
    use test_simulate, only : collect_simulate
@@ -154,7 +152,6 @@ program test_main
    call add("filter_saving", collect_filter_saving)
    call add("drift_steady", collect_drift_steady)
    call add("json", collect_json)
-   call add("json_reader", collect_json_reader)
    call add("kalman", collect_kalman)
    call add("least_squares", collect_least_squares)
    call add("legacy", collect_legacy)
@@ -189,7 +186,6 @@ program test_main
    call add("record_writer", collect_record_writer)
    call add("release", collect_release)
    call add("report", collect_report)
-   call add("sha256", collect_sha256)
    call add("sage_husa", collect_sage_husa)
    call add("selftest", collect_selftest)
    call add("simulate", collect_simulate)

@@ -30,6 +30,7 @@ contains
 
       testsuite = [ &
          new_unittest("numbers", test_numbers), &
+         new_unittest("document-command-line", test_command_line), &
          new_unittest("wrapping", test_wrapping), &
          new_unittest("table-by-characters", test_table), &
          new_unittest("run", test_run), &
@@ -378,6 +379,26 @@ contains
       call check_schema(schema, "", items, "", wrong)
       call check(error, wrong, "")
    end subroutine check_document
+
+   !> The command line as it was typed; null in documents of the library.
+   subroutine test_command_line(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(writer_type) :: writer
+      type(json_item), allocatable :: items(:)
+      character(:), allocatable :: text
+      logical :: valid
+
+      call make_record(record, .true.)
+      call document(record, items, valid)
+      call check(error, json_text_at(items, "/command_line"), "null")
+      if (allocated(error)) return
+      call begin_text(writer)
+      call write_document(writer, record, command_line="gyroakf inspect 'a b'"//lf)
+      call end_text(writer, text)
+      call read_json(text, items, valid)
+      call check(error, json_text_at(items, "/command_line"), '"gyroakf inspect '//"'a b'"//'\u000a"')
+   end subroutine test_command_line
 
    subroutine test_document_schema(error)
       type(error_type), allocatable, intent(out) :: error

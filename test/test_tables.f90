@@ -1,12 +1,11 @@
 ! SPDX-License-Identifier: MIT
-!> The tables for papers: what they hold, Markdown, LaTeX.
+!> The tables for papers: what they hold, LaTeX.
 module test_tables
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_record, only : record_type
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_result_type
    use gyroakf_report_latex, only : latex_text, write_latex
-   use gyroakf_report_markdown, only : markdown_text, write_markdown
    use gyroakf_report_table, only : table_type
    use gyroakf_report_tables, only : flat_text, make_tables
    use report_fixture, only : begin_text, end_text, fill_drift, make_record, make_result
@@ -28,9 +27,7 @@ contains
          new_unittest("flat", test_flat), &
          new_unittest("latex-text", test_latex_text), &
          new_unittest("latex-escapes", test_latex_escapes), &
-         new_unittest("latex", test_latex), &
-         new_unittest("markdown-text", test_markdown_text), &
-         new_unittest("markdown", test_markdown)]
+         new_unittest("latex", test_latex)]
    end subroutine collect_tables
 
    !> A record with everything, its channel named by the user.
@@ -169,49 +166,5 @@ contains
          if (text(i:i + len(part) - 1) == part) occurrences = occurrences + 1
       end do
    end function occurrences
-
-   subroutine test_markdown_text(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call check(error, markdown_text("* 1 |rho| < 2 [a](b) `c` x_y #5 & d\e"), &
-                 "\* 1 \|ρ\| \< 2 \[a\](b) \`c\` x\_y \#5 \& d\\e")
-      if (allocated(error)) return
-      call check(error, markdown_text("1"//lf//"+/- 2 sigma")//markdown_text("tau|", verbatim=.true.), "1 ± 2 σtau\|")
-   end subroutine test_markdown_text
-
-   !> As many bars that are not escaped in every line of a table; the units are in the head.
-   subroutine test_markdown(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(writer_type) :: writer
-      type(record_type) :: record
-      type(pipeline_result_type) :: result
-      character(:), allocatable :: text, line
-      integer :: first, last, bars, rows
-
-      call make_all(record, result, "g|x")
-      call begin_text(writer)
-      call write_markdown(writer, record, result)
-      call end_text(writer, text)
-      call check(error, index(text, lf//"## Channel g\|x"//lf) > 0 .and. index(text, "| N, deg/√h |") > 0 .and. &
-                 index(text, "| variance, (deg/s)² |") > 0 .and. index(text, lf//"**Table III.** Noise") > 0 .and. &
-                 index(text, "| 0.948 ± 0.012 |") > 0)
-      if (allocated(error)) return
-      first = 1
-      bars = 0
-      rows = 0
-      do while (first <= len(text))
-         last = first + index(text(first:), lf) - 2
-         line = text(first:last)
-         first = last + 2
-         if (len(line) == 0) bars = 0
-         if (len(line) == 0) cycle
-         if (line(1:1) /= "|") cycle
-         rows = rows + 1
-         if (bars == 0) bars = occurrences(line, "|") - occurrences(line, "\|")
-         call check(error, occurrences(line, "|") - occurrences(line, "\|"), bars)
-         if (allocated(error)) return
-      end do
-      call check(error, rows > 20)
-   end subroutine test_markdown
 
 end module test_tables

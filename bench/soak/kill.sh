@@ -26,8 +26,8 @@ duration=$((($(date +%s%N) - began)/1000))
 mv dir new
 files=$(ls new | wc -l)
 
-# results.json without what tells its run: the command and its options
-no_origin() { sed '/^  "origin": {/,/^  },/d' "$1"; }
+# results.json without its command line
+no_command_line() { sed '/^  "command_line": /d' "$1"; }
 
 sleep_us() { local s; printf -v s '%d.%06d' $(($1/1000000)) $(($1%1000000)); sleep "$s"; }
 
@@ -65,7 +65,7 @@ for ((i = 1; i <= times; i++)); do
    else some=$((some + 1)); [ $count_old -eq 0 ] || mixed=$((mixed + 1)); fi
    # the next run does its work where only leftovers are, without --force, and takes them away
    if [ $((i%10)) -eq 1 ] && [ $((count_new + count_old)) -eq 0 ]; then
-      "$program" run new.txt --out dir --quiet && cmp -s <(no_origin dir/results.json) <(no_origin new/results.json) ||
+      "$program" run new.txt --out dir --quiet && cmp -s <(no_command_line dir/results.json) <(no_command_line new/results.json) ||
          stuck=$((stuck + 1))
       ! compgen -G 'dir/*.part*' >/dev/null || { stuck=$((stuck + 1)); echo "time $i: the next run left parts of the killed one"; }
    fi

@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: MIT
 # The same numbers from run to run, and on one thread and two. Read by run.sh.
 # agree FILE FILE: their numbers are the same to 1e-12, but for what tells the runs; what is compared is told in said
-agree() { awk -v tolerance=1e-12 -f "$root/ci/compare_json.awk" -- <(no_origin <"$1") <(no_origin <"$2") >said; }
+agree() { awk -v tolerance=1e-12 -f "$root/ci/compare_json.awk" -- <(no_command_line <"$1") <(no_command_line <"$2") >said; }
 
 "$gyroakf" simulate --samples 30000 --rate 50 --unit deg/s --coefficients Q=0.002,N=0.01,B=0.003,K=0.0008 --ar 0.97 \
    --ar-variance 2e-5 --outlier-count 20 --outlier-size 9 --missing 0.01 --trend 0,1e-7 --seed 5 --output same.txt --truth same_drift.txt
 same_options=(--kinds "adev,mdev,tdev,hdev,ohdev,totdev" --truth same_drift.txt --lags 30 --quiet)
 for i in 1 2; do good "run $i" run same.txt "${same_options[@]}" --threads 2 --json same_$i.json; done
-if cmp -s <(no_origin <same_1.json) <(no_origin <same_2.json); then pass; else fail "two runs do not give the same bytes"; fi
+if cmp -s <(no_command_line <same_1.json) <(no_command_line <same_2.json); then pass; else fail "two runs do not give the same bytes"; fi
 good "run on one thread" run same.txt "${same_options[@]}" --threads 1 --json same_one.json
 if agree same_one.json same_1.json; then pass
 else fail "one thread and two: $(head -n 5 said)"; fi

@@ -24,7 +24,7 @@ numpy() {
 { numpy '<i2' True '(400, 2)'; printf "$(counts columns)"; } >columns.npy
 { numpy '<i2' False '(2, 400)'; printf "$(counts columns)"; } >turned.npy
 
-what() { no_origin | grep -vE '"(path|format|stored_type|warnings)"'; }
+what() { no_command_line | grep -vE '"(path|format|stored_type|warnings)"'; }
 # alike_whole NAME ARGUMENTS...: the JSON document is that of whole.txt
 alike_whole() {
    local name=$1; shift

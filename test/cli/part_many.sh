@@ -21,7 +21,7 @@ for command in run allan tests ar filter inspect; do
    good "$command alone" $command many/two.csv --out alone_$command
    for file in alone_$command/*; do
       [ "${file##*/}" != report.html ] || continue          # it holds the command line and the file's number
-      if cmp -s <(no_origin <"$file") <(no_origin <"many_$command/two/$(basename "$file")"); then pass; else fail "$command: many/two/$(basename "$file") differs"; fi
+      if cmp -s <(no_command_line <"$file") <(no_command_line <"many_$command/two/$(basename "$file")"); then pass; else fail "$command: many/two/$(basename "$file") differs"; fi
    done
    rm -rf many_1; good "$command on one thread" $command many/f1.txt many/two.csv many/sub/f2.csv many/f2.txt --out many_1 --threads 1
    if sed 's/many_1/many_'$command'/' many_1/summary.json | cmp -s - many_$command/summary.json; then pass
@@ -138,7 +138,7 @@ is "Kalibr's files" "$(ls k/*/imu.yaml | tr '\n' ' ')" "k/f1/imu.yaml k/f2/imu.y
 "$gyroakf" simulate --samples 1200000 --rate 100 --unit deg/s --coefficients N=0.01 --output many/large.txt
 good "larger than a share" allan many/large.txt many/f1.txt many/f2.txt --memory 97MB --threads 2 --out shared
 good "alone in that memory" allan many/large.txt --memory 97MB --quiet --json alone.json
-if cmp -s <(no_origin <alone.json) <(no_origin <shared/large/results.json); then pass; else fail "a share of the memory changes the results"; fi
+if cmp -s <(no_command_line <alone.json) <(no_command_line <shared/large/results.json); then pass; else fail "a share of the memory changes the results"; fi
 run run many/large.txt many/f1.txt --memory 97MB --threads 2
 is "larger than a share is an error only alone" "$code" 0
 run run many/large.txt many/f1.txt --memory 60MB --threads 2

@@ -47,14 +47,14 @@ for command in allan run; do
 done
 "$gyroakf" allan - --memory 46MB --json piped.json --quiet <large.txt; is "a pipe that fits" $? 0
 good "the same as a file" allan large.txt --json whole.json --quiet
-is "a pipe and a file" "$(diff <(no_origin <piped.json | grep -v '"path"') <(no_origin <whole.json | grep -v '"path"'))" ""
+is "a pipe and a file" "$(diff <(no_command_line <piped.json | grep -v '"path"') <(no_command_line <whole.json | grep -v '"path"'))" ""
 # --to ends the reading, with the numbers of a recording that ends there
 head -n 5003 large.txt >short.txt
 good "a part" inspect large.txt --to 20 --json part.json --quiet
 holds "samples of the part" '"samples": 2000' part.json
 good "the part alone" allan short.txt --to 20 --json short.json --quiet
 good "the part of the whole" allan large.txt --to 20 --json part.json --quiet --force
-is "a part and the whole" "$(diff <(no_origin <short.json | grep -v '"path"') <(no_origin <part.json | grep -v '"path"'))" ""
+is "a part and the whole" "$(diff <(no_command_line <short.json | grep -v '"path"') <(no_command_line <part.json | grep -v '"path"'))" ""
 good "a part of increments" inspect large.txt --to 20 --input increment --unit deg --json part.json --quiet --force
 holds "samples of the increments" '"samples": 2000' part.json
 good "a part of angles" inspect large.txt --to 20 --input angle --unit deg --json part.json --quiet --force

@@ -22,6 +22,7 @@ holds "simulate states the seed" "7" terms.txt
 good "simulated record is read" inspect terms.txt --json -
 is "simulated samples" "$(number samples out)" 2000
 is "simulated rate" "$(number rate_hz out)" 100
+holds "command line" '"command_line": "gyroakf inspect terms.txt --json -"' out
 
 good "run on the example" run "$example" --out results --json all.json
 holds "report on standard output" "AKF" out
@@ -30,10 +31,10 @@ is "the result files" "$(cd results && echo *)" "allan.csv ar_spectrum.csv coeff
 if cmp -s results/results.json all.json; then pass; else fail "results.json and --json differ"; fi
 if cmp -s results/report.txt out; then pass; else fail "report.txt and standard output differ"; fi
 is "series.csv is complete" "$(grep -c '^[-0-9]' results/series.csv)" 12000
-sum=$(cat results/*[!l] | no_origin | cksum)                       # all but report.html, which has the command line in it
+sum=$(cat results/*[!l] | no_command_line | cksum)                # all but report.html, which has the command line in it
 good "run into the same directory again" run "$example" --out results --quiet --force
 is "--quiet prints nothing" "$(cat out)" ""
-is "the same results again" "$(cat results/*[!l] | no_origin | cksum)" "$sum"
+is "the same results again" "$(cat results/*[!l] | no_command_line | cksum)" "$sum"
 is "nothing is left aside" "$(cd results && echo * .[!.]*)" "allan.csv ar_spectrum.csv coefficients.csv correlation.csv histogram.csv report.html report.txt results.json series.csv spectrum.csv .[!.]*"
 
 if command -v python3 >/dev/null; then
@@ -87,7 +88,7 @@ def compare(a, b, path):
         if abs(a - b) > 1e-12*max(abs(a), abs(b)): sys.exit("%s: %.17g %.17g" % (path, a, b))
     elif a != b: sys.exit("%s: %r %r" % (path, a, b))
 documents = [json.load(open(name)) for name in sys.argv[1:3]]
-for document in documents: del document["origin"]
+for document in documents: del document["command_line"]
 compare(*documents, "")
 PYTHON
    then pass; else fail "--threads 1 and 2 differ"; fi
@@ -171,7 +172,7 @@ good "filter adapts all four" filter "$example" --outliers auto --detrend 3 --es
 good "filter of a slower drift" filter "$example" --outliers auto --detrend 3 --drift-tau 10
 good "robust, then what adapts" filter "$example" --akf robust --estimate q,R --json estimate_first.json --quiet
 good "what adapts, then robust" filter "$example" --estimate q,R --akf robust --json estimate_second.json --quiet
-is "their order does not matter" "$(diff <(no_origin <estimate_first.json) <(no_origin <estimate_second.json))" ""
+is "their order does not matter" "$(diff <(no_command_line <estimate_first.json) <(no_command_line <estimate_second.json))" ""
 is "both are heard" "$(sed -n '/"akf": {/,/"warnings"/p' estimate_first.json | grep '"estimate"' | tr -d ' ')" '"estimate":["q","R"],'
 good "robust alone" filter "$example" --akf robust --json robust.json --quiet
 is "adapts R" "$(sed -n '/"akf": {/,/"warnings"/p' robust.json | grep '"estimate"' | tr -d ' ')" '"estimate":["R"],'

@@ -4,7 +4,7 @@
 seq 1 400 | awk 'BEGIN { printf "# rate_hz: 50\n# unit: deg/s\n# columns: gx gy\n" }
    { printf "%.6f %.6f\n", sin($1*$1), cos(3*$1*$1) + 0.01*$1 }' >plain.txt
 
-results() { no_origin | grep -vE '"(path|format|rate_source|unit_source)"'; }
+results() { no_command_line | grep -vE '"(path|format|rate_source|unit_source)"'; }
 # alike NAME ARGUMENTS...: the JSON document, but for where things come from, is that of plain.txt
 alike() {
    local name=$1; shift
@@ -64,7 +64,7 @@ is "inspect fits 80 columns" "$(LC_ALL=C.UTF-8 awk 'length > 80' out)" ""
 good "run of time stamps" run stamped.csv --unit deg/s
 is "run fits 80 columns" "$(LC_ALL=C.UTF-8 awk 'length > 80' out)" ""
 good "one column by name" inspect stamped.csv --column gy --json -
-is "one channel" "$(no_origin <out | grep -c '"g[xyz]"')" 1
+is "one channel" "$(no_command_line <out | grep -c '"g[xyz]"')" 1
 awk 'BEGIN { print "# rate_hz: 100\n# units: deg/s m/s^2\n# columns: gx ax"
    for (i = 0; i < 600; i++) print sin(i*i), cos(i*i) }' >mixed.txt
 good "a unit for each column" allan mixed.txt --json mixed.json

@@ -73,31 +73,26 @@ is "no chart in report.txt" "$(grep -c 'against tau\|1/2' nochart/report.txt)" 0
 bad "--chart of tests" 1 "not one of 'tests'" tests "$example" --chart on
 
 # tables
-good "tables" run "$example" --markdown t.md --latex t.tex --json t_tables.json --force
+good "tables" run "$example" --latex t.tex --json t_tables.json --force
 holds "the report beside the tables" "Table III" out
-holds "Table III in Markdown" "**Table III.** Noise coefficients" t.md
-holds "units in Markdown" "| N, deg/√h |" t.md
 holds "Table I in LaTeX" '\caption{AR models' t.tex
 is "LaTeX is ASCII" "$(beyond t.tex)" 0
-bad "tables are kept" 2 "is kept" run "$example" --markdown t.md
-good "tables are replaced" run "$example" --markdown t.md --force --quiet
-good "Markdown on standard output" run "$example" --markdown -
-if cmp -s out t.md; then pass; else fail "--markdown - is not the file"; fi
+bad "tables are kept" 2 "is kept" run "$example" --latex t.tex
+good "tables are replaced" run "$example" --latex t.tex --force --quiet
 good "LaTeX on standard output" run "$example" --latex -
 if cmp -s out t.tex; then pass; else fail "--latex - is not the file"; fi
-bad "two on standard output" 1 "would both be on standard output" run "$example" --latex - --markdown -
-bad "two on standard output" 1 "--json and --markdown would both" run "$example" --json - --markdown -
-bad "two in one file" 1 "name the same file './x'" run "$example" --latex x --markdown ./x
+bad "two on standard output" 1 "--json and --latex would both be on standard output" run "$example" --json - --latex -
+bad "two in one file" 1 "name the same file './x'" run "$example" --latex x --kalibr ./x
 bad "over the recording" 1 "--latex would overwrite the recording" run bare.txt --latex ./bare.txt
-bad "over a result" 1 "--markdown and --out name the same file" run "$example" --markdown o/report.txt --out o
+bad "over a result" 1 "--latex and --out name the same file" run "$example" --latex o/report.txt --out o
 bad "over the truth" 1 "overwrite the true drift" run drift.txt --truth drift_truth.txt --latex drift_truth.txt
-bad "tables of many files" 1 "--markdown with many files needs --out" run bare.txt drift.txt --markdown t.md
+bad "tables of many files" 1 "--latex with many files needs --out" run bare.txt drift.txt --latex t.tex
 bad "tables of many files" 1 "a name without a folder" run bare.txt drift.txt --latex - --out tables
-good "tables of many files" run bare.txt drift.txt --markdown t.md --latex t.tex --out tables --quiet
-is "a folder for each" "$(cd tables && echo */t.md */t.tex)" "bare/t.md drift/t.md bare/t.tex drift/t.tex"
+good "tables of many files" run bare.txt drift.txt --latex t.tex --out tables --quiet
+is "a folder for each" "$(cd tables && echo */t.tex)" "bare/t.tex drift/t.tex"
 bad "--latex of allan" 1 "not one of 'allan'" allan "$example" --latex x.tex
-good "five channels" run five.txt --latex five.tex --markdown five.md --quiet
-is "tables of five channels" "$(grep -c '\\begin{table}' five.tex) $(grep -c '^## Channel' five.md)" "20 5"
+good "five channels" run five.txt --latex five.tex --quiet
+is "tables of five channels" "$(grep -c '\\begin{table}' five.tex)" 20
 if command -v pdflatex >/dev/null && kpsewhich booktabs.sty >/dev/null; then
    printf '%s\n' '\documentclass{article}' '\usepackage{booktabs}' '\begin{document}' '\input{five.tex}' '\input{t.tex}' '\end{document}' >paper.tex
    if pdflatex -halt-on-error -interaction=nonstopmode paper.tex >paper.log 2>&1; then pass

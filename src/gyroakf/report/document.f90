@@ -9,7 +9,6 @@ module gyroakf_report_document
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_result_type, channel_result_type
    use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, flush_json
-   use gyroakf_report_document_origin, only : origin_type, put_origin
    use gyroakf_report_document_preprocess, only : put_preprocess
    use gyroakf_report_document_parts, only : put_tests, put_ar, put_allan, put_coefficients
    use gyroakf_report_document_filters, only : put_drift, put_filters
@@ -23,23 +22,23 @@ module gyroakf_report_document
 contains
 
    !> Writes the whole document.
-   subroutine write_document(writer, record, result, origin)
+   subroutine write_document(writer, record, result, command_line)
       !> Open
       type(writer_type), intent(inout) :: writer
       !> What was read
       type(record_type), intent(in) :: record
       !> What came out; absent: "channels" is empty
       type(pipeline_result_type), intent(in), optional :: result
-      !> Command, options and files; absent: "origin" is null
-      type(origin_type), intent(in), optional :: origin
+      !> As it would be typed; absent: "command_line" is null
+      character(*), intent(in), optional :: command_line
       type(json_type) :: json
 
-      call put_document(json, writer, record, result, origin)
+      call put_document(json, writer, record, result, command_line)
       call flush_json(json, writer)
    end subroutine write_document
 
    !> Makes the whole document.
-   subroutine put_document(json, writer, record, result, origin)
+   subroutine put_document(json, writer, record, result, command_line)
       !> Empty
       type(json_type), intent(inout) :: json
       !> Takes parts of it now and then; where it is not open all of it is in `json` in the end
@@ -47,7 +46,7 @@ contains
       !> As those of [[write_document]]
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in), optional :: result
-      type(origin_type), intent(in), optional :: origin
+      character(*), intent(in), optional :: command_line
       type(record_type) :: view
       integer :: c
 
@@ -55,7 +54,11 @@ contains
       call put_member(json, "schema", schema_number)
       call put_member(json, "program", "gyroakf")
       call put_member(json, "version", release_string)
-      call put_origin(json, origin)
+      if (present(command_line)) then
+         call put_member(json, "command_line", command_line)
+      else
+         call put_null(json, "command_line")
+      end if
       call put_input(json, record, result)
       call open_array(json, "channels")
       if (present(result)) then

@@ -9,7 +9,6 @@ module gyroakf_report_files
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_report_text, only : write_report
    use gyroakf_report_document, only : write_document
-   use gyroakf_report_document_origin, only : origin_type
    use gyroakf_report_spectrum_file, only : write_spectrum, has_spectrum
    use gyroakf_report_ar_details, only : write_ar_spectrum
    use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, series_output_type
@@ -44,7 +43,7 @@ contains
    !> ar_spectrum.csv (where there are AR models), correlation.csv, histogram.csv and spectrum.csv
    !> (where there are tests), report.txt and results.json; those that an earlier run left and this one does not write are removed.
    !> report.html is one of these: [[write_page]] writes it when there are figures.
-   subroutine write_results(directory, command, record, options, result, error, output, progress, origin, chart)
+   subroutine write_results(directory, command, record, options, result, error, output, progress, command_line, chart)
       !> Made where it does not exist
       character(*), intent(in) :: directory
       !> Which report: run, allan, tests, ar, filter
@@ -61,8 +60,8 @@ contains
       type(series_output_type), intent(in), optional :: output
       !> Is told while the series are written
       class(progress_type), intent(inout), optional :: progress
-      !> Command, options and files, for results.json
-      type(origin_type), intent(in), optional :: origin
+      !> As it would be typed, for results.json
+      character(*), intent(in), optional :: command_line
       !> Draw the Allan deviations in report.txt (default: yes)
       logical, intent(in), optional :: chart
       type(writer_type) :: writer(size(result_files))
@@ -81,7 +80,7 @@ contains
          if (.not. wanted(i)) cycle
          call open_writer(writer(i), directory//"/"//trim(result_files(i)), error)
          if (.not. allocated(error)) call write_file(writer(i), trim(result_files(i)), command, record, options, result, series, &
-                                                     error, progress, origin, chart)
+                                                     error, progress, command_line, chart)
          if (.not. allocated(error)) call complete_writer(writer(i), error)
          if (.not. allocated(error)) cycle
          call discard_all(writer, wanted, i)
@@ -97,7 +96,7 @@ contains
    end subroutine write_results
 
    !> Content of one file.
-   subroutine write_file(writer, name, command, record, options, result, series, error, progress, origin, chart)
+   subroutine write_file(writer, name, command, record, options, result, series, error, progress, command_line, chart)
       type(writer_type), intent(inout) :: writer
       character(*), intent(in) :: name, command
       type(record_type), intent(in) :: record
@@ -106,7 +105,7 @@ contains
       type(series_output_type), intent(in) :: series
       type(error_type), allocatable, intent(out) :: error
       class(progress_type), intent(inout), optional :: progress
-      type(origin_type), intent(in), optional :: origin
+      character(*), intent(in), optional :: command_line
       logical, intent(in), optional :: chart
 
       select case (name)
@@ -117,7 +116,7 @@ contains
       case ("correlation.csv"); call write_correlation(writer, result)
       case ("spectrum.csv"); call write_spectrum(writer, result)
       case ("report.txt"); call write_report(writer, command, record, options, result, chart)
-      case ("results.json"); call write_document(writer, record, result, origin)
+      case ("results.json"); call write_document(writer, record, result, command_line)
       case default; call write_series(writer, record, result, series, error, progress)
       end select
    end subroutine write_file

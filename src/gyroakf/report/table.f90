@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> A table: one description, from which the report of a terminal ([[put_table]]), Markdown, LaTeX and HTML are made.
+!> A table: one description, from which the report of a terminal ([[put_table]]), LaTeX and HTML are made.
 module gyroakf_report_table
    use gyroakf_kinds, only : dp
    use gyroakf_record, only : text_type
