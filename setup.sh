@@ -14,7 +14,6 @@
 #   GYROAKF_LINT=1      install fortitude too (style checks)
 #   GYROAKF_SITE=1      install FORD too (ci/site.sh: pages of the doc comments)
 #   GYROAKF_FUZZ=1      install clang too (libFuzzer for ci/fuzz)
-#   GYROAKF_HDF5=1      install the HDF5 library too (ci/hdf5.sh builds with it)
 #   GYROAKF_CMAKE=1     install CMake, Ninja and pkg-config too (ci/cmake.sh)
 #   GYROAKF_VALGRIND=1  install valgrind too (ci/valgrind.sh)
 # shellcheck disable=SC2016,SC2086  # lists of words are split on purpose
@@ -75,8 +74,6 @@ fi
 [ -z "${GYROAKF_PAGE:-}" ] || { have gnuplot && have tidy && { have chromium || have google-chrome || have chromium-browser; }; } ||
   need="$need page"
 [ -z "${GYROAKF_FUZZ:-}" ] || "$root/ci/fuzz/clang.sh" >/dev/null || need="$need clang"
-[ -z "${GYROAKF_HDF5:-}" ] || { have pkg-config && { pkg-config --exists hdf5 || pkg-config --exists hdf5_fortran; }; } ||
-  need="$need hdf5"
 [ -z "${GYROAKF_CMAKE:-}" ] || { have cmake && have ninja && have pkg-config; } || need="$need cmake"
 [ -z "${GYROAKF_VALGRIND:-}" ] || have valgrind || need="$need valgrind"
 
@@ -98,7 +95,6 @@ if [ -n "$need" ]; then
         add clang
         # where the sanitizers' libraries are a package of their own
         ! apt-cache show libclang-rt-dev >/dev/null 2>&1 || add libclang-rt-dev ;;
-      hdf5) add libhdf5-dev pkg-config ;;
       cmake) add cmake ninja-build pkg-config ;;
       valgrind) add valgrind libc6-dbg ;;
     esac; done
@@ -113,13 +109,12 @@ if [ -n "$need" ]; then
       gnuplot) add gnuplot ;;
       page) add gnuplot chromium tidy ;;
       clang) add clang compiler-rt ;;
-      hdf5) add hdf5-devel pkgconf-pkg-config ;;
       cmake) add cmake ninja-build pkgconf-pkg-config ;;
     esac; done
     as_root dnf install -y $list >&2 || die "not installed; please run as root: dnf install$list"
   elif have brew; then
     for n in $need; do case $n in
-      compiler) add gcc ;; page) add gnuplot ;; clang) add llvm ;; hdf5) add hdf5 pkg-config ;; cmake) add cmake ninja pkg-config ;; *) add "$n" ;;
+      compiler) add gcc ;; page) add gnuplot ;; clang) add llvm ;; cmake) add cmake ninja pkg-config ;; *) add "$n" ;;
     esac; done
     brew install $list >&2
   elif have mamba || have conda; then

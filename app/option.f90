@@ -80,12 +80,10 @@ module gyroakf_app_option
       option_type("--column", "N|NAME[,...]", "text", reading, "input", "columns to read (default: all but the time)"), &
       option_type("--time-column", "N|NAME|none", "text", reading, "input", &
                   "column of the time stamps (default: found by its name)"), &
-      option_type("--format", "auto|text|csv|npy|hdf5|f64|f32|i16|...", "text", reading, "input", &
+      option_type("--format", "auto|text|csv|npy|f64|f32|i16|...", "text", reading, "input", &
                   "how the file is written (default auto: by its content); raw numbers: f32 f64 i8 i16 i32 i64 u8 u16 u32, "// &
                   "with be behind it where they are big endian: i16be"), &
       option_type("--channels", "N", "count", reading, "input", "columns of raw numbers, interleaved (default 1)"), &
-      option_type("--dataset", "PATH", "text", reading, "input", &
-         "dataset of an HDF5 file (default: the only one of numbers)"), &
       option_type("--skip", "N", "natural", reading, "input", &
                   "leave out the first N lines of a text, or the first N bytes before raw numbers"), &
       option_type("--from", "S", "real", reading, "input", "begin S seconds after the first sample"), &

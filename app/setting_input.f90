@@ -44,7 +44,6 @@ contains
       case ("--time-column"); reader%time_column = value%text
       case ("--format"); call set_format(reader, option, value%text, error)
       case ("--channels"); reader%channels = value%count
-      case ("--dataset"); reader%dataset = value%text
       case ("--skip"); reader%skip = value%count
       case ("--from"); reader%from = value%number
          if (value%number < 0) call value_error(option, "'"//value%text//"' is before the first sample", error)
@@ -63,19 +62,19 @@ contains
       type(option_type), intent(in) :: option
       character(*), intent(in) :: text
       type(error_type), allocatable, intent(out) :: error
-      character(5), parameter :: words(16) = [character(5) :: "auto", "text", "csv", "npy", "hdf5", "f16", "f32", "f64", "i8", &
-                                              "i16", "i32", "i64", "u8", "u16", "u32", "u64"]
+      character(4), parameter :: words(15) = [character(4) :: "auto", "text", "csv", "npy", "f16", &
+         "f32", "f64", "i8", "i16", "i32", "i64", "u8", "u16", "u32", "u64"]
       character(:), allocatable :: near
       type(element_type) :: element
       logical :: raw
 
       reader%format = text
       call parse_element(text, element, raw)
-      if (raw .or. any(words(:5) == text)) return
+      if (raw .or. any(words(:4) == text)) return
       near = suggest_word(text, words)
       if (len(near) > 0) near = ", perhaps '"//near//"'"
       call value_error(option, "'"//text// &
-         "' is none of auto, text, csv, npy, hdf5, f32, f64, i8, i16, i32, i64, u8, u16, u32, "// &
+         "' is none of auto, text, csv, npy, f32, f64, i8, i16, i32, i64, u8, u16, u32, "// &
                        "which may have le or be behind them"//near, error)
    end subroutine set_format
 

@@ -98,8 +98,8 @@ consumers() { # KIND: programs against the library that is installed in $work/KI
     ok "$kind: it runs" same c_api/consumer/output.txt "$prefix/main"
   if command -v g++ >/dev/null; then
     # shellcheck disable=SC2086
-    ok "$kind: a C++ program by pkg-config" g++ -std=c++17 c_api/cpp/batch.cpp $flags -o "$prefix/batch" &&
-      ok "$kind: it runs" "$prefix/batch" example/data/mems_gyro_x.txt
+    ok "$kind: a C++ program by pkg-config" g++ -std=c++11 c_api/cpp/owner.cpp $flags -o "$prefix/owner" &&
+      ok "$kind: it runs" "$prefix/owner" example/data/mems_gyro_x.txt
   fi
   # shellcheck disable=SC2086
   ok "$kind: a Fortran program by pkg-config" gfortran example/consumer/app/main.f90 -J"$prefix" $flags -o "$prefix/fortran" &&

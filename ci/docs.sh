@@ -26,13 +26,12 @@ failed=0
 pass() { passed=$((passed + 1)); }
 fail() { failed=$((failed + 1)); printf 'FAILED: %s\n' "$*"; }
 
-# whole documents of commands; the others are looked at for links only
-documents=(README.md doc/guide.md doc/program.md)
+# whole documents of commands and snippets; the others are looked at for links only
+documents=(README.md doc/guide.md doc/program.md c_api/README.md)
 
 # commands that need what is not made here: they are not run
 needs_own_data() { # LINE
   case $1 in
-    *flight.h5*) return 0 ;;                                         # the build with HDF5: ci/hdf5.sh
     *imu.bin*) return 0 ;;                                           # 16-bit integers of a device
     *zstd*) ! command -v zstd >/dev/null ;;
     *--plot*) ! command -v gnuplot >/dev/null ;;
@@ -151,7 +150,7 @@ for document in "${documents[@]}"; do
   blocks "$root/$document" >"$work/blocks"
   while IFS="|" read -r language number linked <&4; do
     case $language in
-      c | fortran)
+      c | cpp | fortran)
         if shows "$work/block.$number" "$root/$(dirname "$document")/$linked" >"$work/why"; then pass
         else fail "$document:$number: not as in $linked: $(cat "$work/why")"; fi ;;
       *) commands "$work/block.$number" "$document:$number" ;;

@@ -132,21 +132,13 @@ examples() { # every example builds, runs, and prints what example/output/ says,
   ./setup.sh fpm run --example --all --runner ci/example.sh
 }
 
-header() { # the C sources and the header alone as C99 and, where there is a C++ compiler, as C++
+header() { # the C sources and the header alone as C99 and, where there is a C++ compiler, as C++; the C++ example as C++11
   local file
   for file in c_api/include/gyroakf.h c_api/*/*.c; do
     gcc -std=c99 -Wall -Wextra -pedantic -Werror -Ic_api/include -Ic_api/test -fsyntax-only -x c "$file" || return 1
     if command -v g++ >/dev/null; then g++ -Wall -Wextra -Werror -Ic_api/include -Ic_api/test -fsyntax-only -x c++ "$file" || return 1; fi
   done
-}
-
-hdf5() { # the build with the HDF5 library: its own tests, the look for static lengths, the command-line tests of the formats
-  local program
-  GYROAKF_HDF5=1 ci/hdf5.sh >"$logs/hdf5-build.log" 2>&1 || { cat "$logs/hdf5-build.log"; return 1; }
-  cat "$logs/hdf5-build.log"
-  program=$(tail -n 1 "$logs/hdf5-build.log")
-  ci/statics.sh build/hdf5 || return 1
-  test/cli/run.sh "$program" formats
+  ! command -v g++ >/dev/null || g++ -std=c++11 -Wall -Wextra -pedantic -Werror -Ic_api/include -fsyntax-only c_api/cpp/owner.cpp
 }
 
 clean() { # the steps before it wrote nothing into the work tree
@@ -166,5 +158,5 @@ sanitizers() {
     UBSAN_OPTIONS=print_stacktrace=1 "$@"
 }
 
-export -f builds clean command_line binary header hdf5 lint mutants warnings examples checked sanitizers
+export -f builds clean command_line binary header lint mutants warnings examples checked sanitizers
 export checked_fortran checked_c sanitized logs

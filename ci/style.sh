@@ -63,7 +63,7 @@ files 'src/*.f90' 'app/*.f90' 'test/*.f90' 'example/*.f90' | each awk '
   index($0, "implicit none (type, external)") { typed = 1 }
   END { judge() }' | rule "every Fortran file has its licence and implicit none (type, external)"
 
-files '*.c' '*.h' '*.cpp' '*.hpp' '*.sh' | each awk '
+files '*.c' '*.h' '*.cpp' '*.sh' | each awk '
   function judge() { if (file != "" && !licensed) print file }
   FNR == 1 { judge(); file = FILENAME; licensed = 0 }
   FNR <= 3 && /SPDX-License-Identifier: MIT/ { licensed = 1 }
@@ -90,7 +90,7 @@ sed -nE 's/^src\/([^:]*)\.f90:[0-9]+: *use *(, *non_intrinsic *)?(::)? *(gyroakf
     [ "$mine" -ge "$level" ] || echo "src/$path.f90 uses $used"
   done | rule "a module uses only its own layer and lower ones"
 
-files '*.f90' '*.c' '*.h' '*.cpp' '*.hpp' '*.sh' '*.toml' '*.md' 'setup.sh' | grep -v '^test/data/' |
+files '*.f90' '*.c' '*.h' '*.cpp' '*.sh' '*.toml' '*.md' 'setup.sh' | grep -v '^test/data/' |
   each grep -HnE "[[:space:]]+\$|$(printf '\t')" | rule "no tabs, no blanks at the end of a line"
 
 files '*' | grep -vE '^(test|example)/data/|\.(png|svg|npy|gz)$' | each grep -LI . | while read -r f; do

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 #
 # What a program that links the static library needs besides it, as arguments of a C linker: LAPACK and BLAS as they were found,
-# OpenMP, HDF5 and the run-time library of Fortran. Sets
+# OpenMP and the run-time library of Fortran. Sets
 #   link_names   a list, for CMake
 #   pc_private   the same for gyroakf.pc, where they stand for the static library ...
 #   pc_public    ... and where for the one that is installed: of a static one everybody needs them
@@ -32,11 +32,6 @@ foreach(library IN LISTS LAPACK_LINKER_FLAGS LAPACK_LIBRARIES BLAS_LIBRARIES)
     add_link_name(link_names "${library}")
   endif()
 endforeach()
-if(GYROAKF_HDF5)
-  foreach(library IN LISTS HDF5_Fortran_LIBRARIES)
-    add_link_name(link_names "${library}")
-  endforeach()
-endif()
 if(GYROAKF_OPENMP)
   foreach(library IN LISTS OpenMP_Fortran_LIBRARIES)
     add_link_name(link_names "${library}")

@@ -218,7 +218,7 @@ contains
       call check(error, message("1", reader_options(from=2.0_dp, to=1.0_dp), code), "the part from 2 s to 1 s is empty")
       if (allocated(error)) return
       options%format = "nyp"
-      call check(error, message("1", options, code), "the format 'nyp' is not supported; known are auto, text, csv, npy, hdf5, "// &
+      call check(error, message("1", options, code), "the format 'nyp' is not supported; known are auto, text, csv, npy, "// &
                  "f32, f64, i8, i16, i32, i64, u8, u16, u32, with be for big endian")
       if (allocated(error)) return
       call check(error, code, status%not_supported)

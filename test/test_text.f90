@@ -135,7 +135,7 @@ contains
                          "text with 4 NUL bytes, as a logger leaves them that lost its power")
       if (allocated(error)) return
       call check_content(error, "MATLAB 7.3 MAT-file"//repeat(" ", 493)//char(137)//"HDF"//char(13)//nl//char(26)//nl, &
-                         "a.mat", "hdf5", "")
+                         "a.mat", "foreign", "an HDF5 file (.h5, MATLAB 7.3)")
       if (allocated(error)) return
       call check_content(error, char(147)//"NUMPY"//char(1)//char(0), "a.txt", "npy", "")
       if (allocated(error)) return

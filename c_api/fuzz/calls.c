@@ -488,7 +488,7 @@ OPTIONS(reader_options,
         if (one_in(2)) {
           ODD(format, text()) ODD(columns, text()) ODD(time_column, text()) ODD(skip, any_long()) ODD(bad_lines_missing, any_int())
           ODD(input, text()) ODD(unit, text()) ODD(scale, any_double()) ODD(rate_hz, any_double()) ODD(from, any_double())
-          ODD(to, any_double()) ODD(resample, text()) ODD(wrap, text()) ODD(dataset, text()) ODD(channels, any_long())
+          ODD(to, any_double()) ODD(resample, text()) ODD(wrap, text()) ODD(channels, any_long())
           ODD(decimal_comma, any_int()) ODD(memory, any_long())
         } TOLD)
 OPTIONS(simulate_options,

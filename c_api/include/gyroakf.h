@@ -106,7 +106,7 @@ typedef struct gyroakf_record gyroakf_record;
 
 typedef struct gyroakf_reader_options {
   size_t struct_size;
-  const char *format;        /* "auto" (default): by the content; "text", "npy", "hdf5", or raw numbers: "f64", "i16be", ... */
+  const char *format;        /* "auto" (default): by the content; "text", "npy", or raw numbers: "f64", "i16be", ... */
   const char *columns;       /* numbers from 1 or names, as "2" or "gx,gy"; NULL (default): all but the time column */
   const char *time_column;   /* number or name; "none": there is none; NULL (default): found by its name */
   int64_t skip;              /* lines of text, or bytes of raw numbers, that are left out at the start, >= 0; 0 */
@@ -120,7 +120,6 @@ typedef struct gyroakf_reader_options {
   int64_t memory;            /* bytes that the process may use, else GYROAKF_NO_MEMORY; 0 (default): no limit */
   const char *resample;      /* how samples get their place: "index" (default), "nearest" or "linear" */
   const char *wrap;          /* where angles wrap, in units of the file: a number, "auto" (default) or "none" */
-  const char *dataset;       /* HDF5: path of the dataset; NULL (default): the only one of numbers */
   int64_t channels;          /* raw numbers: columns, interleaved, >= 0; 0 (default): 1 */
   int32_t decimal_comma;     /* 1: every comma in the file is a decimal comma; 0 */
   gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
@@ -192,7 +191,7 @@ GYROAKF_API double gyroakf_record_sample_interval(const gyroakf_record *r);
 /* Where the rate is from: "option", "header", "timestamps", or "none" where it is unknown; NULL for NULL. */
 GYROAKF_API const char *gyroakf_record_rate_source(const gyroakf_record *r);
 
-/* As what the content was read: "text", "npy", "hdf5", or as "f64le"; NULL for NULL. */
+/* As what the content was read: "text", "npy", or as "f64le"; NULL for NULL. */
 GYROAKF_API const char *gyroakf_record_format(const gyroakf_record *r);
 
 /* What the user should know, one sentence each, i from 0; 0 and NULL where there is nothing. */

@@ -67,7 +67,7 @@ module gyroakf_record
    type :: record_type
       !> The file's name, "-" for standard input
       character(:), allocatable :: path
-      !> As in "text", "npy", "hdf5", "i16le"
+      !> As in "text", "npy", "i16le"
       character(:), allocatable :: format
       !> How the file stores its numbers, as in "float32"; "" for text
       character(:), allocatable :: stored_type

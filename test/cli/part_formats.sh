@@ -99,7 +99,6 @@ bad "nothing behind the header" 2 "--skip leaves nothing" inspect whole.i16 --sk
 bad "channels of text" 2 "--channels is for raw numbers, and this is text" inspect whole.txt --channels 2
 bad "channels of an array" 2 "--channels is for raw numbers, and this is npy" inspect rows.npy --channels 2
 bad "lines of an array" 2 "--skip is for text (lines) and raw numbers (bytes)" inspect rows.npy --skip 1
-bad "a dataset of text" 2 "--dataset is for HDF5, and this is text" inspect whole.txt --dataset x
 bad "columns of an array have no names" 2 "give numbers" inspect rows.npy --column gx
 
 # files of other programs are named, with what to do
@@ -119,6 +118,7 @@ PK\003\004\024\000 a zip archive
 \0001\0002\0003\000\012\0004 iconv -f UTF-16BE -t UTF-8 other | gyroakf run -
 1.5\0122.5\0123.5\012\000\000\000\000 text with 4 NUL bytes
 MATLAB\0405.0\040MAT-file a MATLAB file of level 5
+\211HDF\015\012\032\012 an HDF5 file
 PAR1\025\004 a Parquet file
 ARROW1\000\000 an Arrow file
 #ROSBAG\040V2.0\012 a ROS bag
@@ -130,8 +130,8 @@ if command -v gzip >/dev/null; then
    gzip -c rows.npy | gzip -dc | "$gyroakf" run - --rate 50 --unit deg/s --json - >out 2>err
    if cmp -s <(what <out) whole.json; then pass; else fail "gzip through standard input: $(head -c 200 err)"; fi
 fi
-printf '\211HDF\015\012\032\012\000\000\000\000' >x.h5
-run inspect x.h5
-is "HDF5 without content" "$code" 2
-cat x.h5 | "$gyroakf" inspect - >out 2>err
-holds "HDF5 through a pipe" "give the file by its name" err
+{ printf 'MATLAB 7.3 MAT-file%493s' ''; printf '\211HDF\015\012\032\012\000\000\000\000'; } >x.mat
+bad "a MATLAB file of level 7.3" 2 "numpy.save('x.npy', h5py.File('x.mat')['NAME'][()])" inspect x.mat
+holds "names of its datasets" "h5py.File('x.mat').visit(print)" err
+"$gyroakf" inspect - <x.mat >out 2>err
+holds "HDF5 through a pipe" "h5py.File('FILE')" err

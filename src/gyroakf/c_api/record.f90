@@ -29,7 +29,7 @@ module gyroakf_c_api_record
       type(c_ptr) :: input, unit
       real(c_double) :: scale, rate_hz, from, to
       integer(c_int64_t) :: memory
-      type(c_ptr) :: resample, wrap, dataset
+      type(c_ptr) :: resample, wrap
       integer(c_int64_t) :: channels
       integer(c_int32_t) :: decimal_comma
       type(c_funptr) :: progress
@@ -76,7 +76,6 @@ contains
       opt%memory = defaults%memory
       opt%resample = c_null_ptr
       opt%wrap = c_null_ptr
-      opt%dataset = c_null_ptr
       opt%channels = defaults%channels
       opt%decimal_comma = merge(1_c_int32_t, 0_c_int32_t, defaults%decimal_comma)
       opt%progress = c_null_funptr
@@ -408,7 +407,6 @@ contains
       options%memory = opt%memory
       if (c_associated(opt%resample)) call copy_c_text(opt%resample, "", options%resample)
       if (c_associated(opt%wrap)) call copy_c_text(opt%wrap, "", options%wrap)
-      if (c_associated(opt%dataset)) call copy_c_text(opt%dataset, "", options%dataset)
       options%channels = opt%channels
       options%decimal_comma = opt%decimal_comma /= 0
       callback = callback_type(opt%progress, opt%progress_user)

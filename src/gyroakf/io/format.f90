@@ -19,7 +19,7 @@ module gyroakf_io_format
 
    !> What a file holds
    type :: content_type
-      !> "text", "npy", "hdf5", "binary" (by the name) or "foreign"
+      !> "text", "npy", "binary" (by the name) or "foreign"
       character(7) :: kind = "text"
       !> Of "binary"
       type(element_type) :: element

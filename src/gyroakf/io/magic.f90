@@ -14,7 +14,7 @@ module gyroakf_io_magic
       integer :: length = 0
       !> What it is, what to do; FILE stands for its name
       character(64) :: what = ""
-      character(150) :: advice = ""
+      character(170) :: advice = ""
    end type magic_type
 
    !> What helps with most others
@@ -22,8 +22,14 @@ module gyroakf_io_magic
    character(*), parameter :: utf_16 = "turn it into UTF-8: iconv -f UTF-16 -t UTF-8 FILE | gyroakf run -"
    character(*), parameter :: utf_32 = "turn it into UTF-8: iconv -f UTF-32 -t UTF-8 FILE | gyroakf run -"
 
+   !> May also follow a user block of 512, 1024, 2048, ... bytes, as in MATLAB 7.3
+   character(*), parameter :: hdf5_magic = char(137)//"HDF"//char(13)//char(10)//char(26)//char(10)
+
    !> Kinds that are not read, and what turns them into something that is
    type(magic_type), parameter :: magics(*) = [ &
+      magic_type(hdf5_magic, len(hdf5_magic), "an HDF5 file (.h5, MATLAB 7.3)", &
+                 "python3 -c ""import h5py, numpy; numpy.save('x.npy', h5py.File('FILE')['NAME'][()])""; "// &
+                 "dataset names: python3 -c ""import h5py; h5py.File('FILE').visit(print)"""), &
       magic_type(char(31)//char(139)//char(8), 3, "compressed by gzip", "gzip -dc FILE | gyroakf run -"), &
       magic_type(char(40)//char(181)//char(47)//char(253), 4, "compressed by zstd", "zstd -dc FILE | gyroakf run -"), &
       magic_type(char(253)//"7zXZ"//char(0), 6, "compressed by xz", "xz -dc FILE | gyroakf run -"), &
@@ -37,8 +43,7 @@ module gyroakf_io_magic
       magic_type(char(255)//char(254), 2, "text in UTF-16", utf_16), &
       magic_type(char(254)//char(255), 2, "text in UTF-16", utf_16), &
       magic_type("MATLAB 5.0 MAT-file", 19, "a MATLAB file of level 5", &
-                 "in MATLAB: writematrix(x, 'x.csv'), or save -v7.3, which is HDF5; in Python: numpy.save('x.npy', "// &
-                 "scipy.io.loadmat('FILE')['x'])"), &
+                 "in MATLAB: writematrix(x, 'x.csv'); in Python: numpy.save('x.npy', scipy.io.loadmat('FILE')['x'])"), &
       magic_type("PAR1", 4, "a Parquet file", "in Python: pandas.read_parquet('FILE').to_csv('x.csv', index=False)"), &
       magic_type("ARROW1", 6, "an Arrow file", "in Python: pandas.read_feather('FILE').to_csv('x.csv', index=False)"), &
       magic_type("FEA1", 4, "a Feather file", "in Python: pandas.read_feather('FILE').to_csv('x.csv', index=False)"), &
@@ -64,27 +69,36 @@ contains
    pure subroutine find_magic(bytes, kind, found)
       !> Some thousands, or all there are
       integer(int8), intent(in), contiguous :: bytes(:)
-      !> "npy" or "hdf5"; unchanged for others
+      !> "npy"; unchanged for others
       character(*), intent(inout) :: kind
       !> Of [[gyroakf_io_magic:magics]], 0 for none
       integer, intent(out) :: found
-      integer(int64) :: at
       integer :: i
 
-      if (begins(bytes, 0_int64, npy_magic)) kind = "npy"
-      at = 0
-      do while (at + 8 <= size(bytes, kind=int64))
-         if (begins(bytes, at, char(137)//"HDF"//char(13)//char(10)//char(26)//char(10))) kind = "hdf5"
-         at = max(512_int64, 2*at)
-      end do
       found = 0
-      if (kind == "npy" .or. kind == "hdf5") return
+      if (begins(bytes, 0_int64, npy_magic)) kind = "npy"
+      if (kind == "npy") return
       do i = 1, size(magics)
          if (.not. begins(bytes, 0_int64, magics(i)%bytes(:magics(i)%length))) cycle
          found = i
          return
       end do
+      if (follows_block(bytes, hdf5_magic)) found = findloc(magics%bytes == hdf5_magic, .true., dim=1)
    end subroutine find_magic
+
+   !> True where the signature follows a user block of 512, 1024, 2048, ... bytes.
+   pure logical function follows_block(bytes, signature)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      character(*), intent(in) :: signature
+      integer(int64) :: at
+
+      follows_block = .false.
+      at = 512
+      do while (at < size(bytes, kind=int64) .and. .not. follows_block)
+         follows_block = begins(bytes, at, signature)
+         at = 2*at
+      end do
+   end function follows_block
 
    !> True where these bytes stand there.
    pure logical function begins(bytes, offset, text)
@@ -98,23 +112,30 @@ contains
       begins = bytes_text(bytes, offset + 1, offset + len(text)) == text
    end function begins
 
-   !> A command with the file's name in it; "COMMAND FILE" is "COMMAND" alone on standard input.
+   !> A command with the file's name in the place of FILE; "COMMAND FILE" is "COMMAND" alone on standard input.
    pure subroutine name_file(advice, name, text)
       character(*), intent(in) :: advice
       !> As in messages
       character(*), intent(in) :: name
       !> The command
       character(:), allocatable, intent(out) :: text
-      integer :: at
+      integer :: at, from
 
-      text = advice
-      at = index(advice, " FILE")
-      if (at == 0) return
       if (name(:min(1, len(name))) == "<") then
-         text = advice(:at - 1)//advice(at + 5:)
-      else
-         text = advice(:at)//name//advice(at + 5:)
+         text = advice
+         at = index(advice, " FILE")
+         if (at > 0) text = advice(:at - 1)//advice(at + 5:)
+         return
       end if
+      text = ""
+      from = 1
+      do
+         at = index(advice(from:), "FILE")
+         if (at == 0) exit
+         text = text//advice(from:from + at - 2)//name
+         from = from + at + 3
+      end do
+      text = text//advice(from:)
    end subroutine name_file
 
 end module gyroakf_io_magic

@@ -13,7 +13,7 @@ module gyroakf_io_opening
    use gyroakf_record, only : add_text
    implicit none (type, external)
    private
-   public :: begin_raw, begin_npy, orient, tell_integer
+   public :: begin_raw, begin_npy
 
 contains
 

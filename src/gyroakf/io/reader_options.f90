@@ -34,8 +34,8 @@ module gyroakf_io_reader_options
       character(:), allocatable :: wrap
       !> Every comma in the file is a decimal comma
       logical :: decimal_comma = .false.
-      !> "auto" (also where unallocated), "text", "csv", "npy", "hdf5", or raw numbers: "f32", "f64", "i8", "i16", "i32", "i64",
-      !> "u8", ..., with "be" behind it where they are big endian
+      !> "auto" (also where unallocated), "text", "csv", "npy", or raw numbers: "f32", "f64", "i8", "i16", "i32", "i64", "u8", ...,
+      !> with "be" behind it where they are big endian
       character(:), allocatable :: format
       !> Lines that cannot be read count as missing samples instead of being an error
       logical :: bad_lines_missing = .false.
@@ -45,8 +45,6 @@ module gyroakf_io_reader_options
       integer(int64) :: skip = 0
       !> Raw numbers: columns, interleaved; 0: nobody said, 1
       integer(int64) :: channels = 0
-      !> HDF5: path of the dataset; unallocated: the only one of numbers
-      character(:), allocatable :: dataset
       !> Bytes that the process may use, 0 for no limit; and what the caller needs of them per sample, beside the record itself:
       !> for the channel that is worked on, and for every channel
       integer(int64) :: memory = 0, work_bytes = 0, channel_bytes = 0
@@ -92,10 +90,10 @@ contains
       if (allocated(error)) return
       if (allocated(options%format)) then
          call parse_element(options%format, element, known)
-         known = known .or. any(options%format == [character(4) :: "auto", "text", "csv", "npy", "hdf5"])
+         known = known .or. any(options%format == [character(4) :: "auto", "text", "csv", "npy"])
          if (.not. known) call fatal_error(error, status%not_supported, "the format '"//options%format// &
             "' is not supported; "// &
-            "known are auto, text, csv, npy, hdf5, f32, f64, i8, i16, i32, i64, u8, u16, u32, with be for big endian")
+            "known are auto, text, csv, npy, f32, f64, i8, i16, i32, i64, u8, u16, u32, with be for big endian")
       end if
       if (allocated(error)) return
       if (allocated(options%resample)) then

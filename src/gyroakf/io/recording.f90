@@ -8,8 +8,6 @@ module gyroakf_io_recording
    use gyroakf_io_decimal, only : format_real, real_length
    use gyroakf_io_element, only : element_name, element_type, element_word, parse_element
    use gyroakf_io_format, only : content_type, recognise
-   use gyroakf_io_hdf5, only : close_hdf5, hdf5_type
-   use gyroakf_io_hdf5_rows, only : begin_hdf5, read_hdf5_rows
    use gyroakf_io_lines, only : close_lines, lines_type, open_lines
    use gyroakf_io_opening, only : begin_npy, begin_raw
    use gyroakf_io_place, only : integer_text
@@ -32,9 +30,8 @@ module gyroakf_io_recording
       type(reader_options) :: options
       type(table_options) :: wanted
       type(lines_type) :: lines
-      !> Of binary numbers and of HDF5
+      !> Of binary numbers
       type(binary_type) :: binary
-      type(hdf5_type) :: hdf5
       type(table_type) :: table
       !> Rows that its size suggests, 0 where that is not known (standard input, a FIFO)
       integer(int64) :: expected_rows = 0
@@ -83,7 +80,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(content_type) :: content
       type(element_type) :: element
-      character(:), allocatable :: asked, dataset
+      character(:), allocatable :: asked
       logical :: raw
 
       asked = "auto"
@@ -98,17 +95,11 @@ contains
       call find_content(recording%lines, asked, content, error)
       if (.not. allocated(error)) call check_use(content%kind, recording, error)
       if (allocated(error)) return
-      dataset = ""
-      if (allocated(recording%options%dataset)) dataset = recording%options%dataset
       select case (content%kind)
       case ("npy")
          call begin_npy(recording%lines, recording%wanted, recording%binary, recording%table, error)
          call note_format("npy", recording%binary%element, recording)
          recording%expected_rows = max(0_int64, recording%binary%rows)
-      case ("hdf5")
-         call begin_hdf5(recording%lines%source, path, recording%wanted, dataset, recording%hdf5, recording%table, error)
-         call note_format("hdf5", recording%hdf5%element, recording)
-         recording%expected_rows = maxval(recording%hdf5%shape)
       case ("binary")
          call close_lines(recording%lines)
          call begin_numbers_only(path, content%element, recording, error)
@@ -164,7 +155,6 @@ contains
          if (asked == "auto" .or. asked == content%kind .or. (asked == "csv" .and. content%kind == "text")) return
          what = "text"
          if (content%kind == "npy") what = "a NumPy file"
-         if (content%kind == "hdf5") what = "an HDF5 file"
          if (content%kind == "binary") what = "binary"
          call fatal_error(error, status%parse, name//":1:1: the content is not "//asked//" but "//what//new_line("a")// &
                           "leave --format out")
@@ -180,9 +170,7 @@ contains
 
       if (kind /= "binary" .and. recording%options%channels > 0) then
          call fatal_error(error, status%invalid_argument, recording%path//": --channels is for raw numbers, and this is "//kind)
-      else if (kind /= "hdf5" .and. allocated(recording%options%dataset)) then
-         call fatal_error(error, status%invalid_argument, recording%path//": --dataset is for HDF5, and this is "//kind)
-      else if ((kind == "npy" .or. kind == "hdf5") .and. recording%options%skip > 0) then
+      else if (kind == "npy" .and. recording%options%skip > 0) then
          call fatal_error(error, status%invalid_argument, recording%path// &
             ": --skip is for text (lines) and raw numbers (bytes), "// &
                           "and this is "//kind)
@@ -268,8 +256,6 @@ contains
 
       if (recording%format == "text") then
          call read_rows(recording%lines, recording%wanted, most, recording%table, error, progress)
-      else if (recording%format == "hdf5") then
-         call read_hdf5_rows(recording%hdf5, most, recording%table, error, progress)
       else
          call read_binary_rows(recording%binary, recording%lines%source, most, recording%table, error, progress)
       end if
@@ -281,7 +267,6 @@ contains
       type(recording_type), intent(inout) :: recording
 
       call close_lines(recording%lines)
-      call close_hdf5(recording%hdf5)
    end subroutine close_recording
 
    !> Rows of a regular file from the length of its first lines, 0 where the size is not known.

@@ -72,7 +72,7 @@ contains
 
       text = text_or(record%format, "no format")
       if (.not. allocated(record%stored_type)) return
-      if (text == "npy" .or. text == "hdf5") text = text//", "//record%stored_type
+      if (text == "npy") text = text//", "//record%stored_type
    end function format_text
 
    !> "rad/s for gx, gy, gz; m/s^2 for ax, ay, az": channels of one unit that stand together.
