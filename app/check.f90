@@ -129,8 +129,6 @@ contains
       type is (simulate_config)
          if (path == "") path = existing(config%output)
          if (path == "") path = existing(config%truth)
-      type is (selftest_config)
-         if (path == "") path = existing(config%json)
       end select
       select type (config)
       type is (analysis_config)

@@ -93,8 +93,6 @@ module gyroakf_app_config
 
    !> selftest
    type, extends(cli_config) :: selftest_config
-      !> File of the JSON document, "-" is standard output; unallocated: none
-      character(:), allocatable :: json
    end type selftest_config
 
 contains

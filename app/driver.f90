@@ -10,7 +10,7 @@ module gyroakf_app_driver
    use gyroakf_io_writer, only : writer_type, open_writer, put, commit_writer
    use gyroakf_pipeline, only : pipeline_result_type
    use gyroakf_record, only : record_type, text_type
-   use gyroakf_report_selftest, only : report_selftest, selftest_sum, write_selftest
+   use gyroakf_report_selftest, only : report_selftest, selftest_sum
    use gyroakf_selftest, only : run_selftest, selftest_type
    use gyroakf_simulate_record, only : simulate_record
    use gyroakf_app_argument, only : argument_list, process_source, read_arguments
@@ -82,7 +82,7 @@ contains
       type is (inspect_config); call inspect(config, bar, record, error)
       type is (analysis_config); call analyse(config, bar, record, result, error)
       type is (simulate_config); call simulate(config, bar, error)
-      type is (selftest_config); call test_itself(config, bar, error)
+      type is (selftest_config); call test_itself(config, error)
       end select
       call clear_bar(bar)
    end subroutine execute
@@ -128,29 +128,15 @@ contains
       call write_record(config%output, record, header, config%digits, error, bar)
    end subroutine simulate
 
-   !> selftest: the table, or the document; where a check failed the exit code is that of a numerical failure.
-   subroutine test_itself(config, bar, error)
+   !> selftest: the table; where a check failed the exit code is that of a numerical failure.
+   subroutine test_itself(config, error)
       type(selftest_config), intent(in) :: config
-      type(bar_type), intent(inout) :: bar
       type(error_type), allocatable, intent(out) :: error
       type(selftest_type) :: result
       type(writer_type) :: writer
-      logical :: as_json
 
-      call run_selftest(result, error, bar)
-      if (allocated(error)) return
-      call clear_bar(bar)
-      as_json = .false.
-      if (allocated(config%json)) then
-         as_json = config%json == "-"
-         call guard_files()
-         call open_writer(writer, config%json, error)
-         if (allocated(error)) return
-         call write_selftest(writer, result)
-         call commit_writer(writer, error)
-         if (allocated(error)) return
-      end if
-      if (.not. as_json .and. .not. config%quiet) then
+      call run_selftest(result)
+      if (.not. config%quiet) then
          call open_writer(writer, "-", error)
          if (allocated(error)) return
          call report_selftest(writer, result)
@@ -158,7 +144,7 @@ contains
          if (allocated(error)) return
       end if
       if (result%failed > 0) call fatal_error(error, status%internal, "selftest: "//selftest_sum(result)// &
-                                              "; do not trust what this build says on this machine")
+                                              "; do not use the results of this build on this machine")
    end subroutine test_itself
 
 end module gyroakf_app_driver

@@ -45,7 +45,7 @@ module gyroakf_app_option
       command_type("ar", "order table by every criterion, coefficients with standard errors, residuals"), &
       command_type("filter", "Kalman filter and adaptive Kalman filter: filtered series and diagnostics"), &
       command_type("simulate", "a record with known noise: Q N B K R, AR terms, trend, outliers, seed"), &
-      command_type("selftest", "is this build right: published vectors, closed forms, simulated records")]
+      command_type("selftest", "verify this build against published vectors and exact values")]
 
    !> Their names alone
    character(8), parameter :: command_names(*) = commands%name
@@ -188,7 +188,7 @@ module gyroakf_app_option
       option_type("--out", "DIR", "text", reading, "output", &
                   "write the results as files into DIR, report.html among them; of many files into a folder each, with "// &
                   "summary.html"), &
-      option_type("--json", "FILE", "text", reading//" selftest", "output", &
+      option_type("--json", "FILE", "text", reading, "output", &
                   "write the results (of many files the summary) as JSON; - is standard output"), &
       option_type("--kalibr", "FILE", "text", "run allan", "output", &
                   "write N and K as Kalibr's imu.yaml: SI, of each sensor the largest axis; needs rate and unit; of many "// &

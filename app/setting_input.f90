@@ -7,7 +7,7 @@ module gyroakf_app_setting_input
    use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_reader, only : reader_options
    use gyroakf_units, only : unit_type, is_integral, parse_unit, parse_units, quantity
-   use gyroakf_app_config, only : cli_config, reading_config, analysis_config, simulate_config, selftest_config
+   use gyroakf_app_config, only : cli_config, reading_config, analysis_config, simulate_config
    use gyroakf_app_option, only : option_type, suggest_word
    use gyroakf_app_value, only : value_type, value_error, not_wired
    implicit none (type, external)
@@ -193,8 +193,6 @@ contains
       case ("--json")
          select type (config)
          class is (reading_config)
-            config%json = value%text
-         type is (selftest_config)
             config%json = value%text
          end select
       case ("--out")

@@ -84,7 +84,7 @@ module gyroakf
       stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, drift_process_type, stage, &
       stage_names, apply_preset, run_pipeline, tell_memory, minimum_samples
    use gyroakf_selftest, only : selftest_check_type, selftest_type, run_selftest
-   use gyroakf_report_selftest, only : report_selftest, write_selftest
+   use gyroakf_report_selftest, only : report_selftest
    use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_report_files, only : write_results
    use gyroakf_report_html_page, only : drawings_type, page_about_type, write_page, write_pages

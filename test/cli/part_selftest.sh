@@ -3,18 +3,12 @@
 # The self-test: it passes, and it fails where the machine computes wrongly. Read by run.sh.
 good "selftest" selftest
 cp out selftest.txt
-if tail -n 1 out | grep -qE '^[0-9]{3} checks, all agree$'; then pass; else fail "selftest: the sum is '$(tail -n 1 out)'"; fi
+if tail -n 1 out | grep -qE '^[0-9]{2} checks, all agree$'; then pass; else fail "selftest: the sum is '$(tail -n 1 out)'"; fi
 is "selftest: a line for every check" "$(grep -cE ' ok$' out)" "$(tail -n 1 out | cut -d ' ' -f 1)"
 is "selftest: nothing failed" "$(grep -c FAILED out)" 0
 is "selftest fits 80 columns" "$(awk 'length > 80' out)" ""
 good "selftest on one thread" selftest --threads 1
-is "selftest on one thread gives the same" "$(diff out selftest.txt | grep '^[<>]' | grep -v ' thread and ')" ""
-good "selftest as a document" selftest --json selftest.json
-if cmp -s out selftest.txt; then pass; else fail "selftest --json changes the table"; fi
-is "selftest.json: nothing failed" "$(sed -n 's/.*"failed": \([0-9]*\).*/\1/p' selftest.json)" 0
-bad "selftest.json is kept" 2 "--force overwrites it" selftest --json selftest.json
-good "selftest.json on standard output" selftest --json -
-if cmp -s out selftest.json; then pass; else fail "selftest --json - is not the file"; fi
+is "selftest on one thread gives the same" "$(diff out selftest.txt | grep '^[<>]' )" ""
 good "a quiet selftest" selftest --quiet
 is "a quiet selftest prints nothing" "$(cat out)" ""
 
@@ -26,8 +20,8 @@ if ldd "$gyroakf" 2>/dev/null | grep -q 'libm\.so' && ! ldd "$gyroakf" | grep -q
    gcc -shared -fPIC -o wrong_log.so wrong_log.c -ldl 2>/dev/null; then
    LD_PRELOAD=$PWD/wrong_log.so "$gyroakf" selftest >out 2>err </dev/null
    is "selftest notices a wrong logarithm: exit code" $? 3
-   holds "selftest notices a wrong logarithm: its check" "digamma of 1/2" out
-   if grep -E 'digamma of 1/2' out | grep -q 'FAILED'; then pass; else fail "a wrong logarithm is not noticed"; fi
+   holds "selftest notices a wrong logarithm: its check" "Ljung-Box, 10 lags" out
+   if grep 'Ljung-Box, 10 lags' out | grep -q 'FAILED'; then pass; else fail "a wrong logarithm is not noticed"; fi
    if tail -n 1 out | grep -qE ' checks, [0-9]+ FAILED$'; then pass; else fail "the sum is '$(tail -n 1 out)'"; fi
    holds "selftest notices a wrong logarithm: message" "gyroakf: error: selftest: " err
 fi
