@@ -68,6 +68,7 @@ contains
       if (allocated(error)) return
       if (allocated(config%options_file)) call write_text(config%options_file, config%options_text, error)
       if (allocated(error)) return
+      if (config%threads > 0) call set_thread_count(config%threads)
       call start_bar(bar, config%progress)
       select type (config)
       class is (reading_config)
@@ -76,7 +77,6 @@ contains
             return
          end if
       end select
-      if (config%threads > 0) call set_thread_count(config%threads)
       select type (config)
       type is (text_config); call write_text("-", config%text, error)
       type is (inspect_config); call inspect(config, bar, record, error)

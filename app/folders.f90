@@ -8,7 +8,7 @@ module gyroakf_app_folders
    public :: summary_files, name_folders
 
    !> What stands beside the folders
-   character(12), parameter :: summary_files(3) = [character(12) :: "summary.csv", "summary.json", "summary.html"]
+   character(12), parameter :: summary_files(2) = [character(12) :: "summary.csv", "summary.json"]
 
    !> Names that are taken, found by a hash of theirs
    type :: name_table

@@ -8,11 +8,11 @@
 module gyroakf_app_interrupt
    use, intrinsic :: iso_c_binding, only : c_associated, c_char, c_funloc, c_funptr, c_int, c_loc, c_long, c_null_funptr, &
       c_size_t
-   use gyroakf_app_system, only : c_exit, c_raise, c_signal, c_write, ignore_signal, signal_hangup, signal_interrupt, &
+   use gyroakf_app_system, only : c_raise, c_signal, c_write, ignore_signal, signal_hangup, signal_interrupt, &
       & signal_pipe, signal_file_size, signal_terminate
    implicit none (type, external)
    private
-   public :: watch_signals, guard_files, release_files, enter_child, interrupted, interrupt_signal, bar_is_shown
+   public :: watch_signals, guard_files, release_files, interrupted, interrupt_signal, bar_is_shown
 
    !> The signal that came while files were guarded, 0: none
    integer(c_int), volatile :: caught = 0
@@ -74,13 +74,6 @@ contains
    subroutine release_files()
       guarded = .false.
    end subroutine release_files
-
-   !> In a process that was just forked: a signal ends it at once again, also one that came a moment before.
-   subroutine enter_child()
-      shown = .false.
-      guarded = .false.
-      if (caught /= 0) call c_exit(128 + caught)
-   end subroutine enter_child
 
    !> Whether the user wants the program to end.
    logical function interrupted()

@@ -186,8 +186,7 @@ module gyroakf_app_option
 
    type(option_type), parameter :: common_options(*) = [ &
       option_type("--out", "DIR", "text", reading, "output", &
-                  "write the results as files into DIR, report.html among them; of many files into a folder each, with "// &
-                  "summary.html"), &
+                  "write the results as files into DIR, report.html among them; of many files into a folder each"), &
       option_type("--json", "FILE", "text", reading, "output", &
                   "write the results (of many files the summary) as JSON; - is standard output"), &
       option_type("--kalibr", "FILE", "text", "run allan", "output", &
@@ -218,7 +217,7 @@ module gyroakf_app_option
       option_type("--list", "FILE", "text", reading, "work", &
                   "work on the files named in FILE too, one a line; - is standard input"), &
       option_type("--threads", "N", "count", any_command, "work", &
-                  "number of threads (default: all); many files are worked on side by side"), &
+                  "number of threads (default: all)"), &
       option_type("--memory", "SIZE", "text", reading, "work", &
                   "memory that may be used, 28MB or more, as 500MB or 2GB (default: 0.95 of what is free); "// &
                   "a recording that needs more is refused"), &

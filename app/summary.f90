@@ -3,7 +3,6 @@
 module gyroakf_app_summary
    use gyroakf_error, only : error_type
    use gyroakf_io_writer, only : commit_writer, complete_writer, discard_writer, make_directory, open_writer, writer_type
-   use gyroakf_report_html_page, only : page_about_type, write_pages
    use gyroakf_report_summary, only : summary_row_type, write_summary_csv, write_summary_json, write_summary_table
    use gyroakf_app_config, only : reading_config
    use gyroakf_app_folders, only : summary_files
@@ -45,8 +44,7 @@ contains
       class(reading_config), intent(in) :: config
       type(summary_row_type), intent(in) :: rows(:)
       type(error_type), allocatable, intent(out) :: error
-      type(writer_type) :: writer(4)
-      type(page_about_type) :: about
+      type(writer_type) :: writer(3)
       integer :: i
 
       if (allocated(config%out)) then
@@ -58,11 +56,6 @@ contains
       end if
       if (allocated(config%json) .and. .not. allocated(error)) then
          if (config%json /= "-") call begin_json(writer(3), config%json, config%command, rows, error)
-      end if
-      if (allocated(config%out) .and. config%command /= "inspect" .and. .not. allocated(error)) then
-         about%command_line = config%command_line
-         call open_writer(writer(4), config%out//"/"//trim(summary_files(3)), error)
-         if (.not. allocated(error)) call write_pages(writer(4), about, config%command, rows, config%out)
       end if
       do i = 1, size(writer)
          if (.not. allocated(error)) call complete_writer(writer(i), error)

@@ -55,7 +55,7 @@ if grep -q 'class="reading"' dom.html; then pass; else fail "the curve cannot be
 { printf '%s\n' "<b>&\"\\' gy"; "$program" simulate --samples 3000 --coefficients N=0.01 --seed 5 | grep -v '#' |
    awk '{ print $1, 2*$1 }'; } >'a <i>&.txt'
 "$program" 'a <i>&.txt' "$example" --rate 5 --unit deg/s --out many --quiet --plot svg || fail "two recordings"
-look many/summary.html 'many/a <i>&' many/mems_gyro_x
+look 'many/a <i>&/report.html' 'many/a <i>&'
 if grep -qE '<(b|i)>' dom.html; then fail "a name became an element"; else pass; fi
 
 grep -v '#' "$example" | head -n 2000 >bare.txt

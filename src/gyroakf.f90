@@ -35,8 +35,6 @@ module gyroakf
    use gyroakf_allan_mixture_limits, only : give_mixture_limits
    use gyroakf_allan_read_off, only : read_off_options, read_off_type, read_off
    use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, chi_square_limits
-   use gyroakf_allan_dynamic, only : dynamic_options, dynamic_type, dynamic_allan
-   use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, sampling_efficiency, chi_square_limits
    use gyroakf_allan_halves, only : halves_options, halves_type, compare_halves
    use gyroakf_io_number, only : parse_number
    use gyroakf_io_columns_writer, only : column_type, row_layout_type, set_even, begin_rows, put_rows
@@ -87,7 +85,7 @@ module gyroakf
    use gyroakf_report_selftest, only : report_selftest
    use gyroakf_report_text, only : write_report, report_inspect
    use gyroakf_report_files, only : write_results
-   use gyroakf_report_html_page, only : drawings_type, page_about_type, write_page, write_pages
+   use gyroakf_report_html_page, only : drawings_type, page_about_type, write_page
    use gyroakf_report_summary, only : summarise, summarise_failure, summary_row_type
    use gyroakf_report_csv, only : series_output_type
    use gyroakf_report_kalibr, only : check_kalibr, write_kalibr

@@ -101,7 +101,6 @@ static void make_filters(void) {
       model.q[0] = model.q[1] = model.q[2] = 0.01;
       model.slow[0] = 1;
       model.r = 1.0;
-      model.degree = k % 3;
       opt.estimate_measurement_variance = k & 1;
       opt.huber = k & 2 ? 3.0 : 0.0;
       check(add(gyroakf_drift_filter_new(&model, &opt, &f, NULL), &f), "the filter of a drift");

@@ -28,13 +28,6 @@ done
 variance=$(sed -n '/"kf": {/,/}/s/.*"variance": \(.*\),/\1/p' page_one.d/results.json | head -n 1)
 holds "variance of the Kalman filter" "data-key=\"filters.kf.variance\" data-value=\"$variance\"" page_one.d/report.html
 
-good "two files" page.txt 'p <i>&.txt' --rate 5 --unit deg/s --out pages.d --plot none --quiet
-is "a section each" "$(grep -o '<section id="r[0-9]*" data-path' pages.d/summary.html | tr '\n' ' ')" \
-   '<section id="r1" data-path <section id="r2" data-path '
-is "every name of two once" "$(grep -oE ' id="[^"]*"' pages.d/summary.html | sort | uniq -d | wc -l)" 0
-bad "one of them fails" 2 "nowhere.txt" page.txt nowhere.txt --out pages_bad.d --plot none --quiet
-holds "it is said" "<li>nowhere.txt: " pages_bad.d/summary.html
-
 mkdir -p page_none
 for tool in sh head grep; do ln -sf "$(command -v $tool)" page_none/$tool; done
 PATH=$work/page_none good "a page without gnuplot" page.txt --out page_none.d --quiet

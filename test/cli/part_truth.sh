@@ -18,7 +18,7 @@ holds "a heading" "Against the true drift" out
 for method in "KF (paper)" "AKF (paper)" "drift KF" "drift AKF" "smoother"; do
    holds "RMSE of $method" "$method " <(sed -n '/Against/,$p' out)
 done
-holds "its unit and samples" "RMSE in deg/s over 6,000 samples" out
+holds "its unit and samples" "RMSE in deg/s over 6000 samples" out
 is "no line beyond the width" "$(awk 'length > 80' out)" ""
 good "filter without a truth" filter t.txt
 if grep -q "Against the true drift" out; then fail "an RMSE without a truth"; else pass; fi

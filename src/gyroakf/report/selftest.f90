@@ -21,12 +21,12 @@ contains
 
       call put_line(writer, "gyroakf "//release_string//": self-test")
       call put_line(writer, "")
-      call put_line(writer, "  "//pad_right("", 43)//"expected           got")
+      call put_line(writer, "  "//pad_right("", 48)//"expected          got")
       do i = 1, size(result%check)
          associate (check => result%check(i))
-            call put_line(writer, "  "//pad_right(trim(check%group)//", "//trim(check%name), 39)// &
-                          pad_left(scientific(check%expected, 7), 14)//pad_left(scientific(check%got, 7), 14)// &
-                          merge("  ok    ", "  FAILED", check%passed))
+            call put_line(writer, "  "//pad_right(trim(check%group)//", "//trim(check%name), 43)// &
+                          pad_left(scientific(check%expected, 7), 13)//pad_left(scientific(check%got, 7), 13)// &
+                          "  "//trim(merge("ok    ", "FAILED", check%passed)))
             if (check%problem /= "") call put_line(writer, "    "//trim(check%problem))
          end associate
       end do

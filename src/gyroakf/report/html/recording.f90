@@ -18,7 +18,7 @@ module gyroakf_report_html_recording
    use gyroakf_report_text, only : put_sections
    implicit none (type, external)
    private
-   public :: drawings_type, put_recording, first_mark, last_mark
+   public :: drawings_type, put_recording
 
    !> Where the figures are
    type :: drawings_type
@@ -29,9 +29,6 @@ module gyroakf_report_html_recording
       !> The program that drew them, filled while they are taken in
       character(:), allocatable :: program
    end type drawings_type
-
-   !> A page of many recordings takes what stands between these lines
-   character(*), parameter :: first_mark = "<!-- recording -->", last_mark = "<!-- end of the recording -->"
 
 contains
 
@@ -55,7 +52,6 @@ contains
       character(:), allocatable :: id
       integer :: c
 
-      call put_line(writer, first_mark)
       id = "r"//count_text(int(number, int64))
       call put(writer, "<section id="""//id//"""")
       call put_attribute(writer, "data-path", path_of(record))
@@ -71,7 +67,6 @@ contains
          call put_channel(writer, id, c, command, view, options, result, drawings)
       end do
       call put_line(writer, "</section>")
-      call put_line(writer, last_mark)
    end subroutine put_recording
 
    !> What was read, as it was named.
