@@ -97,11 +97,11 @@ module gyroakf_app_option
       option_type("--preset", "paper", "choice", "run", "preset", &
                   "the paper's chain to the letter: 3 sigma, cubic trend, AIC over AR(1..3), b = 0.98; other options "// &
                   "change it"), &
-      option_type("--outliers", "none|auto|pauta|chauvenet|mad|hampel", "choice", analysing, "clean", &
+      option_type("--outliers", "none|auto|pauta|mad|hampel", "choice", analysing, "clean", &
                   "mark outliers missing; auto: Pauta's rule with the threshold for the record's length, robust (default in "// &
                   "run, else none); hampel: in a moving window"), &
       option_type("--outlier-threshold", "K", "positive", analysing, "clean", &
-                  "threshold in standard deviations (default: pauta, hampel 3; mad 4.5; auto, chauvenet by the length)"), &
+                  "threshold in standard deviations (default: pauta, hampel 3; mad 4.5; auto by the length)"), &
       option_type("--outlier-rounds", "N", "count", analysing, "clean", &
                   "most rounds (default 20); 1: a single pass over the samples, as the textbook has it"), &
       option_type("--outlier-window", "K", "count", analysing, "clean", &
@@ -122,12 +122,11 @@ module gyroakf_app_option
       option_type("--kpss-lags", "auto|N", "text", "run tests", "tests", &
                   "bandwidth of the KPSS test (default auto: from the correlation)"), &
       option_type("--lags", "N", "count", "run tests", "tests", &
-                  "lags of the autocorrelation (correlation.csv) and of the test of whiteness (default 20)"), &
+                  "lags of the autocorrelation (correlation.csv) and of the test of whiteness, at most 4096 (default 20)"), &
       option_type("--welch-segment", "auto|S", "text", "run tests", "tests", &
                   "segments of Welch's spectrum in seconds (default auto: a power of two samples of which 8 fit, at most 16384)"), &
-      option_type("--ar-method", "yw|burg|ols|mcov", "choice", "run ar filter", "ar", &
-                  "Yule-Walker by the Levinson recursion (default), Burg's recursion, least squares with intercept, or "// &
-                  "forward and backward"), &
+      option_type("--ar-method", "yw|burg|ols", "choice", "run ar filter", "ar", &
+                  "Yule-Walker by the Levinson recursion (default), Burg's recursion, or least squares with intercept"), &
       option_type("--ar-criterion", "aic|aicc|bic|hqic|fpe", "choice", "run ar filter", "ar", &
                   "what chooses the order (default aic)"), &
       option_type("--max-order", "N", "natural", "run ar filter", "ar", &

@@ -5,7 +5,7 @@ module gyroakf_app_setting_method
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_allan_noise_fit, only : noise_options
    use gyroakf_filter_design, only : design_options
-   use gyroakf_preprocess_hampel, only : largest_half_width
+   use gyroakf_preprocess_local_outliers, only : largest_half_width
    use gyroakf_pipeline, only : pipeline_options
    use gyroakf_app_option, only : option_type
    use gyroakf_app_value, only : value_type, value_error, not_wired, convert_list, is_word
@@ -17,8 +17,8 @@ module gyroakf_app_setting_method
    integer(int64), parameter :: most_lags = 1000
    !> Most rounds of the search for outliers
    integer, parameter :: most_rounds = 1000
-   !> Most lags of an autocorrelation
-   integer, parameter :: most_correlation_lags = 100000
+   !> Maximum number of lags of an autocorrelation, and bandwidth of the KPSS test
+   integer, parameter :: max_correlation_lags = 4096, max_bandwidth = 100000
 
 contains
 
@@ -56,9 +56,6 @@ contains
          call fatal_error(error, status%usage, "--outlier-rounds without --outliers: no outliers are looked for")
       else if (window_given .and. pipeline%clean%method /= "hampel") then
          call fatal_error(error, status%usage, "--outlier-window goes with --outliers hampel: the other rules have no window")
-      else if (threshold_given .and. pipeline%clean%method == "chauvenet") then
-         call fatal_error(error, status%usage, &
-                          "--outliers chauvenet has its threshold from the number of samples; --outlier-threshold goes with pauta")
       else if (pipeline%ar%order > pipeline%ar%max_order) then
          call fatal_error(error, status%usage, "--order is larger than --max-order")
       else if (pipeline%noise%tau_min >= pipeline%noise%tau_max) then
@@ -86,7 +83,7 @@ contains
       case ("--adf-table"); pipeline%adf%table = .true.
       case ("--kpss-regression"); pipeline%kpss%regression = value%text
       case ("--kpss-lags"); call set_bandwidth(option, value%text, pipeline%kpss%lags, error)
-      case ("--lags"); call set_small(option, value%text, "", most_correlation_lags, pipeline%correlation_lags, error)
+      case ("--lags"); call set_small(option, value%text, "", max_correlation_lags, pipeline%correlation_lags, error)
       case ("--welch-segment"); call set_segment(pipeline, option, value%text, error)
       case default; call not_wired(option, error)
       end select
@@ -101,7 +98,7 @@ contains
       integer :: wanted
 
       wanted = -1
-      call set_small(option, text, "auto", most_correlation_lags, wanted, error)
+      call set_small(option, text, "auto", max_bandwidth, wanted, error)
       if (.not. allocated(error)) lags = int(wanted, int64)
    end subroutine set_bandwidth
 

@@ -17,7 +17,7 @@ cmp -s "${programs[@]}" && { echo "both programs are the same"; echo "0 passed, 
 
 logarithms='/coefficients/.*/residual$'
 rounded='/mean$|/intercept$'
-# With -O3 -march=native gfortran 12 fuses complex products and sums in spite of -ffp-contract=off, in fft/ and series/lag_transform;
+# With -O3 -march=native gfortran 12 fuses complex products and sums in spite of -ffp-contract=off, in fft/;
 # simulated 1/f noise differs from that of the other builds by up to 5.6e-17.
 record_tolerance=1e-15
 work=$(mktemp -d)

@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: MIT
-!> AR(2) of a simulated series by four methods, its roots and its spectrum.
+!> AR(2) of a simulated series by three methods, its roots and its spectrum.
 program example_ar_methods
    use gyroakf, only : dp, error_type, record_type, simulate_options, simulate_record, ar_options, ar_model_type, &
       ar_spectrum, fit_ar
    implicit none (type, external)
-   character(4), parameter :: method(4) = [character(4) :: "yw", "burg", "ols", "mcov"]
+   character(4), parameter :: method(3) = [character(4) :: "yw", "burg", "ols"]
    type(error_type), allocatable :: error
    type(simulate_options) :: noise
    type(record_type) :: record

@@ -73,7 +73,7 @@ module gyroakf
    use gyroakf_preprocess_trend, only : trend_type, fit_trend, remove_trend, evaluate_trend
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
    use gyroakf_series_stationarity, only : adf_options, adf_type, adf_coefficient_type, test_adf
-   use gyroakf_preprocess_hampel, only : mark_hampel
+   use gyroakf_preprocess_local_outliers, only : mark_hampel
    use gyroakf_preprocess_truncation, only : truncated_deviation, final_cut, hampel_share, expected_false_alarms
    use gyroakf_ar_model, only : ar_options, ar_order_type, ar_model_type, fit_ar
    use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, design_drift_kf, design_drift_akf, &

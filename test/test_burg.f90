@@ -4,7 +4,7 @@ module test_burg
    use expectations, only : check_refused
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_ar_autocovariance, only : compute_autocovariance, series_mean
+   use gyroakf_ar_autocovariance, only : series_mean
    use gyroakf_ar_burg, only : burg_type, compute_burg
    use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
    use ar_reference, only : burg_phi, burg_residual, burg_variance
@@ -28,7 +28,6 @@ contains
          & new_unittest("by_hand", test_by_hand), &
          & new_unittest("reference", test_reference), &
          & new_unittest("long_reference", test_long_reference), &
-         & new_unittest("two_ways", test_two_ways), &
          & new_unittest("offset_scale", test_offset_scale), &
          & new_unittest("time_reversal", test_time_reversal), &
          & new_unittest("gaps_dense", test_gaps_dense), &
@@ -103,38 +102,6 @@ contains
       if (allocated(error)) return
       call check(error, model%residual_variance, 0.998370294143918_dp, thr=tolerance, rel=.true.)
    end subroutine test_long_reference
-
-   !> A long series takes its autocovariances, with a mask that misses nothing the lattice: the same model.
-   subroutine test_two_ways(error)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
-      character(6), parameter :: names(4) = [character(6) :: "ar2", "wn", "ar1", "ar1_99"]
-      type(burg_type) :: a, b
-      real(dp), allocatable :: x(:), r(:)
-      integer(int8), allocatable :: valid(:)
-      real(dp) :: shift, rest, mean
-      integer(int64) :: count
-      integer :: i
-      type(gyro_error), allocatable :: problem
-
-      do i = 1, size(names)
-         x = 1.0e3_dp + reference_series(trim(names(i)), 30000)
-         allocate (valid(size(x)), source=1_int8)
-         call series_mean(x, shift, rest, count)
-         call compute_autocovariance(x, 12, mean, r, problem)
-         call compute_burg(x, shift, rest, 12, a, problem, r=r)
-         call compute_burg(x, shift, rest, 12, b, problem, valid)
-         deallocate (valid)
-         call check(error, .not. allocated(problem), "it failed")
-         if (allocated(error)) return
-         call check(error, maxval(abs(a%phi - b%phi)), 0.0_dp, names(i), thr=tolerance)
-         if (allocated(error)) return
-         call check(error, maxval(abs(a%residual_variance/b%residual_variance - 1.0_dp)), 0.0_dp, names(i), thr=tolerance)
-         if (allocated(error)) return
-         call check(error, all(a%rows == b%rows), "the rows")
-         if (allocated(error)) return
-      end do
-   end subroutine test_two_ways
 
    !> Offset 2^40 and scale 2^-50, exact for multiples of 1/1024, short and long.
    subroutine test_offset_scale(error)
@@ -226,7 +193,7 @@ contains
       call check(error, burg%rows(4) == sum([(merge(1, 0, all(valid(t - 4:t) == 1_int8)), t=5, 600)]), "rows")
    end subroutine test_gaps_dense
 
-   !> One thread and two, both ways, with gaps too.
+   !> One thread and two, with gaps too.
    subroutine test_threads(error)
       !> Failure
       type(error_type), allocatable, intent(out) :: error
@@ -269,7 +236,7 @@ contains
       call check(error, model%std_error(1), sqrt((1.0_dp - model%coefficient(1)**2)/1000.0_dp), thr=tolerance)
    end subroutine test_standard_errors
 
-   !> A random walk of 30,000 steps: the lattice is taken, the model stays stationary, and both ways agree.
+   !> A random walk of 30,000 steps: the model stays stationary, whatever the largest order.
    subroutine test_near_unit_root(error)
       !> Failure
       type(error_type), allocatable, intent(out) :: error

@@ -377,8 +377,6 @@ contains
       valid = 0_int8
       call refused(error, x, clean_options(method="hampel", half_width=0), status%invalid_argument)
       if (allocated(error)) return
-      call refused(error, x, clean_options(method="chauvenet", threshold=3.0_dp), status%invalid_argument)
-      if (allocated(error)) return
       call refused(error, x, clean_options(method="best"), status%invalid_argument)
       if (allocated(error)) return
       call refused(error, x, clean_options(threshold=-1.0_dp), status%invalid_argument)

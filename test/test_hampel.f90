@@ -5,8 +5,7 @@ module test_hampel
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
-   use gyroakf_preprocess_hampel, only : largest_half_width, least_present, mark_hampel
-   use gyroakf_preprocess_neighbours, only : mark_isolated
+   use gyroakf_preprocess_local_outliers, only : largest_half_width, least_present, mark_hampel, mark_isolated
    use gyroakf_preprocess_truncation, only : hampel_share
    use series_library, only : reference_series
    use testdrive, only : check, error_type, new_unittest, unittest_type
@@ -241,7 +240,7 @@ contains
    subroutine test_quantised(error)
       !> Failure
       type(error_type), allocatable, intent(out) :: error
-      character(9), parameter :: method(5) = [character(9) :: "hampel", "auto", "pauta", "chauvenet", "mad"]
+      character(6), parameter :: method(4) = [character(6) :: "hampel", "auto", "pauta", "mad"]
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: result

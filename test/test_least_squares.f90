@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: MIT
-!> Tests of AR models by least squares, forward (ols) and forward and backward (mcov).
+!> Tests of AR models by least squares (ols).
 module test_least_squares
    use expectations, only : check_refused
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_lapack, only : dgels
    use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
-   use ar_reference, only : mcov_phi, mcov_variance, ols_common, ols_criteria, ols_errors, ols_parameters, ols_variance
+   use ar_reference, only : ols_common, ols_criteria, ols_errors, ols_parameters, ols_variance
    use series_library, only : reference_series, reference_names
    use testdrive, only : check, error_type, new_unittest, unittest_type
    use gyroakf_threads, only : thread_count, set_thread_count
@@ -15,8 +15,6 @@ module test_least_squares
    public :: collect_least_squares
 
    real(dp), parameter :: tolerance = 1.0e-12_dp
-   !> Both methods
-   character(4), parameter :: methods(2) = [character(4) :: "ols", "mcov"]
 
 contains
 
@@ -28,13 +26,11 @@ contains
       testsuite = [ &
          & new_unittest("by_hand", test_by_hand), &
          & new_unittest("reference_ols", test_reference_ols), &
-         & new_unittest("reference_mcov", test_reference_mcov), &
          & new_unittest("criteria", test_criteria), &
          & new_unittest("common_rows", test_common_rows), &
          & new_unittest("long_reference", test_long_reference), &
          & new_unittest("offset_scale", test_offset_scale), &
          & new_unittest("large_offset", test_large_offset), &
-         & new_unittest("time_reversal", test_time_reversal), &
          & new_unittest("gaps_dense", test_gaps_dense), &
          & new_unittest("threads", test_threads), &
          & new_unittest("unstable", test_unstable), &
@@ -94,29 +90,6 @@ contains
          end do
       end do
    end subroutine test_reference_ols
-
-   !> Coefficients and variance of the orders 1 .. 6 of the eleven series.
-   subroutine test_reference_mcov(error)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
-      type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
-      integer :: i, p
-
-      do i = 1, size(reference_names)
-         do p = 1, 6
-            call fit_ar(reference_series(trim(reference_names(i)), 1000), ar_options(method="mcov", order=p, max_order=6), &
-               & model, problem)
-            call check(error, .not. allocated(problem), reference_names(i))
-            if (allocated(error)) return
-            call check(error, maxval(abs(model%coefficient - mcov_phi(p*(p - 1)/2 + 1:p*(p + 1)/2, i))), 0.0_dp, &
-               & reference_names(i), thr=tolerance)
-            if (allocated(error)) return
-            call check(error, model%noise_variance, mcov_variance(p, i), reference_names(i), thr=tolerance, rel=.true.)
-            if (allocated(error)) return
-         end do
-      end do
-   end subroutine test_reference_mcov
 
    !> Criteria of every order on its own rows.
    subroutine test_criteria(error)
@@ -186,41 +159,37 @@ contains
       type(ar_model_type) :: a, b
       real(dp), allocatable :: x(:)
       type(gyro_error), allocatable :: problem
-      integer :: i
 
       x = anint(1024.0_dp*reference_series("ar2", 6000))/1024.0_dp
-      do i = 1, 2
-         call fit_ar(x, ar_options(method=methods(i), max_order=5), a, problem)
-         call fit_ar((x + 2.0_dp**40)*2.0_dp**(-50), ar_options(method=methods(i), max_order=5), b, problem)
-         call check(error, .not. allocated(problem), "it failed")
-         if (allocated(error)) return
-         call check(error, a%order, b%order)
-         if (allocated(error)) return
-         call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=tolerance)
-         if (allocated(error)) return
-         call check(error, maxval(abs(a%std_error - b%std_error)), 0.0_dp, thr=tolerance)
-         if (allocated(error)) return
-         call check(error, b%noise_variance*2.0_dp**100, a%noise_variance, thr=tolerance, rel=.true.)
-         if (allocated(error)) return
-         call check(error, b%residual_normality%statistic, a%residual_normality%statistic, thr=1.0e-10_dp, rel=.true.)
-         if (allocated(error)) return
-      end do
+      call fit_ar(x, ar_options(method="ols", max_order=5), a, problem)
+      call fit_ar((x + 2.0_dp**40)*2.0_dp**(-50), ar_options(method="ols", max_order=5), b, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, a%order, b%order)
+      if (allocated(error)) return
+      call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, maxval(abs(a%std_error - b%std_error)), 0.0_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, b%noise_variance*2.0_dp**100, a%noise_variance, thr=tolerance, rel=.true.)
+      if (allocated(error)) return
+      call check(error, b%residual_normality%statistic, a%residual_normality%statistic, thr=1.0e-10_dp, rel=.true.)
    end subroutine test_offset_scale
 
    !> A signal of 1e-3 on 1e6: rounding of the samples, 1e-10, is 1e-7 of it.
    subroutine test_large_offset(error)
       !> Failure
       type(error_type), allocatable, intent(out) :: error
-      character(4), parameter :: all_methods(4) = [character(4) :: "yw", "burg", "ols", "mcov"]
+      character(4), parameter :: methods(3) = [character(4) :: "yw", "burg", "ols"]
       type(ar_model_type) :: a, b
       real(dp), allocatable :: x(:)
       type(gyro_error), allocatable :: problem
       integer :: i
 
       x = 1.0e-3_dp*reference_series("ar1", 2000)
-      do i = 1, 4
-         call fit_ar(x, ar_options(method=all_methods(i), max_order=5), a, problem)
-         call fit_ar(x + 1.0e6_dp, ar_options(method=all_methods(i), max_order=5), b, problem)
+      do i = 1, size(methods)
+         call fit_ar(x, ar_options(method=methods(i), max_order=5), a, problem)
+         call fit_ar(x + 1.0e6_dp, ar_options(method=methods(i), max_order=5), b, problem)
          call check(error, .not. allocated(problem), "it failed")
          if (allocated(error)) return
          call check(error, a%order, b%order)
@@ -230,90 +199,59 @@ contains
       end do
    end subroutine test_large_offset
 
-   !> Forward and backward rows change places.
-   subroutine test_time_reversal(error)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
-      type(ar_model_type) :: a, b
-      real(dp), allocatable :: x(:)
-      type(gyro_error), allocatable :: problem
-
-      x = reference_series("quad", 700)
-      call fit_ar(x, ar_options(method="mcov", order=5), a, problem)
-      call fit_ar(x(700:1:-1), ar_options(method="mcov", order=5), b, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
-      call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=tolerance)
-      if (allocated(error)) return
-      call check(error, maxval(abs(a%std_error - b%std_error)), 0.0_dp, thr=tolerance)
-   end subroutine test_time_reversal
-
    !> Complete rows gathered into a matrix and solved by QR factors.
    subroutine test_gaps_dense(error)
       !> Failure
       type(error_type), allocatable, intent(out) :: error
       integer, parameter :: p = 3
-      real(dp) :: x(800), a(1600, p + 1), y(1600, 1), work(4000), mean
+      real(dp) :: x(800), a(800, p + 1), y(800, 1), work(4000), mean
       integer(int8) :: valid(800)
       type(ar_model_type) :: model
       type(gyro_error), allocatable :: problem
-      integer :: i, t, m, info, first
+      integer :: t, m, info
 
       x = reference_series("ar2", 800) + 5.0_dp
       valid = merge(0_int8, 1_int8, cshift(reference_series("unif", 800), 50) < 0.1_dp)
       mean = sum(x, valid == 1_int8)/real(count(valid == 1_int8), dp)
-      do i = 1, 2
-         m = 0
-         do t = p + 1, 800
-            if (any(valid(t - p:t) == 0_int8)) cycle
-            m = m + 1
-            a(m, :) = [x(t - 1:t - p:-1) - mean, 1.0_dp]
-            y(m, 1) = x(t) - mean
-            if (i == 1) cycle
-            m = m + 1
-            a(m, :) = [x(t - p + 1:t) - mean, 1.0_dp]
-            y(m, 1) = x(t - p) - mean
-         end do
-         first = merge(p + 1, p, i == 1)
-         call dgels("N", m, first, 1, a, 1600, y, 1600, work, size(work), info)
-         call fit_ar(merge(x, 1.0e6_dp, valid == 1_int8), ar_options(method=methods(i), order=p, max_order=5), model, problem, &
-            & valid)
-         call check(error, .not. allocated(problem), "it failed")
-         if (allocated(error)) return
-         call check(error, maxval(abs(model%coefficient - y(:p, 1))), 0.0_dp, methods(i), thr=tolerance)
-         if (allocated(error)) return
-         call check(error, model%noise_variance, sum(y(first + 1:m, 1)**2)/real(m, dp), thr=tolerance, rel=.true.)
-         if (allocated(error)) return
-         call check(error, model%rows == m/i .and. model%compared_rows < model%rows, "rows")
-         if (allocated(error)) return
+      m = 0
+      do t = p + 1, 800
+         if (any(valid(t - p:t) == 0_int8)) cycle
+         m = m + 1
+         a(m, :) = [x(t - 1:t - p:-1) - mean, 1.0_dp]
+         y(m, 1) = x(t) - mean
       end do
+      call dgels("N", m, p + 1, 1, a, 800, y, 800, work, size(work), info)
+      call fit_ar(merge(x, 1.0e6_dp, valid == 1_int8), ar_options(method="ols", order=p, max_order=5), model, problem, valid)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, maxval(abs(model%coefficient - y(:p, 1))), 0.0_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, model%noise_variance, sum(y(p + 2:m, 1)**2)/real(m, dp), thr=tolerance, rel=.true.)
+      if (allocated(error)) return
+      call check(error, model%rows == m .and. model%compared_rows < model%rows, "rows")
    end subroutine test_gaps_dense
 
    !> One thread and two, with gaps.
    subroutine test_threads(error)
       !> Failure
       type(error_type), allocatable, intent(out) :: error
-      type(ar_model_type) :: model(2, 2)
+      type(ar_model_type) :: model(2)
       real(dp), allocatable :: x(:)
       integer(int8), allocatable :: valid(:)
       type(gyro_error), allocatable :: problem
-      integer :: i, k, before
+      integer :: i, before
 
       x = reference_series("ar2", 120000)
       valid = [(merge(0_int8, 1_int8, modulo(i, 997) == 5), i=1, 120000)]
       before = thread_count()
       do i = 1, 2
          call set_thread_count(i)
-         do k = 1, 2
-            call fit_ar(x, ar_options(method=methods(k), order=4, max_order=6), model(i, k), problem, valid)
-         end do
+         call fit_ar(x, ar_options(method="ols", order=4, max_order=6), model(i), problem, valid)
       end do
       call set_thread_count(before)
       call check(error, .not. allocated(problem), "it failed")
-      do k = 1, 2
-         if (allocated(error)) return
-         call check(error, maxval(abs(model(1, k)%coefficient - model(2, k)%coefficient)), 0.0_dp, thr=tolerance)
-      end do
+      if (allocated(error)) return
+      call check(error, maxval(abs(model(1)%coefficient - model(2)%coefficient)), 0.0_dp, thr=tolerance)
    end subroutine test_threads
 
    !> A series that grows: least squares says so, yw and burg cannot.
@@ -338,7 +276,7 @@ contains
       call check(error, .not. allocated(problem) .and. model%stationary, "burg")
    end subroutine test_unstable
 
-   !> A cycle of 20 samples, phase 45 degrees, a little noise: mcov finds the frequency, Burg's is shifted (Chen & Stegen,
+   !> A cycle of 20 samples, phase 45 degrees, a little noise: ols finds the frequency, Burg's is shifted (Chen & Stegen,
    !> J. Geophys. Res. 79 (1974) 3019-3022).
    subroutine test_sinusoid(error)
       !> Failure
@@ -354,14 +292,11 @@ contains
       call fit_ar(x, ar_options(method="ols", order=2, max_order=2), model, problem)
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
-      call check(error, model%root(1)%frequency, 0.05_dp, "ols, which has the intercept", thr=1.0e-6_dp)
+      call check(error, model%root(1)%frequency, 0.05_dp, "ols", thr=1.0e-6_dp)
       if (allocated(error)) return
       x = [(sin(0.1_dp*pi*real(t, dp) + 0.25_dp*pi), t=1, 25)]
       x = [x(1:20) + 1.0e-6_dp*reference_series("wn", 20), x(21:25)]
-      call fit_ar(x(1:20), ar_options(method="mcov", order=2, max_order=2), model, problem)
       call fit_ar(x(1:20), ar_options(method="burg", order=2, max_order=2), burg, problem)
-      call check(error, model%root(1)%frequency, 0.05_dp, "mcov", thr=1.0e-6_dp)
-      if (allocated(error)) return
       call check(error, abs(burg%root(1)%frequency - 0.05_dp) > 1.0e-4_dp, "Burg's shift is gone")
       if (allocated(error)) return
       call check(error, burg%root(1)%frequency, 0.05_dp, "burg", thr=1.0e-2_dp)
@@ -373,19 +308,15 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(ar_model_type) :: model
       type(gyro_error), allocatable :: problem
-      integer :: i
 
-      do i = 1, 2
-         call fit_ar([1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp], ar_options(method=methods(i), order=0, max_order=0), model, problem)
-         call check(error, .not. allocated(problem), "it failed")
-         if (allocated(error)) return
-         call check(error, size(model%coefficient) + size(model%root), 0)
-         if (allocated(error)) return
-         call check(error, model%noise_variance, 1.25_dp, thr=tolerance)
-         if (allocated(error)) return
-         call check(error, model%intercept, 2.5_dp, thr=tolerance)
-         if (allocated(error)) return
-      end do
+      call fit_ar([1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp], ar_options(method="ols", order=0, max_order=0), model, problem)
+      call check(error, .not. allocated(problem), "it failed")
+      if (allocated(error)) return
+      call check(error, size(model%coefficient) + size(model%root), 0)
+      if (allocated(error)) return
+      call check(error, model%noise_variance, 1.25_dp, thr=tolerance)
+      if (allocated(error)) return
+      call check(error, model%intercept, 2.5_dp, thr=tolerance)
    end subroutine test_order_zero
 
    !> A constant, a line, a sinusoid without noise; too few rows.
@@ -394,34 +325,30 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: x(60)
       integer(int8) :: valid(60)
-      integer :: t, i
+      integer :: t
 
-      do i = 1, 2
-         x = 0.1_dp
-         call refused(error, x, methods(i), status%constant_input)
-         if (allocated(error)) return
-         x = [(sin(2.0_dp*acos(-1.0_dp)*real(t, dp)/20.0_dp), t=1, 60)]
-         call refused(error, x, methods(i), status%singular)
-         if (allocated(error)) return
-         x = reference_series("wn", 60)
-         valid = [(merge(0_int8, 1_int8, modulo(t, 4) == 0), t=1, 60)]
-         call refused(error, x, methods(i), status%too_few_samples, valid)
-         if (allocated(error)) return
-         call refused(error, x(1:9), methods(i), status%too_few_samples)
-         if (allocated(error)) return
-      end do
+      x = 0.1_dp
+      call refused(error, x, status%constant_input)
+      if (allocated(error)) return
+      x = [(sin(2.0_dp*acos(-1.0_dp)*real(t, dp)/20.0_dp), t=1, 60)]
+      call refused(error, x, status%singular)
+      if (allocated(error)) return
+      x = reference_series("wn", 60)
+      valid = [(merge(0_int8, 1_int8, modulo(t, 4) == 0), t=1, 60)]
+      call refused(error, x, status%too_few_samples, valid)
+      if (allocated(error)) return
+      call refused(error, x(1:9), status%too_few_samples)
+      if (allocated(error)) return
       x = [(real(2*t, dp) - 7.0_dp, t=1, 60)]
-      call refused(error, x, "ols ", status%singular)
+      call refused(error, x, status%singular)
    end subroutine test_failures
 
    !> Fails unless the fit is refused with the code.
-   subroutine refused(error, x, method, code, valid)
+   subroutine refused(error, x, code, valid)
       !> Failure
       type(error_type), allocatable, intent(out) :: error
       !> Series
       real(dp), intent(in), contiguous :: x(:)
-      !> ols or mcov
-      character(4), intent(in) :: method
       !> Expected
       integer, intent(in) :: code
       !> 1 present, 0 missing
@@ -429,7 +356,7 @@ contains
       type(ar_model_type) :: model
       type(gyro_error), allocatable :: problem
 
-      call fit_ar(x, ar_options(method=method), model, problem, valid)
+      call fit_ar(x, ar_options(method="ols"), model, problem, valid)
       call check_refused(error, problem, code)
    end subroutine refused
 

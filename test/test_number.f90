@@ -168,8 +168,18 @@ contains
       type(builder_type) :: b
       integer(int8) :: bytes(40 + digits_ahead)
       type(quick_type) :: quick
+      character(16), parameter :: usual(7) = [character(16) :: &
+         ".5", "-.25", "1e5", "9.765625E-4", "+2.5d-100", ".125e+007", "00012.5"]
+      character(16), parameter :: unusual(7) = [character(16) :: &
+         ".", "-", "+.e5", "1e", "1e+", "1e1234", "1234567890123456"]
       integer :: i, j, careful
 
+      do i = 1, size(usual)
+         call check(error, is_quick(usual(i)), "careful: "//usual(i))
+         if (allocated(error)) return
+         call check(error, .not. is_quick(unusual(i)), "quick: "//unusual(i))
+         if (allocated(error)) return
+      end do
       b%state = 77
       careful = 0
       do i = 1, 40000
@@ -191,6 +201,19 @@ contains
       end do
       call check(error, careful > 0 .and. careful < 1500)
    end subroutine test_usual
+
+   !> Whether the text is a number of a usual form that ends where the text does.
+   pure logical function is_quick(text)
+      character(*), intent(in) :: text
+      integer(int8) :: bytes(len(text) + digits_ahead + 1)
+      type(quick_type) :: quick
+      integer :: i
+
+      bytes = 10_int8
+      bytes(:len_trim(text)) = [(int(iachar(text(i:i)), int8), i=1, len_trim(text))]
+      quick = quick_number(bytes, 1_int64)
+      is_quick = quick%next == len_trim(text) + 1
+   end function is_quick
 
    !> What the C library reads, also where overflow and underflow trap.
    real(dp) function reference(text)

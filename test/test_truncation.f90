@@ -28,7 +28,6 @@ contains
          & new_unittest("shares", test_shares), &
          & new_unittest("single_pass", test_single_pass), &
          & new_unittest("corrected", test_corrected), &
-         & new_unittest("chauvenet", test_chauvenet), &
          & new_unittest("few_samples", test_few_samples), &
          & new_unittest("invariance", test_invariance)]
    end subroutine collect_truncation
@@ -84,9 +83,6 @@ contains
       ! as simulated: 2000 records of 200 samples, 300 of 20
       n = expected_false_alarms("auto", length_threshold(200_int64), 200_int64, 0, 0)
       call check(error, n, 0.376_dp, thr=0.045_dp)
-      if (allocated(error)) return
-      n = expected_false_alarms("chauvenet", length_threshold(200_int64), 200_int64, 0, 0)
-      call check(error, n, 0.533_dp, thr=0.05_dp)
       if (allocated(error)) return
       ! of 4 samples (x - mean)/s is uniform from -3/2 to 3/2
       n = expected_false_alarms("pauta", 1.2_dp, 4_int64, 1, 0)
@@ -163,30 +159,6 @@ contains
       end do
    end subroutine test_corrected
 
-   !> Five readings by hand: 9 8 10 9 15 has mean 10.2 and standard deviation 2.7749; 15 is 1.7298 of these off, beyond the
-   !> 1.6449 of five samples. Of the four left, mean 9 and standard deviation 0.8165, 8 and 10 are 1.2247 off, within the
-   !> 1.5341 of four.
-   subroutine test_chauvenet(error)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
-      real(dp), allocatable :: cleaned(:)
-      integer(int8), allocatable :: mask(:)
-      type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
-
-      call clean_series([9.0_dp, 8.0_dp, 10.0_dp, 9.0_dp, 15.0_dp], clean_options(degree=-1, method="chauvenet"), cleaned, mask, &
-         & result, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
-      call check(error, all(mask == [1_int8, 1_int8, 1_int8, 1_int8, 0_int8]), "other samples")
-      if (allocated(error)) return
-      call check(error, result%passes == 2 .and. result%converged, "rounds")
-      if (allocated(error)) return
-      call check(error, result%threshold, 1.5341205443525463_dp, thr=1.0e-13_dp)
-      if (allocated(error)) return
-      call check(error, result%mean, 9.0_dp, thr=tolerance)
-   end subroutine test_chauvenet
-
    !> 3 sigma can reject nothing of ten samples, and it is said; of eleven it can.
    subroutine test_few_samples(error)
       !> Failure
@@ -215,7 +187,7 @@ contains
    subroutine test_invariance(error)
       !> Failure
       type(error_type), allocatable, intent(out) :: error
-      character(9), parameter :: method(5) = [character(9) :: "hampel", "auto", "pauta", "chauvenet", "mad"]
+      character(6), parameter :: method(4) = [character(6) :: "hampel", "auto", "pauta", "mad"]
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: a, b

@@ -119,7 +119,7 @@ static void allan(void) {
 }
 
 static void outliers(void) {
-  static const char *const methods[] = {"auto", "pauta", "chauvenet", "mad", "hampel"};
+  static const char *const methods[] = {"auto", "pauta", "mad", "hampel"};
   int8_t *inlier = (int8_t *)malloc((size_t)n);
   char name[40];
   size_t k;
@@ -164,7 +164,7 @@ static void spectra(void) {
 }
 
 static void models(void) {
-  static const char *const methods[] = {"yw", "burg", "ols", "mcov"};
+  static const char *const methods[] = {"yw", "burg", "ols"};
   double phi[40];
   int32_t order;
   char name[40];

@@ -243,8 +243,8 @@ static const char *text(void) {
   static const char *const words[] = {
       "auto",   "none",  "text",    "npy",     "f64",    "i16be",   "oadev", "adev",   "mdev",   "tdev",       "hdev",  "ohdev", "totdev",
       "octave", "all",   "decade",  "log:3",   "log:0",  "log:-1",  "0.5,1,2", "1e9",  "nan",    "1,,2",       "QNBKR", "N",     "S",
-      "M",      "QQ",    "linear",  "log",     "pauta",  "mad",     "hampel", "chauvenet", "n",  "c",          "ct",    "ctt",   "aic",
-      "bic",    "t",     "legacy",  "yw",      "burg",   "ols",     "mcov",  "aicc",   "hqic",   "fpe",        "residual", "exact", "biased",
+      "M",      "QQ",    "linear",  "log",     "pauta",  "mad",     "hampel", "n",  "c",          "ct",    "ctt",   "aic",
+      "bic",    "t",     "legacy",  "yw",      "burg",   "ols",     "aicc",   "hqic",   "fpe",        "residual", "exact", "biased",
       "paper",  "default", "rate",  "increment", "angle", "deg/s",  "rad/s", "1",      "2",      "gx,gy",      "time",  "index", "nearest",
       "360",    "",      " ",       "log:9999999999", "1e400", "-1", "inf",  "QNBKRMS"};
   char *any;

@@ -383,7 +383,7 @@ GYROAKF_API int gyroakf_noise_covariance(const gyroakf_allan *a, const gyroakf_f
 
 typedef struct gyroakf_outlier_options {
   size_t struct_size;
-  const char *method; /* "auto" (default), "pauta", "chauvenet", "mad", "hampel", "none" */
+  const char *method; /* "auto" (default), "pauta", "mad", "hampel", "none" */
   double threshold;   /* in standard deviations; 0 (default): the method's own */
   int32_t rounds;     /* at most, >= 1; 20; 1 is a single pass */
   int32_t half_width; /* hampel: samples on either side, 1 .. 100000; 25 */
@@ -569,8 +569,8 @@ GYROAKF_API int gyroakf_welch_spectrum_watched(const double *x, int64_t n, doubl
 
 typedef struct gyroakf_ar_options {
   size_t struct_size;
-  const char *method;    /* "yw" (default): Yule-Walker; "burg"; "ols": least squares with intercept; "mcov": forward and
-                            backward least squares. The model of the last two may be not stationary */
+  const char *method;    /* "yw" (default): Yule-Walker; "burg"; "ols": least squares with intercept, whose
+                            model may be not stationary */
   const char *criterion; /* "aic" (default), "aicc", "bic", "hqic", "fpe" */
   int32_t order;         /* -1 (default): chosen by the criterion; otherwise 0 .. max_order */
   gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */

@@ -90,6 +90,9 @@ contains
       work_bytes = 0
       if (options%do_filter) work_bytes = 8                             ! white noise of each sample, for the smoother
       if (options%do_allan) work_bytes = 12                             ! integral, count of missing samples; not at the same time
+      if ((options%do_ar .or. options%do_filter) .and. options%ar%method == "burg") then
+         work_bytes = 16                                                ! residuals; not at the same time
+      end if
       if (options%clean%degree >= 0 .or. options%clean%method /= "none") then
          work_bytes = work_bytes + 9                                    ! the cleaned series, its marks
       else if (options%do_filter) then

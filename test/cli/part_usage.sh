@@ -56,8 +56,9 @@ averaging times are larger than 0 ; x.txt --taus 1,-2
 'hampl' is not one of these ; x.txt --outliers hampl
 --outlier-window goes with --outliers hampel ; x.txt --outlier-window 5
 --outlier-rounds without --outliers ; allan x.txt --outlier-rounds 1
-has its threshold from the number of samples ; x.txt --outliers chauvenet --outlier-threshold 3
+'chauvenet' is not one of these ; x.txt --outliers chauvenet
 it is at least 1 ; x.txt --outlier-rounds 0
+'5000' is not a whole number from 0 to 4096 ; tests x.txt --lags 5000
 '200000' is not a whole number from 0 to 100000 ; x.txt --outliers hampel --outlier-window 200000
 --outlier-threshold without --outliers ; allan x.txt --outlier-threshold 3
 '10' is not a whole number from 0 to 9 ; x.txt --detrend 10

@@ -1,25 +1,21 @@
 ! SPDX-License-Identifier: MIT
-!> AR models of every order by Burg's recursion.
+!> AR models of every order by Burg's recursion: a lattice of forward and backward residuals.
 !>
-!> Two ways to the same reflection coefficients:
-!>
-!> - the lattice holds forward and backward residuals, 16 bytes a sample, and passes over them once an order: a block is
-!>   updated and multiplied for the next order while it is in the cache;
-!> - a long series without gaps needs its autocovariances alone: the sums of an order are quadratic forms of them, less the
-!>   products at the two ends, which is exact. Rounding grows with (sum |a_j|)^2 r_0/s, known on the way: where it could
-!>   reach the 12th digit the lattice is taken.
+!> The residuals take 16 bytes a sample and one pass an order. b_m(t) is held in the place t - m. A
+!> step from order m-1 to m then changes f and b in place, element by element; a block is updated and
+!> summed for the next order while it is in the cache. A residual that has no partner, at the ends of
+!> a stretch without gaps, is set to 0 before it is summed: sums go over everything.
 module gyroakf_ar_burg
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_progress, only : progress_type
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_ar_burg_lattice, only : burg_lattice_type, begin_lattice, next_order
+   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_last, chunk_group
    implicit none (type, external)
    private
    public :: burg_type, compute_burg
 
-   !> Autocovariances serve from so many samples, and so many an order, on, and up to this growth of rounding
-   integer(int64), parameter :: long_series = 20000, samples_an_order = 100
-   real(dp), parameter :: most_growth = 1000.0_dp
+   !> Samples of a block: f and b of it, 16 kB
+   integer(int64), parameter :: block = 1024
 
    !> Models of the orders 0 .. p
    type :: burg_type
@@ -37,6 +33,20 @@ module gyroakf_ar_burg
       real(dp), allocatable :: r(:)
    end type burg_type
 
+   !> Residuals of order m
+   type :: lattice_type
+      !> m; -1 before the first order
+      integer :: order = -1
+      !> f_m(t) in t, b_m(t) in t - m; 0 where a stretch has none or its partner is missing: [n]
+      real(dp), allocatable :: f(:), b(:)
+      !> Orders that will be summed, for the progress
+      integer :: orders = 1
+      !> Present samples, pairs of the order that was summed last
+      integer(int64) :: samples = 0, rows = 0
+      !> sum x^2
+      real(dp) :: power = 0.0_dp
+   end type lattice_type
+
 contains
 
    !> Burg's recursion over a series about its mean.
@@ -45,8 +55,8 @@ contains
    !> f_m(t) = f_{m-1}(t) - k_m b_{m-1}(t-1), \quad b_m(t) = b_{m-1}(t-1) - k_m f_{m-1}(t)$$
    !> over t = m .. n-1, from f_0 = b_0 = x; always stationary. With gaps the sums go over the t of every stretch that is long
    !> enough, with one k_m for all: de Waele & Broersen, IEEE Trans. Signal Process. 48 (2000) 2876-2880. Source: Burg, Maximum
-   !> entropy spectral analysis, 37th SEG meeting (1967); the quadratic forms: Vos, A fast implementation of Burg's method (2013).
-   subroutine compute_burg(x, shift, rest, order, burg, error, valid, r, progress)
+   !> entropy spectral analysis, 37th SEG meeting (1967).
+   subroutine compute_burg(x, shift, rest, order, burg, error, valid, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> Its mean, in two parts that are subtracted in turn
@@ -59,15 +69,12 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Biased autocovariances, for whoever has them: [0:order]; without them, and with gaps, the lattice is taken
-      real(dp), intent(in), optional :: r(0:)
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
-      integer(int64) :: n
-      integer :: stat
-      logical :: done
+      type(lattice_type) :: lattice
+      real(dp) :: reflection, cross, power
+      integer :: m, stat
 
-      n = size(x, kind=int64)
       allocate (burg%phi(order, order), stat=stat)
       if (stat == 0) allocate (burg%reflection(order), stat=stat)
       if (stat /= 0) then
@@ -77,54 +84,25 @@ contains
       allocate (burg%variance(0:order), burg%residual_variance(0:order), burg%rows(0:order), burg%r(0:order))
       burg%phi = 0.0_dp
       burg%reflection = 0.0_dp
-      done = .false.
-      if (present(r) .and. .not. present(valid) .and. n >= long_series .and. n >= samples_an_order*order) then
-         call by_autocovariances(x, shift, rest, r(0:order), burg, done, error)
-         if (allocated(error)) return
-      end if
-      if (.not. done) call by_lattice(x, shift, rest, burg, error, valid, progress)
-   end subroutine compute_burg
-
-   !> Order by order over stored residuals.
-   subroutine by_lattice(x, shift, rest, burg, error, valid, progress)
-      !> Series and its mean
-      real(dp), intent(in), contiguous :: x(:)
-      real(dp), intent(in) :: shift, rest
-      !> The models
-      type(burg_type), intent(inout) :: burg
-      !> As of [[compute_burg]]
-      type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing
-      integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
-      class(progress_type), intent(inout), optional :: progress
-      type(burg_lattice_type) :: lattice
-      real(dp) :: reflection, cross, power
-      integer :: m
-
       call begin_lattice(x, shift, rest, lattice, error, valid, progress)
       if (allocated(error)) return
       call begin_orders(burg, lattice%power/real(lattice%samples, dp), lattice%samples, error)
       if (allocated(error)) return
-      lattice%orders = size(burg%reflection)
-      do m = 1, size(burg%reflection)
+      lattice%orders = order
+      do m = 1, order
          reflection = 0.0_dp
          if (m > 1) reflection = burg%reflection(m - 1)
          call next_order(lattice, reflection, cross, power, error, valid, progress)
          if (.not. allocated(error)) call add_order(burg, m, cross, power, lattice%rows, error)
          if (allocated(error)) return
       end do
-   end subroutine by_lattice
+   end subroutine compute_burg
 
    !> Order 0.
    subroutine begin_orders(burg, r0, samples, error)
-      !> The models
       type(burg_type), intent(inout) :: burg
-      !> Variance of the series, divisor n
       real(dp), intent(in) :: r0
-      !> Present samples
       integer(int64), intent(in) :: samples
-      !> constant_input
       type(error_type), allocatable, intent(out) :: error
 
       burg%variance(0) = r0
@@ -138,15 +116,11 @@ contains
 
    !> The next order from the sums of its residuals.
    subroutine add_order(burg, m, cross, power, rows, error)
-      !> The models up to order m-1
       type(burg_type), intent(inout) :: burg
-      !> Order
       integer, intent(in) :: m
       !> sum f b, sum f^2 + b^2
       real(dp), intent(in) :: cross, power
-      !> How many pairs
       integer(int64), intent(in) :: rows
-      !> too_few_samples, singular
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: k
       integer :: j
@@ -176,83 +150,196 @@ contains
       end if
    end subroutine add_order
 
-   !> One pass for all orders, where rounding allows.
-   subroutine by_autocovariances(x, shift, rest, r, burg, done, error)
-      !> Series and its mean
+   !> Takes the series about its mean.
+   subroutine begin_lattice(x, shift, rest, lattice, error, valid, progress)
       real(dp), intent(in), contiguous :: x(:)
       real(dp), intent(in) :: shift, rest
-      !> Its autocovariances
-      real(dp), intent(in) :: r(0:)
-      !> The models
-      type(burg_type), intent(inout) :: burg
-      !> .false.: the lattice is needed
-      logical, intent(out) :: done
-      !> As of [[compute_burg]]
+      type(lattice_type), intent(out) :: lattice
       type(error_type), allocatable, intent(out) :: error
-      real(dp) :: s(0:size(burg%reflection)), a(0:size(burg%reflection)), cross, power
+      integer(int8), intent(in), optional :: valid(:)
+      class(progress_type), intent(inout), optional :: progress
+      real(dp) :: part(2, chunk_count(size(x, kind=int64)))
       integer(int64) :: n
-      integer :: m, p
+      integer :: chunk, from, group, stat
 
       n = size(x, kind=int64)
-      p = size(burg%reflection)
-      done = .false.
-      call begin_orders(burg, r(0), n, error)
-      if (allocated(error)) return
-      s = r*real(n, dp)
-      a(0) = 1.0_dp
-      do m = 1, p
-         if (m > 1) a(1:m - 1) = -burg%phi(:m - 1, m - 1)
-         call quadratic_forms(x, shift, rest, s, a(0:m - 1), m, cross, power)
-         if (.not. sum(abs(a(0:m - 1)))**2*s(0) < most_growth*power) return
-         call add_order(burg, m, cross, power, n - m, error)
-         if (allocated(error)) then
-            deallocate (error)
-            return
-         end if
+      allocate (lattice%f(n), stat=stat)
+      if (stat == 0) allocate (lattice%b(n), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the residuals of Burg's recursion, 16 bytes a sample")
+         return
+      end if
+      group = chunk_group(chunk_count(n), present(progress))
+      do from = 1, chunk_count(n), group
+         call tell_progress("AR model", 0_int64, 0_int64, error, progress)
+         if (allocated(error)) return
+         !$omp parallel do if (n >= threads_from) default(shared) schedule(dynamic)
+         do chunk = from, min(from + group - 1, chunk_count(n))
+            call take_chunk(x, shift, rest, chunk_first(n, chunk), chunk_last(n, chunk), lattice, part(:, chunk), valid)
+         end do
+         !$omp end parallel do
       end do
-      done = .true.
-   end subroutine by_autocovariances
+      lattice%power = sum(part(1, :))
+      lattice%samples = nint(sum(part(2, :)), int64)
+   end subroutine begin_lattice
 
-   !> sum f b and sum f^2 + b^2 of the residuals of order m-1.
-   !>
-   !> f_(m-1)(t) = sum_i a_i x_(t-i), b_(m-1)(t-1) = sum_i a_i x_(t-m+i), t = m .. n-1. Over all t that there are both powers
-   !> and the cross product are sums of a_i a_j S_|..|; the t < m and t >= n that the series does not have are sums over its ends.
-   subroutine quadratic_forms(x, shift, rest, s, a, m, cross, power)
-      !> Series and its mean
+   !> Order 0 of a chunk.
+   pure subroutine take_chunk(x, shift, rest, first, last, lattice, part, valid)
       real(dp), intent(in), contiguous :: x(:)
       real(dp), intent(in) :: shift, rest
-      !> sum x_t x_(t-k) over the t that exist: [0:p]
-      real(dp), intent(in) :: s(0:)
-      !> Prediction error filter of order m-1: [0:m-1], a(0) = 1
-      integer, intent(in) :: m
-      real(dp), intent(in) :: a(0:m - 1)
-      !> The sums
-      real(dp), intent(out) :: cross, power
-      real(dp) :: head(0:m - 1), tail(0:m - 1), f, b
-      integer(int64) :: n
-      integer :: i, j, t
+      integer(int64), intent(in) :: first, last
+      type(lattice_type), intent(inout) :: lattice
+      !> sum x^2, present samples
+      real(dp), intent(out) :: part(2)
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp) :: s
+      integer(int64) :: i
 
-      n = size(x, kind=int64)
-      head = (x(1:m) - shift) - rest
-      tail = (x(n:n - m + 1:-1) - shift) - rest
+      s = 0.0_dp
+      part(2) = real(last - first + 1, dp)
+      do i = first, last
+         lattice%f(i) = (x(i) - shift) - rest
+      end do
+      if (present(valid)) then
+         do i = first, last
+            if (valid(i) /= 0_int8) cycle
+            lattice%f(i) = 0.0_dp
+            part(2) = part(2) - 1.0_dp
+         end do
+      end if
+      do i = first, last
+         lattice%b(i) = lattice%f(i)
+         s = s + lattice%f(i)*lattice%f(i)
+      end do
+      part(1) = s
+   end subroutine take_chunk
+
+   !> Steps to the next order with its reflection coefficient and sums what the one after that needs.
+   subroutine next_order(lattice, reflection, cross, power, error, valid, progress)
+      !> Of order m-1 with its sums taken, or fresh; of order m with its sums taken afterwards
+      type(lattice_type), intent(inout) :: lattice
+      !> k_m; not used by the first call, which sums order 0
+      real(dp), intent(in) :: reflection
+      !> sum f_m(t) b_m(t-1) and sum f_m(t)^2 + b_m(t-1)^2 over the t where both are
+      real(dp), intent(out) :: cross, power
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8), intent(in), optional :: valid(:)
+      class(progress_type), intent(inout), optional :: progress
+      real(dp) :: part(2, chunk_count(size(lattice%f, kind=int64)))
+      integer(int64) :: rows(chunk_count(size(lattice%f, kind=int64))), n, begin, m
+      integer :: chunk, from, group
+
       cross = 0.0_dp
       power = 0.0_dp
-      do j = 0, m - 1
-         do i = 0, m - 1
-            cross = cross + a(i)*a(j)*s(abs(m - j - i))
-            power = power + 2.0_dp*a(i)*a(j)*s(abs(i - j))
+      n = size(lattice%f, kind=int64)
+      lattice%order = lattice%order + 1
+      m = lattice%order
+      group = chunk_group(chunk_count(n), present(progress))
+      do from = 1, chunk_count(n), group
+         call tell_progress("AR model", m*n + chunk_first(n, from) - 1, max(lattice%orders, 1)*n, error, progress)
+         if (allocated(error)) return
+         !$omp parallel do if (n >= threads_from) default(shared) schedule(dynamic)
+         do chunk = from, min(from + group - 1, chunk_count(n))
+            call step_chunk(lattice, reflection, chunk_first(n, chunk), chunk_last(n, chunk), part(:, chunk), rows(chunk), valid)
          end do
+         !$omp end parallel do
       end do
-      do t = 0, m - 1                    ! rows before the first and after the last one, x being 0 outside
-         f = dot_product(a(0:t), head(t:0:-1))
-         b = dot_product(a(m - t:m - 1), head(0:t - 1))
-         power = power - f*f - b*b
-         cross = cross - f*b
-         f = dot_product(a(m - t:m - 1), tail(0:t - 1))
-         b = dot_product(a(0:t), tail(t:0:-1))
-         power = power - f*f - b*b
-         cross = cross - f*b
+      do chunk = 1, chunk_count(n)             ! first samples, whose partners stand in the chunk before
+         begin = max(chunk_first(n, chunk), m + 2)
+         if (begin /= chunk_first(n, chunk) .or. begin > n) cycle
+         call add_products(lattice%f(begin:begin), lattice%b(begin - m - 1:begin - m - 1), part(:, chunk))
       end do
-   end subroutine quadratic_forms
+      cross = sum(part(1, :))
+      power = sum(part(2, :))
+      lattice%rows = max(0_int64, n - m - 1)
+      if (present(valid)) lattice%rows = sum(rows)
+   end subroutine next_order
+
+   !> The step of a chunk, less its first sample's part in the sums.
+   pure subroutine step_chunk(lattice, reflection, chunk_begin, chunk_end, part, rows, valid)
+      type(lattice_type), intent(inout) :: lattice
+      real(dp), intent(in) :: reflection
+      integer(int64), intent(in) :: chunk_begin, chunk_end
+      !> sum f b, sum f^2 + b^2
+      real(dp), intent(out) :: part(2)
+      !> Rows that have both, counted where samples are missing
+      integer(int64), intent(out) :: rows
+      integer(int8), intent(in), optional :: valid(:)
+      integer(int64) :: begin, first, last, m
+
+      m = lattice%order
+      part = 0.0_dp
+      rows = 0
+      begin = max(chunk_begin, m + 1)
+      do first = begin, chunk_end, block
+         last = min(first + block - 1, chunk_end)
+         if (m > 0) call step(reflection, lattice%f(first:last), lattice%b(first - m:last - m))
+         if (present(valid)) call drop_partnerless(lattice, first, last, rows, valid)
+         if (first > begin) then
+            call add_products(lattice%f(first:last), lattice%b(first - m - 1:last - m - 1), part)
+         else
+            call add_products(lattice%f(first + 1:last), lattice%b(first - m:last - m - 1), part)
+         end if
+      end do
+   end subroutine step_chunk
+
+   !> Residuals of a block of the next order.
+   pure subroutine step(k, f, b)
+      real(dp), intent(in) :: k
+      !> f(t), b(t-1): [n]
+      real(dp), intent(inout), contiguous :: f(:), b(:)
+      real(dp) :: forward
+      integer :: i
+
+      !$omp simd private(forward)
+      do i = 1, size(f)
+         forward = f(i)
+         f(i) = forward - k*b(i)
+         b(i) = b(i) - k*forward
+      end do
+   end subroutine step
+
+   !> Adds sum f b and sum f^2 + b^2.
+   pure subroutine add_products(f, b, total)
+      !> f(t), b(t-1): [n]
+      real(dp), intent(in), contiguous :: f(:), b(:)
+      real(dp), intent(inout) :: total(:)
+      real(dp) :: cross, power
+      integer :: i
+
+      cross = 0.0_dp
+      power = 0.0_dp
+      !$omp simd reduction(+:cross, power)
+      do i = 1, size(f)
+         cross = cross + f(i)*b(i)
+         power = power + (f(i)*f(i) + b(i)*b(i))
+      end do
+      total(1) = total(1) + cross
+      total(2) = total(2) + power
+   end subroutine add_products
+
+   !> Sets the first f and the last b of every stretch to 0, counts the rows that have both.
+   pure subroutine drop_partnerless(lattice, first, last, rows, valid)
+      type(lattice_type), intent(inout) :: lattice
+      integer(int64), intent(in) :: first, last
+      integer(int64), intent(inout) :: rows
+      integer(int8), intent(in) :: valid(:)
+      integer(int64) :: t, run, m
+
+      m = lattice%order
+      run = 0
+      do t = first - 1, max(1_int64, first - m - 1), -1
+         if (valid(t) == 0_int8) exit
+         run = run + 1
+      end do
+      do t = first, last
+         run = run + 1
+         if (valid(t) == 0_int8) run = 0
+         if (run == m + 1) lattice%f(t) = 0.0_dp
+         if (run > m + 1) rows = rows + 1
+         if (t == size(valid, kind=int64)) cycle
+         if (valid(t + 1) == 0_int8) lattice%b(t - m) = 0.0_dp
+      end do
+   end subroutine drop_partnerless
 
 end module gyroakf_ar_burg

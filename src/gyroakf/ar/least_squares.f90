@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> AR models by least squares: forward with an intercept (ols, "covariance"), or forward and backward (mcov, "modified covariance").
+!> AR models by least squares, forward with an intercept (ols, "covariance").
 !>
 !> The orders are compared on the rows that the largest of them has, from one Gram matrix and one Cholesky factor; the order that
 !> is taken is fitted once more to all rows that it has. Its normal equations are solved about the mean, then corrected
@@ -21,8 +21,7 @@ module gyroakf_ar_least_squares
 
    !> The model of one order
    type :: fitted_order_type
-      !> Coefficients, and the square roots of the diagonal of the inverse of the matrix of the normal equations, of one
-      !> forward row each: [p]
+      !> Coefficients, and the square roots of the diagonal of the inverse of the matrix of the normal equations: [p]
       real(dp), allocatable :: phi(:), spread(:)
       !> Constant of the regression of the series about its mean; its spread; that of the intercept of the series itself
       real(dp) :: constant = 0.0_dp, constant_spread = 0.0_dp, intercept_spread = 0.0_dp
@@ -38,30 +37,26 @@ contains
    !>
    !> With R the Cholesky factor of the bordered matrix, x_t last, $$RSS_k = R_{yy}^2 + \sum_{i>k} R_{iy}^2:$$ summed upward,
    !> nothing cancels.
-   subroutine compare_orders(gram, backward, variance, error)
+   subroutine compare_orders(gram, variance, error)
       !> Of the largest order; it has rows
       type(row_gram_type), intent(in) :: gram
-      !> Forward and backward, about the mean; otherwise forward, with intercept
-      logical, intent(in) :: backward
       !> Of the orders 0 .. gram%lags
       real(dp), allocatable, intent(out) :: variance(:)
       !> constant_input, singular, no_memory
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: a(:, :), scale(:)
-      real(dp) :: equations
       integer :: p, i, info
 
       p = gram%lags
       allocate (variance(0:p))
       variance = 0.0_dp
-      call normal_matrix(gram, backward, a, scale, error)
+      call normal_matrix(gram, a, scale, error)
       if (allocated(error)) return
       call dpotrf("U", p + 1, a, p + 1, info)
       if (info > 0) then
          call refuse(min(info, p), error)
          return
       end if
-      equations = real(gram%rows, dp)*merge(2.0_dp, 1.0_dp, backward)
       variance(p) = a(p + 1, p + 1)**2
       do i = p, 1, -1
          variance(i - 1) = variance(i) + a(i, p + 1)**2
@@ -71,15 +66,13 @@ contains
          call refuse(i, error)
          return
       end do
-      variance = variance*(scale(p + 1)/equations*scale(p + 1))
+      variance = variance*(scale(p + 1)/real(gram%rows, dp)*scale(p + 1))
    end subroutine compare_orders
 
    !> The matrix of the normal equations, scaled to a diagonal of ones: lags 1 .. p, then x_t itself.
-   subroutine normal_matrix(gram, backward, a, scale, error)
+   subroutine normal_matrix(gram, a, scale, error)
       !> Sums over the rows
       type(row_gram_type), intent(in) :: gram
-      !> Forward and backward
-      logical, intent(in) :: backward
       !> Both triangles: [p+1, p+1]; square roots of its diagonal before: [p+1]
       real(dp), allocatable, intent(out) :: a(:, :), scale(:)
       !> constant_input, no_memory
@@ -97,11 +90,7 @@ contains
          l = mod(j, p + 1)
          do i = 1, p + 1
             k = mod(i, p + 1)
-            if (backward) then
-               a(i, j) = gram%matrix(k, l) + gram%matrix(p - k, p - l)
-            else
-               a(i, j) = gram%matrix(k, l) - gram%total(k)*(gram%total(l)/real(gram%rows, dp))
-            end if
+            a(i, j) = gram%matrix(k, l) - gram%total(k)*(gram%total(l)/real(gram%rows, dp))
          end do
       end do
       do i = 1, p + 1
@@ -117,15 +106,13 @@ contains
    end subroutine normal_matrix
 
    !> Fits one order to all its rows.
-   subroutine fit_order(x, shift, rest, order, backward, fit, error, valid, progress)
+   subroutine fit_order(x, shift, rest, order, fit, error, valid, progress)
       !> Series: [n], finite
       real(dp), intent(in), contiguous :: x(:)
       !> Its mean, in two parts
       real(dp), intent(in) :: shift, rest
       !> Order, >= 0
       integer, intent(in) :: order
-      !> Forward and backward
-      logical, intent(in) :: backward
       !> The model
       type(fitted_order_type), intent(out) :: fit
       !> constant_input, singular, no_memory, cancelled
@@ -139,7 +126,7 @@ contains
       integer :: info
 
       call build_row_gram(x, shift, rest, order, gram, error, valid, progress)
-      if (.not. allocated(error)) call normal_matrix(gram, backward, a, scale, error)
+      if (.not. allocated(error)) call normal_matrix(gram, a, scale, error)
       if (allocated(error)) return
       fit%rows = gram%rows
       allocate (fit%phi(order), fit%spread(order))
@@ -151,18 +138,17 @@ contains
       end if
       call dpotrs("U", order, 1, a, order + 1, fit%phi, max(order, 1), info)
       fit%phi = fit%phi*scale(order + 1)/scale(:order)
-      call correct(x, shift, rest, backward, gram, a, scale, fit, error, valid, progress)
+      call correct(x, shift, rest, gram, a, scale, fit, error, valid, progress)
       if (allocated(error)) return
       call dpotri("U", order, a, order + 1, info)
-      call spread_of(gram, backward, a, scale, rest + shift, fit)
+      call spread_of(gram, a, scale, rest + shift, fit)
    end subroutine fit_order
 
    !> Corrects the solution by the residuals that it leaves.
-   subroutine correct(x, shift, rest, backward, gram, factor, scale, fit, error, valid, progress)
-      !> Series, its mean, whether backward too
+   subroutine correct(x, shift, rest, gram, factor, scale, fit, error, valid, progress)
+      !> Series, its mean
       real(dp), intent(in), contiguous :: x(:)
       real(dp), intent(in) :: shift, rest
-      logical, intent(in) :: backward
       !> Sums over the rows
       type(row_gram_type), intent(in) :: gram
       !> Cholesky factor of the scaled matrix: [p+1, p+1]; the scale: [p+1]
@@ -181,29 +167,23 @@ contains
 
       p = size(fit%phi)
       equations = real(gram%rows, dp)
-      if (.not. backward) fit%constant = (gram%total(0) - dot_product(fit%phi, gram%total(1:)))/equations
-      call sum_residuals(x, shift, rest, fit%phi, fit%constant, backward, sums, error, valid, progress)
+      fit%constant = (gram%total(0) - dot_product(fit%phi, gram%total(1:)))/equations
+      call sum_residuals(x, shift, rest, fit%phi, fit%constant, sums, error, valid, progress)
       if (allocated(error)) return
-      gradient = sums%product(1:)
-      if (.not. backward) gradient = gradient - sums%total*(gram%total(1:)/equations)
+      gradient = sums%product(1:) - sums%total*(gram%total(1:)/equations)
       step = gradient/scale(:p)
       call dpotrs("U", p, 1, factor, p + 1, step, max(p, 1), info)
       step = step/scale(:p)
       fit%phi = fit%phi + step
-      if (backward) then
-         fit%variance = (sums%square - dot_product(step, gradient))/(2.0_dp*equations)
-      else
-         fit%constant = fit%constant + sums%total/equations - dot_product(step, gram%total(1:))/equations
-         fit%variance = (sums%square - sums%total**2/equations - dot_product(step, gradient))/equations
-      end if
+      fit%constant = fit%constant + sums%total/equations - dot_product(step, gram%total(1:))/equations
+      fit%variance = (sums%square - sums%total**2/equations - dot_product(step, gradient))/equations
       fit%variance = max(fit%variance, 0.0_dp)
    end subroutine correct
 
    !> Standard errors over the standard deviation of the noise.
-   pure subroutine spread_of(gram, backward, inverse, scale, mean, fit)
-      !> Sums over the rows; whether backward too
+   pure subroutine spread_of(gram, inverse, scale, mean, fit)
+      !> Sums over the rows
       type(row_gram_type), intent(in) :: gram
-      logical, intent(in) :: backward
       !> Inverse of the scaled matrix, upper triangle, and the scale
       real(dp), intent(in) :: inverse(:, :), scale(:)
       !> Mean of the series
@@ -213,9 +193,8 @@ contains
       integer :: i
 
       do i = 1, size(fit%phi)
-         fit%spread(i) = sqrt(max(inverse(i, i), 0.0_dp)*merge(2.0_dp, 1.0_dp, backward))/scale(i)
+         fit%spread(i) = sqrt(max(inverse(i, i), 0.0_dp))/scale(i)
       end do
-      if (backward) return
       fit%constant_spread = about(0.0_dp)
       fit%intercept_spread = about(mean)
    contains

@@ -32,17 +32,16 @@ contains
    !> | yw | biased autocovariances, Levinson's recursion | r_0 prod (1 - k^2) | present samples | every pair that is present |
    !> | burg | [[compute_burg]] | r_0 prod (1 - k^2) | present samples | stretches, one reflection coefficient for all |
    !> | ols | least squares of x_t on 1, x_(t-1) .. x_(t-p) | RSS/rows | rows of the largest order | complete rows |
-   !> | mcov | the same forward and backward, about the mean | RSS/(2 rows) | rows of the largest order | complete rows |
    !>
-   !> With ols and mcov the order that is taken is fitted again to all rows that it has. Standard errors are the square roots of
+   !> With ols the order that is taken is fitted again to all rows that it has. Standard errors are the square roots of
    !> the diagonal of $$\frac{s_p^2}{n} R_p^{-1},$$ R_p the Toeplitz matrix of the autocovariances r_0 .. r_(p-1) (burg: those of
    !> the model), with gaps n the length times the smallest share of pairs that is present at the lags 0 .. p (burg: of rows);
-   !> with ols and mcov the matrix of the normal equations, over its rows, takes the place of R_p. The variance in them has
+   !> with ols the matrix of the normal equations, over its rows, takes the place of R_p. The variance in them has
    !> the divisor n, without a correction for the parameters: `unbiased_variance` has that. yw without gaps and burg are always
-   !> stationary, the others are mostly. The residuals are tested in a pass of their own, without being stored. Source: Brockwell &
-   !> Davis, Time Series: Theory and Methods (1991), 8.1, 8.2; Marple, Digital Spectral Analysis (1987), chapter 8.
+   !> stationary, a model by ols is mostly. The residuals are tested in a pass of their own, without being stored. Source:
+   !> Brockwell & Davis, Time Series: Theory and Methods (1991), 8.1, 8.2; Marple, Digital Spectral Analysis (1987), chapter 8.
    subroutine fit_ar(x, options, model, error, valid, shared, progress)
-      !> Series: [n], finite, n > order + 3 (ols, mcov: so many rows); not modified
+      !> Series: [n], finite, n > order + 3 (ols: so many rows); not modified
       real(dp), intent(in), contiguous :: x(:)
       !> How
       type(ar_options), intent(in) :: options
@@ -65,7 +64,7 @@ contains
       if (allocated(error)) return
       call check_length(size(x, kind=int64), most, "samples", error)
       if (allocated(error)) return
-      lags = merge(most, 0, any(options%method == ["yw  ", "burg"]))
+      lags = merge(most, 0, options%method == "yw")
       if (present(shared)) then
          if (allocated(shared%r) .and. shared%max_lag >= lags) then
             allocate (r(0:lags), source=shared%r(0:lags))
@@ -80,7 +79,7 @@ contains
       constant = 0.0_dp
       select case (options%method)
       case ("yw"); call model_of(r, size(x, kind=int64), pairs, most, options, model, error)
-      case ("burg"); call fit_burg(x, r, most, options, model, error, valid, progress)
+      case ("burg"); call fit_burg(x, most, options, model, error, valid, progress)
       case default; call fit_least_squares(x, most, options, model, constant, error, valid, progress)
       end select
       if (allocated(error)) return
@@ -123,11 +122,9 @@ contains
    end subroutine model_of
 
    !> The model by Burg's recursion.
-   subroutine fit_burg(x, r, most, options, model, error, valid, progress)
+   subroutine fit_burg(x, most, options, model, error, valid, progress)
       !> Series
       real(dp), intent(in), contiguous :: x(:)
-      !> Its autocovariances: [0:most]
-      real(dp), intent(in) :: r(0:)
       !> Largest order
       integer, intent(in) :: most
       !> How
@@ -148,7 +145,7 @@ contains
       call check_length(model%samples, most, "samples", error)
       if (allocated(error)) return
       call series_mean(x, shift, rest, model%samples, valid)
-      call compute_burg(x, shift, rest, most, burg, error, valid, r, progress)
+      call compute_burg(x, shift, rest, most, burg, error, valid, progress)
       if (allocated(error)) return
       call choose_order(burg%variance, model%samples, options, model)
       allocate (model%coefficient(model%order))
@@ -182,24 +179,21 @@ contains
       type(fitted_order_type) :: fit
       real(dp), allocatable :: variance(:)
       real(dp) :: shift, rest
-      logical :: backward
 
       constant = 0.0_dp
-      backward = options%method == "mcov"
       call series_mean(x, shift, rest, model%samples, valid)
       call build_row_gram(x, shift, rest, most, gram, error, valid, progress)
       if (.not. allocated(error)) call check_length(gram%rows, most, "complete rows (order + 1 samples without a gap)", error)
-      if (.not. allocated(error)) call compare_orders(gram, backward, variance, error)
+      if (.not. allocated(error)) call compare_orders(gram, variance, error)
       if (allocated(error)) return
       call choose_order(variance, gram%rows, options, model)
-      call fit_order(x, shift, rest, model%order, backward, fit, error, valid, progress)
+      call fit_order(x, shift, rest, model%order, fit, error, valid, progress)
       if (allocated(error)) return
       model%coefficient = fit%phi
       model%rows = fit%rows
       model%noise_variance = fit%variance
       model%residual_variance = fit%variance
       model%std_error = sqrt(fit%variance)*fit%spread
-      if (backward) return
       constant = fit%constant
       model%intercept = fit%constant + (shift + rest)*(1.0_dp - sum(fit%phi))
       model%intercept_std_error = sqrt(fit%variance)*fit%intercept_spread

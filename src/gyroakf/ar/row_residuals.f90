@@ -12,26 +12,24 @@ module gyroakf_ar_row_residuals
    private
    public :: residual_sums_type, sum_residuals
 
-   !> Sums of the residuals e_t = x_t - sum phi_j x_(t-j) and, backward, b_t = x_(t-p) - sum phi_j x_(t-p+j)
+   !> Sums of the residuals e_t = x_t - sum phi_j x_(t-j)
    type :: residual_sums_type
-      !> sum e^2 (+ sum b^2), sum e
+      !> sum e^2, sum e
       real(dp) :: square = 0.0_dp, total = 0.0_dp
-      !> sum e_t x_(t-j) (+ sum b_t x_(t-p+j)): [0:p]
+      !> sum e_t x_(t-j): [0:p]
       real(dp), allocatable :: product(:)
    end type residual_sums_type
 
 contains
 
    !> Sums of the residuals of given coefficients over the complete rows of their order.
-   subroutine sum_residuals(x, shift, rest, phi, constant, backward, sums, error, valid, progress)
+   subroutine sum_residuals(x, shift, rest, phi, constant, sums, error, valid, progress)
       !> Series: [n], finite
       real(dp), intent(in), contiguous :: x(:)
       !> Subtracted in turn; constant of the regression of what is left
       real(dp), intent(in) :: shift, rest, constant
       !> Coefficients: [p]
       real(dp), intent(in) :: phi(:)
-      !> The backward residuals too
-      logical, intent(in) :: backward
       !> The sums
       type(residual_sums_type), intent(out) :: sums
       !> no_memory, cancelled
@@ -45,25 +43,24 @@ contains
 
       p = size(phi)
       allocate (sums%product(0:p), stat=stat)
-      if (stat == 0) allocate (partial(0:2*p + 3, chunk_count(size(x, kind=int64))), stat=stat)
-      if (stat == 0) call sum_products(x, shift, rest, phi, constant, backward, partial, stat, error, valid, progress)
+      if (stat == 0) allocate (partial(0:p + 2, chunk_count(size(x, kind=int64))), stat=stat)
+      if (stat == 0) call sum_products(x, shift, rest, phi, constant, partial, stat, error, valid, progress)
       if (allocated(error)) return
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the sums of the AR regression")
          return
       end if
-      sums%product = sum(partial(0:p, :), 2) + sum(partial(2*p + 1:p + 1:-1, :), 2)
-      sums%square = sum(partial(2*p + 2, :))
-      sums%total = sum(partial(2*p + 3, :))
+      sums%product = sum(partial(0:p, :), 2)
+      sums%square = sum(partial(p + 1, :))
+      sums%total = sum(partial(p + 2, :))
    end subroutine sum_residuals
 
    !> The pass of [[sum_residuals]].
-   subroutine sum_products(x, shift, rest, phi, constant, backward, partial, stat, error, valid, progress)
-      !> Series, subtracted in turn, coefficients, constant, whether backward too
+   subroutine sum_products(x, shift, rest, phi, constant, partial, stat, error, valid, progress)
+      !> Series, subtracted in turn, coefficients, constant
       real(dp), intent(in), contiguous :: x(:)
       real(dp), intent(in) :: shift, rest, phi(:), constant
-      logical, intent(in) :: backward
-      !> sum e_t x_(t-k): [0:p]; sum b_t x_(t-k): [p+1:2p+1]; squares, sum: [0:2p+3, chunk]
+      !> sum e_t x_(t-k): [0:p]; squares, sum: [0:p+2, chunk]
       real(dp), intent(out) :: partial(0:, :)
       !> Not 0 where memory is short
       integer, intent(out) :: stat
@@ -98,14 +95,10 @@ contains
             do first = max(chunk_first(n, chunk), int(p, int64) + 1), chunk_last(n, chunk), step
                m = int(min(step, chunk_last(n, chunk) - first + 1))
                call load_rows(x, shift, rest, p, first, m, y, weight, valid)
-               call predict(y, weight, phi, constant, .false., m, e)
+               call predict(y, weight, phi, constant, m, e)
                call add_lagged_products(e, y, m, p, partial(0:p, chunk))
-               partial(2*p + 2, chunk) = partial(2*p + 2, chunk) + dot_product(e(:m), e(:m))
-               partial(2*p + 3, chunk) = partial(2*p + 3, chunk) + sum(e(:m))
-               if (.not. backward) cycle
-               call predict(y, weight, phi, constant, .true., m, e)
-               call add_lagged_products(e, y, m, p, partial(p + 1:2*p + 1, chunk))
-               partial(2*p + 2, chunk) = partial(2*p + 2, chunk) + dot_product(e(:m), e(:m))
+               partial(p + 1, chunk) = partial(p + 1, chunk) + dot_product(e(:m), e(:m))
+               partial(p + 2, chunk) = partial(p + 2, chunk) + sum(e(:m))
             end do
          end do
          !$omp end do
@@ -117,33 +110,22 @@ contains
    end subroutine sum_products
 
    !> Residuals of a block, 0 where no row ends.
-   pure subroutine predict(y, weight, phi, constant, backward, m, e)
+   pure subroutine predict(y, weight, phi, constant, m, e)
       !> Samples with their past: [1-p:m]; marks: [m]
       real(dp), intent(in) :: phi(:)
       real(dp), intent(in) :: y(1 - size(phi):), weight(:), constant
-      !> Of x_(t-p) from what follows
-      logical, intent(in) :: backward
       integer, intent(in) :: m
       !> The residuals: [m]
       real(dp), intent(inout) :: e(:)
       integer :: i, j, p
 
       p = size(phi)
-      if (backward) then
-         e(:m) = y(1 - p:m - p) - constant
-         do j = 1, p
-            do i = 1, m
-               e(i) = e(i) - phi(j)*y(i - p + j)
-            end do
+      e(:m) = y(1:m) - constant
+      do j = 1, p
+         do i = 1, m
+            e(i) = e(i) - phi(j)*y(i - j)
          end do
-      else
-         e(:m) = y(1:m) - constant
-         do j = 1, p
-            do i = 1, m
-               e(i) = e(i) - phi(j)*y(i - j)
-            end do
-         end do
-      end if
+      end do
       e(:m) = e(:m)*weight(:m)
    end subroutine predict
 

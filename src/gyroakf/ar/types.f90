@@ -14,8 +14,7 @@ module gyroakf_ar_types
 
    !> How the model is found
    type :: ar_options
-      !> `yw`: Yule-Walker by Levinson's recursion; `burg`: Burg's recursion; `ols`: least squares ("covariance"), with intercept;
-      !> `mcov`: forward and backward least squares ("modified covariance") about the mean
+      !> `yw`: Yule-Walker by Levinson's recursion; `burg`: Burg's recursion; `ols`: least squares ("covariance"), with intercept
       character(4) :: method = "yw"
       !> aic, aicc, bic, hqic, fpe (formulas in gyroakf_ar_criteria)
       character(4) :: criterion = "aic"
@@ -49,19 +48,19 @@ module gyroakf_ar_types
       logical :: largest_order_chosen = .false.
       !> Intercept c, u: m (1 - sum phi), or with ols the fitted one; its standard error, with ols only
       real(dp) :: intercept = 0.0_dp, intercept_std_error = 0.0_dp
-      !> Samples that the coefficients rest on: with ols and mcov the rows (an x_t whose p predecessors are present), else
+      !> Samples that the coefficients rest on: with ols the rows (an x_t whose p predecessors are present), else
       !> those present
       integer(int64) :: rows = 0
-      !> Samples that the criteria of every order count: with ols and mcov the rows that the largest order has
+      !> Samples that the criteria of every order count: with ols the rows that the largest order has
       integer(int64) :: compared_rows = 0
       !> Variance that allows for the p coefficients and the mean, u^2: noise_variance rows/(rows - p - 1). Standard errors with
       !> it instead of noise_variance are larger by the root of that ratio
       real(dp) :: unbiased_variance = 0.0_dp
-      !> Mean square of the residuals, u^2: burg and mcov, of the forward and backward ones; yw, the same as noise_variance
+      !> Mean square of the residuals, u^2: burg, of the forward and backward ones; yw, the same as noise_variance
       real(dp) :: residual_variance = 0.0_dp
       !> Roots of the characteristic polynomial, largest modulus first: [order]
       type(ar_root_type), allocatable :: root(:)
-      !> All roots lie within the unit circle; with ols and mcov that is not certain
+      !> All roots lie within the unit circle; with ols that is not certain
       logical :: stationary = .true.
       !> Normality of the residuals; its kurtosis is 0 where it could not be tested
       type(jarque_bera_type) :: residual_normality
@@ -79,9 +78,9 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       most = max(options%max_order, options%order)
-      if (.not. any(options%method == [character(4) :: "yw", "burg", "ols", "mcov"])) then
+      if (.not. any(options%method == [character(4) :: "yw", "burg", "ols"])) then
          call fatal_error(error, status%invalid_argument, &
-            & "unknown AR method '"//trim(options%method)//"'; there are yw, burg, ols, mcov")
+            & "unknown AR method '"//trim(options%method)//"'; there are yw, burg, ols")
       else if (criterion_number(trim(options%criterion)) == 0) then
          call fatal_error(error, status%invalid_argument, &
             & "unknown AR criterion '"//trim(options%criterion)//"'; there are aic, aicc, bic, hqic, fpe")

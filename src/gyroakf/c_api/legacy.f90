@@ -19,7 +19,7 @@ module gyroakf_c_api_legacy
    character(6), parameter :: kinds(7) = ["oadev ", "adev  ", "mdev  ", "tdev  ", "hdev  ", "ohdev ", "totdev"]
 
    !> METHOD of GYARFT from 1 on
-   character(4), parameter :: methods(4) = ["yw  ", "burg", "ols ", "mcov"]
+   character(4), parameter :: methods(3) = ["yw  ", "burg", "ols "]
 
    !> Largest order
    integer, parameter :: largest_order = 1000

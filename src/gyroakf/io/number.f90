@@ -1,17 +1,17 @@
 ! SPDX-License-Identifier: MIT
 !> Decimal numbers in text, read correctly rounded (to nearest, ties to even), always, and whatever the locale is.
 !>
-!> A number m * 10^q takes the first of four paths that is sure of its result:
+!> A number m * 10^q takes the first of three paths that is sure of its result:
 !>
 !> 1. m <= 2^53 and |q| <= 22: one multiplication or division of two exact numbers
 !>    (W. D. Clinger, How to read floating point numbers accurately, 1990);
 !> 2. m times the first 63 bits of 10^q, a lower bound; where the upper bound rounds to the same number, that is the number
 !>    ([[gyroakf_io_quick_number]]);
-!> 3. the same with 126 bits ([[gyroakf_io_any_number]]);
-!> 4. the C library's `strtod_l` with the C locale: ties, subnormals, very many digits ([[gyroakf_io_library_number]]).
+!> 3. the C library's `strtod_l` with the C locale: unusual forms, ties, subnormals, very many digits
+!>    ([[gyroakf_io_library_number]]).
 module gyroakf_io_number
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_io_any_number, only : number, scan_any
+   use gyroakf_io_library_number, only : number, scan_any
    use gyroakf_io_quick_number, only : digits_ahead, quick_number, quick_type, skip_digits
    implicit none (type, external)
    private

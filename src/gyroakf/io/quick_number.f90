@@ -1,16 +1,17 @@
 ! SPDX-License-Identifier: MIT
 !> Decimal numbers of the usual forms, correctly rounded or not at all: the first two paths of [[gyroakf_io_number]].
 !>
-!> Usual are `[+-] digits [. digits] [e|E|d|D +-dd]` with 1 to 15 digits before the point, no more digits than an integer of 64
-!> bits without a sign holds, and fewer than 24 behind the point. Digits are taken eight at a time (as bytes of a word); nothing
-!> is allocated, and no branch depends on a sign or on the value of a digit.
+!> Usual are `[+-] [digits] [. digits] [e|E|d|D [+-] digits]` with up to 15 digits before the point,
+!> no more digits than an integer of 64 bits without a sign holds, fewer than 24 behind the point, and
+!> an exponent of 1 to 3 digits. Digits are taken eight at a time (as bytes of a word); nothing is
+!> allocated, and no branch depends on a sign or on the value of a digit.
 module gyroakf_io_quick_number
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_power, only : power
    use gyroakf_io_wide_power, only : int128, ten
    implicit none (type, external)
    private
-   public :: quick_type, quick_number, skip_digits, digits_ahead, exact_ten, exact_limit
+   public :: quick_type, quick_number, skip_digits, digits_ahead
 
    !> A number and where it ends: two words, which a function hands back in registers
    type :: quick_type
@@ -22,12 +23,11 @@ module gyroakf_io_quick_number
    !> So many bytes after the last one of the text have to be addressable
    integer, parameter :: digits_ahead = 8
 
-   !> The powers of ten that are doubles, and up to which number integers are
+   !> The powers of ten that are doubles
    real(dp), parameter :: exact_ten(0:22) = [ &
       1.0e0_dp, 1.0e1_dp, 1.0e2_dp, 1.0e3_dp, 1.0e4_dp, 1.0e5_dp, 1.0e6_dp, 1.0e7_dp, &
       1.0e8_dp, 1.0e9_dp, 1.0e10_dp, 1.0e11_dp, 1.0e12_dp, 1.0e13_dp, 1.0e14_dp, 1.0e15_dp, &
       1.0e16_dp, 1.0e17_dp, 1.0e18_dp, 1.0e19_dp, 1.0e20_dp, 1.0e21_dp, 1.0e22_dp]
-   integer(int64), parameter :: exact_limit = 2_int64**53
 
    !> Bytes of words: the lower and the upper half, "0", 6, ".", six bits and the one above them
    integer(int64), parameter :: nibbles = int(z'0F0F0F0F0F0F0F0F', int64), upper = int(z'F0F0F0F0F0F0F0F0', int64)
@@ -121,6 +121,10 @@ contains
          m = bytes(p - 1) - 48
          if (m < 0 .or. m > 9) p = 0
          return
+      else if (bytes(p) == 46 .and. point == signed) then
+         m = 0
+         if (bytes(p + 1) < 48 .or. bytes(p + 1) > 57) p = 0
+         return
       else if (bytes(p) == 46 .and. point > signed .and. point < 8) then
          word = shiftl(iand(ieor(word, zeros), not(iand(255_int64, -int(signed, int64)))), 64 - 8*point)
          if (no_digits(word) == 0) then
@@ -165,7 +169,8 @@ contains
       word = ieor(transfer(bytes(p:p + 7), word), zeros)
    end subroutine take_eight
 
-   !> Adds an exponent of a sign and two digits, whose letter is at p, to q; p is 0 where it is of another form.
+   !> Adds an exponent, whose letter is at p, to q; p is 0 where it is not of 1 to 3 digits. A sign and
+   !> two digits are usual.
    pure subroutine take_exponent(bytes, p, q)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: p, q
@@ -178,9 +183,31 @@ contains
       behind = bytes(p + 4) - 48
       usual = iand(sign_bits, 253) == 0 .and. tens >= 0 .and. tens <= 9 .and. ones >= 0 .and. ones <= 9
       if (behind >= 0 .and. behind <= 9) usual = .false.
-      p = merge(p + 4, 0_int64, usual)
-      q = q + (10*tens + ones)*(1 - sign_bits)
+      if (usual) then
+         p = p + 4
+         q = q + (10*tens + ones)*(1 - sign_bits)
+      else
+         call take_any_exponent(bytes, p, q)
+      end if
    end subroutine take_exponent
+
+   pure subroutine take_any_exponent(bytes, p, q)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(inout) :: p, q
+      integer(int64) :: first, last, exponent
+      logical :: minus
+
+      minus = bytes(p + 1) == 45
+      first = p + 1
+      if (minus .or. bytes(first) == 43) first = first + 1
+      exponent = 0
+      do last = first, first + 3
+         if (bytes(last) < 48 .or. bytes(last) > 57) exit
+         exponent = 10*exponent + bytes(last) - 48
+      end do
+      p = merge(last, 0_int64, last > first .and. last <= first + 3)
+      q = q + merge(-exponent, exponent, minus)
+   end subroutine take_any_exponent
 
    !> (2^twos * m + odd) * 10^q, rounded to nearest; -1 where 63 bits of the power of ten do not tell, and for zero.
    !>

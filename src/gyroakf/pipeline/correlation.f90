@@ -4,11 +4,11 @@ module gyroakf_pipeline_correlation
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type
+   use gyroakf_ar_autocovariance, only : compute_autocovariance
    use gyroakf_ar_shared_autocovariance, only : autocovariance_type
    use gyroakf_series_kpss, only : test_kpss
    use gyroakf_series_whiteness, only : ljung_box_of
    use gyroakf_series_correlation, only : correlation_of
-   use gyroakf_series_lag_transform, only : many_autocovariances
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure
    implicit none (type, external)
@@ -72,7 +72,7 @@ contains
             end if
          end if
       end if
-      call many_autocovariances(z, lags, mean, r, error, valid, pairs, progress)
+      call compute_autocovariance(z, lags, mean, r, error, valid, pairs, progress)
       if (is_fatal(error)) return
       if (allocated(error)) then
          call note_failure(channel, "Ljung-Box test", error)

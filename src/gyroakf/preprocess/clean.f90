@@ -8,9 +8,8 @@ module gyroakf_preprocess_clean
    use gyroakf_series_moments, only : moments_type, compute_moments
    use gyroakf_preprocess_trend, only : largest_degree
    use gyroakf_preprocess_outliers, only : check_method, default_threshold
-   use gyroakf_preprocess_hampel, only : largest_half_width
+   use gyroakf_preprocess_local_outliers, only : largest_half_width, least_present
    use gyroakf_preprocess_truncation, only : expected_false_alarms, truncated_deviation, final_cut, isolated_share
-   use gyroakf_preprocess_neighbours, only : least_neighbours
    use gyroakf_preprocess_clean_types, only : clean_options, clean_type
    use gyroakf_preprocess_clean_rounds, only : run_rounds, detrend, set_mask
    implicit none (type, external)
@@ -27,7 +26,7 @@ contains
    !> stay (after six rounds at most) goes on with mean and standard deviation. Where median and MAD
    !> call more than a quarter of the record outliers, it is no record with outliers but one with quiet
    !> and disturbed stretches, and `auto` begins again with mean and standard deviation of all. With these it marks only what
-   !> stands out among its neighbours too (see gyroakf_preprocess_neighbours). After
+   !> stands out among its neighbours too (see gyroakf_preprocess_local_outliers). After
    !> twelve rounds no mark of any method is taken back, which ends the rounds where samples at the very limit would go to and fro.
    !> Where the rounds end before the marks stay, the trend is fitted once more, to what is left.
    !>
@@ -100,9 +99,6 @@ contains
       else if (options%half_width < 1 .or. options%half_width > largest_half_width) then
          write (text, '("the half-width of the window must be 1 .. ", i0, ", it is ", i0)') largest_half_width, options%half_width
          call fatal_error(error, status%invalid_argument, trim(text))
-      else if (options%method == "chauvenet" .and. options%threshold > 0.0_dp) then
-         call fatal_error(error, status%invalid_argument, &
-            & "Chauvenet's threshold follows from the number of samples; another one goes with pauta")
       else if (options%degree < -1 .or. options%degree > largest_degree) then
          write (text, '("the degree of the trend must be -1 .. ", i0, ", it is ", i0)') largest_degree, options%degree
          call fatal_error(error, status%invalid_argument, trim(text))
@@ -219,7 +215,7 @@ contains
       if (result%method == "none") return
       rounds = merge(0, result%passes, result%converged .and. max_passes > 1)
       result%expected = expected_false_alarms(result%method, result%threshold, found, rounds, result%half_width)
-      if (any(result%method == ["pauta    ", "chauvenet"])) then
+      if (result%method == "pauta") then
          result%blind = real(found - 1, dp) <= result%threshold*sqrt(real(found, dp))
       end if
       select case (result%method)
@@ -227,7 +223,7 @@ contains
       case ("mad"); kept = truncated_deviation(result%threshold)
       case default; kept = truncated_deviation(final_cut(result%threshold, rounds))
       end select
-      if (result%method == "auto" .and. found >= least_neighbours) then
+      if (result%method == "auto" .and. found >= least_present) then
          kept = sqrt(1.0_dp - isolated_share(result%threshold)*(1.0_dp - kept**2))
       end if
       result%corrected_variance = 0.0_dp

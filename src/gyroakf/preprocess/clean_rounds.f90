@@ -8,9 +8,8 @@ module gyroakf_preprocess_clean_rounds
    use gyroakf_series_moments, only : moments_type, compute_moments
    use gyroakf_preprocess_clean_types, only : clean_options, clean_type
    use gyroakf_preprocess_trend, only : trend_type, fit_trend, detach_trend
-   use gyroakf_preprocess_outliers, only : length_threshold, robust_centre, quantisation_step, is_repeated, mark_outliers
-   use gyroakf_preprocess_neighbours, only : mark_isolated
-   use gyroakf_preprocess_hampel, only : mark_hampel
+   use gyroakf_preprocess_outliers, only : robust_centre, quantisation_step, is_repeated, mark_outliers
+   use gyroakf_preprocess_local_outliers, only : mark_hampel, mark_isolated
    implicit none (type, external)
    private
    public :: run_rounds, detrend, set_mask
@@ -134,7 +133,7 @@ contains
       type(moments_type), intent(inout) :: moments
       !> Marks that changed
       integer(int64), intent(out) :: changed
-      !> removed, and threshold with chauvenet
+      !> removed
       type(clean_type), intent(inout) :: result
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
@@ -162,7 +161,6 @@ contains
          call compute_moments(cleaned, moments, mask)
          scale%centre = moments%mean
          scale%scale = moments%std
-         if (options%method == "chauvenet") result%threshold = length_threshold(moments%count)
       end if
       call check_floor(x, scale%scale, scale, valid)
       call tell_progress("cleaning", 0_int64, 0_int64, error, progress)

@@ -11,9 +11,9 @@ module gyroakf_preprocess_clean_types
    type :: clean_options
       !> Degree of the trend, -1 .. 9; -1 keeps it, outliers are then those about the mean or median
       integer :: degree = 3
-      !> Outliers: none, auto, pauta, chauvenet, mad, hampel (see gyroakf_preprocess_outliers)
-      character(9) :: method = "auto"
-      !> Threshold in standard deviations, > 0; 0: the method's own, which is all that chauvenet has
+      !> Outliers: none, auto, pauta, mad, hampel (see gyroakf_preprocess_outliers)
+      character(6) :: method = "auto"
+      !> Threshold in standard deviations, > 0; 0: the method's own
       real(dp) :: threshold = 0.0_dp
       !> Most rounds, >= 1; 1: what is marked by a single pass over all samples
       integer :: max_passes = 20
@@ -24,7 +24,7 @@ module gyroakf_preprocess_clean_types
    !> What was removed, in the unit u of the series
    type :: clean_type
       !> Method used
-      character(9) :: method = "none"
+      character(6) :: method = "none"
       !> Threshold used (in the last round), in standard deviations; 0 with none
       real(dp) :: threshold = 0.0_dp
       !> Rounds; the last one changed nothing where converged

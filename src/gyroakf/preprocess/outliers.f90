@@ -5,9 +5,8 @@
 !> |---|---|---|
 !> | `pauta` | mean and standard deviation (divisor n - 1) of the inliers | 3 |
 !> | `auto`  | first median and 1.4826 MAD, then as `pauta` | for the record's length: $$\sqrt2\,\mathrm{erfc}^{-1}(1/(2n))$$ |
-!> | `chauvenet` | mean and standard deviation of the inliers | that of `auto` for the number of inliers, each round anew |
 !> | `mad`   | median and 1.4826 MAD | 4.5 |
-!> | `hampel` | median and 1.4826 MAD of the sample's neighbourhood (gyroakf_preprocess_hampel) | 3 |
+!> | `hampel` | median and 1.4826 MAD of the sample's neighbourhood (gyroakf_preprocess_local_outliers) | 3 |
 !>
 !> Mean and standard deviation of n samples let none of them be further off than (n-1)/sqrt(n) standard deviations: 3 sigma
 !> rejects nothing below 11 samples.
@@ -36,16 +35,16 @@ contains
 
    !> Refuses a method that is not known or not built.
    subroutine check_method(method, error)
-      !> none, auto, pauta, chauvenet, mad, hampel
+      !> none, auto, pauta, mad, hampel
       character(*), intent(in) :: method
       !> invalid_argument
       type(error_type), allocatable, intent(out) :: error
 
       select case (method)
-      case ("none", "auto", "pauta", "chauvenet", "mad", "hampel")
+      case ("none", "auto", "pauta", "mad", "hampel")
       case default
          call fatal_error(error, status%invalid_argument, &
-            & "unknown outlier method '"//trim(method)//"'; there are none, auto, pauta, chauvenet, mad, hampel")
+            & "unknown outlier method '"//trim(method)//"'; there are none, auto, pauta, mad, hampel")
       end select
    end subroutine check_method
 
@@ -57,7 +56,7 @@ contains
       integer(int64), intent(in) :: n
 
       select case (method)
-      case ("auto", "chauvenet"); default_threshold = length_threshold(n)
+      case ("auto"); default_threshold = length_threshold(n)
       case ("pauta", "hampel"); default_threshold = 3.0_dp
       case ("mad"); default_threshold = 4.5_dp
       case default; default_threshold = 0.0_dp

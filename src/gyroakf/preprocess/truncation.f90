@@ -10,7 +10,7 @@
 !> Source: Johnson, Kotz, Balakrishnan, Continuous univariate distributions 1 (1994), section 13.10.1.
 module gyroakf_preprocess_truncation
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_preprocess_neighbours, only : least_neighbours
+   use gyroakf_preprocess_local_outliers, only : least_present
    use gyroakf_special, only : ln_gamma
    implicit none (type, external)
    private
@@ -145,7 +145,7 @@ contains
    !> Samples that a rule marks of white normal noise without outliers, on average. With less than about 30 samples and many
    !> rounds it is off by up to a factor of two.
    pure real(dp) function expected_false_alarms(method, threshold, n, rounds, half_width)
-      !> none, auto, pauta, chauvenet, mad, hampel
+      !> none, auto, pauta, mad, hampel
       character(*), intent(in) :: method
       !> Threshold in standard deviations
       real(dp), intent(in) :: threshold
@@ -158,9 +158,9 @@ contains
       real(dp) :: share
 
       select case (method)
-      case ("pauta", "chauvenet", "auto")
+      case ("pauta", "auto")
          share = normal_share_beyond(final_cut(threshold, rounds))*sample_factor(threshold, n)
-         if (method == "auto" .and. n >= least_neighbours) share = share*isolated_share(threshold)
+         if (method == "auto" .and. n >= least_present) share = share*isolated_share(threshold)
          if (real(n - 1, dp) <= threshold*sqrt(real(n, dp))) share = 0.0_dp
       case ("mad"); share = normal_share_beyond(threshold)
       case ("hampel"); share = hampel_share(half_width, threshold)

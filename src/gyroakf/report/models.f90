@@ -120,7 +120,6 @@ contains
       case ("yw"); name = "Yule-Walker"
       case ("burg"); name = "Burg"
       case ("ols"); name = "least squares"
-      case ("mcov"); name = "forward and backward least squares"
       case default; name = trim(method)
       end select
    end function method_name

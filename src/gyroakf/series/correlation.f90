@@ -6,7 +6,7 @@ module gyroakf_series_correlation
    use gyroakf_progress, only : progress_type
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_special, only : chi_square_survival
-   use gyroakf_series_lag_transform, only : many_autocovariances
+   use gyroakf_ar_autocovariance, only : compute_autocovariance
    use gyroakf_series_whiteness, only : ljung_box_type, ljung_box_of
    implicit none (type, external)
    private
@@ -53,8 +53,7 @@ contains
    !> and the partial autocorrelation is the last coefficient of the AR(k) model that solves the Yule-Walker equations. White
    !> noise stays within 1.96/sqrt(n) at 95 % of the lags; a series that is correlated up to lag k-1 within
    !> $$1.96 \sqrt{(1 + 2 \sum_{i<k} \hat\rho_i^2)/n}$$ at lag k (Bartlett, J. R. Stat. Soc. B 8 (1946) 27-41). With missing
-   !> samples r_k comes from the m_k present pairs, and m_k takes the place of n - k. More than some hundred lags take the
-   !> Fourier transform of blocks.
+   !> samples r_k comes from the m_k present pairs, and m_k takes the place of n - k.
    subroutine compute_correlation(x, lags, fitted, result, error, valid, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
@@ -74,7 +73,7 @@ contains
       integer(int64), allocatable :: pairs(:)
       real(dp) :: mean
 
-      call many_autocovariances(x, lags, mean, r, error, valid, pairs, progress)
+      call compute_autocovariance(x, lags, mean, r, error, valid, pairs, progress)
       if (allocated(error)) return
       if (present(valid)) then
          call correlation_of(r, size(x, kind=int64), fitted, result, error, pairs)

@@ -21,7 +21,7 @@ program ar
       & process_type(12000_int64, [0.41_dp, 0.0_dp]), &
       & process_type(1000_int64, [0.98_dp, 0.0_dp]), &
       & process_type(1000_int64, [1.2_dp, -0.5_dp])]
-   character(4), parameter :: methods(4) = ["yw  ", "burg", "ols ", "mcov"]
+   character(4), parameter :: methods(3) = ["yw  ", "burg", "ols "]
 
    integer :: records, i
 

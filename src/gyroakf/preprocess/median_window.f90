@@ -3,7 +3,7 @@
 !>
 !> A value that leaves and one that enters cost two binary searches and one shift of what lies between them; the shift moves
 !> eight bytes a value at the speed of memory, which up to some thousand values is cheaper than any tree.
-module gyroakf_preprocess_window
+module gyroakf_preprocess_median_window
    use gyroakf_kinds, only : dp
    implicit none (type, external)
    private
@@ -138,4 +138,4 @@ contains
       window_deviation = 0.5_dp*window_deviation + 0.5_dp*next
    end function window_deviation
 
-end module gyroakf_preprocess_window
+end module gyroakf_preprocess_median_window

@@ -1,0 +1,308 @@
+! SPDX-License-Identifier: MIT
+!> Outliers of a neighborhood: a sample is judged by the median and the MAD of a window around it.
+!>
+!> Two rules use it:
+!>
+!> - the Hampel filter judges every sample, in a window of 2k + 1. A window ends at the ends of the
+!>   record, as that of MATLAB's `hampel`. Missing samples are skipped; where fewer than k + 1 and
+!>   fewer than [[least_present]] of a window are present, its sample is not judged. Cost: O(log k)
+!>   searches and one shift of at most 16k bytes a sample. The threads share stretches of the record;
+!>   each window is exact, so the marks depend neither on the threads nor on the stretches;
+!> - `auto` judges those samples that exceed the limit of the record, in a window of 51. A sensor that
+!>   is disturbed for a second records the disturbance: its peaks exceed the limit of the quiet
+!>   record, but not that of their neighborhood. They are no errors of measurement, and in angle
+!>   increments, whose sum matters, marking only the peaks breaks the slope of -1.
+!>
+!> Source: Hampel, J. Amer. Stat. Assoc. 69 (1974) 383-393; Pearson et al., EURASIP J. Adv. Signal
+!> Process. 2016:87.
+module gyroakf_preprocess_local_outliers
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_threads, only : thread_count
+   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_preprocess_median_window, only : window_type, insert_value, remove_value, &
+      replace_value, window_median, window_deviation
+   implicit none (type, external)
+   private
+   public :: mark_hampel, mark_isolated, largest_half_width, least_present
+
+   !> Largest k
+   integer, parameter :: largest_half_width = 100000
+   !> Samples that a window must have at least; of the Hampel filter k + 1 where that is less
+   integer, parameter :: least_present = 11
+   !> Samples on either side in [[mark_isolated]]
+   integer(int64), parameter :: neighbors = 25
+   !> MAD of a normal distribution times this is its standard deviation: 1/Phi^-1(3/4)
+   real(dp), parameter :: mad_to_sigma = 1.4826022185056018_dp
+   !> Samples of a stretch, or so many windows where these are longer
+   integer(int64), parameter :: stretch_length = 16384, stretch_windows = 8
+   !> Work between two calls of progress; a step of the window costs 100 plus its length, in fifths of
+   !> a nanosecond
+   integer(int64), parameter :: progress_cost = 50000000
+
+contains
+
+   !> Marks the samples that stand out of their neighborhood.
+   !>
+   !> Marked is $$|x_i - m_i| > t\,\max(1.4826\,\mathrm{MAD}_i, f)$$ with the median m and the MAD of the window.
+   !> Outliers among the neighbors do not count as long as they are less than half of them. Memory: a
+   !> window for each of the stretches that are worked on at the same time, some times the threads.
+   subroutine mark_hampel(x, half_width, threshold, floor, inlier, changed, removed, error, valid, progress, keep)
+      !> Series: [n], finite; not modified
+      real(dp), intent(in), contiguous :: x(:)
+      !> k, 1 .. 100,000; about k samples in a row, at most, can be recognized as outliers
+      integer, intent(in) :: half_width
+      !> t in standard deviations, > 0
+      real(dp), intent(in) :: threshold
+      !> f, the least scale, >= 0: half a quantization step, so that a window on one level does not lose
+      !> all others
+      real(dp), intent(in) :: floor
+      !> 1 inlier, 0 outlier or missing: [n]; that of every present sample is set, the others stay
+      integer(int8), intent(inout), contiguous :: inlier(:)
+      !> Samples whose mark changed, and outliers now
+      integer(int64), intent(out) :: changed, removed
+      !> invalid_argument, no_memory, cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      !> Progress callback; may cancel
+      class(progress_type), intent(inout), optional :: progress
+      !> .true.: a mark stays, whatever the limit; .false. where it is absent
+      logical, intent(in), optional :: keep
+      type(window_type), allocatable :: window(:)
+      integer(int64) :: n, length, stretches, steps, part, first, last, done, judged, stretch
+      integer :: k
+      logical :: stay
+
+      changed = 0
+      removed = 0
+      n = size(x, kind=int64)
+      call check_arguments(n, half_width, threshold, floor, size(inlier, kind=int64), error, valid)
+      if (allocated(error)) return
+      stay = .false.
+      if (present(keep)) stay = keep
+      k = int(min(int(half_width, int64), n))                          ! a wider window has no sample more
+      length = max(stretch_length, stretch_windows*int(2*k + 1, int64))
+      stretches = (n + length - 1)/length
+      steps = length + 2*k
+      part = max(progress_cost/(100 + 2*k), 1_int64)
+      call make_windows(min(stretches, thread_count()*max(part/steps, 1_int64)), k, window, error)
+      if (allocated(error)) return
+      do first = 1, stretches, size(window, kind=int64)
+         last = min(first + size(window, kind=int64) - 1, stretches)
+         do done = 0, steps - 1, part
+            judged = (first - 1)*length + (last - first + 1)*max(done - 2*k, 0_int64)
+            call tell_progress("looking for outliers", min(judged, n), n, error, progress)
+            if (allocated(error)) return
+            !$omp parallel do if (n >= threads_from) default(shared) schedule(dynamic) &
+            !$omp& reduction(+:changed, removed)
+            do stretch = first, last
+               call judge_stretch(x, (stretch - 1)*length + 1, min(stretch*length, n), done, part, &
+                  & int(k, int64), threshold, floor, stay, window(stretch - first + 1), inlier, &
+                  & changed, removed, valid)
+            end do
+            !$omp end parallel do
+         end do
+      end do
+   end subroutine mark_hampel
+
+   !> Marks the samples beyond the limit that are beyond the threshold in their neighborhood too, and
+   !> unmarks the others.
+   !>
+   !> Marked is $$|x_i - c| > l$$ where also $$|x_i - m_i| > t\,\max(1.4826\,\mathrm{MAD}_i, f)$$ with median and MAD of the
+   !> present samples i-25 .. i+25. With fewer than [[least_present]] of these a sample is judged by
+   !> the record alone. Cost: one pass, and a sorted window of 51 for each sample beyond the limit.
+   subroutine mark_isolated(x, centre, limit, threshold, floor, keep, inlier, changed, removed, error, valid)
+      !> Residuals: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> c and l
+      real(dp), intent(in) :: centre, limit
+      !> t and f
+      real(dp), intent(in) :: threshold, floor
+      !> .true.: a mark stays, whatever the limit
+      logical, intent(in) :: keep
+      !> 1 inlier, 0 outlier or missing: [n]
+      integer(int8), intent(inout), contiguous :: inlier(:)
+      !> Samples whose mark changed, and outliers now
+      integer(int64), intent(out) :: changed, removed
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      type(window_type) :: window
+      integer(int64) :: n, i
+      integer :: chunk, bad, failed
+      logical :: outlier
+
+      n = size(x, kind=int64)
+      changed = 0
+      removed = 0
+      failed = 0
+      !$omp parallel if (n >= threads_from) default(shared) private(window, bad, i, outlier) &
+      !$omp& reduction(+:changed, removed, failed)
+      allocate (window%value(2*neighbors + 1), stat=bad)
+      failed = failed + abs(bad)
+      !$omp do schedule(dynamic)
+      do chunk = 1, chunk_count(n)
+         do i = chunk_first(n, chunk), chunk_last(n, chunk)
+            if (.not. is_present(i, valid)) cycle
+            outlier = abs(x(i) - centre) > limit .and. bad == 0
+            if (outlier) then
+               call fill_window(x, i, window, valid)
+               if (window%count >= least_present) then
+                  outlier = stands_out(window, x(i), threshold, floor)
+               end if
+            end if
+            call set_mark(outlier, keep, inlier(i), changed, removed)
+         end do
+      end do
+      !$omp end do
+      if (allocated(window%value)) deallocate (window%value)
+      !$omp end parallel
+      if (failed /= 0) call fatal_error(error, status%no_memory, "no memory for a window of neighbors")
+   end subroutine mark_isolated
+
+   subroutine check_arguments(n, half_width, threshold, floor, marks, error, valid)
+      integer(int64), intent(in) :: n, marks
+      integer, intent(in) :: half_width
+      real(dp), intent(in) :: threshold, floor
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8), intent(in), optional :: valid(:)
+      character(120) :: text
+      logical :: good
+
+      if (half_width < 1 .or. half_width > largest_half_width) then
+         write (text, '("the half-width of the window must be 1 .. ", i0, ", it is ", i0)') largest_half_width, half_width
+         call fatal_error(error, status%invalid_argument, trim(text))
+         return
+      end if
+      good = ieee_is_finite(threshold) .and. ieee_is_finite(floor)
+      if (good) good = threshold > 0.0_dp .and. floor >= 0.0_dp
+      if (.not. good) then
+         call fatal_error(error, status%invalid_argument, "the outlier threshold must be positive, the least scale not negative")
+         return
+      end if
+      good = marks == n
+      if (present(valid)) good = good .and. size(valid, kind=int64) == n
+      if (.not. good) call fatal_error(error, status%invalid_argument, "the mask and the series differ in length")
+   end subroutine check_arguments
+
+   !> Allocates the windows of the stretches that are worked on at the same time.
+   subroutine make_windows(number, half_width, window, error)
+      integer(int64), intent(in) :: number
+      integer, intent(in) :: half_width
+      type(window_type), allocatable, intent(out) :: window(:)
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: i
+      integer :: stat
+
+      allocate (window(number), stat=stat)
+      if (stat == 0) then
+         do i = 1, number
+            allocate (window(i)%value(2*half_width + 1), stat=stat)
+            if (stat /= 0) exit
+         end do
+      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the windows of the Hampel filter")
+   end subroutine make_windows
+
+   !> Some steps of the stretch first:last: in each a sample enters the window, and that in its middle,
+   !> if it is of the stretch, is judged. `done` steps were made before; last - first + 1 + 2k are all.
+   pure subroutine judge_stretch(x, first, last, done, steps, half_width, threshold, floor, keep, window, inlier, changed, &
+      & removed, valid)
+      real(dp), intent(in), contiguous :: x(:)
+      integer(int64), intent(in) :: first, last, done, steps, half_width
+      real(dp), intent(in) :: threshold, floor
+      logical, intent(in) :: keep
+      type(window_type), intent(inout) :: window
+      integer(int8), intent(inout), contiguous :: inlier(:)
+      integer(int64), intent(inout) :: changed, removed
+      integer(int8), intent(in), optional :: valid(:)
+      integer(int64) :: i, entering, begin
+      logical :: outlier
+
+      if (done == 0) window%count = 0
+      begin = max(first - half_width, 1_int64) + done
+      do entering = begin, min(begin + steps - 1, last + half_width)
+         i = entering - half_width
+         call advance(x, merge(i - half_width - 1, 0_int64, i > first), entering, window, valid)
+         if (i < first) cycle
+         if (.not. is_present(i, valid)) cycle
+         outlier = window%count >= min(int(half_width) + 1, least_present)
+         if (outlier) outlier = stands_out(window, x(i), threshold, floor)
+         call set_mark(outlier, keep, inlier(i), changed, removed)
+      end do
+   end subroutine judge_stretch
+
+   !> One sample leaves the window, one enters; those that are missing or beyond the record do neither.
+   pure subroutine advance(x, leaving, entering, window, valid)
+      real(dp), intent(in), contiguous :: x(:)
+      integer(int64), intent(in) :: leaving, entering
+      type(window_type), intent(inout) :: window
+      integer(int8), intent(in), optional :: valid(:)
+      logical :: out, in
+
+      out = leaving >= 1
+      if (out) out = is_present(leaving, valid)
+      in = entering <= size(x, kind=int64)
+      if (in) in = is_present(entering, valid)
+      if (out .and. in) then
+         call replace_value(window, x(leaving), x(entering))
+      else if (out) then
+         call remove_value(window, x(leaving))
+      else if (in) then
+         call insert_value(window, x(entering))
+      end if
+   end subroutine advance
+
+   !> The present samples around one.
+   pure subroutine fill_window(x, sample, window, valid)
+      real(dp), intent(in), contiguous :: x(:)
+      integer(int64), intent(in) :: sample
+      type(window_type), intent(inout) :: window
+      integer(int8), intent(in), optional :: valid(:)
+      integer(int64) :: i
+
+      window%count = 0
+      do i = max(sample - neighbors, 1_int64), min(sample + neighbors, size(x, kind=int64))
+         if (is_present(i, valid)) call insert_value(window, x(i))
+      end do
+   end subroutine fill_window
+
+   pure logical function is_present(i, valid)
+      integer(int64), intent(in) :: i
+      integer(int8), intent(in), optional :: valid(:)
+
+      is_present = .true.
+      if (present(valid)) is_present = valid(i) /= 0_int8
+   end function is_present
+
+   !> |x - median| > threshold max(1.4826 MAD, floor); the MAD only where the floor is exceeded.
+   pure logical function stands_out(window, x, threshold, floor)
+      type(window_type), intent(in) :: window
+      real(dp), intent(in) :: x, threshold, floor
+      real(dp) :: median
+
+      median = window_median(window)
+      stands_out = abs(x - median) > threshold*floor
+      if (.not. stands_out) return
+      stands_out = abs(x - median) > threshold*(mad_to_sigma*window_deviation(window, median))
+   end function stands_out
+
+   !> Marks a sample as outlier or inlier, and counts.
+   pure subroutine set_mark(outlier, keep, inlier, changed, removed)
+      logical, intent(in) :: outlier, keep
+      integer(int8), intent(inout) :: inlier
+      integer(int64), intent(inout) :: changed, removed
+      integer(int8) :: mark
+
+      mark = merge(0_int8, 1_int8, outlier)
+      if (keep) mark = min(mark, inlier)
+      if (mark == 0_int8) removed = removed + 1
+      if (mark /= inlier) changed = changed + 1
+      inlier = mark
+   end subroutine set_mark
+
+end module gyroakf_preprocess_local_outliers
