@@ -8,7 +8,7 @@ module gyroakf_app_cli
    use gyroakf_error, only : error_type
    use gyroakf_app_argument, only : argument_list
    use gyroakf_pipeline, only : apply_preset
-   use gyroakf_simulate_record, only : paper_preset
+   use gyroakf_simulate_simulate_record, only : paper_preset
    use gyroakf_app_check, only : check_job
    use gyroakf_app_config, only : cli_config, text_config, reading_config, analysis_config, simulate_config, new_config
    use gyroakf_app_config_file, only : add_config, config_text

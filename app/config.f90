@@ -5,7 +5,7 @@ module gyroakf_app_config
    use gyroakf_pipeline, only : pipeline_options
    use gyroakf_record, only : text_type
    use gyroakf_report_files, only : series_output_type
-   use gyroakf_simulate_record, only : simulate_options
+   use gyroakf_simulate_simulate_record, only : simulate_options
    implicit none (type, external)
    private
    public :: cli_config, text_config, reading_config, inspect_config, analysis_config, simulate_config, selftest_config

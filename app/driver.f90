@@ -10,9 +10,9 @@ module gyroakf_app_driver
    use gyroakf_io_writer, only : writer_type, open_writer, put, commit_writer
    use gyroakf_pipeline, only : pipeline_result_type
    use gyroakf_record, only : record_type, text_type
-   use gyroakf_report_selftest, only : report_selftest, selftest_sum
+   use gyroakf_report_selftest_report, only : report_selftest, selftest_sum
    use gyroakf_selftest, only : run_selftest, selftest_type
-   use gyroakf_simulate_record, only : simulate_record
+   use gyroakf_simulate_simulate_record, only : simulate_record
    use gyroakf_app_argument, only : argument_list, process_source, read_arguments
    use gyroakf_app_check, only : check_existing
    use gyroakf_app_cli, only : get_config

@@ -13,7 +13,7 @@ module gyroakf_app_job
    use gyroakf_report_files, only : write_results
    use gyroakf_report_kalibr, only : write_kalibr
    use gyroakf_report_latex, only : write_latex
-   use gyroakf_report_text, only : write_report, report_inspect
+   use gyroakf_report_text_report, only : write_report, report_inspect
    use gyroakf_app_config, only : analysis_config, inspect_config
    use gyroakf_app_gnuplot, only : draw_figures
    use gyroakf_app_page, only : make_page

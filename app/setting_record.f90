@@ -4,7 +4,7 @@ module gyroakf_app_setting_record
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_number, only : parse_number, number
-   use gyroakf_simulate_record, only : simulate_options
+   use gyroakf_simulate_simulate_record, only : simulate_options
    use gyroakf_units, only : term_names
    use gyroakf_app_config, only : simulate_config
    use gyroakf_app_option, only : option_type

@@ -9,7 +9,7 @@
 # explicit length. Nor is lgamma called (by the intrinsic log_gamma), which writes a variable of the whole program.
 set -u
 cd "$(dirname "$0")/.." || exit 1
-newest=$(find "${1:-build}" -name 'src_gyroakf_c_api_support.f90.o' -printf '%T@ %h\n' 2>/dev/null | sort -n | tail -n 1)
+newest=$(find "${1:-build}" -name 'src_gyroakf_c_api_c_support.f90.o' -printf '%T@ %h\n' 2>/dev/null | sort -n | tail -n 1)
 [ -n "$newest" ] || { echo "no objects of the library: build it first"; exit 1; }
 directory=${newest#* }
 echo "objects of $directory"

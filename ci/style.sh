@@ -69,15 +69,20 @@ files '*.c' '*.h' '*.cpp' '*.sh' | each awk '
   FNR <= 3 && /SPDX-License-Identifier: MIT/ { licensed = 1 }
   END { judge() }' | rule "every C and C++ file and script has its licence"
 
-# foundations < io, simulate < the methods < pipeline < selftest < report < c_api
+# foundations < stats < io, simulate < preprocess < series < ar < allan < filter < pipeline < selftest < report < c_api
 level() { # MODULE: sets level
   case $1 in
-    gyroakf_c_api*) level=6 ;;
-    gyroakf_report*) level=5 ;;
-    gyroakf_selftest*) level=4 ;;
-    gyroakf_pipeline*) level=3 ;;
-    gyroakf_preprocess* | gyroakf_series* | gyroakf_ar | gyroakf_ar_* | gyroakf_allan* | gyroakf_filter*) level=2 ;;
-    gyroakf_io* | gyroakf_simulate*) level=1 ;;
+    gyroakf_c_api_*) level=11 ;;
+    gyroakf_report_*) level=10 ;;
+    gyroakf_selftest) level=9 ;;
+    gyroakf_pipeline*) level=8 ;;
+    gyroakf_filter_*) level=7 ;;
+    gyroakf_allan_*) level=6 ;;
+    gyroakf_ar_*) level=5 ;;
+    gyroakf_series_*) level=4 ;;
+    gyroakf_preprocess_*) level=3 ;;
+    gyroakf_io_* | gyroakf_simulate_*) level=2 ;;
+    gyroakf_stats_*) level=1 ;;
     *) level=0 ;;
   esac
 }
@@ -88,7 +93,8 @@ sed -nE 's/^src\/([^:]*)\.f90:[0-9]+: *use *(, *non_intrinsic *)?(::)? *(gyroakf
     level "$own"; mine=$level
     level "$used"
     [ "$mine" -ge "$level" ] || echo "src/$path.f90 uses $used"
-  done | rule "a module uses only its own layer and lower ones"
+  done | rule "a module uses only its own folder and those to its left"
+files 'src/*.f90' | sed 's|.*/||' | sort | uniq -d | rule "no two files of src/ have one name"
 
 files '*.f90' '*.c' '*.h' '*.cpp' '*.sh' '*.toml' '*.md' 'setup.sh' | grep -v '^test/data/' |
   each grep -HnE "[[:space:]]+\$|$(printf '\t')" | rule "no tabs, no blanks at the end of a line"

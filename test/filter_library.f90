@@ -3,7 +3,7 @@
 module filter_library
    use gyroakf_kinds, only : dp, int64
    use gyroakf_lapack, only : dpotrf, dpotrs
-   use gyroakf_simulate_random, only : random_type, seed_random, fill_normal
+   use gyroakf_random, only : random_type, seed_random, fill_normal
    implicit none (type, external)
    private
    public :: fill_noise, make_series, companion_matrix, dense_filter, dense_gaussian, paper_phi

@@ -4,7 +4,7 @@ module pipeline_runs
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : gyro_error => error_type
    use gyroakf_record, only : record_type
-   use gyroakf_simulate_record, only : simulate_options, simulate_record, paper_preset, paper_seed
+   use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record, paper_preset, paper_seed
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, channel_result_type, run_pipeline
    implicit none (type, external)
    private

@@ -6,7 +6,7 @@ module report_fixture
    use gyroakf_units, only : parse_unit
    use gyroakf_error, only : gyro_error => error_type
    use gyroakf_io_writer, only : writer_type, open_writer, commit_writer
-   use gyroakf_filter_series, only : filter_result_type
+   use gyroakf_filter_filter_series, only : filter_result_type
    use gyroakf_allan_read_off, only : read_off_type
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, stage
    use gyroakf_pipeline_coefficients, only : state_noise, state_read_off, compare_coefficients

@@ -9,7 +9,7 @@ module test_adf
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_lapack, only : dgels
    use gyroakf_series_mackinnon, only : critical_values, p_value
-   use gyroakf_series_stationarity, only : adf_options, adf_type, default_max_lags, run_adf => test_adf
+   use gyroakf_series_adf, only : adf_options, adf_type, default_max_lags, run_adf => test_adf
    use series_library, only : reference_series, reference_names
    use adf_reference, only : exact_lag, exact_statistic, exact_level, exact_variance, exact_p, exact_criterion
    use testdrive, only : check, error_type, new_unittest, unittest_type

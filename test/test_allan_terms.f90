@@ -9,7 +9,7 @@ module test_allan_terms
    use gyroakf_allan_noise_model, only : model_shape, model_variance, noise_model_type
    use gyroakf_allan_record_length, only : never, record_to_see
    use gyroakf_record, only : record_type
-   use gyroakf_simulate_record, only : simulate_options, simulate_record
+   use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record
    use allan_series, only : normal_series
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)

@@ -4,7 +4,7 @@
 module test_anderson
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_series_anderson_darling, only : anderson_darling_options, anderson_darling_type, test_anderson_darling, &
+   use gyroakf_stats_anderson_darling, only : anderson_darling_options, anderson_darling_type, test_anderson_darling, &
       & anderson_darling_p, rounding_statistic
    use series_library, only : reference_series, reference_names
    use testdrive, only : check, error_type, new_unittest, unittest_type

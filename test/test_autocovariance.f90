@@ -6,7 +6,7 @@ module test_autocovariance
    use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_ar_autocovariance, only : compute_autocovariance, residual_autocovariance
+   use gyroakf_stats_autocovariance, only : compute_autocovariance, residual_autocovariance
    use series_library, only : reference_series, reference_names
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)

@@ -4,7 +4,7 @@ module test_burg
    use expectations, only : check_refused
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_ar_autocovariance, only : series_mean
+   use gyroakf_stats_autocovariance, only : series_mean
    use gyroakf_ar_burg, only : burg_type, compute_burg
    use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
    use ar_reference, only : burg_phi, burg_residual, burg_variance

@@ -5,7 +5,7 @@ module test_clean
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
-   use gyroakf_preprocess_trend, only : evaluate_trend
+   use gyroakf_stats_trend, only : evaluate_trend
    use series_library, only : reference_series
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)

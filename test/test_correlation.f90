@@ -4,10 +4,10 @@ module test_correlation
    use expectations, only : check_refused
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_ar_autocovariance, only : compute_autocovariance
+   use gyroakf_stats_autocovariance, only : compute_autocovariance
    use gyroakf_ar_levinson, only : solve_levinson
-   use gyroakf_series_correlation, only : correlation_type, compute_correlation, correlation_of
-   use gyroakf_series_whiteness, only : ljung_box_type, test_ljung_box
+   use gyroakf_stats_correlation, only : correlation_type, compute_correlation, correlation_of
+   use gyroakf_stats_whiteness, only : ljung_box_type, test_ljung_box
    use series_library, only : reference_series
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)

@@ -8,7 +8,7 @@ module test_design
       adaptive_drift
    use gyroakf_filter_drift_identification, only : drift_identification_options, drift_identification_type, identify_drift_model
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, run_filter
-   use gyroakf_filter_series, only : filter_result_type, filter_series
+   use gyroakf_filter_filter_series, only : filter_result_type, filter_series
    use filter_library, only : fill_noise, make_series, paper_phi
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)

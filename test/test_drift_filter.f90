@@ -8,7 +8,7 @@ module test_drift_filter
    use gyroakf_filter_drift_filter, only : new_drift_filter
    use gyroakf_filter_drift_steady, only : drift_dc_gain, steady_drift_gain
    use gyroakf_filter_kalman, only : filter_options, filter_type, step_filter, run_filter, freeze_filter
-   use gyroakf_filter_series, only : filter_result_type, filter_series
+   use gyroakf_filter_filter_series, only : filter_result_type, filter_series
    use gyroakf_lapack, only : dpotrf, dpotrs
    use drift_filter_cases, only : adaptive, make, make_data, rounding, some_model
    use filter_library, only : fill_noise

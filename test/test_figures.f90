@@ -9,7 +9,7 @@ module test_figures
    use gyroakf_record, only : record_type, text_type
    use gyroakf_report_figures, only : figure_formats, figure_kinds, write_figures
    use gyroakf_report_files, only : existing_result, result_files, write_results
-   use gyroakf_simulate_record, only : simulate_options, simulate_record
+   use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record
    use scratch_file, only : file_exists, read_bytes, remove_file, remove_folder, scratch_path
    implicit none (type, external)
    private

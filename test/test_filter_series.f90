@@ -4,12 +4,12 @@ module test_filter_series
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_ar_autocovariance, only : compute_autocovariance
+   use gyroakf_stats_autocovariance, only : compute_autocovariance
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, run_filter
-   use gyroakf_filter_series, only : filter_result_type, filter_series
+   use gyroakf_filter_filter_series, only : filter_result_type, filter_series
    use gyroakf_filter_trace, only : most_stretches, variance_step
    use gyroakf_filter_lag_sums, only : lag_sums_type, start_lag_sums, add_block, autocovariance_of, longest_lag
-   use gyroakf_series_whiteness, only : ljung_box_type, test_ljung_box
+   use gyroakf_stats_whiteness, only : ljung_box_type, test_ljung_box
    use filter_library, only : fill_noise, make_series, paper_phi
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)

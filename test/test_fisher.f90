@@ -4,7 +4,7 @@
 module test_fisher
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_series_fisher, only : fisher_type, test_fisher_g, fisher_tail
+   use gyroakf_stats_fisher, only : fisher_type, test_fisher_g, fisher_tail
    use series_library, only : reference_series, reference_names
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)

@@ -3,9 +3,9 @@
 module test_histogram
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_series_moments, only : moments_type, compute_moments
-   use gyroakf_series_histogram, only : histogram_options, histogram_type, compute_histogram
-   use gyroakf_series_bin_counts, only : find_quartiles
+   use gyroakf_stats_moments, only : moments_type, compute_moments
+   use gyroakf_stats_histogram, only : histogram_options, histogram_type, compute_histogram
+   use gyroakf_stats_bin_counts, only : find_quartiles
    use series_library, only : reference_series
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)

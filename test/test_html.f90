@@ -11,9 +11,9 @@ module test_html
    use gyroakf_report_html_figure, only : drawn_by, html_figure
    use gyroakf_report_html_markup, only : close_list, put_escaped, put_number_attribute
    use gyroakf_report_html_page, only : drawings_type, page_about_type, write_page
-   use gyroakf_report_layout, only : put_heading, put_item, put_paragraph, put_point
+   use gyroakf_report_text_layout, only : put_heading, put_item, put_paragraph, put_point
    use gyroakf_report_summary, only : summarise, summary_row_type
-   use gyroakf_report_table, only : new_table, put_table, set_cell, set_exact, table_type
+   use gyroakf_report_text_table, only : new_table, put_table, set_cell, set_exact, table_type
    use report_fixture, only : begin_text, end_text, make_record, make_result
    use scratch_file, only : remove_file, scratch_path, write_bytes
    use testdrive, only : check, error_type, new_unittest, unittest_type

@@ -7,7 +7,7 @@ module test_kpss
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_series_kpss, only : kpss_options, kpss_type, kpss_of => test_kpss
-   use gyroakf_series_bridge, only : bridge_survival
+   use gyroakf_stats_bridge, only : bridge_survival
    use series_library, only : reference_series, reference_names
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)

@@ -11,8 +11,8 @@ module test_legacy
    use gyroakf_c_api_legacy, only : gyadev, gyadft, gyarft, gynfit
    use gyroakf_c_api_legacy_filter, only : gyffrz, gyfget, gyfini, gyfrun, gyfstp
    use gyroakf_filter_kalman, only : filter_options, filter_type, freeze_filter, new_filter, step_filter
-   use gyroakf_series_stationarity, only : adf_options, adf_type, test_adf
-   use gyroakf_simulate_random, only : fill_normal, random_type, seed_random
+   use gyroakf_series_adf, only : adf_options, adf_type, test_adf
+   use gyroakf_random, only : fill_normal, random_type, seed_random
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    implicit none (type, external)
    private

@@ -4,7 +4,7 @@
 module test_levinson
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_ar_autocovariance, only : compute_autocovariance
+   use gyroakf_stats_autocovariance, only : compute_autocovariance
    use gyroakf_ar_levinson, only : solve_levinson
    use gyroakf_lapack, only : dposv
    use series_library, only : reference_series, reference_names

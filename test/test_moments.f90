@@ -3,7 +3,7 @@
 !> the series (series_library, 1000 samples each) and rounded once.
 module test_moments
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_series_moments, only : moments_type, compute_moments, join_moments
+   use gyroakf_stats_moments, only : moments_type, compute_moments, join_moments
    use series_library, only : reference_series, reference_names
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)

@@ -4,10 +4,10 @@
 module test_normality
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_pipeline_distribution, only : run_distribution
+   use gyroakf_pipeline_channel_distribution, only : run_distribution
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_options
-   use gyroakf_series_moments, only : moments_type, compute_moments
-   use gyroakf_series_normality, only : jarque_bera_type, test_jarque_bera, skewness_error, &
+   use gyroakf_stats_moments, only : moments_type, compute_moments
+   use gyroakf_stats_normality, only : jarque_bera_type, test_jarque_bera, skewness_error, &
       & kurtosis_error, judge_normality
    use series_library, only : reference_series, reference_names
    use testdrive, only : check, error_type, new_unittest, unittest_type

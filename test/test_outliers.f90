@@ -3,9 +3,10 @@
 module test_outliers
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_preprocess_outliers, only : check_method, default_threshold, length_threshold, mark_outliers, &
-      & quantisation_step, robust_centre
-   use gyroakf_preprocess_select, only : find_deviation, find_median
+   use gyroakf_preprocess_outlier_rules, only : check_method, default_threshold, length_threshold, mark_outliers, &
+      & robust_centre
+   use gyroakf_stats_quantization, only : quantisation_step
+   use gyroakf_select, only : find_deviation, find_median
    use series_library, only : reference_series
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)

@@ -5,9 +5,9 @@ module test_periodicity
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_ar_model, only : ar_model_type
-   use gyroakf_simulate_random, only : random_type, seed_random, fill_normal
-   use gyroakf_series_fisher, only : fisher_type, test_fisher_g
-   use gyroakf_series_periodicity, only : periodicity_options, periodicity_type, analyse_periodicity, &
+   use gyroakf_random, only : random_type, seed_random, fill_normal
+   use gyroakf_stats_fisher, only : fisher_type, test_fisher_g
+   use gyroakf_ar_periodicity, only : periodicity_options, periodicity_type, analyse_periodicity, &
       whiten_series, even_length
    use series_library, only : reference_series
    use testdrive, only : check, error_type, new_unittest, unittest_type

@@ -7,8 +7,8 @@ module test_pipeline
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type
    use gyroakf_record, only : record_type
-   use gyroakf_simulate_record, only : simulate_options, simulate_record, paper_preset, paper_seed
-   use gyroakf_series_differences, only : difference_variance
+   use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record, paper_preset, paper_seed
+   use gyroakf_stats_differences, only : difference_variance
    use gyroakf_ar_model, only : ar_model_type
    use gyroakf_filter_design, only : design_kf, design_akf
    use gyroakf_filter_kalman, only : filter_type

@@ -5,7 +5,7 @@ module test_pipeline_drift
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : gyro_error => error_type
    use gyroakf_record, only : record_type
-   use gyroakf_simulate_record, only : simulate_options, simulate_record
+   use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, stage
    use pipeline_runs, only : paper_record, run, variance, walking_record
    implicit none (type, external)

@@ -6,7 +6,7 @@ module test_pipeline_limits
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_record, only : record_type
    use gyroakf_units, only : parse_unit
-   use gyroakf_simulate_record, only : simulate_options, simulate_record
+   use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, stage, apply_preset, run_pipeline
    use pipeline_runs, only : paper_record, run
    implicit none (type, external)

@@ -9,7 +9,7 @@ module test_progress
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, run_pipeline
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_record, only : record_type
-   use gyroakf_simulate_record, only : paper_preset, paper_seed, simulate_record
+   use gyroakf_simulate_simulate_record, only : paper_preset, paper_seed, simulate_record
    implicit none (type, external)
    private
    public :: collect_progress

@@ -3,8 +3,8 @@
 module test_quantisation
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_series_quantisation, only : quantisation_type, find_quantisation
-   use gyroakf_series_moments, only : moments_type, compute_moments
+   use gyroakf_stats_quantization, only : quantisation_type, find_quantisation
+   use gyroakf_stats_moments, only : moments_type, compute_moments
    use series_library, only : reference_series
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)

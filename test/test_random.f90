@@ -3,7 +3,7 @@
 module test_random
    use testdrive, only : error_type, unittest_type, new_unittest, check
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_simulate_random, only : random_type, seed_random, next_bits, next_uniform, next_normal, fill_normal
+   use gyroakf_random, only : random_type, seed_random, next_bits, next_uniform, next_normal, fill_normal
    implicit none (type, external)
    private
    public :: collect_random

@@ -9,7 +9,7 @@ module test_raw
    use gyroakf_io_element, only : element_name, element_type, element_word, parse_element
    use gyroakf_io_reader, only : read_record, reader_options
    use gyroakf_io_recording, only : close_recording, next_rows, open_recording, recording_type
-   use gyroakf_io_scan, only : all_sound, scan_extremes
+   use gyroakf_stats_extremes, only : all_sound, scan_extremes
    use gyroakf_io_system, only : read_at
    use gyroakf_record, only : record_type
    use scratch_file, only : remove_file, scratch_path, write_bytes

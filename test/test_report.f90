@@ -8,10 +8,10 @@ module test_report
    use gyroakf_units, only : unit_type, parse_unit
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
-   use gyroakf_report_layout, only : put_item, put_heading, report_width, fixed, scientific, p_value_text, plural
-   use gyroakf_report_table, only : table_type, new_table, set_cell, put_table
+   use gyroakf_report_text_layout, only : put_item, put_heading, report_width, fixed, scientific, p_value_text, plural
+   use gyroakf_report_text_table, only : table_type, new_table, set_cell, put_table
    use gyroakf_utf8, only : text_width
-   use gyroakf_report_text, only : write_report, report_inspect
+   use gyroakf_report_text_report, only : write_report, report_inspect
    use gyroakf_report_document, only : write_document
    use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, series_output_type
    use json_reader, only : json_item, read_json, json_text_at, json_real, check_schema, file_text

@@ -7,7 +7,7 @@ module test_report_models
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_options, pipeline_result_type
    use gyroakf_record, only : record_type
    use gyroakf_report_document, only : write_document
-   use gyroakf_report_text, only : write_report
+   use gyroakf_report_text_report, only : write_report
    use json_reader, only : check_schema, file_text, json_item, json_real, json_text_at, read_json
    use report_fixture, only : begin_text, end_text, make_record, make_result
    implicit none (type, external)

@@ -5,7 +5,7 @@ module test_selftest
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : gyro_error => error_type, fatal_error, status
    use gyroakf_io_writer, only : commit_writer, open_writer, writer_type
-   use gyroakf_report_selftest, only : report_selftest, selftest_sum
+   use gyroakf_report_selftest_report, only : report_selftest, selftest_sum
    use gyroakf_selftest, only : add_check, run_selftest, selftest_type
    use json_reader, only : file_text
    use scratch_file, only : scratch_path, remove_file

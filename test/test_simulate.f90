@@ -6,9 +6,9 @@ module test_simulate
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_record, only : record_type, text_type, add_text
    use gyroakf_io_record_writer, only : write_record
-   use gyroakf_simulate_random, only : random_type, seed_random
+   use gyroakf_random, only : random_type, seed_random
    use gyroakf_simulate_noise, only : add_autoregressive
-   use gyroakf_simulate_record, only : simulate_options, simulate_record, paper_preset, paper_seed
+   use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record, paper_preset, paper_seed
    use scratch_file, only : scratch_path, read_bytes, remove_file
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan, ieee_overflow, ieee_set_flag, ieee_get_halting_mode, &
       & ieee_set_halting_mode

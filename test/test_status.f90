@@ -14,8 +14,8 @@ module test_status
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, run_pipeline
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
-   use gyroakf_series_stationarity, only : adf_options, adf_type, test_adf
-   use gyroakf_simulate_record, only : simulate_options, simulate_record
+   use gyroakf_series_adf, only : adf_options, adf_type, test_adf
+   use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record
    use scratch_file, only : remove_file, scratch_path, write_bytes
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)

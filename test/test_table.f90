@@ -3,9 +3,9 @@
 module test_table
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_io_writer, only : writer_type
-   use gyroakf_report_layout, only : put_heading, put_item, put_point, report_width
+   use gyroakf_report_text_layout, only : put_heading, put_item, put_point, report_width
    use gyroakf_report_sign, only : to_unicode
-   use gyroakf_report_table, only : cell_line, cell_lines, new_table, put_table, set_cell, set_row, table_type
+   use gyroakf_report_text_table, only : cell_line, cell_lines, new_table, put_table, set_cell, set_row, table_type
    use report_fixture, only : begin_text, end_text
    implicit none (type, external)
    private

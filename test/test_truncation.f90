@@ -4,7 +4,7 @@ module test_truncation
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
-   use gyroakf_preprocess_outliers, only : length_threshold
+   use gyroakf_preprocess_outlier_rules, only : length_threshold
    use gyroakf_preprocess_truncation, only : expected_false_alarms, final_cut, hampel_share, isolated_share, &
       & normal_share_beyond, truncated_deviation
    use series_library, only : reference_series

@@ -4,11 +4,11 @@ module test_truth
    use expectations, only : check_refused
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_preprocess_trend, only : evaluate_trend
+   use gyroakf_stats_trend, only : evaluate_trend
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_record, only : record_type
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, run_pipeline
-   use gyroakf_simulate_record, only : simulate_options, simulate_record
+   use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record
    use gyroakf_units, only : parse_unit
    implicit none (type, external)
    private

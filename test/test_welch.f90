@@ -4,7 +4,7 @@ module test_welch
    use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_series_welch, only : welch_options, welch_type, welch_spectrum, default_segment
+   use gyroakf_stats_welch, only : welch_options, welch_type, welch_spectrum, default_segment
    use series_library, only : reference_series
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)

@@ -4,8 +4,8 @@
 module test_whiteness
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_ar_autocovariance, only : compute_autocovariance
-   use gyroakf_series_whiteness, only : ljung_box_type, test_ljung_box, ljung_box_of, default_lags
+   use gyroakf_stats_autocovariance, only : compute_autocovariance
+   use gyroakf_stats_whiteness, only : ljung_box_type, test_ljung_box, ljung_box_of, default_lags
    use series_library, only : reference_series, reference_names
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)

@@ -9,7 +9,7 @@
 set -eu
 cd "$(dirname "$0")/../.."
 out=build/fuzz
-top=gyroakf_c_api_record
+top=gyroakf_c_api_c_record
 die() { echo "fuzz: $*" >&2; exit 1; }
 
 clang=$(ci/fuzz/clang.sh) || die "there is no clang with libFuzzer; GYROAKF_FUZZ=1 ./setup.sh installs one"
@@ -42,7 +42,7 @@ visit() {
   while read -r used; do visit "$used"; done < <(sed -nE 's/^ *use *(, *non_intrinsic *)?(::)? *(gyroakf[a-z0-9_]*).*/\3/p' "$file" | sort -u)
   order+=("$file")
 }
-visit gyroakf_c_api_release
+visit gyroakf_c_api_c_release
 visit $top
 
 flags="-O1 -g -fopenmp -ffp-contract=off -fno-omit-frame-pointer -fno-sanitize-recover=all -fsanitize-coverage=trace-pc"

@@ -58,7 +58,7 @@ newest_sanitized() {
       if nm "$object" | grep -q __asan_; then echo "$object"; break; fi
     done
 }
-sanitized=$(newest_sanitized src_gyroakf_c_api_support.f90.o)
+sanitized=$(newest_sanitized src_gyroakf_c_api_c_support.f90.o)
 sanitized=${sanitized%/*}
 host=$(newest_sanitized src_gyroakf_c_api_host.c.o)       # fpm keeps the objects of C apart
 if [ -n "$sanitized" ] && [ -n "$host" ]; then

@@ -17,7 +17,7 @@ module gyroakf_pipeline
       allan_result_type, stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, &
       drift_process_type, stage, stage_names
    use gyroakf_pipeline_channel, only : run_channel
-   use gyroakf_pipeline_periodicity, only : longest_part, longest_segment
+   use gyroakf_pipeline_channel_periodicity, only : longest_part, longest_segment
    use gyroakf_pipeline_channel_progress, only : channel_progress_type
    use gyroakf_pipeline_truth, only : check_truth, take_truth
    use gyroakf_pipeline_warnings, only : is_of_channel, note_failure

@@ -11,12 +11,12 @@ module gyroakf_selftest
    use gyroakf_error, only : error_type
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
    use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
-   use gyroakf_series_fisher, only : fisher_type, test_fisher_g
+   use gyroakf_stats_fisher, only : fisher_type, test_fisher_g
    use gyroakf_series_kpss, only : kpss_options, kpss_type, test_kpss
-   use gyroakf_series_moments, only : compute_moments, moments_type
-   use gyroakf_series_normality, only : jarque_bera_type, test_jarque_bera
-   use gyroakf_series_stationarity, only : adf_options, adf_type, test_adf
-   use gyroakf_series_whiteness, only : ljung_box_type, test_ljung_box
+   use gyroakf_stats_moments, only : compute_moments, moments_type
+   use gyroakf_stats_normality, only : jarque_bera_type, test_jarque_bera
+   use gyroakf_series_adf, only : adf_options, adf_type, test_adf
+   use gyroakf_stats_whiteness, only : ljung_box_type, test_ljung_box
    implicit none (type, external)
    private
    public :: selftest_check_type, selftest_type, run_selftest, add_check

@@ -3,7 +3,7 @@
 program bench_filter
    use, intrinsic :: iso_fortran_env, only : int64
    use gyroakf, only : dp, error_type, filter_options, filter_type, new_filter, run_filter, component_model_type, new_drift_filter
-   use gyroakf_simulate_random, only : random_type, seed_random, fill_normal
+   use gyroakf_random, only : random_type, seed_random, fill_normal
    implicit none (type, external)
    integer, parameter :: samples = 1000000, runs = 15
 

@@ -12,7 +12,7 @@ program rotation
    use gyroakf, only : design_akf, design_kf, design_options, dp, error_type, filter_options, filter_type, freeze_filter, &
       & new_drift_filter, run_filter
    use gyroakf_kinds, only : int8
-   use gyroakf_series_differences, only : difference_variance
+   use gyroakf_stats_differences, only : difference_variance
    use filter_truth_cases, only : make_world, sample_interval, samples, world_type
    use filter_truth_figures, only : median, moving_averages, table_head, table_row
    use filter_truth_methods, only : drift_akf_options, prepare, prepared_type

@@ -10,7 +10,7 @@ program stability
    use, intrinsic :: iso_fortran_env, only : int64, output_unit
    use gyroakf, only : ar_model_type, ar_options, component_model_type, dp, error_type, filter_options, filter_type, fit_ar, &
       & new_drift_filter, new_filter, run_filter
-   use gyroakf_series_differences, only : difference_variance
+   use gyroakf_stats_differences, only : difference_variance
    use filter_truth_cases, only : make_world, world_type
    use filter_truth_figures, only : table_head, table_row
    implicit none (type, external)

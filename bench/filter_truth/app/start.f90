@@ -5,7 +5,7 @@
 program start
    use, intrinsic :: iso_fortran_env, only : output_unit
    use gyroakf, only : component_model_type, dp, error_type, filter_options, filter_type, new_drift_filter, new_filter, run_filter
-   use gyroakf_series_differences, only : difference_variance
+   use gyroakf_stats_differences, only : difference_variance
    use filter_truth_cases, only : make_world, samples, world_type
    use filter_truth_figures, only : median, quantile, root_mean_square, table_head, table_row
    use filter_truth_oracle, only : ask_oracle

@@ -15,7 +15,7 @@ module filter_truth_innovation_window
    use gyroakf_filter_components, only : check_components, component_model_type, component_state_type, correct_components, &
       predict_components, start_components
    use gyroakf_filter_measurement, only : is_sample
-   use gyroakf_filter_types, only : filter_options
+   use gyroakf_filter_filter_types, only : filter_options
    implicit none (type, external)
    private
    public :: innovation_window_options, filter_innovation_window

@@ -9,7 +9,7 @@ module filter_truth_methods
    use filter_truth_innovation_window, only : filter_innovation_window, innovation_window_options
    use filter_truth_variational_bayes, only : filter_variational_bayes, variational_options
    use gyroakf_kinds, only : int8
-   use gyroakf_series_differences, only : difference_variance
+   use gyroakf_stats_differences, only : difference_variance
    implicit none (type, external)
    private
    public :: method_names, methods, is_causal, is_filter, judged_type, prepared_type, prepare, run_method, drift_akf_options

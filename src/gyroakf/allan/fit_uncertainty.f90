@@ -3,7 +3,7 @@
 module gyroakf_allan_fit_uncertainty
    use gyroakf_kinds, only : dp, int64
    use gyroakf_lapack, only : dgels, dposv, dpotrf, dpotri, dpotrs, dsyev
-   use gyroakf_simulate_random, only : fill_normal, random_type, seed_random
+   use gyroakf_random, only : fill_normal, random_type, seed_random
    implicit none (type, external)
    private
    public :: sandwich_covariance, draw_estimates

@@ -10,7 +10,7 @@ module gyroakf_ar_complete_rows
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_chunks, only : chunk_group, block_length, threads_from, chunk_count, chunk_first, chunk_last
-   use gyroakf_ar_autocovariance, only : add_lagged_products
+   use gyroakf_stats_autocovariance, only : add_lagged_products
    implicit none (type, external)
    private
    public :: row_gram_type, build_row_gram, load_rows

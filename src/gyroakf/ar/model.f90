@@ -5,8 +5,8 @@ module gyroakf_ar_model
    use gyroakf_progress, only : progress_type
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_lapack, only : dpotrf, dpotri
-   use gyroakf_ar_shared_autocovariance, only : autocovariance_type
-   use gyroakf_ar_autocovariance, only : compute_autocovariance, series_mean
+   use gyroakf_stats_shared_autocovariance, only : autocovariance_type
+   use gyroakf_stats_autocovariance, only : compute_autocovariance, series_mean
    use gyroakf_ar_burg, only : burg_type, compute_burg
    use gyroakf_ar_complete_rows, only : row_gram_type, build_row_gram
    use gyroakf_ar_criteria, only : ar_order_type, order_criteria, criterion_number, best_order
@@ -14,11 +14,11 @@ module gyroakf_ar_model
    use gyroakf_ar_levinson, only : solve_levinson
    use gyroakf_ar_residuals, only : analyse_residuals
    use gyroakf_ar_roots, only : find_ar_roots, largest_modulus
-   use gyroakf_ar_types, only : ar_options, ar_model_type, check_options, check_length
-   use gyroakf_series_correlation, only : correlation_of
-   use gyroakf_series_moments, only : moments_type
-   use gyroakf_series_normality, only : test_jarque_bera
-   use gyroakf_series_whiteness, only : ljung_box_of
+   use gyroakf_ar_ar_types, only : ar_options, ar_model_type, check_options, check_length
+   use gyroakf_stats_correlation, only : correlation_of
+   use gyroakf_stats_moments, only : moments_type
+   use gyroakf_stats_normality, only : test_jarque_bera
+   use gyroakf_stats_whiteness, only : ljung_box_of
    implicit none (type, external)
    private
    public :: ar_options, ar_order_type, ar_model_type, fit_ar

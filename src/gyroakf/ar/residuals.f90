@@ -5,9 +5,9 @@ module gyroakf_ar_residuals
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_chunks, only : chunk_group, block_length, threads_from, chunk_count, chunk_first, chunk_last
-   use gyroakf_series_moments, only : moments_type, compute_moments, join_moments
-   use gyroakf_ar_lagged_products, only : add_lagged_products
-   use gyroakf_ar_residual_block, only : residual_block
+   use gyroakf_stats_moments, only : moments_type, compute_moments, join_moments
+   use gyroakf_stats_lagged_products, only : add_lagged_products
+   use gyroakf_stats_residual_block, only : residual_block
    implicit none (type, external)
    private
    public :: analyse_residuals

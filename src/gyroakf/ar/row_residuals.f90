@@ -6,7 +6,7 @@ module gyroakf_ar_row_residuals
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last, chunk_group
    use gyroakf_progress, only : progress_type, tell_progress
-   use gyroakf_ar_autocovariance, only : add_lagged_products
+   use gyroakf_stats_autocovariance, only : add_lagged_products
    use gyroakf_ar_complete_rows, only : load_rows
    implicit none (type, external)
    private

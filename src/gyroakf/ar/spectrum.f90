@@ -2,7 +2,7 @@
 !> Power spectral density of an AR model.
 module gyroakf_ar_spectrum
    use gyroakf_kinds, only : dp
-   use gyroakf_ar_types, only : ar_model_type
+   use gyroakf_ar_ar_types, only : ar_model_type
    implicit none (type, external)
    private
    public :: ar_spectrum

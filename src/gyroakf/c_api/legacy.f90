@@ -9,8 +9,8 @@ module gyroakf_c_api_legacy
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type, compute_allan
    use gyroakf_allan_noise_fit, only : noise_options, noise_type, fit_noise
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
-   use gyroakf_series_stationarity, only : adf_options, adf_type, test_adf
-   use gyroakf_c_api_support, only : host_type, series_type, enter_library, leave_library, open_series, close_series
+   use gyroakf_series_adf, only : adf_options, adf_type, test_adf
+   use gyroakf_c_api_c_support, only : host_type, series_type, enter_library, leave_library, open_series, close_series
    implicit none (type, external)
    private
    public :: gyadev, gynfit, gyadft, gyarft

@@ -5,7 +5,7 @@ module gyroakf_c_api_legacy_filter
    use gyroakf_error, only : error_type
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter
    use gyroakf_filter_packed, only : packed_length, pack_filter, is_packed, step_packed, freeze_packed, packed_numbers
-   use gyroakf_c_api_support, only : host_type, enter_library, leave_library, begin_step, end_step
+   use gyroakf_c_api_c_support, only : host_type, enter_library, leave_library, begin_step, end_step
    implicit none (type, external)
    private
    public :: gyfini, gyfstp, gyfrun, gyfget, gyffrz

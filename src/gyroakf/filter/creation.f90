@@ -3,7 +3,7 @@
 module gyroakf_filter_creation
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_filter_types, only : filter_options, filter_type
+   use gyroakf_filter_filter_types, only : filter_options, filter_type
    use gyroakf_filter_state_space, only : predict_covariance, correct_covariance, stationary_covariance, steady_state, &
       & settle_column, shifted, long_order
    use gyroakf_filter_sage_husa, only : consistency_factor

@@ -19,7 +19,7 @@ module gyroakf_filter_drift_filter
    use gyroakf_filter_creation, only : check_options, set_adaptation, shortest_burn_in, longest_burn_in, burn_in_tolerance
    use gyroakf_filter_drift_steady, only : steady_drift_gain
    use gyroakf_filter_drift_step, only : show_drift
-   use gyroakf_filter_types, only : filter_options, filter_type
+   use gyroakf_filter_filter_types, only : filter_options, filter_type
    implicit none (type, external)
    private
    public :: new_drift_filter

@@ -13,7 +13,7 @@ module gyroakf_filter_drift_pair
    use gyroakf_filter_measurement, only : exponent_mask, exponent_limit
    use gyroakf_filter_sage_husa, only : longest_run, shift_variance
    use gyroakf_filter_scalar, only : settle_distance, vanished
-   use gyroakf_filter_types, only : filter_type
+   use gyroakf_filter_filter_types, only : filter_type
    implicit none (type, external)
    private
    public :: run_pair

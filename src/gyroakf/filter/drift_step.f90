@@ -6,7 +6,7 @@ module gyroakf_filter_drift_step
    use gyroakf_filter_measurement, only : is_sample
    use gyroakf_filter_sage_husa, only : adapt_noise, gate_inflation, longest_run, shift_variance
    use gyroakf_filter_scalar, only : settle_distance, vanished
-   use gyroakf_filter_types, only : filter_type
+   use gyroakf_filter_filter_types, only : filter_type
    implicit none (type, external)
    private
    public :: run_processes, show_drift, begins_here

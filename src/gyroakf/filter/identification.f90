@@ -8,7 +8,7 @@
 module gyroakf_filter_identification
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_ar_autocovariance, only : compute_autocovariance
+   use gyroakf_stats_autocovariance, only : compute_autocovariance
    use gyroakf_filter_exponential_fit, only : exponential_type, fit_exponential
    implicit none (type, external)
    private

@@ -13,7 +13,7 @@
 !> weight on the innovation.
 module gyroakf_filter_kalman
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_filter_types, only : filter_options, filter_type
+   use gyroakf_filter_filter_types, only : filter_options, filter_type
    use gyroakf_filter_creation, only : new_filter
    use gyroakf_filter_state_space, only : predict_covariance, correct_covariance
    use gyroakf_filter_drift_pair, only : run_pair

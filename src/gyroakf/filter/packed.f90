@@ -5,7 +5,7 @@
 !> The recursion is that of [[gyroakf_filter_kalman(module)]]; for p > 1 the numbers are the same to the last bit.
 module gyroakf_filter_packed
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_filter_types, only : filter_type
+   use gyroakf_filter_filter_types, only : filter_type
    use gyroakf_filter_state_space, only : predict_covariance, correct_covariance
    use gyroakf_filter_measurement, only : is_sample
    use gyroakf_filter_sage_husa, only : adapt_noise, gate_inflation, longest_run, shift_variance

@@ -17,7 +17,7 @@
 !> identities follow from P = P- - K S K'; a test compares them with the recursion written out.
 module gyroakf_filter_sage_husa
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_filter_types, only : filter_type
+   use gyroakf_filter_filter_types, only : filter_type
    implicit none (type, external)
    private
    public :: adapt_noise, gate_inflation, consistency_factor, longest_run, shift_variance

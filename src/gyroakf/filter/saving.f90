@@ -13,7 +13,7 @@ module gyroakf_filter_saving
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_filter_creation, only : new_filter
    use gyroakf_filter_drift_filter, only : new_drift_filter
-   use gyroakf_filter_types, only : filter_options, filter_type
+   use gyroakf_filter_filter_types, only : filter_options, filter_type
    implicit none (type, external)
    private
    public :: save_filter, restore_filter, reset_filter

@@ -10,7 +10,7 @@ module gyroakf_io_audit
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type, tell_progress
-   use gyroakf_io_scan, only : scan_extremes
+   use gyroakf_stats_extremes, only : scan_extremes
    use gyroakf_io_bursts, only : count_bursts
    use gyroakf_io_cadence, only : cadence_type, find_cadence, find_changes
    use gyroakf_io_losses, only : add_gap, find_losses, gap_type

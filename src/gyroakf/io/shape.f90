@@ -8,7 +8,7 @@ module gyroakf_io_shape
    use gyroakf_io_audit, only : gap_type
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_scan, only : all_sound
+   use gyroakf_stats_extremes, only : all_sound
    use gyroakf_io_number, only : parse_number
    use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_table, only : table_type

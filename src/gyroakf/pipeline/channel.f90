@@ -8,20 +8,20 @@ module gyroakf_pipeline_channel
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_record, only : add_text, record_type
    use gyroakf_preprocess_clean, only : clean_series
-   use gyroakf_series_moments, only : compute_moments
-   use gyroakf_series_normality, only : test_jarque_bera
-   use gyroakf_pipeline_correlation, only : run_stationarity, run_correlation
+   use gyroakf_stats_moments, only : compute_moments
+   use gyroakf_stats_normality, only : test_jarque_bera
+   use gyroakf_pipeline_channel_correlation, only : run_stationarity, run_correlation
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
-   use gyroakf_ar_shared_autocovariance, only : autocovariance_type
+   use gyroakf_stats_shared_autocovariance, only : autocovariance_type
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stage
    use gyroakf_pipeline_coefficients, only : run_allan, compare_coefficients
-   use gyroakf_pipeline_changes, only : run_halves
-   use gyroakf_pipeline_distribution, only : run_distribution
+   use gyroakf_pipeline_channel_halves, only : run_halves
+   use gyroakf_pipeline_channel_distribution, only : run_distribution
    use gyroakf_pipeline_drift_filters, only : run_drift_filters
-   use gyroakf_pipeline_filters, only : run_filters
+   use gyroakf_pipeline_channel_filters, only : run_filters
    use gyroakf_pipeline_filter_model, only : choose_filter_model
    use gyroakf_pipeline_shared_pass, only : plan_pass, run_adf
-   use gyroakf_pipeline_periodicity, only : run_periodicity
+   use gyroakf_pipeline_channel_periodicity, only : run_periodicity
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_outliers, warn_order, warn_model, &
       warn_fit, warn_centred
    implicit none (type, external)

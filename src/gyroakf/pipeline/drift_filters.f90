@@ -11,13 +11,13 @@ module gyroakf_pipeline_drift_filters
    use gyroakf_record, only : record_type
    use gyroakf_filter_design, only : adaptive_drift, design_drift_akf, design_drift_kf
    use gyroakf_filter_kalman, only : filter_type
-   use gyroakf_filter_series, only : filter_series
+   use gyroakf_filter_filter_series, only : filter_series
    use gyroakf_filter_two_pass, only : smooth_adaptive
-   use gyroakf_series_differences, only : difference_variance
-   use gyroakf_series_moments, only : compute_moments, moments_type
+   use gyroakf_stats_differences, only : difference_variance
+   use gyroakf_stats_moments, only : compute_moments, moments_type
    use gyroakf_pipeline_coefficients, only : run_allan
-   use gyroakf_pipeline_drift, only : find_drift, smoothed_share
-   use gyroakf_pipeline_filters, only : figures_of, reserve
+   use gyroakf_pipeline_channel_drift, only : find_drift, smoothed_share
+   use gyroakf_pipeline_channel_filters, only : figures_of, reserve
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stage
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure
    implicit none (type, external)

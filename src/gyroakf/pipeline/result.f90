@@ -7,20 +7,20 @@ module gyroakf_pipeline_result
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_record, only : text_type
    use gyroakf_preprocess_clean, only : clean_options, clean_type
-   use gyroakf_series_moments, only : moments_type
-   use gyroakf_series_stationarity, only : adf_options, adf_type
-   use gyroakf_series_normality, only : jarque_bera_type
-   use gyroakf_series_anderson_darling, only : anderson_darling_options, anderson_darling_type
-   use gyroakf_series_histogram, only : histogram_options, histogram_type
-   use gyroakf_series_quantisation, only : quantisation_type
-   use gyroakf_series_whiteness, only : ljung_box_type
-   use gyroakf_series_correlation, only : correlation_type
+   use gyroakf_stats_moments, only : moments_type
+   use gyroakf_series_adf, only : adf_options, adf_type
+   use gyroakf_stats_normality, only : jarque_bera_type
+   use gyroakf_stats_anderson_darling, only : anderson_darling_options, anderson_darling_type
+   use gyroakf_stats_histogram, only : histogram_options, histogram_type
+   use gyroakf_stats_quantization, only : quantisation_type
+   use gyroakf_stats_whiteness, only : ljung_box_type
+   use gyroakf_stats_correlation, only : correlation_type
    use gyroakf_series_kpss, only : kpss_options, kpss_type
-   use gyroakf_series_periodicity, only : periodicity_type
-   use gyroakf_series_welch, only : welch_type
+   use gyroakf_ar_periodicity, only : periodicity_type
+   use gyroakf_stats_welch, only : welch_type
    use gyroakf_ar_model, only : ar_options, ar_model_type
    use gyroakf_filter_design, only : design_options, drift_options
-   use gyroakf_filter_series, only : filter_result_type
+   use gyroakf_filter_filter_series, only : filter_result_type
    use gyroakf_filter_drift_identification, only : drift_identification_options, drift_identification_type
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type
    use gyroakf_allan_noise_fit, only : noise_options, noise_type

@@ -12,7 +12,7 @@ module gyroakf_pipeline_truth
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_record, only : record_type
    use gyroakf_units, only : quantity, unit_type
-   use gyroakf_preprocess_trend, only : subtract_trend
+   use gyroakf_stats_trend, only : subtract_trend
    use gyroakf_pipeline_result, only : channel_result_type
    implicit none (type, external)
    private

@@ -5,9 +5,9 @@ module gyroakf_preprocess_clean
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, tell_progress
-   use gyroakf_series_moments, only : moments_type, compute_moments
-   use gyroakf_preprocess_trend, only : largest_degree
-   use gyroakf_preprocess_outliers, only : check_method, default_threshold
+   use gyroakf_stats_moments, only : moments_type, compute_moments
+   use gyroakf_stats_trend, only : largest_degree
+   use gyroakf_preprocess_outlier_rules, only : check_method, default_threshold
    use gyroakf_preprocess_local_outliers, only : largest_half_width, least_present
    use gyroakf_preprocess_truncation, only : expected_false_alarms, truncated_deviation, final_cut, isolated_share
    use gyroakf_preprocess_clean_types, only : clean_options, clean_type

@@ -5,10 +5,11 @@ module gyroakf_preprocess_clean_rounds
    use gyroakf_error, only : error_type
    use gyroakf_chunks, only : threads_from
    use gyroakf_progress, only : progress_type, tell_progress
-   use gyroakf_series_moments, only : moments_type, compute_moments
+   use gyroakf_stats_moments, only : moments_type, compute_moments
    use gyroakf_preprocess_clean_types, only : clean_options, clean_type
-   use gyroakf_preprocess_trend, only : trend_type, fit_trend, detach_trend
-   use gyroakf_preprocess_outliers, only : robust_centre, quantisation_step, is_repeated, mark_outliers
+   use gyroakf_stats_trend, only : trend_type, fit_trend, detach_trend
+   use gyroakf_stats_quantization, only : quantisation_step
+   use gyroakf_preprocess_outlier_rules, only : robust_centre, is_repeated, mark_outliers
    use gyroakf_preprocess_local_outliers, only : mark_hampel, mark_isolated
    implicit none (type, external)
    private

@@ -2,7 +2,7 @@
 !> What the cleaning is asked for, and what it tells.
 module gyroakf_preprocess_clean_types
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_preprocess_trend, only : trend_type
+   use gyroakf_stats_trend, only : trend_type
    implicit none (type, external)
    private
    public :: clean_options, clean_type
@@ -11,7 +11,7 @@ module gyroakf_preprocess_clean_types
    type :: clean_options
       !> Degree of the trend, -1 .. 9; -1 keeps it, outliers are then those about the mean or median
       integer :: degree = 3
-      !> Outliers: none, auto, pauta, mad, hampel (see gyroakf_preprocess_outliers)
+      !> Outliers: none, auto, pauta, mad, hampel (see gyroakf_preprocess_outlier_rules)
       character(6) :: method = "auto"
       !> Threshold in standard deviations, > 0; 0: the method's own
       real(dp) :: threshold = 0.0_dp

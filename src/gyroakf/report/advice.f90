@@ -4,10 +4,10 @@ module gyroakf_report_advice
    use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : record_type, text_type
    use gyroakf_io_writer, only : writer_type
-   use gyroakf_filter_series, only : filter_result_type
+   use gyroakf_filter_filter_series, only : filter_result_type
    use gyroakf_pipeline_result, only : channel_result_type
-   use gyroakf_report_layout, only : put_heading, put_point, put_items, number, count_text
-   use gyroakf_report_drift, only : model_text, time_unit
+   use gyroakf_report_text_layout, only : put_heading, put_point, put_items, number, count_text
+   use gyroakf_report_text_drift, only : model_text, time_unit
    use gyroakf_report_input, only : has_unit
    implicit none (type, external)
    private

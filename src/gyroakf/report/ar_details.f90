@@ -7,7 +7,7 @@ module gyroakf_report_ar_details
    use gyroakf_ar_spectrum, only : ar_spectrum
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type
    use gyroakf_report_csv, only : quoted
-   use gyroakf_report_layout, only : put_item, number, count_text, p_value_text
+   use gyroakf_report_text_layout, only : put_item, number, count_text, p_value_text
    implicit none (type, external)
    private
    public :: put_ar_roots, put_ar_normality, write_ar_spectrum

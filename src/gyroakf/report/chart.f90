@@ -4,7 +4,7 @@
 module gyroakf_report_chart
    use gyroakf_kinds, only : dp
    use gyroakf_record, only : text_type
-   use gyroakf_report_layout, only : number, pad_left
+   use gyroakf_report_text_layout, only : number, pad_left
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
    private

@@ -5,7 +5,7 @@ module gyroakf_report_correlation_table
    use gyroakf_io_writer, only : writer_type, put, put_line, put_real
    use gyroakf_pipeline_result, only : pipeline_result_type
    use gyroakf_report_csv, only : quoted
-   use gyroakf_report_layout, only : count_text
+   use gyroakf_report_text_layout, only : count_text
    implicit none (type, external)
    private
    public :: write_correlation

@@ -10,7 +10,7 @@ module gyroakf_report_csv
    use gyroakf_io_writer, only : writer_type, put, put_line, put_real
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_pipeline_result, only : pipeline_result_type, channel_result_type, stated_coefficient_type, stage, stage_names
-   use gyroakf_report_layout, only : count_text
+   use gyroakf_report_text_layout, only : count_text
    implicit none (type, external)
    private
    public :: write_series, write_allan, write_coefficients, series_output_type, quoted

@@ -5,7 +5,7 @@ module gyroakf_report_fit
    use gyroakf_record, only : record_type
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : allan_result_type, stated_coefficient_type
-   use gyroakf_report_layout, only : put_item, number, count_text
+   use gyroakf_report_text_layout, only : put_item, number, count_text
    implicit none (type, external)
    private
    public :: put_fit, put_visible

@@ -6,8 +6,8 @@ module gyroakf_report_input
    use gyroakf_units, only : quantity
    use gyroakf_release, only : release_string
    use gyroakf_io_writer, only : writer_type, put_line
-   use gyroakf_report_layout, only : put_title, put_heading, put_item, put_items, number, fixed, count_text, plural
-   use gyroakf_report_table, only : table_type, new_table, set_cell, put_table
+   use gyroakf_report_text_layout, only : put_title, put_heading, put_item, put_items, number, fixed, count_text, plural
+   use gyroakf_report_text_table, only : table_type, new_table, set_cell, put_table
    implicit none (type, external)
    private
    public :: report_inspect, put_input, has_unit, unit_name, duration_text

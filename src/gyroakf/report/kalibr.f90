@@ -13,7 +13,7 @@ module gyroakf_report_kalibr
    use gyroakf_units, only : quantity, term_names
    use gyroakf_io_writer, only : writer_type, put_line
    use gyroakf_pipeline_result, only : pipeline_result_type, stated_coefficient_type, stage
-   use gyroakf_report_layout, only : scientific, number, count_text
+   use gyroakf_report_text_layout, only : scientific, number, count_text
    implicit none (type, external)
    private
    public :: check_kalibr, write_kalibr

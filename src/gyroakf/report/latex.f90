@@ -6,9 +6,9 @@ module gyroakf_report_latex
    use gyroakf_release, only : release_string
    use gyroakf_io_writer, only : writer_type, put_line
    use gyroakf_pipeline_result, only : pipeline_result_type
-   use gyroakf_report_layout, only : count_text
+   use gyroakf_report_text_layout, only : count_text
    use gyroakf_report_sign, only : find_power, find_root, find_sign, signs
-   use gyroakf_report_table, only : table_type
+   use gyroakf_report_text_table, only : table_type
    use gyroakf_report_tables, only : flat_text, make_tables
    implicit none (type, external)
    private

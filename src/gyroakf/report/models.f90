@@ -7,8 +7,8 @@ module gyroakf_report_models
    use gyroakf_pipeline_result, only : channel_result_type
    use gyroakf_report_ar_details, only : put_ar_normality, put_ar_roots
    use gyroakf_report_input, only : unit_name
-   use gyroakf_report_layout, only : put_item, number, scientific, fixed, count_text
-   use gyroakf_report_table, only : table_type, new_table, set_exact, set_cell, set_row, put_numbered
+   use gyroakf_report_text_layout, only : put_item, number, scientific, fixed, count_text
+   use gyroakf_report_text_table, only : table_type, new_table, set_exact, set_cell, set_row, put_numbered
    use gyroakf_report_stationarity, only : whiteness_text
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)

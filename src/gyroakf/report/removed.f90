@@ -6,7 +6,7 @@ module gyroakf_report_removed
    use gyroakf_io_writer, only : writer_type
    use gyroakf_preprocess_clean, only : clean_type
    use gyroakf_pipeline_result, only : channel_result_type
-   use gyroakf_report_layout, only : put_heading, put_item, number, scientific, count_text, plural
+   use gyroakf_report_text_layout, only : put_heading, put_item, number, scientific, count_text, plural
    use gyroakf_report_input, only : unit_name
    implicit none (type, external)
    private

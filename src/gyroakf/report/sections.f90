@@ -3,9 +3,9 @@
 module gyroakf_report_sections
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : channel_result_type
-   use gyroakf_report_layout, only : put_heading
-   use gyroakf_report_normality, only : put_normality
-   use gyroakf_report_adf_table, only : put_adf_details
+   use gyroakf_report_text_layout, only : put_heading
+   use gyroakf_report_text_normality, only : put_normality
+   use gyroakf_report_text_adf_table, only : put_adf_details
    use gyroakf_report_stationarity, only : put_stationarity, put_whiteness
    implicit none (type, external)
    private

@@ -4,8 +4,8 @@ module gyroakf_report_stationarity
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : channel_result_type
-   use gyroakf_series_whiteness, only : ljung_box_type
-   use gyroakf_report_layout, only : put_item, number, count_text, p_value_text, plural
+   use gyroakf_stats_whiteness, only : ljung_box_type
+   use gyroakf_report_text_layout, only : put_item, number, count_text, p_value_text, plural
    implicit none (type, external)
    private
    public :: put_stationarity, put_whiteness, whiteness_text, stationarity_verdict, negligible_rho, negligible_drift

@@ -11,9 +11,9 @@ module gyroakf_report_summary
    use gyroakf_report_document_stated, only : put_known
    use gyroakf_report_json, only : close_array, close_object, flush_json, json_text, json_type, open_array, open_object, put_json, &
       & put_member, put_null
-   use gyroakf_report_layout, only : plural, put_paragraph, report_width
+   use gyroakf_report_text_layout, only : plural, put_paragraph, report_width
    use gyroakf_report_summary_row, only : column_heads, csv_head, make_failed_row, make_row, summary_row_type
-   use gyroakf_report_table, only : column_widths, new_table, put_table, set_cell, table_type
+   use gyroakf_report_text_table, only : column_widths, new_table, put_table, set_cell, table_type
    use gyroakf_utf8, only : is_continuation, text_width
    implicit none (type, external)
    private

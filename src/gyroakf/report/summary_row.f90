@@ -10,7 +10,7 @@ module gyroakf_report_summary_row
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage, stated_coefficient_type
    use gyroakf_report_csv, only : quoted
    use gyroakf_report_document, only : gather_warnings
-   use gyroakf_report_layout, only : count_text, number
+   use gyroakf_report_text_layout, only : count_text, number
    implicit none (type, external)
    private
    public :: summary_row_type, make_row, make_failed_row, csv_head, column_heads

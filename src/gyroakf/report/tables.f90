@@ -3,10 +3,10 @@
 module gyroakf_report_tables
    use gyroakf_record, only : record_type
    use gyroakf_pipeline_result, only : channel_result_type
-   use gyroakf_report_filters, only : make_filter_table
+   use gyroakf_report_text_filters, only : make_filter_table
    use gyroakf_report_models, only : make_ar_table
-   use gyroakf_report_noise, only : make_comparison
-   use gyroakf_report_table, only : table_type
+   use gyroakf_report_text_noise, only : make_comparison
+   use gyroakf_report_text_table, only : table_type
    use gyroakf_report_tests_table, only : has_tests, make_tests_table
    implicit none (type, external)
    private

@@ -3,8 +3,8 @@
 module gyroakf_report_tests_table
    use gyroakf_kinds, only : dp
    use gyroakf_pipeline_result, only : channel_result_type
-   use gyroakf_report_layout, only : number, p_value_text
-   use gyroakf_report_table, only : table_type, new_table, set_cell, set_row
+   use gyroakf_report_text_layout, only : number, p_value_text
+   use gyroakf_report_text_table, only : table_type, new_table, set_cell, set_row
    implicit none (type, external)
    private
    public :: make_tests_table, has_tests

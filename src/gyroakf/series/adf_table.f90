@@ -8,7 +8,7 @@
 module gyroakf_series_adf_table
    use gyroakf_kinds, only : dp, int64
    use gyroakf_lapack, only : dtrtrs
-   use gyroakf_preprocess_trend, only : trend_type
+   use gyroakf_stats_trend, only : trend_type
    implicit none (type, external)
    private
    public :: adf_coefficient_type, coefficient_table

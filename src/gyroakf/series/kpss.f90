@@ -4,9 +4,9 @@ module gyroakf_series_kpss
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, tell_progress
-   use gyroakf_series_residuals, only : residual_type, fit_residuals, rounding_variance
-   use gyroakf_series_long_run, only : cumulative_type, sum_residuals, sum_bartlett, bartlett_variance, hobijn_lags, schwert_lags
-   use gyroakf_series_bridge, only : bridge_survival
+   use gyroakf_stats_trend_residuals, only : residual_type, fit_residuals, rounding_variance
+   use gyroakf_stats_long_run, only : cumulative_type, sum_residuals, sum_bartlett, bartlett_variance, hobijn_lags, schwert_lags
+   use gyroakf_stats_bridge, only : bridge_survival
    implicit none (type, external)
    private
    public :: kpss_options, kpss_type, test_kpss

@@ -3,7 +3,7 @@
 module gyroakf_simulate_disturbance
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_simulate_random, only : random_type, next_uniform
+   use gyroakf_random, only : random_type, next_uniform
    implicit none (type, external)
    private
    public :: add_polynomial, add_outliers, round_to_step, lose_samples

@@ -21,7 +21,7 @@ module gyroakf_simulate_noise
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_fft, only : convolve
-   use gyroakf_simulate_random, only : random_type, next_normal, fill_normal
+   use gyroakf_random, only : random_type, next_normal, fill_normal
    implicit none (type, external)
    private
    public :: add_quantisation_noise, add_white, add_flicker, add_random_walk, add_ramp, add_autoregressive

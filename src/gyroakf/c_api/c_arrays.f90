@@ -1,0 +1,131 @@
+! SPDX-License-Identifier: MIT
+!> C: recordings of arrays of the caller. What the function promises is said in c_api/include/gyroakf.h.
+module gyroakf_c_api_c_arrays
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, c_double, c_null_ptr, &
+      & c_null_funptr, c_associated, c_f_pointer
+   use gyroakf_kinds, only : int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : tell_progress
+   use gyroakf_io_arrays, only : finish_record
+   use gyroakf_record, only : record_type
+   use gyroakf_utf8, only : make_readable
+   use gyroakf_c_api_c_progress, only : callback_type
+   use gyroakf_c_api_c_record, only : record_handle, new_handle, hand_over
+   use gyroakf_c_api_c_support, only : error_c, host_type, enter_library, leave_library, copy_c_text, max_samples
+   use gyroakf_c_api_c_places, only : check_aligned
+   implicit none (type, external)
+   private
+   public :: gyroakf_record_new, gyroakf_record_new_watched
+
+   !> More channels than any recorder has
+   integer(c_int32_t), parameter :: most_channels = 100000
+   !> Samples that are copied between two reports of progress
+   integer(int64), parameter :: told_samples = 1048576_int64
+
+contains
+
+   !> `gyroakf_record_new`
+   integer(c_int) function gyroakf_record_new(values, channels, n, dt, names, unit, out, err) bind(C, name="gyroakf_record_new")
+      type(c_ptr), intent(in), value :: values, names, unit
+      integer(c_int32_t), intent(in), value :: channels
+      integer(c_int64_t), intent(in), value :: n
+      real(c_double), intent(in), value :: dt
+      type(c_ptr), intent(out), optional :: out
+      type(error_c), intent(out), optional :: err
+
+      gyroakf_record_new = gyroakf_record_new_watched(values, channels, n, dt, names, unit, out, c_null_funptr, c_null_ptr, err)
+   end function gyroakf_record_new
+
+   !> `gyroakf_record_new_watched`
+   integer(c_int) function gyroakf_record_new_watched(values, channels, n, dt, names, unit, out, progress, progress_user, err) &
+      & bind(C, name="gyroakf_record_new_watched")
+      type(c_ptr), intent(in), value :: values, names, unit, progress_user
+      integer(c_int32_t), intent(in), value :: channels
+      integer(c_int64_t), intent(in), value :: n
+      real(c_double), intent(in), value :: dt
+      type(c_ptr), intent(out), optional :: out
+      type(c_funptr), intent(in), value :: progress
+      type(error_c), intent(out), optional :: err
+      type(host_type) :: host
+      type(record_handle), pointer :: handle
+      type(callback_type) :: callback
+      type(error_type), allocatable :: error
+      character(:), allocatable :: unit_text
+
+      call enter_library(host)
+      callback = callback_type(progress, progress_user)
+      call new_handle(handle, c_associated(values), error, out)
+      if (.not. allocated(error) .and. (channels < 1 .or. channels > most_channels .or. n < 1 .or. n > max_samples)) then
+         call fatal_error(error, status%invalid_argument, "a recording has 1 .. 100000 channels of 1 .. 2**44 samples")
+      end if
+      if (.not. allocated(error)) call copy_values(values, channels, n, handle%record, error, callback)
+      if (.not. allocated(error)) call copy_names(names, channels, handle%record)
+      call copy_c_text(unit, "", unit_text)
+      if (.not. allocated(error)) call finish_record(dt, unit_text, handle%record, error, callback)
+      call hand_over(handle, error, out)
+      gyroakf_record_new_watched = leave_library(host, error, err)
+   end function gyroakf_record_new_watched
+
+   !> The samples of every channel.
+   subroutine copy_values(values, channels, n, record, error, callback)
+      type(c_ptr), intent(in) :: values
+      integer(c_int32_t), intent(in) :: channels
+      integer(c_int64_t), intent(in) :: n
+      type(record_type), intent(inout) :: record
+      !> invalid_argument: an array is NULL or at an odd address; no_memory; cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      type(callback_type), intent(inout) :: callback
+      type(c_ptr), pointer :: given(:)
+      real(c_double), pointer, contiguous :: x(:)
+      integer(int64) :: i, first
+      integer :: j, stat
+
+      call c_f_pointer(values, given, [channels])
+      do j = 1, channels
+         if (.not. c_associated(given(j))) call fatal_error(error, status%invalid_argument, "the array of a channel is NULL")
+         call check_aligned(given(j), error)
+         if (allocated(error)) return
+      end do
+      stat = 0
+      if (n > max_samples/channels) stat = 1
+      if (stat == 0) allocate (record%value(n, channels), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for a copy of the samples")
+         return
+      end if
+      do j = 1, channels
+         call c_f_pointer(given(j), x, [n])
+         do first = 1, n, told_samples
+            if (n > told_samples) call tell_progress("copying the samples", (j - 1)*n + first - 1, channels*n, error, callback)
+            if (allocated(error)) return
+            do i = first, min(first + told_samples - 1, n)
+               record%value(i, j) = x(i)
+            end do
+         end do
+      end do
+   end subroutine copy_values
+
+   !> The names of the channels, without what cannot be shown, as those of files.
+   subroutine copy_names(names, channels, record)
+      type(c_ptr), intent(in) :: names
+      integer(c_int32_t), intent(in) :: channels
+      type(record_type), intent(inout) :: record
+      type(c_ptr), pointer :: given(:)
+      type(c_ptr) :: name
+      character(16) :: usual
+      integer :: j
+
+      nullify (given)
+      if (c_associated(names)) call c_f_pointer(names, given, [channels])
+      allocate (record%channel(channels))
+      do j = 1, channels
+         name = c_null_ptr
+         if (associated(given)) name = given(j)
+         write (usual, '("column", i0)') j
+         call copy_c_text(name, trim(usual), record%channel(j)%text)
+         call make_readable(record%channel(j)%text)
+      end do
+   end subroutine copy_names
+
+end module gyroakf_c_api_c_arrays

@@ -1,0 +1,302 @@
+! SPDX-License-Identifier: MIT
+!> C: the filter. What each function promises is said in c_api/include/gyroakf.h.
+module gyroakf_c_api_c_filter
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, c_double, c_size_t, c_null_ptr, &
+      & c_null_funptr, c_associated, c_f_pointer, c_loc, c_sizeof
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
+   use gyroakf_progress, only : tell_progress
+   use gyroakf_c_api_c_progress, only : callback_type
+   use gyroakf_c_api_c_support, only : error_c, host_type, enter_library, leave_library, begin_step, end_step, &
+      & check_struct_size, check_finite, take_text, max_samples
+   use gyroakf_c_api_c_places, only : check_aligned, check_apart
+   implicit none (type, external)
+   private
+   public :: gyroakf_filter_options_init, gyroakf_filter_new, gyroakf_filter_step, gyroakf_filter_freeze, &
+      & gyroakf_filter_run, gyroakf_filter_run_watched, gyroakf_filter_get, gyroakf_filter_free
+   public :: filter_options_c, new_handle, hand_over, read_options
+
+   !> Largest state
+   integer, parameter :: largest_order = 1000
+
+   !> Samples that [[gyroakf_filter_run]] copies at a time, so that x may be z
+   integer, parameter :: block = 1024
+
+   !> Samples after which it tells how far it is, of a state of one coefficient; a step of p coefficients takes p^2 times as long
+   integer(int64), parameter :: told_samples = 256*block
+
+   !> `gyroakf_filter_options`
+   type, bind(C) :: filter_options_c
+      integer(c_size_t) :: struct_size
+      integer(c_int32_t) :: estimate_process_mean, estimate_measurement_mean
+      integer(c_int32_t) :: estimate_process_variance, estimate_measurement_variance
+      real(c_double) :: forgetting
+      type(c_ptr) :: measurement_form
+      integer(c_int32_t) :: burn_in
+      real(c_double) :: huber, r_scale, initial_variance, q_lower, q_upper, r_lower, r_upper
+      integer(c_int32_t) :: allow_unobservable
+   end type filter_options_c
+
+   !> `gyroakf_filter_state`
+   type, bind(C) :: filter_state_c
+      real(c_double) :: x, p, gain, innovation, innovation_variance, q_mean, r_mean, q, r
+      integer(c_int64_t) :: steps
+   end type filter_state_c
+
+contains
+
+   !> `gyroakf_filter_options_init`
+   subroutine gyroakf_filter_options_init(opt) bind(C, name="gyroakf_filter_options_init")
+      type(filter_options_c), intent(out), optional :: opt
+      type(filter_options) :: defaults
+
+      if (.not. present(opt)) return
+      opt%struct_size = c_sizeof(opt)
+      opt%estimate_process_mean = 0
+      opt%estimate_measurement_mean = 0
+      opt%estimate_process_variance = 0
+      opt%estimate_measurement_variance = 0
+      opt%forgetting = defaults%forgetting
+      opt%measurement_form = c_null_ptr
+      opt%burn_in = int(defaults%burn_in, c_int32_t)
+      opt%huber = defaults%huber
+      opt%r_scale = defaults%r_scale
+      opt%initial_variance = defaults%initial_variance
+      opt%q_lower = defaults%q_lower
+      opt%q_upper = defaults%q_upper
+      opt%r_lower = defaults%r_lower
+      opt%r_upper = defaults%r_upper
+      opt%allow_unobservable = 0
+   end subroutine gyroakf_filter_options_init
+
+   !> `gyroakf_filter_new`
+   integer(c_int) function gyroakf_filter_new(p, phi, q, r, opt, out, err) bind(C, name="gyroakf_filter_new")
+      integer(c_int32_t), intent(in), value :: p
+      type(c_ptr), intent(in), value :: phi
+      real(c_double), intent(in), value :: q, r
+      type(filter_options_c), intent(in), optional :: opt
+      type(c_ptr), intent(out), optional :: out
+      type(error_c), intent(out), optional :: err
+      type(host_type) :: host
+      real(dp), allocatable :: coefficients(:)
+      type(filter_options) :: options
+      type(filter_type), pointer :: handle
+      type(error_type), allocatable :: error
+
+      call enter_library(host)
+      call new_handle(handle, error, out)
+      if (.not. allocated(error)) call read_options(options, error, opt)
+      if (.not. allocated(error)) call read_coefficients(p, phi, coefficients, error)
+      if (.not. allocated(error)) call new_filter(handle, coefficients, q, r, options, error)
+      call hand_over(handle, error, out)
+      gyroakf_filter_new = leave_library(host, error, err)
+   end function gyroakf_filter_new
+
+   !> `gyroakf_filter_step`
+   integer(c_int) function gyroakf_filter_step(f, z, x) bind(C, name="gyroakf_filter_step")
+      type(c_ptr), intent(in), value :: f
+      real(c_double), intent(in), value :: z
+      real(c_double), intent(inout), optional :: x
+      type(host_type) :: host
+      type(filter_type), pointer :: filter
+      integer(c_int) :: changed
+      real(dp) :: estimate
+
+      gyroakf_filter_step = status%invalid_argument
+      if (.not. c_associated(f) .or. .not. present(x)) return
+      call c_f_pointer(f, filter)
+      changed = begin_step(host%environment)
+      call step_filter(filter, z, estimate)
+      gyroakf_filter_step = status%non_finite
+      if (ieee_is_finite(estimate)) then
+         gyroakf_filter_step = status%ok
+         x = estimate
+      end if
+      if (changed /= 0) call end_step(host%environment)
+   end function gyroakf_filter_step
+
+   !> `gyroakf_filter_freeze`
+   integer(c_int) function gyroakf_filter_freeze(f, frozen) bind(C, name="gyroakf_filter_freeze")
+      type(c_ptr), intent(in), value :: f
+      integer(c_int32_t), intent(in), value :: frozen
+      type(filter_type), pointer :: filter
+
+      gyroakf_filter_freeze = status%invalid_argument
+      if (.not. c_associated(f)) return
+      call c_f_pointer(f, filter)
+      call freeze_filter(filter, frozen /= 0)
+      gyroakf_filter_freeze = status%ok
+   end function gyroakf_filter_freeze
+
+   !> `gyroakf_filter_run`
+   integer(c_int) function gyroakf_filter_run(f, z, n, x, err) bind(C, name="gyroakf_filter_run")
+      type(c_ptr), intent(in), value :: f, z, x
+      integer(c_int64_t), intent(in), value :: n
+      type(error_c), intent(out), optional :: err
+
+      gyroakf_filter_run = gyroakf_filter_run_watched(f, z, n, x, c_null_funptr, c_null_ptr, err)
+   end function gyroakf_filter_run
+
+   !> `gyroakf_filter_run_watched`
+   integer(c_int) function gyroakf_filter_run_watched(f, z, n, x, progress, progress_user, err) &
+      & bind(C, name="gyroakf_filter_run_watched")
+      type(c_ptr), intent(in), value :: f, z, x
+      integer(c_int64_t), intent(in), value :: n
+      type(c_funptr), intent(in), value :: progress
+      type(c_ptr), intent(in), value :: progress_user
+      type(error_c), intent(out), optional :: err
+      type(host_type) :: host
+      type(filter_type), pointer :: filter
+      type(callback_type) :: callback
+      type(error_type), allocatable :: error
+
+      call enter_library(host)
+      if (.not. (c_associated(f) .and. c_associated(z) .and. c_associated(x)) .or. n < 1 .or. n > max_samples) then
+         call fatal_error(error, status%invalid_argument, "filter and series must not be NULL, the length must be 1 .. 2**44")
+      end if
+      call check_aligned(z, error)
+      call check_aligned(x, error)
+      if (.not. (allocated(error) .or. c_associated(x, z))) call check_apart([z, x], [8*n, 8*n], error)
+      if (.not. allocated(error)) then
+         call c_f_pointer(f, filter)
+         callback = callback_type(progress, progress_user)
+         call run_blocks(filter, z, n, x, callback, error)
+      end if
+      gyroakf_filter_run_watched = leave_library(host, error, err)
+   end function gyroakf_filter_run_watched
+
+   !> `gyroakf_filter_get`
+   integer(c_int) function gyroakf_filter_get(f, out) bind(C, name="gyroakf_filter_get")
+      type(c_ptr), intent(in), value :: f
+      type(filter_state_c), intent(inout), optional :: out
+      type(filter_type), pointer :: filter
+      type(filter_state_c) :: held
+      type(host_type) :: host
+      type(error_type), allocatable :: error
+
+      gyroakf_filter_get = status%invalid_argument
+      if (.not. c_associated(f) .or. .not. present(out)) return
+      call c_f_pointer(f, filter)
+      call enter_library(host)
+      held = filter_state_c(filter%x(1), filter%p(1, 1), filter%gain(1), filter%innovation, filter%innovation_variance, &
+         & filter%q_mean, filter%r_mean, filter%q, filter%r, filter%steps)
+      call check_finite([held%x, held%p, held%gain, held%innovation, held%innovation_variance, held%q_mean, held%r_mean, &
+         & held%q, held%r], error)
+      if (.not. allocated(error)) out = held
+      gyroakf_filter_get = leave_library(host, error)
+   end function gyroakf_filter_get
+
+   !> `gyroakf_filter_free`
+   subroutine gyroakf_filter_free(f) bind(C, name="gyroakf_filter_free")
+      type(c_ptr), intent(in), value :: f
+      type(filter_type), pointer :: filter
+
+      if (.not. c_associated(f)) return
+      call c_f_pointer(f, filter)
+      deallocate (filter)
+   end subroutine gyroakf_filter_free
+
+   !> An empty handle; `out` must be there.
+   subroutine new_handle(handle, error, out)
+      type(filter_type), pointer, intent(out) :: handle
+      type(error_type), allocatable, intent(out) :: error
+      type(c_ptr), intent(in), optional :: out
+      integer :: stat
+
+      nullify (handle)
+      if (.not. present(out)) then
+         call fatal_error(error, status%invalid_argument, "the place for the result (out) must not be NULL")
+         return
+      end if
+      allocate (handle, stat=stat)
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for a filter")
+   end subroutine new_handle
+
+   !> The handle to the caller; nothing after an error.
+   subroutine hand_over(handle, error, out)
+      type(filter_type), pointer, intent(inout) :: handle
+      type(error_type), allocatable, intent(in) :: error
+      type(c_ptr), intent(inout), optional :: out
+
+      if (allocated(error) .and. associated(handle)) deallocate (handle)
+      if (.not. present(out)) return
+      out = c_null_ptr
+      if (associated(handle)) out = c_loc(handle)
+   end subroutine hand_over
+
+   !> The coefficients, copied.
+   subroutine read_coefficients(p, phi, coefficients, error)
+      integer(c_int32_t), intent(in) :: p
+      type(c_ptr), intent(in) :: phi
+      real(dp), allocatable, intent(out) :: coefficients(:)
+      type(error_type), allocatable, intent(out) :: error
+      real(c_double), pointer :: given(:)
+
+      if (p < 0 .or. p > largest_order .or. (p > 0 .and. .not. c_associated(phi))) then
+         call fatal_error(error, status%invalid_argument, "the order p must be 0 .. 1000, phi not NULL")
+         return
+      end if
+      allocate (coefficients(p))
+      if (p == 0) return
+      call check_aligned(phi, error)
+      if (allocated(error)) return
+      call c_f_pointer(phi, given, [p])
+      coefficients(:) = given
+   end subroutine read_coefficients
+
+   !> Options of C into options of the library; the defaults where they are absent.
+   subroutine read_options(options, error, opt)
+      type(filter_options), intent(out) :: options
+      type(error_type), allocatable, intent(out) :: error
+      type(filter_options_c), intent(in), optional :: opt
+
+      if (.not. present(opt)) return
+      call check_struct_size(opt%struct_size, c_sizeof(opt), error)
+      if (allocated(error)) return
+      options%estimate_process_mean = opt%estimate_process_mean /= 0
+      options%estimate_measurement_mean = opt%estimate_measurement_mean /= 0
+      options%estimate_process_variance = opt%estimate_process_variance /= 0
+      options%estimate_measurement_variance = opt%estimate_measurement_variance /= 0
+      options%forgetting = opt%forgetting
+      call take_text(opt%measurement_form, options%measurement_form, error)
+      options%burn_in = opt%burn_in
+      options%huber = opt%huber
+      options%r_scale = opt%r_scale
+      options%initial_variance = opt%initial_variance
+      options%q_lower = opt%q_lower
+      options%q_upper = opt%q_upper
+      options%r_lower = opt%r_lower
+      options%r_upper = opt%r_upper
+      options%allow_unobservable = opt%allow_unobservable /= 0
+   end subroutine read_options
+
+   !> The whole series, block by block: a block is read before its results are written.
+   subroutine run_blocks(filter, z, n, x, callback, error)
+      type(filter_type), intent(inout) :: filter
+      type(c_ptr), intent(in) :: z, x
+      integer(int64), intent(in) :: n
+      type(callback_type), intent(inout) :: callback
+      !> cancelled, non_finite
+      type(error_type), allocatable, intent(out) :: error
+      real(c_double), pointer, contiguous :: input(:), output(:)
+      real(dp) :: raw(block), filtered(block)
+      integer(int64) :: first, m, stride
+
+      call c_f_pointer(z, input, [n])
+      call c_f_pointer(x, output, [n])
+      stride = max(1_int64, told_samples/int(filter%order, int64)**2)
+      do first = 1, n, min(int(block, int64), stride)
+         if (modulo(first - 1, stride) == 0) call tell_progress("filtering", first - 1, n, error, callback)
+         if (allocated(error)) return
+         m = min(int(block, int64), stride, n - first + 1)
+         raw(:m) = input(first:first + m - 1)
+         call run_filter(filter, raw(:m), filtered(:m))
+         call check_finite(filtered(:m), error)
+         if (allocated(error)) return
+         output(first:first + m - 1) = filtered(:m)
+      end do
+   end subroutine run_blocks
+
+end module gyroakf_c_api_c_filter

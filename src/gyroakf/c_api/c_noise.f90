@@ -1,0 +1,168 @@
+! SPDX-License-Identifier: MIT
+!> C: the noise coefficients of a deviation curve. What the function promises is said in c_api/include/gyroakf.h.
+module gyroakf_c_api_c_noise
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_double, c_size_t, c_null_ptr, c_associated, &
+      & c_f_pointer, c_loc, c_sizeof
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_allan_deviations, only : allan_curve_type
+   use gyroakf_allan_noise_fit, only : noise_options, noise_type, coefficient_type, fit_noise
+   use gyroakf_c_api_c_allan, only : allan_handle
+   use gyroakf_c_api_c_support, only : error_c, host_type, enter_library, leave_library, check_finite, check_struct_size, &
+      & take_text
+   use gyroakf_c_api_c_places, only : check_aligned
+   implicit none (type, external)
+   private
+   public :: gyroakf_fit_options_init, gyroakf_noise_fit, gyroakf_noise_covariance
+
+   !> `gyroakf_fit_options`
+   type, bind(C) :: fit_options_c
+      integer(c_size_t) :: struct_size
+      type(c_ptr) :: terms
+      real(c_double) :: tau_min, tau_max
+      type(c_ptr) :: method
+   end type fit_options_c
+
+   !> `gyroakf_coefficient`
+   type, bind(C) :: coefficient_c
+      real(c_double) :: value, std_error, upper_limit
+      integer(c_int32_t) :: detected, fitted
+   end type coefficient_c
+
+   !> `gyroakf_noise`: q n b k r in the order of the terms
+   type, bind(C) :: noise_c
+      type(coefficient_c) :: q, n, b, k, r
+      real(c_double) :: chi2_reduced
+      integer(c_int32_t) :: points, left_out
+      real(c_double) :: tau_first, chi2_probability, misfit
+      type(coefficient_c) :: markov
+      real(c_double) :: correlation_time, correlation_time_error
+      type(coefficient_c) :: sinusoid
+      real(c_double) :: frequency, frequency_error
+   end type noise_c
+
+contains
+
+   !> `gyroakf_fit_options_init`
+   subroutine gyroakf_fit_options_init(opt) bind(C, name="gyroakf_fit_options_init")
+      type(fit_options_c), intent(out), optional :: opt
+      type(noise_options) :: defaults
+
+      if (.not. present(opt)) return
+      opt%struct_size = c_sizeof(opt)
+      opt%terms = c_null_ptr
+      opt%tau_min = defaults%tau_min
+      opt%tau_max = defaults%tau_max
+      opt%method = c_null_ptr
+   end subroutine gyroakf_fit_options_init
+
+   !> `gyroakf_noise_fit`
+   integer(c_int) function gyroakf_noise_fit(a, opt, out, err) bind(C, name="gyroakf_noise_fit")
+      type(c_ptr), intent(in), value :: a
+      type(fit_options_c), intent(in), optional :: opt
+      type(noise_c), intent(inout), optional :: out
+      type(error_c), intent(out), optional :: err
+      type(host_type) :: host
+      type(noise_options) :: options
+      type(noise_type) :: noise
+      type(allan_curve_type), allocatable :: curve
+      type(error_type), allocatable :: error
+
+      call enter_library(host)
+      call copy_curve(a, present(out), curve, error)
+      if (.not. allocated(error)) call read_options(options, error, opt)
+      if (.not. allocated(error)) call fit_noise(curve, options, noise, error)
+      if (.not. allocated(error)) call write_noise(noise, out)
+      gyroakf_noise_fit = leave_library(host, error, err)
+   end function gyroakf_noise_fit
+
+   !> `gyroakf_noise_covariance`
+   integer(c_int) function gyroakf_noise_covariance(a, opt, out, covariance, err) bind(C, name="gyroakf_noise_covariance")
+      type(c_ptr), intent(in), value :: a
+      type(fit_options_c), intent(in), optional :: opt
+      type(noise_c), intent(inout), optional :: out
+      real(c_double), intent(inout), optional, target :: covariance(25)
+      type(error_c), intent(out), optional :: err
+      type(host_type) :: host
+      type(noise_options) :: options
+      type(noise_type) :: noise
+      type(allan_curve_type), allocatable :: curve
+      type(error_type), allocatable :: error
+
+      call enter_library(host)
+      call copy_curve(a, present(covariance), curve, error)
+      if (.not. allocated(error)) call check_aligned(c_loc(covariance), error)
+      if (.not. allocated(error)) call read_options(options, error, opt)
+      if (.not. allocated(error)) call fit_noise(curve, options, noise, error)
+      if (.not. allocated(error)) call check_finite(reshape(noise%covariance, shape(covariance)), error)
+      if (.not. allocated(error)) covariance = reshape(noise%covariance, shape(covariance))
+      if (.not. allocated(error) .and. present(out)) call write_noise(noise, out)
+      gyroakf_noise_covariance = leave_library(host, error, err)
+   end function gyroakf_noise_covariance
+
+   !> The curve of a handle, which the fit may change.
+   subroutine copy_curve(a, has_out, curve, error)
+      type(c_ptr), intent(in) :: a
+      logical, intent(in) :: has_out
+      type(allan_curve_type), allocatable, intent(out) :: curve
+      type(error_type), allocatable, intent(out) :: error
+      type(allan_handle), pointer :: handle
+
+      if (.not. c_associated(a) .or. .not. has_out) then
+         call fatal_error(error, status%invalid_argument, "the curve and the place for the result must not be NULL")
+         return
+      end if
+      call c_f_pointer(a, handle)
+      allocate (curve, source=handle%curve)
+   end subroutine copy_curve
+
+   !> Options of C into options of the library; the defaults where they are absent.
+   subroutine read_options(options, error, opt)
+      type(noise_options), intent(out) :: options
+      type(error_type), allocatable, intent(out) :: error
+      type(fit_options_c), intent(in), optional :: opt
+
+      if (.not. present(opt)) return
+      call check_struct_size(opt%struct_size, c_sizeof(opt), error)
+      if (allocated(error)) return
+      call take_text(opt%terms, options%terms, error)
+      options%tau_min = opt%tau_min
+      options%tau_max = opt%tau_max
+      call take_text(opt%method, options%method, error)
+   end subroutine read_options
+
+   !> The result in C's struct.
+   pure subroutine write_noise(noise, out)
+      type(noise_type), intent(in) :: noise
+      type(noise_c), intent(inout) :: out
+
+      out%q = coefficient_of(noise%coefficient(1))
+      out%n = coefficient_of(noise%coefficient(2))
+      out%b = coefficient_of(noise%coefficient(3))
+      out%k = coefficient_of(noise%coefficient(4))
+      out%r = coefficient_of(noise%coefficient(5))
+      out%chi2_reduced = noise%chi2_reduced
+      out%points = noise%points
+      out%left_out = noise%left_out
+      out%tau_first = noise%tau_first
+      out%chi2_probability = noise%chi2_probability
+      out%misfit = noise%misfit
+      out%markov = coefficient_of(noise%markov)
+      out%correlation_time = noise%correlation_time
+      out%correlation_time_error = noise%correlation_time_error
+      out%sinusoid = coefficient_of(noise%sinusoid)
+      out%frequency = noise%frequency
+      out%frequency_error = noise%frequency_error
+   end subroutine write_noise
+
+   !> One coefficient in C's struct.
+   pure type(coefficient_c) function coefficient_of(c)
+      type(coefficient_type), intent(in) :: c
+
+      coefficient_of%value = c%value
+      coefficient_of%std_error = c%std_error
+      coefficient_of%upper_limit = c%upper_limit
+      coefficient_of%detected = merge(1_c_int32_t, 0_c_int32_t, c%detected)
+      coefficient_of%fitted = merge(1_c_int32_t, 0_c_int32_t, c%fitted)
+   end function coefficient_of
+
+end module gyroakf_c_api_c_noise

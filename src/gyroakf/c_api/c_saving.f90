@@ -1,0 +1,134 @@
+! SPDX-License-Identifier: MIT
+!> C: filters put away and taken up again. What each function promises is said in c_api/include/gyroakf.h.
+module gyroakf_c_api_c_saving
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int8_t, c_int64_t, c_associated, c_f_pointer
+   use gyroakf_kinds, only : int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_filter_saving, only : save_filter, restore_filter, reset_filter
+   use gyroakf_filter_filter_types, only : filter_type
+   use gyroakf_c_api_c_filter, only : new_handle, hand_over
+   use gyroakf_c_api_c_support, only : error_c, host_type, enter_library, leave_library, max_samples
+   implicit none (type, external)
+   private
+   public :: gyroakf_filter_reset, gyroakf_filter_save, gyroakf_filter_restore
+
+   !> Bytes a word
+   integer(int64), parameter :: word_bytes = 8
+
+contains
+
+   !> `gyroakf_filter_reset`
+   integer(c_int) function gyroakf_filter_reset(f, err) bind(C, name="gyroakf_filter_reset")
+      type(c_ptr), intent(in), value :: f
+      type(error_c), intent(out), optional :: err
+      type(host_type) :: host
+      type(filter_type), pointer :: filter
+      type(error_type), allocatable :: error
+
+      call enter_library(host)
+      if (c_associated(f)) then
+         call c_f_pointer(f, filter)
+         call reset_filter(filter, error)
+      else
+         call fatal_error(error, status%invalid_argument, "the filter must not be NULL")
+      end if
+      gyroakf_filter_reset = leave_library(host, error, err)
+   end function gyroakf_filter_reset
+
+   !> `gyroakf_filter_save`
+   integer(c_int) function gyroakf_filter_save(f, bytes, capacity, size_out, err) bind(C, name="gyroakf_filter_save")
+      type(c_ptr), intent(in), value :: f, bytes
+      integer(c_int64_t), intent(in), value :: capacity
+      integer(c_int64_t), intent(inout), optional :: size_out
+      type(error_c), intent(out), optional :: err
+      type(host_type) :: host
+      type(filter_type), pointer :: filter
+      type(error_type), allocatable :: error
+      integer(int64), allocatable :: word(:)
+
+      call enter_library(host)
+      if (.not. c_associated(f) .or. .not. present(size_out)) then
+         call fatal_error(error, status%invalid_argument, "the filter and the place for the size must not be NULL")
+      else
+         call c_f_pointer(f, filter)
+         call save_filter(filter, word, error)
+         if (.not. allocated(error)) then
+            size_out = word_bytes*size(word, kind=int64)
+            if (c_associated(bytes)) call write_bytes(word, bytes, capacity, error)
+         end if
+      end if
+      gyroakf_filter_save = leave_library(host, error, err)
+   end function gyroakf_filter_save
+
+   !> `gyroakf_filter_restore`
+   integer(c_int) function gyroakf_filter_restore(bytes, length, out, err) bind(C, name="gyroakf_filter_restore")
+      type(c_ptr), intent(in), value :: bytes
+      integer(c_int64_t), intent(in), value :: length
+      type(c_ptr), intent(out), optional :: out
+      type(error_c), intent(out), optional :: err
+      type(host_type) :: host
+      type(filter_type), pointer :: handle
+      type(error_type), allocatable :: error
+      integer(int64), allocatable :: word(:)
+
+      call enter_library(host)
+      call new_handle(handle, error, out)
+      if (.not. allocated(error)) call read_bytes(bytes, length, word, error)
+      if (.not. allocated(error)) call restore_filter(word, handle, error)
+      call hand_over(handle, error, out)
+      gyroakf_filter_restore = leave_library(host, error, err)
+   end function gyroakf_filter_restore
+
+   !> Words into the caller's bytes, at any address.
+   subroutine write_bytes(word, bytes, capacity, error)
+      integer(int64), intent(in) :: word(:)
+      type(c_ptr), intent(in) :: bytes
+      !> Bytes there are
+      integer(c_int64_t), intent(in) :: capacity
+      !> invalid_argument: too few
+      type(error_type), allocatable, intent(out) :: error
+      integer(c_int8_t), pointer :: place(:)
+      integer(int64) :: k
+      character(100) :: text
+
+      if (capacity < word_bytes*size(word, kind=int64)) then
+         write (text, '("the state of this filter takes ", i0, " bytes, there are ", i0)') word_bytes*size(word, kind=int64), &
+            capacity
+         call fatal_error(error, status%invalid_argument, trim(text))
+         return
+      end if
+      call c_f_pointer(bytes, place, [word_bytes*size(word, kind=int64)])
+      do k = 1, size(word, kind=int64)
+         place(word_bytes*(k - 1) + 1:word_bytes*k) = transfer(word(k), 0_c_int8_t, word_bytes)
+      end do
+   end subroutine write_bytes
+
+   !> Words from the caller's bytes.
+   subroutine read_bytes(bytes, length, word, error)
+      type(c_ptr), intent(in) :: bytes
+      integer(c_int64_t), intent(in) :: length
+      integer(int64), allocatable, intent(out) :: word(:)
+      !> invalid_argument, parse (no whole number of words), no_memory
+      type(error_type), allocatable, intent(out) :: error
+      integer(c_int8_t), pointer, contiguous :: place(:)
+      integer(int64) :: k
+      integer :: stat
+
+      if (.not. c_associated(bytes) .or. length < 1 .or. length > max_samples) then
+         call fatal_error(error, status%invalid_argument, "the bytes of a filter must not be NULL, their number must be 1 .. 2**44")
+      else if (modulo(length, word_bytes) /= 0) then
+         call fatal_error(error, status%parse, "the state of a filter is cut short or has something behind it")
+      end if
+      if (allocated(error)) return
+      allocate (word(length/word_bytes), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the state of a filter")
+         return
+      end if
+      call c_f_pointer(bytes, place, [length])
+      do k = 1, size(word, kind=int64)
+         word(k) = transfer(place(word_bytes*(k - 1) + 1:word_bytes*k), 0_int64)
+      end do
+   end subroutine read_bytes
+
+end module gyroakf_c_api_c_saving

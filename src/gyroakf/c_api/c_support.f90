@@ -1,0 +1,303 @@
+! SPDX-License-Identifier: MIT
+!> What every C wrapper needs: the caller's error struct, its strings, its floating-point environment, its arrays.
+!>
+!> A wrapper is
+!>
+!>     call enter_library(host)
+!>     ... check the pointers, call one procedure of the library with `error` ...
+!>     code = leave_library(host, error, err)
+!>
+!> and holds no numerics. The rules that C callers rely on are at the top of c_api/include/gyroakf.h.
+module gyroakf_c_api_c_support
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_char, c_size_t, &
+      & c_null_char, c_associated, c_f_pointer
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_is_nan
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_utf8, only : make_readable
+   use gyroakf_c_api_c_places, only : check_aligned
+   implicit none (type, external)
+   private
+   public :: error_c, host_type, series_type, enter_library, leave_library, begin_step, end_step, check_struct_size, &
+      & check_finite, copy_c_text, take_text, open_series, close_series, max_samples
+
+   !> More samples than any machine can hold: counts beyond it are mistakes
+   integer(int64), parameter :: max_samples = 2_int64**44
+
+   !> Longest string that is accepted
+   integer(c_size_t), parameter :: longest_text = 65536
+
+   !> `gyroakf_error`
+   type, bind(C) :: error_c
+      integer(c_int32_t) :: code
+      character(kind=c_char) :: message(256)
+   end type error_c
+
+   !> The caller's floating-point environment: room for the C library's fenv_t
+   type :: host_type
+      integer(c_int64_t) :: environment(64)
+   end type host_type
+
+   !> A series of the caller, as the library takes it
+   type :: series_type
+      !> The samples: the caller's array, or a copy with 0 for NaN
+      real(dp), pointer, contiguous :: x(:) => null()
+      !> 1 present, 0 missing: [n]; allocated only where something is missing
+      integer(int8), allocatable :: valid(:)
+      !> The samples are a copy
+      logical :: owned = .false.
+   end type series_type
+
+   interface
+      !> Keeps the environment of the program and sets the default one (host.c)
+      subroutine set_aside(environment) bind(C, name="gyroakf_host_set_aside")
+         import :: c_int64_t
+         implicit none (type, external)
+         integer(c_int64_t), intent(out) :: environment(64)
+      end subroutine set_aside
+
+      !> The kept environment again
+      subroutine restore(environment) bind(C, name="gyroakf_host_restore")
+         import :: c_int64_t
+         implicit none (type, external)
+         integer(c_int64_t), intent(in) :: environment(64)
+      end subroutine restore
+
+      !> The same for a step of a filter; 0 where nothing had to be done
+      integer(c_int) function begin_step(environment) bind(C, name="gyroakf_host_begin_step")
+         import :: c_int, c_int64_t
+         implicit none (type, external)
+         integer(c_int64_t), intent(out) :: environment(64)
+      end function begin_step
+
+      !> Ends it where begin_step was not 0
+      subroutine end_step(environment) bind(C, name="gyroakf_host_end_step")
+         import :: c_int64_t
+         implicit none (type, external)
+         integer(c_int64_t), intent(in) :: environment(64)
+      end subroutine end_step
+
+      !> Length of a C string
+      integer(c_size_t) function strnlen(text, longest) bind(C, name="strnlen")
+         import :: c_ptr, c_size_t
+         implicit none (type, external)
+         type(c_ptr), intent(in), value :: text
+         integer(c_size_t), intent(in), value :: longest
+      end function strnlen
+   end interface
+
+contains
+
+   !> Keeps the caller's floating-point environment and sets the default one.
+   subroutine enter_library(host)
+      !> What [[leave_library]] restores
+      type(host_type), intent(out) :: host
+
+      call set_aside(host%environment)
+   end subroutine enter_library
+
+   !> Restores the caller's floating-point environment, fills its error struct and returns the status.
+   integer(c_int) function leave_library(host, error, err)
+      !> From [[enter_library]]
+      type(host_type), intent(in) :: host
+      !> The library's error, if any
+      type(error_type), allocatable, intent(in) :: error
+      !> The caller's struct; absent for NULL
+      type(error_c), intent(out), optional :: err
+      character(:), allocatable :: message
+
+      leave_library = status%ok
+      if (allocated(error)) leave_library = error%code
+      if (present(err)) then
+         err%code = leave_library
+         err%message(:) = c_null_char
+         if (allocated(error)) then
+            call make_lines_readable(error%message, message)
+            call copy_text(message, err%message)
+         end if
+      end if
+      call restore(host%environment)
+   end function leave_library
+
+   !> A message whose every line can be shown: what it repeats of the caller's texts may be any bytes.
+   pure subroutine make_lines_readable(given, message)
+      character(*), intent(in) :: given
+      character(:), allocatable, intent(out) :: message
+      character(:), allocatable :: line
+      integer :: first, length
+
+      message = ""
+      first = 1
+      do
+         length = index(given(first:), new_line("a")) - 1
+         if (length < 0) exit
+         line = given(first:first + length - 1)
+         call make_readable(line)
+         message = message//line//new_line("a")
+         first = first + length + 1
+      end do
+      line = given(first:)
+      call make_readable(line)
+      message = message//line
+   end subroutine make_lines_readable
+
+   !> Copies a text of UTF-8, cut at a whole character where it is too long for the array and its final NUL.
+   pure subroutine copy_text(text, array)
+      character(*), intent(in) :: text
+      character(kind=c_char), intent(inout) :: array(:)
+      integer :: i, n
+
+      n = min(len(text), size(array) - 1)
+      if (n < len(text)) then
+         do while (n > 0)
+            if (iand(ichar(text(n + 1:n + 1)), 192) /= 128) exit         ! the next byte begins a character
+            n = n - 1
+         end do
+      end if
+      do i = 1, n
+         array(i) = text(i:i)
+      end do
+   end subroutine copy_text
+
+   !> The first member of an options struct must be what its _init wrote, or that of an earlier version had written.
+   subroutine check_struct_size(given, known, error, earlier)
+      !> `struct_size` of the caller, and of this library
+      integer(c_size_t), intent(in) :: given, known
+      !> invalid_argument: of no version, not_supported: of a later one
+      type(error_type), allocatable, intent(out) :: error
+      !> Size before the struct grew; what is beyond must not be read where it is given
+      integer(c_size_t), intent(in), optional :: earlier
+
+      if (present(earlier)) then
+         if (given == earlier) return
+      end if
+      if (given > known) then
+         call fatal_error(error, status%not_supported, "struct_size of the options is that of a later version of the library")
+      else if (given /= known) then
+         call fatal_error(error, status%invalid_argument, "the options are not initialised: call their _init function first")
+      end if
+   end subroutine check_struct_size
+
+   !> Results are finite; those of values near the largest number may overflow.
+   subroutine check_finite(results, error)
+      !> Numbers that the caller is to get
+      real(dp), intent(in) :: results(:)
+      !> An earlier error stays; non_finite
+      type(error_type), allocatable, intent(inout) :: error
+
+      if (allocated(error)) return
+      if (.not. all(ieee_is_finite(results))) call fatal_error(error, status%non_finite, &
+         & "a result overflows: the values are too large; divide them by a constant first")
+   end subroutine check_finite
+
+   !> A C string; the default where it is NULL.
+   !>
+   !> (A subroutine: gfortran 12 keeps the length of a function's deferred-length text in static memory,
+   !> which two threads would share.)
+   subroutine copy_c_text(string, default, text)
+      !> NUL-terminated, or NULL
+      type(c_ptr), intent(in) :: string
+      !> What NULL means
+      character(*), intent(in) :: default
+      !> The text
+      character(:), allocatable, intent(out) :: text
+      character(kind=c_char), pointer :: letters(:)
+      integer(c_size_t) :: i, n
+
+      text = default
+      if (.not. c_associated(string)) return
+      n = strnlen(string, longest_text)
+      call c_f_pointer(string, letters, [n])
+      deallocate (text)
+      allocate (character(n) :: text)
+      do i = 1, n
+         text(i:i) = letters(i)
+      end do
+   end subroutine copy_c_text
+
+   !> A C string into a variable of fixed length, which keeps its default where the string is NULL.
+   subroutine take_text(string, value, error)
+      !> NUL-terminated, or NULL
+      type(c_ptr), intent(in) :: string
+      !> The default in, the text out
+      character(*), intent(inout) :: value
+      !> An earlier error stays and nothing is done; invalid_argument: a text longer than any that is known
+      type(error_type), allocatable, intent(inout) :: error
+      character(:), allocatable :: text
+
+      if (allocated(error)) return
+      call copy_c_text(string, value, text)
+      if (len(text) > len(value)) then
+         call fatal_error(error, status%invalid_argument, "unknown option '"//text//"'")
+      else
+         value = text
+      end if
+   end subroutine take_text
+
+   !> Takes a series of the caller: its own array where nothing is missing, else a copy with marks.
+   subroutine open_series(array, n, series, error)
+      !> const double *
+      type(c_ptr), intent(in) :: array
+      !> Its length
+      integer(c_int64_t), intent(in) :: n
+      !> The series; [[close_series]] ends its use
+      type(series_type), intent(out) :: series
+      !> invalid_argument: NULL, or a length out of range; non_finite: an infinite value; no_memory
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), pointer, contiguous :: x(:)
+      integer(int64) :: i, missing
+
+      if (.not. c_associated(array) .or. n < 1 .or. n > max_samples) then
+         call fatal_error(error, status%invalid_argument, "a series must not be NULL and its length must be 1 .. 2**44")
+         return
+      end if
+      call check_aligned(array, error)
+      if (allocated(error)) return
+      call c_f_pointer(array, x, [n])
+      missing = 0
+      do i = 1, n
+         if (ieee_is_finite(x(i))) cycle
+         if (.not. ieee_is_nan(x(i))) then
+            call fatal_error(error, status%non_finite, "a value of the series is infinite (a missing one is NaN)")
+            return
+         end if
+         missing = missing + 1
+      end do
+      series%x => x
+      if (missing > 0) call copy_series(x, series, error)
+   end subroutine open_series
+
+   !> The copy with 0 for NaN, and the marks.
+   subroutine copy_series(x, series, error)
+      real(dp), intent(in), contiguous :: x(:)
+      type(series_type), intent(inout) :: series
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: i, n
+      integer :: stat
+
+      n = size(x, kind=int64)
+      nullify (series%x)
+      allocate (series%valid(n), stat=stat)
+      if (stat == 0) allocate (series%x(n), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for a copy of the series")
+         return
+      end if
+      series%owned = .true.
+      do i = 1, n
+         series%valid(i) = merge(0_int8, 1_int8, ieee_is_nan(x(i)))
+         series%x(i) = 0
+         if (series%valid(i) == 1) series%x(i) = x(i)
+      end do
+   end subroutine copy_series
+
+   !> Ends the use of a series.
+   subroutine close_series(series)
+      !> Opened or not
+      type(series_type), intent(inout) :: series
+
+      if (series%owned) deallocate (series%x)
+      series%owned = .false.
+   end subroutine close_series
+
+end module gyroakf_c_api_c_support

@@ -1,0 +1,150 @@
+! SPDX-License-Identifier: MIT
+!> The drift of one channel: identified from the record as read, its processes stated in the units of the report.
+module gyroakf_pipeline_channel_drift
+   use gyroakf_kinds, only : dp, int8
+   use gyroakf_error, only : error_type
+   use gyroakf_progress, only : progress_type
+   use gyroakf_units, only : unit_type
+   use gyroakf_allan_noise_fit, only : coefficient_type
+   use gyroakf_filter_components, only : component_model_type
+   use gyroakf_filter_drift_identification, only : drift_identification_options, identify_drift_model
+   use gyroakf_pipeline_coefficients, only : state_one
+   use gyroakf_pipeline_result, only : channel_result_type, drift_process_type, pipeline_options
+   use gyroakf_pipeline_warnings, only : is_fatal, note_failure
+   implicit none (type, external)
+   private
+   public :: find_drift, smoothed_share
+
+   !> What counts as drift where nobody says: slower than so many samples, and than so many seconds
+   real(dp), parameter :: drift_samples = 5.0_dp, drift_seconds = 1.0_dp
+   !> Times beyond it are all the same: no process is as slow
+   real(dp), parameter :: longest_time = 1.0e200_dp
+
+contains
+
+   !> Identifies the drift; what is not slower than `drift_tau` is noise. A failure is noted in the channel.
+   subroutine find_drift(z, step, rate_known, unit, options, channel, error, valid, progress)
+      !> Record as read without its outliers, less its mean: [n]
+      real(dp), intent(in), contiguous :: z(:)
+      !> Sample interval in s, 1 where no rate is known
+      real(dp), intent(in) :: step
+      !> The interval is in seconds
+      logical, intent(in) :: rate_known
+      !> Unit of the series
+      type(unit_type), intent(in) :: unit
+      !> Of the main job
+      type(pipeline_options), intent(in) :: options
+      !> `drift` and what is stated of it are filled
+      type(channel_result_type), intent(inout) :: channel
+      !> no_memory, cancelled and the like
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
+      type(drift_identification_options) :: how
+
+      channel%drift_tau = options%drift_tau
+      if (channel%drift_tau <= 0.0_dp) channel%drift_tau = max(drift_samples*step, merge(drift_seconds, 0.0_dp, rate_known))
+      how = options%identification
+      how%drift_samples = min(channel%drift_tau, longest_time)/step
+      call identify_drift_model(z, how, channel%drift, error, valid, progress)
+      if (is_fatal(error)) return
+      channel%available%drift = .not. allocated(error)
+      call note_failure(channel, "drift identification", error)
+      if (.not. channel%available%drift) channel%drift%found = .false.
+      if (channel%available%drift) call state_drift(step, rate_known, unit, channel)
+   end subroutine find_drift
+
+   !> States the model: times in s, standard deviations, the random walk as a coefficient K.
+   subroutine state_drift(step, rate_known, unit, channel)
+      !> As of find_drift
+      real(dp), intent(in) :: step
+      logical, intent(in) :: rate_known
+      type(unit_type), intent(in) :: unit
+      !> `drift` is filled
+      type(channel_result_type), intent(inout) :: channel
+      integer :: i
+
+      if (allocated(channel%drift_process)) deallocate (channel%drift_process)
+      associate (drift => channel%drift)
+         channel%drift_time = drift%correlation_samples*step
+         if (drift%errors_known .and. drift%white_std > 0.0_dp) channel%white_std_error = &
+            0.5_dp*drift%std_error%r/drift%white_std
+         allocate (channel%drift_process(drift%model%count))
+         do i = 1, drift%model%count
+            call state_process(drift%model, drift%std_error, i, step, channel%drift_process(i))
+            channel%drift_process(i)%slow = drift%slow(i)
+            if (channel%drift_process(i)%walk) call state_walk(step, rate_known, unit, channel%drift_process(i))
+         end do
+      end associate
+   end subroutine state_drift
+
+   !> One process: $$ T = -\frac{t_0}{\ln\phi}, \quad \mathrm{d}T = \frac{T^2}{t_0\,\phi}\,\mathrm{d}\phi, \quad
+   !> \sigma^2 = \frac{q}{1 - \phi^2} $$
+   pure subroutine state_process(model, std_error, i, step, process)
+      !> The model and its standard errors, 0 where they are not known
+      type(component_model_type), intent(in) :: model, std_error
+      !> Which of its processes
+      integer, intent(in) :: i
+      !> Sample interval
+      real(dp), intent(in) :: step
+      !> Stated
+      type(drift_process_type), intent(inout) :: process
+
+      associate (phi => model%phi(i), q => model%q(i))
+         process%phi = phi
+         process%walk = phi >= 1.0_dp
+         if (process%walk) then
+            process%std = sqrt(q)
+            if (q > 0.0_dp) process%std_error = 0.5_dp*std_error%q(i)/sqrt(q)
+            return
+         end if
+         process%phi_error = std_error%phi(i)
+         process%std = sqrt(q/((1.0_dp - phi)*(1.0_dp + phi)))
+         if (.not. phi > 0.0_dp) return
+         process%time = -step/log(phi)
+         process%time_error = process%time**2/(step*phi)*std_error%phi(i)
+      end associate
+   end subroutine state_process
+
+   !> The random walk as the coefficient K, $ K = \sqrt{q/t_0} $, in the unit of Table III.
+   subroutine state_walk(step, rate_known, unit, process)
+      !> As of find_drift
+      real(dp), intent(in) :: step
+      logical, intent(in) :: rate_known
+      type(unit_type), intent(in) :: unit
+      !> Its k is set
+      type(drift_process_type), intent(inout) :: process
+      type(coefficient_type) :: k
+
+      k%value = process%std/sqrt(step)
+      k%std_error = process%std_error/sqrt(step)
+      k%fitted = .true.
+      k%detected = .true.
+      call state_one(k, 4, rate_known, unit, process%k)
+   end subroutine state_walk
+
+   !> Share of a constant rotation that the smoothed drift takes up: all of it with a random walk, else that of the drift in the
+   !> spectrum of the model at frequency 0.
+   pure real(dp) function smoothed_share(channel) result(share)
+      !> A drift is found
+      type(channel_result_type), intent(in) :: channel
+      real(dp) :: density, all_density
+      integer :: i
+
+      share = 1.0_dp
+      density = 0.0_dp
+      all_density = channel%drift%model%r
+      do i = 1, channel%drift%model%count
+         associate (phi => channel%drift%model%phi(i), q => channel%drift%model%q(i))
+            if (phi >= 1.0_dp .and. channel%drift%slow(i)) return
+            if (phi >= 1.0_dp) cycle
+            all_density = all_density + q/(1.0_dp - phi)**2
+            if (channel%drift%slow(i)) density = density + q/(1.0_dp - phi)**2
+         end associate
+      end do
+      if (all_density > 0.0_dp) share = density/all_density
+   end function smoothed_share
+
+end module gyroakf_pipeline_channel_drift

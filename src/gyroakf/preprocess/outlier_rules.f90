@@ -1,0 +1,157 @@
+! SPDX-License-Identifier: MIT
+!> Rules that tell an outlier: |residual - centre| > threshold x scale.
+!>
+!> | method | centre and scale | threshold |
+!> |---|---|---|
+!> | `pauta` | mean and standard deviation (divisor n - 1) of the inliers | 3 |
+!> | `auto`  | first median and 1.4826 MAD, then as `pauta` | for the record's length: $$\sqrt2\,\mathrm{erfc}^{-1}(1/(2n))$$ |
+!> | `mad`   | median and 1.4826 MAD | 4.5 |
+!> | `hampel` | median and 1.4826 MAD of the sample's neighbourhood (gyroakf_preprocess_local_outliers) | 3 |
+!>
+!> Mean and standard deviation of n samples let none of them be further off than (n-1)/sqrt(n) standard deviations: 3 sigma
+!> rejects nothing below 11 samples.
+!>
+!> Sources: Pauta's rule as in the paper; Chauvenet's criterion for the threshold of `auto`, by which
+!> a clean normal record of any length loses half a sample on average (3 sigma takes 0.27 % of it);
+!> Hampel, J. Amer. Stat. Assoc. 69 (1974) 383-393 for the MAD.
+module gyroakf_preprocess_outlier_rules
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_select, only : find_median, find_deviation
+   use gyroakf_special, only : normal_quantile
+   implicit none (type, external)
+   private
+   public :: check_method, default_threshold, length_threshold, robust_centre, is_repeated, mark_outliers
+
+   !> MAD of a normal distribution times this is its standard deviation: 1/Phi^-1(3/4)
+   real(dp), parameter :: mad_to_sigma = 1.4826022185056018_dp
+   !> A step is one of the quantisation that so many neighbours differ by, up to this factor of rounding errors
+   integer(int64), parameter :: least_steps = 10
+   real(dp), parameter :: nearly = 1.001_dp
+
+contains
+
+   !> Refuses a method that is not known or not built.
+   subroutine check_method(method, error)
+      !> none, auto, pauta, mad, hampel
+      character(*), intent(in) :: method
+      !> invalid_argument
+      type(error_type), allocatable, intent(out) :: error
+
+      select case (method)
+      case ("none", "auto", "pauta", "mad", "hampel")
+      case default
+         call fatal_error(error, status%invalid_argument, &
+            & "unknown outlier method '"//trim(method)//"'; there are none, auto, pauta, mad, hampel")
+      end select
+   end subroutine check_method
+
+   !> The method's own threshold in standard deviations, 0 for `none`.
+   pure real(dp) function default_threshold(method, n)
+      !> One of the methods
+      character(*), intent(in) :: method
+      !> Present samples
+      integer(int64), intent(in) :: n
+
+      select case (method)
+      case ("auto"); default_threshold = length_threshold(n)
+      case ("pauta", "hampel"); default_threshold = 3.0_dp
+      case ("mad"); default_threshold = 4.5_dp
+      case default; default_threshold = 0.0_dp
+      end select
+   end function default_threshold
+
+   !> The threshold that n normal samples exceed half a time on average.
+   pure real(dp) function length_threshold(n)
+      !> Number of samples, 1 or more
+      integer(int64), intent(in) :: n
+
+      length_threshold = -normal_quantile(0.25_dp/real(max(n, 1_int64), dp))
+   end function length_threshold
+
+   !> Median, and 1.4826 times the median distance from it.
+   subroutine robust_centre(x, floor, centre, scale, error, valid, progress)
+      !> Residuals: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> Least scale: half a quantisation step, so that a record of which more than half sits on one
+      !> level does not lose the rest
+      real(dp), intent(in) :: floor
+      !> The two
+      real(dp), intent(out) :: centre, scale
+      !> too_few_samples, no_memory, cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      !> Told between the two; may cancel
+      class(progress_type), intent(inout), optional :: progress
+
+      scale = floor
+      call find_median(x, centre, error, valid)
+      if (.not. allocated(error)) call tell_progress("cleaning", 0_int64, 0_int64, error, progress)
+      if (allocated(error)) return
+      call find_deviation(x, centre, scale, error, valid)
+      scale = max(mad_to_sigma*scale, floor)
+   end subroutine robust_centre
+
+   !> Whether present neighbours differ by a step often enough for it to be that of the quantisation.
+   logical function is_repeated(x, step, valid)
+      !> Series: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> As quantisation_step found it; 0 is none
+      real(dp), intent(in) :: step
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      integer(int64) :: i, n, times
+      real(dp) :: difference
+
+      n = size(x, kind=int64)
+      times = 0
+      !$omp parallel do if (n >= threads_from) default(shared) private(difference) reduction(+:times) schedule(static)
+      do i = 2, n
+         if (present(valid)) then
+            if (valid(i) == 0_int8 .or. valid(i - 1) == 0_int8) cycle
+         end if
+         difference = abs(x(i) - x(i - 1))
+         if (difference > 0.0_dp .and. difference <= nearly*step) times = times + 1
+      end do
+      !$omp end parallel do
+      is_repeated = times >= least_steps
+   end function is_repeated
+
+   !> Marks the samples beyond the limit and unmarks those within.
+   subroutine mark_outliers(x, centre, limit, keep, inlier, changed, removed, valid)
+      !> Residuals: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> Marked is |x - centre| > limit
+      real(dp), intent(in) :: centre, limit
+      !> .true.: a mark stays, whatever the limit
+      logical, intent(in) :: keep
+      !> 1 inlier, 0 outlier or missing: [n]
+      integer(int8), intent(inout), contiguous :: inlier(:)
+      !> Samples whose mark changed, and outliers now
+      integer(int64), intent(out) :: changed, removed
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      integer(int64) :: i, n
+      integer(int8) :: mark
+
+      n = size(x, kind=int64)
+      changed = 0
+      removed = 0
+      !$omp parallel do if (n >= threads_from) default(shared) private(mark) reduction(+:changed, removed) schedule(static)
+      do i = 1, n
+         if (present(valid)) then
+            if (valid(i) == 0_int8) cycle
+         end if
+         mark = merge(0_int8, 1_int8, abs(x(i) - centre) > limit)
+         if (keep) mark = min(mark, inlier(i))
+         if (mark == 0_int8) removed = removed + 1
+         if (mark /= inlier(i)) changed = changed + 1
+         inlier(i) = mark
+      end do
+      !$omp end parallel do
+   end subroutine mark_outliers
+
+end module gyroakf_preprocess_outlier_rules

@@ -1,0 +1,178 @@
+! SPDX-License-Identifier: MIT
+!> The parts of a report as elements of a page: headings, items, sentences, and every text escaped.
+!>
+!> [[gyroakf_report_text_layout]] and [[gyroakf_report_text_table]] call these where the writer's `markup` is on,
+!> so that a page says what the terminal says, from the same lines of code.
+module gyroakf_report_html_markup
+   use gyroakf_kinds, only : dp
+   use gyroakf_io_writer, only : writer_type, put, put_line, put_real
+   use gyroakf_utf8, only : sequence_length
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
+   implicit none (type, external)
+   private
+   public :: html_heading, html_item, html_paragraph, html_point, close_list
+   public :: put_escaped, put_attribute, put_number_attribute, put_element
+
+contains
+
+   !> A heading; what follows it belongs to it.
+   subroutine html_heading(writer, text, upper)
+      !> The page
+      type(writer_type), intent(inout) :: writer
+      !> Any text
+      character(*), intent(in) :: text
+      !> Of the level of the page's part, else one deeper
+      logical, intent(in) :: upper
+      character(2) :: tag
+
+      call close_list(writer)
+      tag = "h"//achar(iachar("0") + min(6, writer%markup%level + merge(0, 1, upper)))
+      call put_element(writer, tag, text)
+      writer%markup%heading = text
+   end subroutine html_heading
+
+   !> A label and its text; without a label the text goes on with the item before.
+   subroutine html_item(writer, label, text)
+      !> The page
+      type(writer_type), intent(inout) :: writer
+      !> "" for none; "Warning" is shown as one
+      character(*), intent(in) :: label, text
+
+      if (label == "" .and. writer%markup%list /= "dl") then
+         call html_paragraph(writer, text)
+         return
+      end if
+      call open_list(writer, "dl")
+      if (label == "Warning") then
+         call put_line(writer, "<dt class=""warning"">Warning</dt>")
+      else if (label /= "") then
+         call put_element(writer, "dt", label)
+      end if
+      call put_element(writer, "dd", text)
+   end subroutine html_item
+
+   !> Sentences.
+   subroutine html_paragraph(writer, text)
+      !> The page
+      type(writer_type), intent(inout) :: writer
+      !> Any text
+      character(*), intent(in) :: text
+
+      call close_list(writer)
+      call put_element(writer, "p", text)
+   end subroutine html_paragraph
+
+   !> A sentence with a mark in front.
+   subroutine html_point(writer, text)
+      !> The page
+      type(writer_type), intent(inout) :: writer
+      !> Any text
+      character(*), intent(in) :: text
+
+      call open_list(writer, "ul")
+      call put_element(writer, "li", text)
+   end subroutine html_point
+
+   !> Begins a list, where it is not the one that is open.
+   subroutine open_list(writer, tag)
+      type(writer_type), intent(inout) :: writer
+      character(2), intent(in) :: tag
+
+      if (writer%markup%list == tag) return
+      call close_list(writer)
+      call put_line(writer, "<"//tag//">")
+      writer%markup%list = tag
+   end subroutine open_list
+
+   !> Ends the list that is open, if one is.
+   subroutine close_list(writer)
+      !> The page
+      type(writer_type), intent(inout) :: writer
+
+      if (writer%markup%list == "") return
+      call put_line(writer, "</"//writer%markup%list//">")
+      writer%markup%list = ""
+   end subroutine close_list
+
+   !> An element that holds text alone, on a line.
+   subroutine put_element(writer, tag, text)
+      !> The page
+      type(writer_type), intent(inout) :: writer
+      !> Its name; any text
+      character(*), intent(in) :: tag, text
+
+      call put(writer, "<"//trim(tag)//">")
+      call put_escaped(writer, text)
+      call put_line(writer, "</"//trim(tag)//">")
+   end subroutine put_element
+
+   !> " name="text"", escaped.
+   subroutine put_attribute(writer, name, text)
+      !> The page, within a tag
+      type(writer_type), intent(inout) :: writer
+      !> Name; any text
+      character(*), intent(in) :: name, text
+
+      call put(writer, " "//name//"=""")
+      call put_escaped(writer, text)
+      call put(writer, """")
+   end subroutine put_attribute
+
+   !> A number at 17 significant digits, as results.json has it; null where it is not finite.
+   subroutine put_number_attribute(writer, name, value)
+      !> The page, within a tag
+      type(writer_type), intent(inout) :: writer
+      !> Name
+      character(*), intent(in) :: name
+      !> Any
+      real(dp), intent(in) :: value
+
+      call put(writer, " "//name//"=""")
+      if (ieee_is_finite(value)) then
+         call put_real(writer, value, 17)
+      else
+         call put(writer, "null")
+      end if
+      call put(writer, """")
+   end subroutine put_number_attribute
+
+   !> A text as HTML: what would be markup becomes references, what is no UTF-8 or a control character U+FFFD.
+   subroutine put_escaped(writer, text)
+      !> The page
+      type(writer_type), intent(inout) :: writer
+      !> Any bytes
+      character(*), intent(in) :: text
+      integer :: i, length
+
+      i = 1
+      do while (i <= len(text))
+         length = sequence_length(text(i:))
+         select case (text(i:i))
+         case ("&"); call put(writer, "&amp;")
+         case ("<"); call put(writer, "&lt;")
+         case (">"); call put(writer, "&gt;")
+         case (""""); call put(writer, "&quot;")
+         case ("'"); call put(writer, "&#39;")
+         case default
+            if (text(i:i) == new_line("a")) then
+               call put(writer, " ")
+            else if (length == 0 .or. is_control(text(i:i + max(1, length) - 1))) then
+               call put(writer, "&#xFFFD;")
+            else
+               call put(writer, text(i:i + length - 1))
+            end if
+         end select
+         i = i + max(1, length)
+      end do
+   end subroutine put_escaped
+
+   !> A control character that no page may hold: below a blank, delete, U+0080 to U+009F.
+   pure logical function is_control(character)
+      !> The bytes of one
+      character(*), intent(in) :: character
+
+      is_control = iachar(character(1:1)) < 32 .or. iachar(character(1:1)) == 127
+      if (len(character) == 2) is_control = ichar(character(1:1)) == 194 .and. ichar(character(2:2)) < 160
+   end function is_control
+
+end module gyroakf_report_html_markup

@@ -1,0 +1,233 @@
+! SPDX-License-Identifier: MIT
+!> Table II of a report: both families of filters side by side, and the details of each.
+module gyroakf_report_text_filters
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_record, only : record_type
+   use gyroakf_io_writer, only : writer_type
+   use gyroakf_stats_whiteness, only : ljung_box_type
+   use gyroakf_filter_filter_series, only : filter_result_type
+   use gyroakf_pipeline_result, only : channel_result_type, filter_figures_type
+   use gyroakf_report_input, only : has_unit, unit_name
+   use gyroakf_report_text_layout, only : put_heading, put_item, put_items, put_paragraph, number, scientific, fixed, &
+      count_text
+   use gyroakf_report_text_table, only : table_type, new_table, set_exact, set_cell, set_row, put_numbered, put_table
+   use gyroakf_report_stationarity, only : whiteness_text, negligible_rho
+   implicit none (type, external)
+   private
+   public :: put_filter_table, make_filter_table, put_filter_details, put_rmse
+
+contains
+
+   !> Mean and variance before and after each filter, and beside them what the filter does to a true rotation.
+   subroutine put_filter_table(writer, record, channel)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> For the unit
+      type(record_type), intent(in) :: record
+      !> Filters are filled as far as they are available
+      type(channel_result_type), intent(in) :: channel
+      type(table_type) :: table
+      character(:), allocatable :: text
+
+      call make_filter_table(record, channel, table)
+      call put_numbered(writer, table)
+      if (channel%available%drift_kf .or. channel%available%drift_akf) then
+         text = "The paper's filters give out the whole signal, smoothed; the drift filters the drift alone, to be "// &
+                "subtracted, and a rotation passes into it: estimate it at rest, only predict it in motion."
+         if (two_inputs(channel)) text = text//" They see the record as read without its outliers; its trend is drift to them."
+         call put_paragraph(writer, text, 2)
+      end if
+      if (channel%available%drift_smoother) call put_paragraph(writer, "compensated: the record less its smoothed drift. "// &
+         "In-sample: the drift was taken from the same record, before and after each sample; no filter in use does as well.", 2)
+   end subroutine put_filter_table
+
+   !> Table II: a row for each series and for each filter of both families.
+   subroutine make_filter_table(record, channel, table)
+      !> For the unit
+      type(record_type), intent(in) :: record
+      !> Filters are filled as far as they are available
+      type(channel_result_type), intent(in) :: channel
+      !> Described
+      type(table_type), intent(out) :: table
+      integer :: row
+
+      associate (is => channel%available)
+         row = merge(2, 1, has_unit(record))
+         call new_table(table, row + 2 + count([two_inputs(channel), is%kf, is%akf, is%drift_kf, is%drift_akf, &
+                                                is%drift_smoother, is%drift_smoother]), 9, head=row)
+         call describe(record, channel, table)
+         call add_series(table, row, "as read", "raw", channel%raw%mean, channel%raw%variance, "")
+         call add_series(table, row, "cleaned", "preprocess", channel%cleaned%mean, channel%cleaned%variance, "100 %")
+         if (is%kf) call add_filter(table, row, "KF (paper)", "kf", channel%kf, channel%kf_figures)
+         if (is%akf) call add_filter(table, row, "AKF (paper)", "akf", channel%akf, channel%akf_figures)
+         if (two_inputs(channel)) call add_series(table, row, "no outliers", "", channel%level%mean, channel%level%variance, &
+                                                  "100 %")
+         if (is%drift_kf) call add_filter(table, row, "drift KF", "drift_kf", channel%drift_kf, &
+                                           channel%drift_kf_figures)
+         if (is%drift_akf) call add_filter(table, row, "drift AKF", "drift_akf", channel%drift_akf, &
+                                            channel%drift_akf_figures)
+         if (is%drift_smoother) then
+            call add_filter(table, row, "smoother", "drift_smoother", channel%drift_smoother, channel%drift_smoother_figures)
+            call add_series(table, row, "compensated", "", channel%compensated%mean, channel%compensated%variance, &
+                            number(100*channel%compensated_ratio, 3)//" %")
+            call set_cell(table, row, 6, fixed(channel%drift_smoother_figures%lost_percent/100, 4))
+         end if
+      end associate
+   end subroutine make_filter_table
+
+   !> The drift is looked for in another series than the one that the paper's filters work on.
+   pure logical function two_inputs(channel)
+      type(channel_result_type), intent(in) :: channel
+
+      two_inputs = channel%drift%found .and. channel%available%preprocess
+   end function two_inputs
+
+   !> Caption, heads of the columns, and what these mean.
+   subroutine describe(record, channel, table)
+      type(record_type), intent(in) :: record
+      type(channel_result_type), intent(in) :: channel
+      type(table_type), intent(inout) :: table
+
+      table%name = "filters"
+      table%number = "II"
+      table%caption = "Before and after the filters"
+      if (.not. has_unit(record)) table%caption = table%caption//", in input units"
+      call set_row(table, 1, [character(8) :: "", "mean", "variance", "share", "gain", "passes", "NIS", "|rho|", "innov."])
+      if (has_unit(record)) call set_cell(table, 2, 2, unit_name(record))
+      if (has_unit(record)) call set_cell(table, 2, 3, "("//unit_name(record)//")^2")
+      table%note = "share: variance over that of the series above that is filtered. gain: mean of the last third. passes: "// &
+         "share of a constant rotation (DC gain). NIS: mean squared normalised innovation, 1 where Q and R describe the "// &
+         "innovations"
+      if (channel%available%kf .and. channel%kf%nis_high > 0.0_dp) table%note = table%note//" (95 % of such filters within "// &
+         fixed(channel%kf%nis_low, 3)//" to "//fixed(channel%kf%nis_high, 3)//")"
+      table%note = table%note//". |rho|: largest autocorrelation of the innovations."
+   end subroutine describe
+
+   !> A series in the table.
+   subroutine add_series(table, row, name, key, mean, variance, share)
+      type(table_type), intent(inout) :: table
+      !> The last one that is filled
+      integer, intent(inout) :: row
+      !> What the row is called; where results.json has its mean and variance, "" where it has not
+      character(*), intent(in) :: name, key
+      real(dp), intent(in) :: mean, variance
+      character(*), intent(in) :: share
+
+      row = row + 1
+      call set_cell(table, row, 1, name)
+      call set_cell(table, row, 2, scientific(mean, 4))
+      call set_cell(table, row, 3, scientific(variance, 5))
+      call set_cell(table, row, 4, share)
+      if (key == "") return
+      call set_exact(table, row, 2, key//".mean", mean)
+      call set_exact(table, row, 3, key//".variance", variance)
+   end subroutine add_series
+
+   !> One filter in the table; a smoother has no innovations.
+   subroutine add_filter(table, row, name, member, filter, figures)
+      type(table_type), intent(inout) :: table
+      !> The last one that is filled
+      integer, intent(inout) :: row
+      !> What the row is called; the filter among those of results.json
+      character(*), intent(in) :: name, member
+      type(filter_result_type), intent(in) :: filter
+      type(filter_figures_type), intent(in) :: figures
+
+      call add_series(table, row, name, "filters."//member, filter%mean, filter%variance, &
+                      number(100*figures%variance_ratio, 3)//" %")
+      call set_cell(table, row, 6, fixed(filter%dc_gain, 4))
+      call set_exact(table, row, 6, "filters."//member//".dc_gain", filter%dc_gain)
+      if (.not. filter%nis_high > 0.0_dp) return
+      call set_cell(table, row, 5, number(filter%gain, 2))
+      call set_cell(table, row, 7, fixed(filter%nis_mean, 3))
+      call set_exact(table, row, 5, "filters."//member//".gain", filter%gain)
+      call set_exact(table, row, 7, "filters."//member//".nis_mean", filter%nis_mean)
+      call set_cell(table, row, 8, number(filter%ljung_box%largest_rho, 2))
+      call set_cell(table, row, 9, trim(verdict(filter%ljung_box)))
+   end subroutine add_filter
+
+   !> Whiteness in a word: significance alone would call every long record coloured.
+   pure function verdict(test) result(text)
+      type(ljung_box_type), intent(in) :: test
+      character(8) :: text
+
+      if (.not. test%p_value < 0.05_dp) then
+         text = "white"
+      else if (test%largest_rho < negligible_rho) then
+         text = "nearly"
+      else
+         text = "coloured"
+      end if
+   end function verdict
+
+   !> Gain, Q, R, counts and warnings of every filter.
+   subroutine put_filter_details(writer, channel)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> Filters are filled as far as they are available
+      type(channel_result_type), intent(in) :: channel
+
+      if (channel%available%kf) call put_details(writer, "KF", channel%kf)
+      if (channel%available%akf) call put_details(writer, "AKF", channel%akf)
+      if (channel%available%drift_kf) call put_details(writer, "drift KF", channel%drift_kf)
+      if (channel%available%drift_akf) call put_details(writer, "drift AKF", channel%drift_akf)
+      if (channel%available%drift_smoother) call put_item(writer, "smoother", "fixed interval; R of each sample from adaptive "// &
+         "filters from both ends, b = "//number(channel%drift_smoother%forgetting, 4))
+   end subroutine put_filter_details
+
+   !> RMSE of every filter against the true drift; nothing where that is not known.
+   subroutine put_rmse(writer, record, channel)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> For the unit
+      type(record_type), intent(in) :: record
+      !> Filters are filled as far as they are available
+      type(channel_result_type), intent(in) :: channel
+      character(11), parameter :: name(5) = [character(11) :: "KF (paper)", "AKF (paper)", "drift KF", &
+                                             "drift AKF", "smoother"]
+      type(filter_figures_type) :: figures(5)
+      type(table_type) :: table
+      integer :: i, row
+
+      figures = [channel%kf_figures, channel%akf_figures, channel%drift_kf_figures, channel%drift_akf_figures, &
+                 channel%drift_smoother_figures]
+      if (all(figures%rmse_samples == 0)) return
+      call put_heading(writer, "Against the true drift")
+      call new_table(table, 1 + count(figures%rmse_samples > 0), 2)
+      call set_row(table, 1, [character(4) :: "", "RMSE"])
+      row = 1
+      do i = 1, size(figures)
+         if (figures(i)%rmse_samples == 0) cycle
+         row = row + 1
+         call set_cell(table, row, 1, trim(name(i)))
+         call set_cell(table, row, 2, number(figures(i)%rmse, 4))
+      end do
+      call put_table(writer, table, 1)
+      call put_item(writer, "", "RMSE in "//unit_name(record)//" over "// &
+                    count_text(maxval(figures%rmse_samples))//" samples")
+   end subroutine put_rmse
+
+   subroutine put_details(writer, name, filter)
+      type(writer_type), intent(inout) :: writer
+      character(*), intent(in) :: name
+      type(filter_result_type), intent(in) :: filter
+      character(:), allocatable :: text
+      integer :: i
+
+      text = "mean gain of the last third "//number(filter%gain, 4)//"; at the end Q "//scientific(filter%q, 5)// &
+             ", R "//scientific(filter%r, 5)
+      if (allocated(filter%estimate)) then
+         do i = 1, size(filter%estimate)
+            if (i == 1) text = text//"; b = "//number(filter%forgetting, 4)//", adapts"
+            text = text//" "//filter%estimate(i)%text
+         end do
+      end if
+      if (filter%clamped > 0) text = text//"; "//count_text(filter%clamped)//" of "//count_text(filter%steps)// &
+                                     " steps held at a bound"
+      if (filter%gated > 0) text = text//"; "//count_text(filter%gated)//" steps gated"
+      call put_item(writer, name, text)
+      call put_item(writer, "", "innovations: "//whiteness_text(filter%ljung_box))
+      call put_items(writer, "Warning", filter%warnings)
+   end subroutine put_details
+
+end module gyroakf_report_text_filters

@@ -1,0 +1,359 @@
+! SPDX-License-Identifier: MIT
+!> Lines of a terminal report: at most 80 columns, padded by characters (UTF-8), not by bytes.
+!>
+!> The writer tells whether the signs of UTF-8 and colours are shown; both come in here, the texts hold neither. Where its `markup`
+!> is on, the same parts become elements of a page.
+module gyroakf_report_text_layout
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_record, only : text_type
+   use gyroakf_io_writer, only : writer_type, put_line, format_real
+   use gyroakf_report_sign, only : to_unicode
+   use gyroakf_utf8, only : text_width, is_continuation
+   use gyroakf_report_html_markup, only : html_heading, html_item, html_paragraph, html_point
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
+   implicit none (type, external)
+   private
+   public :: report_width, pad_right, pad_left
+   public :: put_title, put_heading, put_item, put_paragraph, put_point, put_items
+   public :: number, scientific, fixed, count_text, p_value_text, plural
+
+   !> No line is longer
+   integer, parameter :: report_width = 80
+   !> The terminal's number of bold letters
+   character(*), parameter :: bold = "1"
+   !> Column where the text of an item begins
+   integer, parameter :: item_column = 18
+
+contains
+
+   !> Blanks behind, up to a width; a longer text stays as it is.
+   pure function pad_right(text, width) result(padded)
+      !> UTF-8
+      character(*), intent(in) :: text
+      !> Characters
+      integer, intent(in) :: width
+      character(:), allocatable :: padded
+
+      padded = text//repeat(" ", max(0, width - text_width(text)))
+   end function pad_right
+
+   !> Blanks in front, up to a width; a longer text stays as it is.
+   pure function pad_left(text, width) result(padded)
+      !> UTF-8
+      character(*), intent(in) :: text
+      !> Characters
+      integer, intent(in) :: width
+      character(:), allocatable :: padded
+
+      padded = repeat(" ", max(0, width - text_width(text)))//text
+   end function pad_left
+
+   !> The text with the signs of UTF-8, where they are shown.
+   pure function with_signs(writer, text, verbatim) result(shown)
+      type(writer_type), intent(in) :: writer
+      character(*), intent(in) :: text
+      logical, intent(in), optional :: verbatim
+      character(:), allocatable :: shown
+
+      shown = text
+      if (writer%unicode .and. .not. present(verbatim)) shown = to_unicode(text)
+   end function with_signs
+
+   !> The text in a colour, where colours are shown.
+   pure function painted(writer, text, colour) result(shown)
+      type(writer_type), intent(in) :: writer
+      character(*), intent(in) :: text, colour
+      character(:), allocatable :: shown
+
+      shown = text
+      if (writer%colour .and. colour /= "" .and. text /= "") shown = achar(27)//"["//colour//"m"//text//achar(27)//"[0m"
+   end function painted
+
+   !> Which colour a label has: what needs a look is yellow, what failed is red.
+   pure function colour_of(label) result(colour)
+      character(*), intent(in) :: label
+      character(:), allocatable :: colour
+
+      select case (label)
+      case ("Warning", "Misfit"); colour = "33"
+      case ("Not available"); colour = "31"
+      case default; colour = ""
+      end select
+   end function colour_of
+
+   !> The first line of a report.
+   subroutine put_title(writer, text)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> What it is about
+      character(*), intent(in) :: text
+
+      call put_wrapped(writer, "", text, 0, bold)
+   end subroutine put_title
+
+   !> An empty line, the heading, and a line of signs under it.
+   subroutine put_heading(writer, text, underline, verbatim)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> The heading
+      character(*), intent(in) :: text
+      !> "=" or "-"; absent: none
+      character(1), intent(in), optional :: underline
+      !> Holds what a user wrote: shown as it is
+      logical, intent(in), optional :: verbatim
+
+      character(:), allocatable :: shown
+
+      shown = with_signs(writer, text, verbatim)
+      if (writer%markup%on) then
+         call html_heading(writer, shown, present(underline))
+         return
+      end if
+      call put_line(writer, "")
+      call put_wrapped(writer, "", shown, 0, bold)
+      if (present(underline)) call put_line(writer, painted(writer, repeat(underline, min(text_width(shown), report_width)), bold))
+   end subroutine put_heading
+
+   !> A label and its text, wrapped under itself.
+   subroutine put_item(writer, label, text, verbatim)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> At most 15 characters
+      character(*), intent(in) :: label
+      !> Any length
+      character(*), intent(in) :: text
+      !> Holds what a user wrote: shown as it is
+      logical, intent(in), optional :: verbatim
+
+      if (writer%markup%on) then
+         call html_item(writer, label, with_signs(writer, text, verbatim))
+         return
+      end if
+      call put_wrapped(writer, pad_right("  "//label, item_column - 1)//" ", with_signs(writer, text, verbatim), item_column, &
+                       colour_of(label))
+   end subroutine put_item
+
+   !> The same label for every text of a list, which are shown as they are.
+   subroutine put_items(writer, label, list)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> At most 15 characters
+      character(*), intent(in) :: label
+      !> May be unallocated
+      type(text_type), allocatable, intent(in) :: list(:)
+      integer :: i
+
+      if (.not. allocated(list)) return
+      do i = 1, size(list)
+         call put_item(writer, label, list(i)%text, verbatim=.true.)
+      end do
+   end subroutine put_items
+
+   !> Wrapped text.
+   subroutine put_paragraph(writer, text, indent)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> Any length
+      character(*), intent(in) :: text
+      !> Blanks in front of every line
+      integer, intent(in) :: indent
+
+      if (writer%markup%on) then
+         call html_paragraph(writer, with_signs(writer, text))
+         return
+      end if
+      call put_wrapped(writer, repeat(" ", indent), with_signs(writer, text), indent, "")
+   end subroutine put_paragraph
+
+   !> Wrapped text with a mark in front.
+   subroutine put_point(writer, text)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> Any length
+      character(*), intent(in) :: text
+
+      if (writer%markup%on) then
+         call html_point(writer, with_signs(writer, text))
+         return
+      end if
+      call put_wrapped(writer, "  - ", with_signs(writer, text), 4, "")
+   end subroutine put_point
+
+   !> Wraps at blanks, but not inside "1 %", "a = 1", "1 +/- 2"; a word wider than a line is cut between characters.
+   !> The colour is that of what stands before the text, of the text where nothing does.
+   subroutine put_wrapped(writer, first, text, indent, colour)
+      type(writer_type), intent(inout) :: writer
+      character(*), intent(in) :: first, text
+      integer, intent(in) :: indent
+      character(*), intent(in) :: colour
+      character(:), allocatable :: line
+      integer :: position, last, label
+      logical :: fresh
+
+      line = first
+      label = len(first)
+      fresh = .true.
+      position = 1
+      do
+         call next_word(text, position, report_width - indent, last)
+         if (last < position) exit
+         if (.not. fresh .and. text_width(line) + 1 + text_width(text(position:last)) > report_width) then
+            call put_coloured(writer, line, label, colour)
+            line = repeat(" ", indent)
+            label = 0
+            fresh = .true.
+         end if
+         if (.not. fresh) line = line//" "
+         line = line//text(position:last)
+         fresh = .false.
+         position = last + 1
+      end do
+      call put_coloured(writer, trim(line), label, colour)
+   end subroutine put_wrapped
+
+   !> A line whose label, or where the whole text is coloured all of it, has a colour.
+   subroutine put_coloured(writer, line, label, colour)
+      type(writer_type), intent(inout) :: writer
+      character(*), intent(in) :: line
+      !> Bytes of the label in this line
+      integer, intent(in) :: label
+      character(*), intent(in) :: colour
+      integer :: n
+
+      n = min(label, len(line))
+      if (colour == bold) then
+         call put_line(writer, painted(writer, line, colour))
+      else
+         call put_line(writer, painted(writer, line(:n), colour)//line(n + 1:))
+      end if
+   end subroutine put_coloured
+
+   !> The next word from `position` on, which moves to its first byte; `last` is before it where there is none.
+   pure subroutine next_word(text, position, widest, last)
+      character(*), intent(in) :: text
+      integer, intent(inout) :: position
+      integer, intent(in) :: widest
+      integer, intent(out) :: last
+      integer :: width
+
+      do while (position <= len(text))
+         if (text(position:position) /= " ") exit
+         position = position + 1
+      end do
+      last = position - 1
+      width = 0
+      do while (last < len(text))
+         if (is_break(text, last + 1)) exit
+         if (.not. is_continuation(text(last + 1:last + 1))) width = width + 1
+         if (width > widest) exit
+         last = last + 1
+      end do
+   end subroutine next_word
+
+   !> A line may end at this byte.
+   pure logical function is_break(text, i)
+      character(*), intent(in) :: text
+      integer, intent(in) :: i
+
+      is_break = text(i:i) == " "
+      if (.not. is_break .or. i == 1 .or. i == len(text)) return
+      is_break = scan(text(i + 1:i + 1), "%=+<>") == 0 .and. scan(text(i - 1:i - 1), "=<>") == 0 .and. &
+                 text(max(1, i - 3):i - 1) /= "+/-"
+      if (is_break) is_break = text(i + 1:min(len(text), i + 2)) /= "±" .and. text(max(1, i - 2):i - 1) /= "±"
+   end function is_break
+
+   !> A number at so many significant digits, "-" where it is not finite.
+   pure function number(value, digits) result(text)
+      !> Any
+      real(dp), intent(in) :: value
+      !> 1 to 17
+      integer, intent(in) :: digits
+      character(:), allocatable :: text
+
+      text = "-"
+      if (ieee_is_finite(value)) text = format_real(value, digits)
+   end function number
+
+   !> 1.4883e-04: so many digits and an exponent.
+   pure function scientific(value, digits) result(text)
+      !> Any
+      real(dp), intent(in) :: value
+      !> 2 to 17
+      integer, intent(in) :: digits
+      character(:), allocatable :: text
+      character(40) :: buffer
+      character(16) :: layout
+      integer :: e
+
+      text = "-"
+      if (.not. ieee_is_finite(value)) return
+      write (layout, "(a, i0, a)") "(es40.", digits - 1, "e2)"
+      if (abs(value) > 0.0_dp .and. (abs(value) < 1.0e-99_dp .or. abs(value) > 9.9e99_dp)) then
+         write (layout, "(a, i0, a)") "(es40.", digits - 1, "e3)"
+      end if
+      write (buffer, layout) value
+      e = index(buffer, "E")
+      if (e > 0) buffer(e:e) = "e"
+      text = trim(adjustl(buffer))
+   end function scientific
+
+   !> A number with so many decimals, "-" where it is not finite.
+   pure function fixed(value, decimals) result(text)
+      !> Any
+      real(dp), intent(in) :: value
+      !> 0 to 17
+      integer, intent(in) :: decimals
+      character(:), allocatable :: text
+      character(64) :: buffer
+      character(16) :: layout
+
+      text = "-"
+      if (.not. ieee_is_finite(value)) return
+      if (abs(value) >= 1.0e15_dp) then
+         text = scientific(value, 6)
+         return
+      end if
+      write (layout, "(a, i0, a)") "(f64.", decimals, ")"
+      write (buffer, layout) value
+      text = trim(adjustl(buffer))
+   end function fixed
+
+   !> An integer.
+   pure function count_text(value) result(text)
+      !> Any
+      integer(int64), intent(in) :: value
+      character(:), allocatable :: text
+      character(24) :: buffer
+
+      write (buffer, "(i0)") value
+      text = trim(buffer)
+   end function count_text
+
+   !> "1 gap", "2 gaps".
+   pure function plural(value, noun) result(text)
+      !> How many
+      integer(int64), intent(in) :: value
+      !> Takes an s
+      character(*), intent(in) :: noun
+      character(:), allocatable :: text
+
+      text = count_text(value)//" "//noun
+      if (value /= 1) text = text//"s"
+   end function plural
+
+   !> "p = 0.031", "p < 1e-20".
+   pure function p_value_text(p) result(text)
+      !> 0 to 1
+      real(dp), intent(in) :: p
+      character(:), allocatable :: text
+
+      if (.not. ieee_is_finite(p)) then
+         text = "p not known"
+      else if (p < 1.0e-20_dp) then
+         text = "p < 1e-20"
+      else
+         text = "p = "//format_real(p, 2)
+      end if
+   end function p_value_text
+
+end module gyroakf_report_text_layout

@@ -1,0 +1,110 @@
+! SPDX-License-Identifier: MIT
+!> Looks at every value of a record once, in blocks that several threads take.
+module gyroakf_stats_extremes
+   use gyroakf_kinds, only : dp, int64
+   implicit none (type, external)
+   private
+   public :: all_sound, scan_extremes
+
+   !> Values of a block
+   integer(int64), parameter :: block_values = 65536
+   !> Values for which it pays to wake other threads
+   integer(int64), parameter :: worth_threads = 524288
+   !> Values that are looked at side by side
+   integer, parameter :: lanes = 8
+
+contains
+
+   !> True where no value is NaN, infinite or larger than so much: told by the bits, which no trap sees.
+   logical function all_sound(value, largest)
+      !> Any
+      real(dp), intent(in), contiguous :: value(:)
+      !> Finite, not negative
+      real(dp), intent(in) :: largest
+      integer(int64) :: k, blocks, limit, top, n
+
+      n = size(value, kind=int64)
+      limit = transfer(largest, limit)
+      blocks = (n + block_values - 1)/block_values
+      top = 0
+      !$omp parallel do schedule(static) reduction(max:top) if (n > worth_threads)
+      do k = 0, blocks - 1
+         top = max(top, largest_bits(value(k*block_values + 1:min(n, (k + 1)*block_values))))
+      end do
+      !$omp end parallel do
+      all_sound = top <= limit
+   end function all_sound
+
+   !> The largest of the bits without signs: they are in the order of the magnitudes, NaN and infinity at the top.
+   pure integer(int64) function largest_bits(value) result(top)
+      real(dp), intent(in), contiguous :: value(:)
+      integer(int64) :: i, bits
+
+      top = 0
+      !$omp simd reduction(max:top) private(bits)
+      do i = 1, size(value, kind=int64)
+         bits = iand(transfer(value(i), bits), huge(bits))
+         top = max(top, bits)
+      end do
+   end function largest_bits
+
+   !> Extremes and the smallest non-zero step between successive values.
+   subroutine scan_extremes(x, low, high, step)
+      !> Finite
+      real(dp), intent(in), contiguous :: x(:)
+      !> Of all; 0 where there is none
+      real(dp), intent(out) :: low, high
+      !> 0 where all are equal
+      real(dp), intent(out) :: step
+      integer(int64) :: k, blocks, n
+
+      n = size(x, kind=int64)
+      blocks = (n + block_values - 1)/block_values
+      low = 0.0_dp
+      high = 0.0_dp
+      step = 0.0_dp
+      if (n == 0) return
+      low = huge(low)
+      high = -huge(high)
+      step = huge(step)
+      !$omp parallel do schedule(static) reduction(min:low, step) reduction(max:high) if (n > worth_threads)
+      do k = 0, blocks - 1
+         call scan_block(x(max(1_int64, k*block_values):min(n, (k + 1)*block_values)), low, high, step)
+      end do
+      !$omp end parallel do
+      if (step >= huge(step)) step = 0.0_dp
+   end subroutine scan_extremes
+
+   !> The same of a block, whose first value is the last of the block before.
+   pure subroutine scan_block(x, low, high, step)
+      real(dp), intent(in), contiguous :: x(:)
+      real(dp), intent(inout) :: low, high, step
+      real(dp) :: lows(lanes), highs(lanes), steps(lanes), change
+      integer(int64) :: i, n
+      integer :: j
+
+      n = size(x, kind=int64)
+      lows = x(1)
+      highs = x(1)
+      steps = huge(step)
+      do i = 2, n - lanes + 1, lanes
+         !$omp simd private(change)
+         do j = 1, lanes
+            change = abs(x(i + j - 1) - x(i + j - 2))
+            lows(j) = merge(x(i + j - 1), lows(j), x(i + j - 1) < lows(j))
+            highs(j) = merge(x(i + j - 1), highs(j), x(i + j - 1) > highs(j))
+            steps(j) = merge(change, steps(j), change > 0.0_dp .and. change < steps(j))
+         end do
+      end do
+      do i = n - modulo(n - 1, int(lanes, int64)) + 1, n
+         change = abs(x(i) - x(i - 1))
+         lows(1) = min(lows(1), x(i))
+         highs(1) = max(highs(1), x(i))
+         if (change > 0.0_dp .and. change < steps(1)) steps(1) = change
+      end do
+      low = min(low, minval(lows))
+      high = max(high, maxval(highs))
+      step = min(step, minval(steps))
+   end subroutine scan_block
+
+end module gyroakf_stats_extremes

@@ -1,0 +1,223 @@
+! SPDX-License-Identifier: MIT
+!> Whether the samples of a series stand on a grid, as those of a converter do, and what that does to its statistics.
+module gyroakf_stats_quantization
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_chunks, only : threads_from, block_length, chunk_count, chunk_first, chunk_last
+   implicit none (type, external)
+   private
+   public :: quantisation_type, find_quantisation, quantisation_step, most_levels, coarse_ratio
+
+   !> Levels are counted where no more than these fit between the extremes
+   integer(int64), parameter :: most_levels = 65536
+   !> From this step over standard deviation on, rounding changes the shape of the distribution itself
+   real(dp), parameter :: coarse_ratio = 1.0_dp
+
+   !> The grid of a series in its unit u
+   type :: quantisation_type
+      !> All present samples are whole steps apart, within rounding
+      logical :: quantised = .false.
+      !> Step, u; 0 where the samples are not quantised
+      real(dp) :: step = 0.0_dp
+      !> Step over standard deviation
+      real(dp) :: ratio = 0.0_dp
+      !> step^2/12 over the variance: the share of rounding in it
+      real(dp) :: variance_share = 0.0_dp
+      !> Distinct values that occur; 0: not counted, more than 65536 fit between the extremes
+      integer(int64) :: levels = 0
+      !> Sheppard's correction: sqrt(variance - step^2/12), the standard deviation before rounding, u; 0 where rounding is all.
+      !> Good for steps up to about two standard deviations
+      real(dp) :: corrected_std = 0.0_dp
+   end type quantisation_type
+
+contains
+
+   !> Finds the step that the samples are multiples of, if any.
+   !>
+   !> The smallest non-zero difference of neighbours is tried: the distance of the extremes makes it exact, then every sample
+   !> has to stand on the grid. A series whose neighbours never differ by a single step, or of which some samples were
+   !> interpolated, is not recognised; its step does not matter, or is no step of the series.
+   !> Source of the correction: Sheppard, Proc. London Math. Soc. 29 (1898) 353-380.
+   subroutine find_quantisation(x, std, result, error, valid)
+      !> Series as it was recorded, before a trend is removed: [n], finite; not modified
+      real(dp), intent(in), contiguous :: x(:)
+      !> Standard deviation that the step is compared with, usually of the series without trend; u, >= 0
+      real(dp), intent(in) :: std
+      !> The grid; nothing found is no error
+      type(quantisation_type), intent(out) :: result
+      !> invalid_argument (std negative), no_memory
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp) :: step, largest, low, high, steps
+
+      if (.not. std >= 0.0_dp) then
+         call fatal_error(error, status%invalid_argument, "the standard deviation to compare a step with is negative")
+         return
+      end if
+      call quantisation_step(x, step, largest, valid)
+      if (step <= 64.0_dp*epsilon(step)*largest) return
+      call find_extremes(x, low, high, valid)
+      steps = anint((high - low)/step)
+      if (steps < 1.0_dp .or. steps > 2.0_dp**40) return
+      step = (high - low)/steps
+      call check_grid(x, low, step, nint(steps, int64), 16.0_dp*epsilon(step)*largest/step, result, error, valid)
+      if (allocated(error) .or. .not. result%quantised) return
+      result%step = step
+      if (.not. std > 0.0_dp) return
+      result%ratio = step/std
+      result%variance_share = result%ratio*result%ratio/12.0_dp
+      result%corrected_std = std*sqrt(max(0.0_dp, 1.0_dp - result%variance_share))
+   end subroutine find_quantisation
+
+   !> Extremes of the present samples, 0 where there are none.
+   subroutine find_extremes(x, low, high, valid)
+      real(dp), intent(in), contiguous :: x(:)
+      real(dp), intent(out) :: low, high
+      integer(int8), intent(in), optional :: valid(:)
+      integer(int64) :: i, n
+
+      n = size(x, kind=int64)
+      low = huge(low)
+      high = -huge(high)
+      !$omp parallel do if (n >= threads_from) default(shared) reduction(min:low) reduction(max:high) schedule(static)
+      do i = 1, n
+         if (present(valid)) then
+            if (valid(i) == 0_int8) cycle
+         end if
+         low = min(low, x(i))
+         high = max(high, x(i))
+      end do
+      !$omp end parallel do
+      if (low <= high) return
+      low = 0.0_dp
+      high = 0.0_dp
+   end subroutine find_extremes
+
+   !> Whether all samples stand on the grid, and how many levels occur.
+   subroutine check_grid(x, low, step, steps, rounding, result, error, valid)
+      real(dp), intent(in), contiguous :: x(:)
+      !> A level, the step, and steps up to the highest level
+      real(dp), intent(in) :: low, step
+      integer(int64), intent(in) :: steps
+      !> Rounding of a sample, in steps
+      real(dp), intent(in) :: rounding
+      !> quantised and levels are set
+      type(quantisation_type), intent(inout) :: result
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp), parameter :: loosest = 0.05_dp
+      integer(int8), allocatable :: seen(:), mine(:)
+      integer(int64) :: n, counted
+      integer :: chunk, bad, stat
+      logical :: fits
+
+      n = size(x, kind=int64)
+      counted = merge(steps, 0_int64, steps < most_levels)
+      fits = rounding <= loosest
+      stat = 0
+      allocate (seen(0:counted), stat=bad)
+      if (bad == 0) then
+         seen = 0
+         !$omp parallel if (n >= threads_from) default(shared) private(mine, bad)
+         allocate (mine(0:counted), stat=bad)
+         if (bad == 0) mine = 0
+         !$omp do schedule(dynamic) reduction(.and.:fits)
+         do chunk = 1, chunk_count(n)
+            if (bad == 0 .and. fits) call check_chunk(x, low, step, max(rounding, 1.0e-6_dp), chunk, mine, fits, valid)
+         end do
+         !$omp end do
+         !$omp critical (gyroakf_quantisation_levels)
+         if (bad == 0) seen = max(seen, mine)
+         stat = stat + abs(bad)
+         !$omp end critical (gyroakf_quantisation_levels)
+         !$omp end parallel
+      end if
+      if (bad + stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the levels of the series")
+         return
+      end if
+      result%quantised = fits
+      if (fits .and. counted > 0) result%levels = count(seen /= 0_int8, kind=int64)
+   end subroutine check_grid
+
+   !> The same for a chunk; ends with the block that does not fit.
+   pure subroutine check_chunk(x, low, step, tolerance, chunk, seen, fits, valid)
+      real(dp), intent(in), contiguous :: x(:)
+      !> A level, the step, and how far from the grid a sample may be, in steps
+      real(dp), intent(in) :: low, step, tolerance
+      integer, intent(in) :: chunk
+      !> Levels that occur: [0:steps], or [0:0] where they are not counted
+      integer(int8), intent(inout) :: seen(0:)
+      !> .false. where a sample is off
+      logical, intent(inout) :: fits
+      integer(int8), intent(in), optional :: valid(:)
+      integer(int64) :: i, level, last
+      real(dp) :: place
+
+      last = ubound(seen, 1, kind=int64)
+      do i = chunk_first(size(x, kind=int64), chunk), chunk_last(size(x, kind=int64), chunk)
+         if (present(valid)) then
+            if (valid(i) == 0_int8) cycle
+         end if
+         place = (x(i) - low)/step
+         level = nint(place, int64)
+         if (abs(place - real(level, dp)) > tolerance) fits = .false.
+         if (last > 0) seen(min(max(level, 0_int64), last)) = 1_int8
+         if (mod(i, block_length) == 0 .and. .not. fits) return
+      end do
+   end subroutine check_chunk
+
+   !> Smallest non-zero difference of present neighbours, 0 where there is none, and the largest
+   !> absolute value.
+   subroutine quantisation_step(x, step, largest, valid)
+      !> Series: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> The step
+      real(dp), intent(out) :: step
+      !> The largest |x|
+      real(dp), intent(out) :: largest
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp) :: difference
+      integer(int64) :: i, n
+
+      n = size(x, kind=int64)
+      step = huge(step)
+      call first_value(x, largest, valid)
+      !$omp parallel do if (n >= threads_from) default(shared) private(difference) reduction(min:step) &
+      !$omp& reduction(max:largest) schedule(static)
+      do i = 2, n
+         if (present(valid)) then
+            if (valid(i) == 0_int8) cycle
+         end if
+         largest = max(largest, abs(x(i)))
+         if (present(valid)) then
+            if (valid(i - 1) == 0_int8) cycle
+         end if
+         difference = abs(x(i) - x(i - 1))
+         if (difference > 0.0_dp) step = min(step, difference)
+      end do
+      !$omp end parallel do
+      if (step >= huge(step)) step = 0.0_dp
+   end subroutine quantisation_step
+
+   !> Absolute value of the first sample, 0 where it is missing.
+   pure subroutine first_value(x, first, valid)
+      !> Series: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> Its value
+      real(dp), intent(out) :: first
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+
+      first = 0.0_dp
+      if (size(x, kind=int64) < 1) return
+      if (present(valid)) then
+         if (valid(1) == 0_int8) return
+      end if
+      first = abs(x(1))
+   end subroutine first_value
+
+end module gyroakf_stats_quantization

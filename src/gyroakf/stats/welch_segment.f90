@@ -1,0 +1,189 @@
+! SPDX-License-Identifier: MIT
+!> Windows, and the periodograms of the segments of a series.
+module gyroakf_stats_welch_segment
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_fft, only : real_fft_plan_type, real_fft_forward
+   implicit none (type, external)
+   private
+   public :: segment_type, make_window, add_segments
+
+   !> What a segment is
+   type :: segment_type
+      !> Samples of a segment, and from one to the next
+      integer(int64) :: length = 0, step = 0
+      !> Its mean is subtracted
+      logical :: detrend = .true.
+      !> Least share that must be present
+      real(dp) :: min_coverage = 0.5_dp
+      !> [0:length-1]
+      real(dp), allocatable :: window(:)
+   end type segment_type
+
+   !> Samples of a window less one between two reports of progress: a power of two less one
+   integer(int64), parameter :: told_samples = 1048575_int64
+
+contains
+
+   !> A window for spectra, in its periodic form: the next value would be the first again.
+   subroutine make_window(name, window, error, progress)
+      !> hann, hamming, blackman; any other is rectangular
+      character(*), intent(in) :: name
+      !> Values: [0:L-1]
+      real(dp), intent(out) :: window(0:)
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
+      real(dp), parameter :: turn = 6.28318530717958647693_dp
+      real(dp) :: c
+      integer(int64) :: t, n
+
+      n = size(window, kind=int64)
+      do t = 0, n - 1
+         if (iand(t + 1, told_samples) == 0) call tell_progress("spectrum", 0_int64, 0_int64, error, progress)
+         if (allocated(error)) return
+         c = cos(turn*(real(t, dp)/real(n, dp)))
+         select case (name)
+         case ("hann"); window(t) = 0.5_dp - 0.5_dp*c
+         case ("hamming"); window(t) = 0.54_dp - 0.46_dp*c
+         case ("blackman"); window(t) = 0.42_dp - 0.5_dp*c + 0.08_dp*(2.0_dp*c*c - 1.0_dp)
+         case default; window(t) = 1.0_dp
+         end select
+      end do
+   end subroutine make_window
+
+   !> Adds the periodograms of some segments, each over the sum of the squares of its window and times its share.
+   subroutine add_segments(x, part, plan, from, to, total, share, error, valid, progress)
+      !> Series: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> What a segment is
+      type(segment_type), intent(in) :: part
+      !> Of its length
+      type(real_fft_plan_type), intent(in) :: plan
+      !> Number of the first and of the last segment, from 1 on
+      integer(int64), intent(in) :: from, to
+      !> Sum of the periodograms: [0:length/2]
+      real(dp), intent(inout), contiguous :: total(0:)
+      !> Weight of each, 0 where too much is missing: [to - from + 1]
+      real(dp), intent(out) :: share(:)
+      !> no_memory, cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
+      real(dp), allocatable :: segment(:)
+      complex(dp), allocatable :: spectrum(:)
+      real(dp) :: energy, factor
+      integer(int64) :: i, first, k
+      integer :: stat
+
+      share = 0.0_dp
+      allocate (segment(0:part%length - 1), stat=stat)
+      if (stat == 0) allocate (spectrum(0:part%length/2), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for a segment of the spectrum")
+         return
+      end if
+      energy = sum(part%window**2)
+      do i = from, to
+         first = (i - 1)*part%step + 1
+         call tell_progress("spectrum", i - 1, 0_int64, error, progress)
+         if (allocated(error)) return
+         call cut(x(first:first + part%length - 1), part, energy, segment, share(i - from + 1), first, error, valid, progress)
+         if (allocated(error)) return
+         if (share(i - from + 1) <= 0.0_dp) cycle
+         call real_fft_forward(plan, segment, spectrum, error, progress)
+         if (.not. allocated(error)) call tell_progress("spectrum", i, 0_int64, error, progress)
+         if (allocated(error)) return
+         factor = 1.0_dp/energy                      ! share over the energy of what is present
+         do k = 0, part%length/2
+            total(k) = total(k) + factor*(real(spectrum(k), dp)**2 + aimag(spectrum(k))**2)
+         end do
+      end do
+   end subroutine add_segments
+
+   !> A segment without its mean, times the window, 0 where missing; and the share of it that is present. Its first sample is
+   !> subtracted before the mean is formed: the mean of large values would be rounded to a unit in their last place.
+   subroutine cut(x, part, energy, segment, share, first, error, valid, progress)
+      real(dp), intent(in), contiguous :: x(:)
+      type(segment_type), intent(in) :: part
+      real(dp), intent(in) :: energy
+      real(dp), intent(out), contiguous :: segment(0:)
+      real(dp), intent(out) :: share
+      !> Number of its first sample in the series
+      integer(int64), intent(in) :: first
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8), intent(in), optional :: valid(:)
+      class(progress_type), intent(inout), optional :: progress
+      real(dp) :: origin, mean
+      integer(int64) :: t, begin
+
+      if (present(valid)) then
+         call weigh(x, part, first, energy, origin, mean, share, error, valid, progress)
+         if (share < part%min_coverage) share = 0.0_dp
+         if (allocated(error) .or. share <= 0.0_dp) return
+      else
+         share = 1.0_dp
+         origin = 0.0_dp
+         mean = 0.0_dp
+         if (part%detrend) then
+            origin = x(1)
+            mean = sum(x - origin)/real(part%length, dp)
+         end if
+      end if
+      do begin = 0, part%length - 1, told_samples + 1
+         if (begin > 0) call tell_progress("spectrum", 0_int64, 0_int64, error, progress)
+         if (allocated(error)) return
+         do t = begin, min(begin + told_samples, part%length - 1)
+            segment(t) = part%window(t)*((x(t + 1) - origin) - mean)
+         end do
+         if (.not. present(valid)) cycle
+         do t = begin, min(begin + told_samples, part%length - 1)
+            if (valid(first + t) == 0_int8) segment(t) = 0.0_dp
+         end do
+      end do
+   end subroutine cut
+
+   !> Mean of the samples of a segment that are present, and the share of the window's energy that falls on them.
+   subroutine weigh(x, part, first, energy, origin, mean, share, error, valid, progress)
+      real(dp), intent(in), contiguous :: x(:)
+      type(segment_type), intent(in) :: part
+      !> As of [[cut]]
+      integer(int64), intent(in) :: first
+      real(dp), intent(in) :: energy
+      !> The first of them, and the mean of what they are beyond it; 0 where the mean stays
+      real(dp), intent(out) :: origin, mean
+      !> 0 where nothing is present
+      real(dp), intent(out) :: share
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8), intent(in) :: valid(:)
+      class(progress_type), intent(inout), optional :: progress
+      real(dp) :: squares
+      integer(int64) :: t, begin, here
+
+      origin = 0.0_dp
+      mean = 0.0_dp
+      share = 0.0_dp
+      squares = 0.0_dp
+      here = 0
+      do begin = 0, part%length - 1, told_samples + 1
+         if (begin > 0) call tell_progress("spectrum", 0_int64, 0_int64, error, progress)
+         if (allocated(error)) return
+         do t = begin, min(begin + told_samples, part%length - 1)
+            if (valid(first + t) == 0_int8) cycle
+            here = here + 1
+            squares = squares + part%window(t)**2
+            if (.not. part%detrend) cycle
+            if (here == 1) origin = x(t + 1)
+            mean = mean + ((x(t + 1) - origin) - mean)/real(here, dp)
+         end do
+      end do
+      if (here > 0) share = squares/energy
+   end subroutine weigh
+
+end module gyroakf_stats_welch_segment

@@ -1,0 +1,137 @@
+! SPDX-License-Identifier: MIT
+!> Whiteness of a series: the Ljung-Box test.
+module gyroakf_stats_whiteness
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_progress, only : progress_type
+   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_special, only : chi_square_survival
+   use gyroakf_stats_autocovariance, only : compute_autocovariance
+   implicit none (type, external)
+   private
+   public :: ljung_box_type, test_ljung_box, ljung_box_of, default_lags
+
+   !> Result of the Ljung-Box test
+   type :: ljung_box_type
+      !> Q
+      real(dp) :: statistic = 0.0_dp
+      !> Probability of a larger Q under the null hypothesis, whiteness
+      real(dp) :: p_value = 1.0_dp
+      !> Lags used; 0: the test was not made
+      integer :: lags = 0
+      !> Parameters fitted before, subtracted from the degrees of freedom
+      integer :: fitted = 0
+      !> Largest |rho_k|, k = 1 .. lags: the size of the effect, which n does not inflate
+      real(dp) :: largest_rho = 0.0_dp
+      !> The lag that has it, the first of equals
+      integer :: largest_lag = 0
+   end type ljung_box_type
+
+contains
+
+   !> Ljung-Box test of a series.
+   !>
+   !> $$Q = n(n+2) \sum_{k=1}^{h} \frac{\hat\rho_k^2}{n-k} \sim \chi^2(h - \text{fitted})$$
+   !> with the biased autocovariances. With missing samples rho_k is the mean over the m_k present pairs,
+   !> of variance 1/m_k, and $$Q = \frac{n+2}{n} \sum_k m_k \hat\rho_k^2,$$ n the present samples; both
+   !> agree without gaps. Source: Ljung & Box, Biometrika 65 (1978) 297-303; Stoffer & Toloi, Stat.
+   !> Prob. Lett. 13 (1992) 391-396.
+   subroutine test_ljung_box(x, lags, fitted, result, error, valid, progress)
+      !> Series: [n], n > lags; finite; not modified
+      real(dp), intent(in), contiguous :: x(:)
+      !> Number of lags h, > fitted; [[default_lags]] gives the usual number
+      integer, intent(in) :: lags
+      !> Parameters of the model whose residuals these are, >= 0
+      integer, intent(in) :: fitted
+      !> The test
+      type(ljung_box_type), intent(out) :: result
+      !> invalid_argument, too_few_samples, constant_input, non_finite, no_memory
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
+      real(dp), allocatable :: r(:)
+      integer(int64), allocatable :: pairs(:)
+      real(dp) :: mean
+
+      call check_lags(lags, fitted, error)
+      if (allocated(error)) return
+      call compute_autocovariance(x, lags, mean, r, error, valid, pairs, progress)
+      if (allocated(error)) return
+      if (present(valid)) then
+         call ljung_box_of(r, size(x, kind=int64), fitted, result, error, pairs)
+      else
+         call ljung_box_of(r, size(x, kind=int64), fitted, result, error)
+      end if
+   end subroutine test_ljung_box
+
+   !> Ljung-Box test from autocovariances, for whoever accumulates them on the way.
+   subroutine ljung_box_of(r, n, fitted, result, error, pairs)
+      !> Biased autocovariances: [0:h], h > fitted
+      real(dp), intent(in) :: r(0:)
+      !> Length of the series that they come from, > h
+      integer(int64), intent(in) :: n
+      !> Parameters fitted before, >= 0
+      integer, intent(in) :: fitted
+      !> The test
+      type(ljung_box_type), intent(out) :: result
+      !> invalid_argument, too_few_samples, constant_input
+      type(error_type), allocatable, intent(out) :: error
+      !> Present pairs at each lag: [0:h]; without it there are no gaps
+      integer(int64), intent(in), optional :: pairs(0:)
+      real(dp) :: rho, weight, used
+      integer :: k, h
+      character(120) :: text
+
+      h = ubound(r, 1)
+      call check_lags(h, fitted, error)
+      if (allocated(error)) return
+      used = real(n, dp)
+      if (present(pairs)) used = real(pairs(0), dp)
+      if (n <= int(h, int64) .or. used < 2.0_dp) then
+         write (text, '("the Ljung-Box test with ", i0, " lags needs more than ", i0, " samples, there are ", i0)') h, h, n
+         call fatal_error(error, status%too_few_samples, trim(text))
+         return
+      else if (.not. r(0) > 0.0_dp) then
+         call fatal_error(error, status%constant_input, "the series has no variance, whiteness cannot be tested")
+         return
+      end if
+      do k = 1, h
+         weight = real(n - k, dp)
+         if (present(pairs)) weight = real(pairs(k), dp)
+         rho = r(k)/r(0)*(real(n, dp)/real(n - k, dp))
+         result%statistic = result%statistic + weight*rho*rho*((used + 2.0_dp)/used)
+         if (abs(r(k)/r(0)) <= result%largest_rho) cycle
+         result%largest_rho = abs(r(k)/r(0))
+         result%largest_lag = k
+      end do
+      result%lags = h
+      result%fitted = fitted
+      result%p_value = chi_square_survival(result%statistic, real(h - fitted, dp))
+   end subroutine ljung_box_of
+
+   !> Refuses a number of lags that leaves no degree of freedom.
+   subroutine check_lags(lags, fitted, error)
+      !> Number of lags and of fitted parameters
+      integer, intent(in) :: lags, fitted
+      !> invalid_argument
+      type(error_type), allocatable, intent(out) :: error
+      character(160) :: text
+
+      if (fitted >= 0 .and. lags > fitted) return
+      write (text, '("the Ljung-Box test needs more lags than fitted parameters: ", i0, " lags, ", i0, " parameters")') &
+         & lags, fitted
+      call fatal_error(error, status%invalid_argument, trim(text))
+   end subroutine check_lags
+
+   !> The usual number of lags, min(10 + fitted, n/5) but at least fitted + 1.
+   pure integer function default_lags(n, fitted)
+      !> Length of the series
+      integer(int64), intent(in) :: n
+      !> Parameters fitted before, >= 0
+      integer, intent(in) :: fitted
+
+      default_lags = max(fitted + 1, int(min(int(10 + fitted, int64), n/5)))
+   end function default_lags
+
+end module gyroakf_stats_whiteness
