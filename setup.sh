@@ -41,6 +41,14 @@ bounded() { # runs a command for at most $1 seconds, where the system can bound 
   if have timeout; then timeout "$seconds" "$@"; else "$@"; fi
 }
 
+again() { # a command that needs the network: up to three times
+  for pause in 3 10 0; do
+    if "$@"; then return 0; fi
+    sleep $pause
+  done
+  return 1
+}
+
 links() { # whether a program that calls LAPACK from a parallel region builds with these flags
   dir=$(mktemp -d)
   printf 'external dposv\n!$omp parallel\ncall dposv\n!$omp end parallel\nend\n' > "$dir/t.f90"
@@ -83,7 +91,7 @@ if [ -n "$need" ]; then
   list=
   add() { list="$list $*"; }
   if have apt-get; then
-    as_root apt-get update -qq >&2 || say "the package index was not refreshed"
+    again as_root apt-get update -qq >&2 || say "the package index was not refreshed"
     for n in $need; do case $n in
       compiler) add gfortran gcc libc6-dev binutils ;;
       lapack) add liblapack-dev libblas-dev ;;
@@ -98,7 +106,7 @@ if [ -n "$need" ]; then
       cmake) add cmake ninja-build pkg-config ;;
       valgrind) add valgrind libc6-dbg ;;
     esac; done
-    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $list >&2 ||
+    again as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $list >&2 ||
       die "not installed; please run as root: apt-get install$list"
   elif have dnf; then
     for n in $need; do case $n in
@@ -111,19 +119,19 @@ if [ -n "$need" ]; then
       clang) add clang compiler-rt ;;
       cmake) add cmake ninja-build pkgconf-pkg-config ;;
     esac; done
-    as_root dnf install -y $list >&2 || die "not installed; please run as root: dnf install$list"
+    again as_root dnf install -y $list >&2 || die "not installed; please run as root: dnf install$list"
   elif have brew; then
     for n in $need; do case $n in
       compiler) add gcc ;; page) add gnuplot ;; clang) add llvm ;; cmake) add cmake ninja pkg-config ;; *) add "$n" ;;
     esac; done
-    brew install $list >&2
+    again brew install $list >&2
   elif have mamba || have conda; then
     tool=conda; if have mamba; then tool=mamba; fi
     for n in $need; do case $n in
       compiler) add gfortran gcc binutils ;; lapack) add liblapack libblas ;; clang) add clang compiler-rt ;; cmake) add cmake ninja pkg-config ;;
       *) add "$n" ;;
     esac; done
-    $tool install -y -c conda-forge $list >&2
+    again $tool install -y -c conda-forge $list >&2
   else
     die "no known package manager; please install:" $need
   fi
@@ -137,7 +145,7 @@ in_venv() { # installs a Python package into the private environment
     python3 -m venv "$venv" >&2
   fi
   say "installing $1 into $venv"
-  "$venv/bin/python" -m pip install -q --disable-pip-version-check "$1" >&2
+  again "$venv/bin/python" -m pip install -q --disable-pip-version-check "$1" >&2
 }
 
 link_fpm() { # leaves fpm on the PATH; never replaces a file that is not ours

@@ -56,15 +56,12 @@ report() { # NAME CODE FAILED: the step's row; of a failed step its failing chec
   printf '%s\n' "$text"
 }
 
-# installs what the step NAME needs beyond setup.sh's own list, up to three times: TOOL as in setup.sh, GYROAKF_TOOL=1
+# installs what some steps need beyond setup.sh's own list: TOOL as in setup.sh, GYROAKF_TOOL=1
 tools() { # TOOL...
-  local tool try
+  local tool
   [ ${#wanted[@]} -eq 0 ] || return 0
   for tool in "$@"; do
-    for try in 1 2 3; do
-      ! env "GYROAKF_$tool=1" ./setup.sh true >"$logs/tool-$tool.log" 2>&1 || break
-      sleep $((5 * try))
-    done
+    env "GYROAKF_$tool=1" ./setup.sh true >"$logs/tool-$tool.log" 2>&1
   done
 }
 

@@ -205,7 +205,7 @@ contains
 
       before = thread_count()
       options = paper_preset(paper_seed)
-      options%samples = 300000_int64                ! enough for every loop to be divided among threads
+      options%samples = 150000_int64                ! more than two blocks of every loop: it is divided among threads
       options%coefficient(2) = 0.01_dp
       call simulate_record(options, record, failed)
       do threads = 1, 2
