@@ -63,24 +63,6 @@ contains
       end if
    end function greenhall_edf
 
-   !> Sum over all lags j of s_z(j/S)^2, over S, for the Allan variance.
-   pure real(dp) function correlation_sum(stride, filter, alpha) result(total)
-      !> Stride factor S
-      real(dp), intent(in) :: stride
-      !> Filter factor F
-      real(dp), intent(in) :: filter
-      !> Noise exponent
-      integer, intent(in) :: alpha
-
-      integer(int64) :: j
-
-      total = structure_z(0.0_dp, filter, alpha, 2)**2
-      do j = 1, int(3*stride, int64)
-         total = total + 2*structure_z(real(j, dp)/stride, filter, alpha, 2)**2
-      end do
-      total = total/stride
-   end function correlation_sum
-
    !> Cases 1 and 2 of the paper: modified variances, and unmodified ones with alpha <= 0.
    pure real(dp) function edf_filtered(estimates, stride, filter, filter_long, alpha, d, table) result(edf)
       !> Estimates M'

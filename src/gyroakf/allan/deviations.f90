@@ -335,33 +335,6 @@ contains
       end do
    end subroutine fill_curve
 
-   !> A curve from variances that were computed elsewhere.
-   subroutine assemble_curve(n, sample_interval, confidence, m, variance, terms, curve, error, alpha, share)
-      !> Samples
-      integer(int64), intent(in) :: n
-      !> Seconds
-      real(dp), intent(in) :: sample_interval
-      !> Probability between the limits
-      real(dp), intent(in) :: confidence
-      !> Averaging factors, their variances and terms
-      integer(int64), intent(in) :: m(:)
-      real(dp), intent(in) :: variance(:)
-      integer(int64), intent(in) :: terms(:)
-      !> The curve, `kind` set
-      type(allan_curve_type), intent(inout) :: curve
-      !> too_few_samples, no_memory
-      type(error_type), allocatable, intent(out) :: error
-      !> Noise exponents, and the share of a complete record's degrees of freedom: [size(m)]
-      integer, intent(in) :: alpha(:)
-      real(dp), intent(in) :: share(:)
-
-      call fill_curve(n, sample_interval, confidence, m, variance, terms, curve, error)
-      if (allocated(error)) return
-      curve%alpha(:) = pack(alpha, terms > 0)
-      curve%share(:) = pack(share, terms > 0)
-      call fill_limits(curve)
-   end subroutine assemble_curve
-
    !> Degrees of freedom that the terms have, as a share of those of a complete record.
    pure function terms_share(curve) result(share)
       !> Terms and samples are filled; `share` where it is known better

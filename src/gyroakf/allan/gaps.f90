@@ -185,22 +185,6 @@ contains
       corrected = max(raw - within*sums%inflation/(divisor*real(sums%terms, dp)), correction_floor*raw)
    end function corrected
 
-   !> Variance of one averaging factor from sums that were formed elsewhere.
-   pure subroutine correct_for_gaps(sums, octave, m, variance)
-      !> Sums of the factor, and of m = 1, 2, 4 ... as far as the record goes
-      type(gap_sums_type), intent(in) :: sums, octave(:)
-      !> Averaging factor
-      integer(int64), intent(in) :: m
-      !> The overlapping Allan variance; 0 without a term
-      real(dp), intent(out) :: variance
-
-      real(dp) :: within(size(octave))
-      integer :: j
-
-      call variance_within_windows(octave, [(2_int64**(j - 1), j=1, size(octave))], within)
-      variance = corrected(sums, interpolated(within, real(m, dp)), 2.0_dp)
-   end subroutine correct_for_gaps
-
    !> Value at m between those at 1, 2, 4 ..., linear in the logarithm of m.
    pure real(dp) function interpolated(values, m)
       !> Values at the octaves

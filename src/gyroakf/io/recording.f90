@@ -226,7 +226,8 @@ contains
       if (recording%table%time > 0) return
       rate = recording%options%rate_hz
       if (.not. rate > 0.0_dp) rate = recording%table%header%rate_hz
-      if (rate > 0.0_dp .and. recording%options%to < 1.0e15_dp/rate) wanted = ceiling(recording%options%to*rate, int64) + 2
+      if (.not. rate > 0.0_dp) return
+      if (recording%options%to < 1.0e15_dp/rate) wanted = ceiling(recording%options%to*rate, int64) + 2
    end subroutine count_wanted
 
    !> Rows that fit into `options%memory`.

@@ -51,7 +51,7 @@ contains
       if (allocated(error)) return
       do c = 1, size(result%channel)
          do i = 1, size(figure_kinds)
-            if (.not. has_figure(trim(figure_kinds(i)), record, options, result%channel(c))) cycle
+            if (.not. has_figure(trim(figure_kinds(i)), options, result%channel(c))) cycle
             name = figure_name(trim(figure_kinds(i)), result, c)
             call write_script(folder//"/", trim(figure_kinds(i)), name, form, record, result, c, error)
             if (allocated(error)) return
@@ -61,9 +61,8 @@ contains
    end subroutine write_figures
 
    !> Whether a channel has what a figure shows.
-   pure logical function has_figure(kind, record, options, channel)
+   pure logical function has_figure(kind, options, channel)
       character(*), intent(in) :: kind
-      type(record_type), intent(in) :: record
       type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(in) :: channel
 
