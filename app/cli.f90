@@ -6,6 +6,7 @@
 module gyroakf_app_cli
    use gyroakf_kinds, only : int64
    use gyroakf_error, only : error_type
+   use gyroakf_io_place, only : integer_text
    use gyroakf_app_argument, only : argument_list
    use gyroakf_pipeline, only : apply_preset
    use gyroakf_simulate_simulate_record, only : paper_preset
@@ -13,21 +14,17 @@ module gyroakf_app_cli
    use gyroakf_app_config, only : cli_config, text_config, reading_config, analysis_config, simulate_config, new_config
    use gyroakf_app_config_file, only : add_config, config_text
    use gyroakf_app_completion, only : completion_text
-   use gyroakf_app_gnuplot, only : shell_quoted
    use gyroakf_app_help, only : program_help, command_help, version_text, citation_text
    use gyroakf_app_manual, only : manual_text
-   use gyroakf_app_option, only : option_type, options, command_names, find_option, belongs_to, suggest_word
+   use gyroakf_app_option, only : option_type, options, command_names, find_option, belongs_to, suggest_word, takes_value
    use gyroakf_app_setting_input, only : set_input, set_common
    use gyroakf_app_setting_method, only : set_method
    use gyroakf_app_setting_record, only : set_record
    use gyroakf_app_value, only : value_type, convert_value
-   use gyroakf_app_words, only : given_type, words_type, sort_words, is_given, value_of, usage_error
+   use gyroakf_app_words, only : given_type, words_type, sort_words, is_given, value_of, shell_word, usage_error
    implicit none (type, external)
    private
    public :: get_config
-
-   !> What a shell takes as it is
-   character(*), parameter :: plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.,:/=+-_^%"
 
 contains
 
@@ -56,6 +53,7 @@ contains
       select type (config)
       class is (reading_config)
          config%command_line = typed_line(arguments)
+         config%input_options = options_of("input", words, config%command)
       end select
    end subroutine get_config
 
@@ -67,11 +65,7 @@ contains
 
       line = "gyroakf"
       do i = 1, size(arguments%item)
-         if (verify(arguments%item(i)%text, plain) == 0 .and. len(arguments%item(i)%text) > 0) then
-            line = line//" "//arguments%item(i)%text
-         else
-            line = line//" "//shell_quoted(arguments%item(i)%text)
-         end if
+         line = line//" "//shell_word(arguments%item(i)%text)
       end do
    end function typed_line
 
@@ -190,33 +184,28 @@ contains
       type(words_type), intent(in) :: words
       integer(int64), intent(in) :: seed
       character(:), allocatable :: origin
-      character(8), parameter :: not_of_the_record(3) = [character(8) :: "--output", "--truth", "--seed"]
-      character(20) :: digits
-      integer :: i
 
-      origin = "gyroakf simulate"
-      do i = 1, words%used
-         associate (option => options(find_option(options(words%given(i)%row)%name, "simulate")))
-            if (option%group /= "record" .or. any(option%name == not_of_the_record)) cycle
-            origin = origin//" "//trim(option%name)//" "//shell_word(words%given(i)%value)
-         end associate
-      end do
-      write (digits, "(i0)") seed
-      origin = origin//" --seed "//trim(digits)
+      origin = "gyroakf simulate"//options_of("record", words, "simulate")//" --seed "//integer_text(seed)
    end function origin_of
 
-   !> A word as it is typed, in quotes where it needs them; no control characters.
-   function shell_word(text) result(word)
-      character(*), intent(in) :: text
-      character(:), allocatable :: word
+   !> The options of a group as they were given, each after a blank; of a record without its files and its seed.
+   function options_of(group, words, command) result(text)
+      character(*), intent(in) :: group
+      type(words_type), intent(in) :: words
+      character(*), intent(in) :: command
+      character(:), allocatable :: text
+      character(8), parameter :: not_of_the_record(3) = [character(8) :: "--output", "--truth", "--seed"]
       integer :: i
 
-      word = text
-      do i = 1, len(word)
-         if (iachar(word(i:i)) < 32) word(i:i) = "?"
+      text = ""
+      do i = 1, words%used
+         associate (option => options(find_option(options(words%given(i)%row)%name, command)))
+            if (option%group /= group .or. any(option%name == not_of_the_record)) cycle
+            text = text//" "//trim(option%name)
+            if (takes_value(option)) text = text//" "//shell_word(words%given(i)%value)
+         end associate
       end do
-      if (verify(text, plain) > 0) word = "'"//word//"'"
-   end function shell_word
+   end function options_of
 
    !> Applies --preset, or all others; an option of a file is told with its line.
    subroutine apply_options(words, config, preset, error)

@@ -49,8 +49,8 @@ module gyroakf_app_config
       !> Further recordings, `path` first, and the file that names more; unallocated: none
       type(text_type), allocatable :: paths(:)
       character(:), allocatable :: list
-      !> As it was typed
-      character(:), allocatable :: command_line
+      !> As it was typed, and the part of it that says how the recording is read
+      character(:), allocatable :: command_line, input_options
       !> Of the recording among those of the command line
       integer :: number = 1
    end type reading_config

@@ -5,9 +5,10 @@ module gyroakf_app_gnuplot
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_system, only : c_rename, c_rmdir, c_unlink
    use gyroakf_record, only : text_type
+   use gyroakf_app_words, only : shell_quoted
    implicit none (type, external)
    private
-   public :: check_gnuplot, draw_figures, remove_figures, shell_quoted
+   public :: check_gnuplot, draw_figures, remove_figures
 
    character(*), parameter :: nl = new_line("a")
 
@@ -75,24 +76,6 @@ contains
       code = c_unlink(folder//"/gnuplot.log"//c_null_char)
       code = c_rmdir(folder//c_null_char)
    end subroutine remove_figures
-
-   !> A text in the single quotes of the shell.
-   pure function shell_quoted(path) result(word)
-      !> Any
-      character(*), intent(in) :: path
-      character(:), allocatable :: word
-      integer :: i
-
-      word = "'"
-      do i = 1, len(path)
-         if (path(i:i) == "'") then
-            word = word//"'\''"
-         else
-            word = word//path(i:i)
-         end if
-      end do
-      word = word//"'"
-   end function shell_quoted
 
    !> What gnuplot said, its first line that is not empty.
    function first_line(path) result(line)

@@ -14,6 +14,7 @@ module gyroakf_app_reading
    use gyroakf_report_kalibr, only : check_kalibr
    use gyroakf_app_config, only : analysis_config, cli_config, inspect_config, new_config, reading_config
    use gyroakf_app_truth, only : read_truth
+   use gyroakf_app_words, only : shell_word
    implicit none (type, external)
    private
    public :: find_bound, read_and_look, read_and_run, with_path
@@ -142,13 +143,14 @@ contains
       end if
       if (config%command == "run" .or. config%command == "filter") then
          call allan_memory(less)
-         if (rows_within(recording, less) >= rows .or. .not. known) call add("gyroakf allan "//config%path)
+         if (rows_within(recording, less) >= rows .or. .not. known) &
+            call add("gyroakf allan "//shell_word(config%path)//config%input_options)
       end if
       rate = recording%options%rate_hz
       if (.not. rate > 0.0_dp) rate = recording%table%header%rate_hz
       if (recording%table%time == 0 .and. rate > 0.0_dp) then
          rate = real(rows_within(recording, recording%options) - 3, dp)/rate
-         if (rate >= 1.0_dp) call add("--to "//integer_text(int(rate, int64)))
+         if (rate >= max(0.0_dp, recording%options%from) + 1.0_dp) call add("--to "//integer_text(int(rate, int64)))
       end if
       if (known) then
          call add("--memory "//integer_text(bytes_needed(recording, rows, recording%options)/megabyte + 1)//"MB")

@@ -7,7 +7,7 @@ module gyroakf_app_words
    use gyroakf_app_option, only : option_type, options, find_option, takes_value, suggest_option
    implicit none (type, external)
    private
-   public :: given_type, words_type, sort_words, is_given, value_of, usage_error
+   public :: given_type, words_type, sort_words, is_given, value_of, usage_error, shell_quoted, shell_word
 
    !> An option as it was given
    type :: given_type
@@ -176,5 +176,34 @@ contains
 
       call fatal_error(error, status%usage, message)
    end subroutine usage_error
+
+   !> A word as a shell takes it, in quotes where it needs them.
+   pure function shell_word(text) result(word)
+      !> Any
+      character(*), intent(in) :: text
+      character(:), allocatable :: word
+      character(*), parameter :: plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.,:/=+-_^%"
+
+      word = text
+      if (len(text) == 0 .or. verify(text, plain) > 0) word = shell_quoted(text)
+   end function shell_word
+
+   !> A text in the single quotes of the shell.
+   pure function shell_quoted(path) result(word)
+      !> Any
+      character(*), intent(in) :: path
+      character(:), allocatable :: word
+      integer :: i
+
+      word = "'"
+      do i = 1, len(path)
+         if (path(i:i) == "'") then
+            word = word//"'\''"
+         else
+            word = word//path(i:i)
+         end if
+      end do
+      word = word//"'"
+   end function shell_quoted
 
 end module gyroakf_app_words
