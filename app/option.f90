@@ -169,6 +169,9 @@ module gyroakf_app_option
       option_type("--coefficients", "Q=..,N=..,B=..,K=..,R=..", "text", "simulate", "record", &
                   "noise terms in the output unit u and seconds: Q in u s, N in u sqrt(s), B in u, K in u/sqrt(s), "// &
                   "R in u/s"), &
+      option_type("--tails", "normal|laplace|t5", "choice", "simulate", "record", &
+                  "distribution of the white noise N at the same variance: normal (default), "// &
+                  "Laplace, Student's t with 5 degrees of freedom"), &
       option_type("--ar", "PHI[,...]", "text", "simulate", "record", &
                   "coefficients of an AR(p) term; exp(-dt/T) is a Markov process of correlation time T"), &
       option_type("--ar-variance", "V", "positive", "simulate", "record", "variance of the AR(p) term"), &
@@ -176,12 +179,20 @@ module gyroakf_app_option
       option_type("--offset", "X", "real", "simulate", "record", "constant rate"), &
       option_type("--outlier-count", "N", "natural", "simulate", "record", "number of outliers"), &
       option_type("--outlier-size", "K", "real", "simulate", "record", "their size in standard deviations of the rest"), &
-      option_type("--rounding", "X", "positive", "simulate", "record", "round the values to multiples of X"), &
+      option_type("--lowpass", "HZ[,ORDER]", "text", "simulate", "record", &
+                  "Butterworth low-pass filter of order 1 (default) or 2 on the noise terms, "// &
+                  "trend and offset; outliers, rounding and losses come after it"), &
+      option_type("--resonance", "HZ,Q", "text", "simulate", "record", &
+                  "mechanical resonance, as a low-pass section of second order with quality "// &
+                  "factor Q, 0.5 to 100"), &
+      option_type("--lsb", "STEP", "positive", "simulate", "record", &
+                  "round the values to multiples of STEP"), &
       option_type("--missing", "P", "real", "simulate", "record", "share of the samples lost at random, 0 to 0.9"), &
       option_type("--output", "FILE", "text", "simulate", "record", &
                   "write FILE instead of standard output; FILE.npy and FILE.f64 are binary"), &
       option_type("--truth", "FILE", "text", "simulate", "record", &
-                  "write the true drift too: all but quantisation and white noise (Q, N), outliers, rounding and losses")]
+                  "write the true drift too: all but quantisation and white noise (Q, N), "// &
+                  "outliers, rounding and losses; filtered as the record")]
 
    type(option_type), parameter :: common_options(*) = [ &
       option_type("--out", "DIR", "text", reading, "output", &

@@ -56,12 +56,39 @@ contains
       case ("--offset"); record%offset = value%number
       case ("--outlier-count"); record%outliers = value%count
       case ("--outlier-size"); record%outlier_size = value%number
-      case ("--rounding"); record%quantisation = value%number
+      case ("--tails"); record%tails = value%text
+      case ("--lowpass", "--resonance"); call set_filter(option, value%text, record, error)
+      case ("--lsb"); record%lsb = value%number
       case ("--missing"); record%missing = value%number
          if (value%number < 0 .or. value%number > 0.9_dp) call value_error(option, "'"//value%text//"' is not from 0 to 0.9", error)
       case default; call not_wired(option, error)
       end select
    end subroutine set_term
+
+   !> HZ[,ORDER] of the low-pass filter, HZ,Q of the resonance; the library judges their ranges.
+   subroutine set_filter(option, text, record, error)
+      type(option_type), intent(in) :: option
+      character(*), intent(in) :: text
+      type(simulate_options), intent(inout) :: record
+      type(error_type), allocatable, intent(out) :: error
+      type(option_type) :: positive
+      real(dp), allocatable :: list(:)
+
+      positive = option
+      positive%kind = "positive"
+      call convert_list(positive, text, list, error)
+      if (allocated(error)) return
+      if (option%name == "--resonance" .and. size(list) == 2) then
+         record%resonance_hz = list(1)
+         record%resonance_q = list(2)
+      else if (option%name == "--lowpass" .and. size(list) <= 2) then
+         record%lowpass_hz = list(1)
+         list = [list, 1.0_dp]                          ! the order where none is given
+         record%lowpass_order = findloc([1.0_dp, 2.0_dp], list(2), dim=1)
+      else
+         call value_error(option, "'"//text//"' has the wrong number of parts", error)
+      end if
+   end subroutine set_filter
 
    !> What is wrong with the options as a whole.
    subroutine check_record(record, error)

@@ -20,7 +20,7 @@ contains
 
       options%samples = 20000
       options%coefficient(2) = 0.02_dp
-      options%quantisation = 0.02_dp
+      options%lsb = 0.02_dp
       call simulate_record(options, record, error)
       if (allocated(error)) error stop error%message
       associate (x => record%value(:, 1))

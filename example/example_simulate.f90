@@ -18,7 +18,7 @@ contains
       options%seed = 7
       options%unit = "deg/h"
       options%coefficient = [0.0d0, 18.0d0, 6.0d0, 0.1d0, 0.0d0]    ! Q N B K R, in deg/h and seconds
-      options%quantisation = 0.5d0
+      options%lsb = 0.5d0
       call simulate_record(options, record, error)
       if (allocated(error)) error stop error%message
       print "(i0, a, f4.2, a)", record%audit%samples, " samples of ", record%sample_interval, " s in "//record%unit%name

@@ -39,7 +39,7 @@ contains
       testsuite(9) = new_unittest("streams", test_streams)
       testsuite(10) = new_unittest("trend-offset", test_trend)
       testsuite(11) = new_unittest("outliers", test_outliers)
-      testsuite(12) = new_unittest("rounding", test_rounding)
+      testsuite(12) = new_unittest("lsb", test_lsb)
       testsuite(13) = new_unittest("missing", test_missing)
       testsuite(14) = new_unittest("record-fields", test_fields)
       testsuite(15) = new_unittest("paper-preset", test_paper)
@@ -181,7 +181,7 @@ contains
 
       options = everything()
       options%outliers = 0
-      options%quantisation = 0
+      options%lsb = 0
       options%missing = 0
       options%trend = [0.0_dp]
       options%offset = 0
@@ -237,7 +237,7 @@ contains
    end subroutine test_outliers
 
    !> Every value is the nearest multiple of the step, the offset included.
-   subroutine test_rounding(error)
+   subroutine test_lsb(error)
       type(error_type), allocatable, intent(out) :: error
       type(simulate_options) :: options
       real(dp) :: x(1000), y(1000)
@@ -246,12 +246,12 @@ contains
       options%coefficient(2) = 1
       options%offset = 0.3_dp
       call simulate(options, x)
-      options%quantisation = 0.25_dp
+      options%lsb = 0.25_dp
       call simulate(options, y)
       call check(error, all(abs(4*y - anint(4*y)) <= 0))
       if (allocated(error)) return
       call check(error, maxval(abs(x - y)) <= 0.125_dp)
-   end subroutine test_rounding
+   end subroutine test_lsb
 
    subroutine test_missing(error)
       type(error_type), allocatable, intent(out) :: error
@@ -368,7 +368,7 @@ contains
          case (11); options%outliers = -1
          case (12); options%outliers = options%samples + 1
          case (13); options%outlier_size = -1
-         case (14); options%quantisation = -1
+         case (14); options%lsb = -1
          case (15); options%missing = 1
          case (16); options%missing = -0.1_dp
          case (17); options%unit = "furlong"
@@ -437,7 +437,7 @@ contains
       options%ar_variance = 1
       options%outliers = 5
       options%outlier_size = 10
-      options%quantisation = 1.0e-6_dp
+      options%lsb = 1.0e-6_dp
       options%missing = 0.02_dp
    end function everything
 
@@ -574,7 +574,7 @@ contains
       options%coefficient(:2) = [1.0e-3_dp, 0.02_dp]
       options%outliers = 20
       options%outlier_size = 10
-      options%quantisation = 1.0e-3_dp
+      options%lsb = 1.0e-3_dp
       options%missing = 0.1_dp
       options%unit = "deg/h"
       call simulate_record(options, record, failure, truth)

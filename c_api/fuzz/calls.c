@@ -496,7 +496,7 @@ OPTIONS(simulate_options,
         ODD(preset, one_in(200) ? "paper" : one_in(9) ? "odd" : NULL) ODD(seed, any_long()) ODD(rate_hz, any_double()) ODD(unit, text())
         ODD(q, any_double()) ODD(n, any_double()) ODD(b, any_double()) ODD(k, any_double()) ODD(r, any_double())
         ODD(ar_phi, any_double()) ODD(ar_variance, any_double()) ODD(offset, any_double()) ODD(outlier_size, any_double())
-        ODD(outliers, any_long()) ODD(quantisation, any_double()) ODD(missing, any_double()) TOLD)
+        ODD(outliers, any_long()) ODD(lsb, any_double()) ODD(missing, any_double()) TOLD)
 OPTIONS(run_options,
         ODD(preset, text()) ODD(tests, any_int() & 1) ODD(ar, any_int() & 1) ODD(filters, any_int() & 1) ODD(allan, any_int() & 1) TOLD)
 OPTIONS(allan_options, ODD(kind, text()) ODD(taus, text()) ODD(confidence, any_double()) ODD(min_coverage, any_double()) TOLD)

@@ -237,7 +237,7 @@ typedef struct gyroakf_simulate_options {
   double offset;          /* u */
   double outlier_size;    /* mean size of the outliers in standard deviations of the noise, >= 0 */
   int64_t outliers;       /* how many, 0 .. samples */
-  double quantisation;    /* step that values are rounded to, u, >= 0; 0: none */
+  double lsb;             /* step that values are rounded to, u, >= 0; 0: none */
   double missing;         /* share of the samples that are lost, 0 <= missing < 1 */
   gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
   void *progress_user;          /* handed to it; NULL */

@@ -13,7 +13,8 @@ module gyroakf_random
    use gyroakf_kinds, only : dp, int64
    implicit none (type, external)
    private
-   public :: random_type, seed_random, next_bits, next_uniform, next_normal, fill_normal
+   public :: random_type, seed_random, next_bits, next_uniform, next_normal, next_laplace, &
+      & next_t5, fill_normal
 
    !> A generator; copying it copies the sequence
    type :: random_type
@@ -118,6 +119,31 @@ contains
       random%spare = b*factor
       random%has_spare = .true.
    end subroutine next_normal
+
+   !> A Laplace variate: the difference of two exponential ones.
+   pure subroutine next_laplace(random, g)
+      !> The generator
+      type(random_type), intent(inout) :: random
+      !> Mean 0, variance 1, excess kurtosis 3
+      real(dp), intent(out) :: g
+      real(dp) :: u, v
+
+      call next_uniform(random, u)
+      call next_uniform(random, v)
+      g = sqrt(0.5_dp)*(portable_log(u) - portable_log(v))
+   end subroutine next_laplace
+
+   !> A variate of Student's t distribution with 5 degrees of freedom, scaled to the variance 1.
+   pure subroutine next_t5(random, g)
+      !> The generator
+      type(random_type), intent(inout) :: random
+      !> Mean 0, variance 1, excess kurtosis 6
+      real(dp), intent(out) :: g
+      real(dp) :: normal(6)
+
+      call fill_normal(random, normal)
+      g = normal(6)*sqrt(3.0_dp/sum(normal(:5)**2))
+   end subroutine next_t5
 
    !> Standard normal variates, the same that as many calls of [[next_normal]] give.
    pure subroutine fill_normal(random, g)

@@ -84,6 +84,16 @@ a result would overwrite the true drift ; filter x.txt --truth f --json ./f
 'N' is not a term given once ; simulate --coefficients N
 '-1' is not a whole number ; simulate --seed -1
 '2' is not from 0 to 0.9 ; simulate --missing 2
+unknown option '--rounding' ; simulate --rounding 1
+'0' is not larger than 0 ; simulate --lsb 0
+'t4' is not one of these ; simulate --tails t4
+'0' is not larger than 0 ; simulate --lowpass 0
+'1,1,1' has the wrong number of parts ; simulate --lowpass 1,1,1
+'' is not a number ; simulate --lowpass 1,
+order of the low-pass filter must be 1 or 2 ; simulate --lowpass 1,1.5
+below half the rate ; simulate --lowpass 2.5
+'1' has the wrong number of parts ; simulate --resonance 1
+Q of the resonance must be 0.5 .. 100 ; simulate --resonance 1,0.4
 'foo' is not one of these ; simulate --preset foo
 it is at least 1 ; x.txt --threads 0
 --from is not before --to ; x.txt --from 5 --to 3

@@ -10,6 +10,10 @@ if cmp -s <(tail -c 24000 w.npy) w.f64; then pass; else fail "w.npy does not end
 good "digits" simulate --samples 30 --rate 100 --coefficients N=0.01 --seed 4 --digits 3 --output w3.txt
 is "three digits" "$(grep -v '^#' w3.txt | tr -d '0.\n-' | awk '{ print (length($0) <= 90) }')" 1
 bad "too many digits" 1 "17 digits" simulate --digits 18
+good "a sensor" simulate --samples 300 --rate 100 --coefficients N=0.01 --tails laplace --offset 1 --lowpass 20,2 --resonance 10,5 \
+   --lsb 0.25 --output w_sensor.txt
+is "its values are multiples of the LSB" "$(grep -v '^#' w_sensor.txt | awk '$1 * 4 != int($1 * 4) || !/[0-9]/' | wc -l)" 0
+holds "its command" "--tails laplace --offset 1 --lowpass 20,2 --resonance 10,5 --lsb 0.25" w_sensor.txt
 
 # what was written reads back as the same numbers
 good "the series" filter w.txt --out w_csv --quiet

@@ -15,8 +15,8 @@
 !> | C6 | C2 with 1 % outliers of 4 to 20 standard deviations | as C2 |
 !> | C7 | C1, the variance that drives the AR(1) 25 times as large in the middle third | as C1 |
 module filter_truth_cases
-   use gyroakf, only : dp, error_type, fill_normal, next_normal, next_uniform, paper_preset, paper_seed, random_type, &
-      & seed_random, simulate_options
+   use gyroakf, only : dp, error_type, fill_normal, int64, next_normal, next_uniform, &
+      & paper_preset, paper_seed, random_type, seed_random, simulate_options
    use gyroakf_simulate_noise, only : add_autoregressive, add_flicker
    use gyroakf_simulate_disturbance, only : add_outliers, add_polynomial
    implicit none (type, external)
@@ -67,7 +67,7 @@ contains
       allocate (world%factor(n), source=1.0_dp)
       allocate (world%r(n), source=white_variance)
       allocate (world%outlier(n), source=.false.)
-      call add_polynomial(world%trend, paper%trend)
+      call add_polynomial(world%trend, paper%trend, 0_int64)
       associate (middle => world%factor(n/3 + 1:2*n/3), middle_r => world%r(n/3 + 1:2*n/3))
          if (name == "C7") middle = 25.0_dp
          if (name == "C4") middle_r = 9.0_dp*white_variance

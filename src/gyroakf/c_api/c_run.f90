@@ -39,7 +39,7 @@ module gyroakf_c_api_c_run
       type(c_ptr) :: unit
       real(c_double) :: q, n, b, k, r, ar_phi, ar_variance, offset, outlier_size
       integer(c_int64_t) :: outliers
-      real(c_double) :: quantisation, missing
+      real(c_double) :: lsb, missing
       type(c_funptr) :: progress
       type(c_ptr) :: progress_user
    end type simulate_options_c
@@ -227,7 +227,7 @@ contains
       options%offset = opt%offset
       options%outliers = opt%outliers
       options%outlier_size = opt%outlier_size
-      options%quantisation = opt%quantisation
+      options%lsb = opt%lsb
       options%missing = opt%missing
    end subroutine read_simulation
 

@@ -10,12 +10,14 @@ module gyroakf_simulate_disturbance
 
 contains
 
-   !> Adds a polynomial in the sample index i = 0 .. n-1.
-   pure subroutine add_polynomial(x, coefficient)
+   !> Adds a polynomial in the sample index i = first .. first + n-1.
+   pure subroutine add_polynomial(x, coefficient, first)
       !> Series: [n]
       real(dp), intent(inout), contiguous :: x(:)
       !> Coefficients of the powers of i, unit of x: [0:degree]
       real(dp), intent(in) :: coefficient(0:)
+      !> Index of x(1), of either sign
+      integer(int64), intent(in) :: first
       integer(int64) :: i
       integer :: k
       real(dp) :: value
@@ -23,7 +25,7 @@ contains
       do i = 1, size(x, kind=int64)
          value = 0
          do k = ubound(coefficient, 1), 0, -1
-            value = value*real(i - 1, dp) + coefficient(k)
+            value = value*real(first + i - 1, dp) + coefficient(k)
          end do
          x(i) = x(i) + value
       end do

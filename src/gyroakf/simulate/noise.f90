@@ -21,7 +21,7 @@ module gyroakf_simulate_noise
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_fft, only : convolve
-   use gyroakf_random, only : random_type, next_normal, fill_normal
+   use gyroakf_random, only : random_type, next_normal, next_laplace, next_t5
    implicit none (type, external)
    private
    public :: add_quantisation_noise, add_white, add_flicker, add_random_walk, add_ramp, add_autoregressive
@@ -63,13 +63,15 @@ contains
    !> Adds white noise, the derivative of the angle's random walk.
    !>
    !> $$ x_i \mathrel{+}= N g_i/\sqrt{t_0} $$
-   subroutine add_white(x, n, t0, random, error, progress)
+   subroutine add_white(x, n, t0, tails, random, error, progress)
       !> Rates: [samples]
       real(dp), intent(inout), contiguous :: x(:)
       !> Angle random walk, u sqrt(s), >= 0
       real(dp), intent(in) :: n
       !> Sample interval, s, > 0
       real(dp), intent(in) :: t0
+      !> Distribution of the g, of variance 1: laplace, t5 ([[gyroakf_random:next_t5]]), else normal
+      character(*), intent(in) :: tails
       !> Where the variates come from
       type(random_type), intent(inout) :: random
       !> cancelled
@@ -83,7 +85,11 @@ contains
       do i = 1, size(x, kind=int64)
          if (iand(i - 1, told_samples) == 0) call tell_progress("simulating", i - 1, size(x, kind=int64), error, progress)
          if (allocated(error)) return
-         call next_normal(random, g)
+         select case (tails)
+         case ("laplace"); call next_laplace(random, g)
+         case ("t5"); call next_t5(random, g)
+         case default; call next_normal(random, g)
+         end select
          x(i) = x(i) + scale*g
       end do
    end subroutine add_white
@@ -175,17 +181,19 @@ contains
    !> Adds a ramp that starts at zero, as its means over the sample intervals.
    !>
    !> $$ x_i \mathrel{+}= R t_0 (i - 1/2), \quad i = 1 \ldots n $$
-   pure subroutine add_ramp(x, r, t0)
+   pure subroutine add_ramp(x, r, t0, first)
       !> Rates: [n]
       real(dp), intent(inout), contiguous :: x(:)
       !> Ramp, u/s, of either sign
       real(dp), intent(in) :: r
       !> Sample interval, s, > 0
       real(dp), intent(in) :: t0
+      !> Index of x(1) counted from the start of the ramp, 0; negative where x begins before it
+      integer(int64), intent(in) :: first
       integer(int64) :: i
 
       do i = 1, size(x, kind=int64)
-         x(i) = x(i) + (r*t0)*(i - 0.5_dp)
+         x(i) = x(i) + (r*t0)*(first + i - 0.5_dp)
       end do
    end subroutine add_ramp
 

@@ -16,6 +16,8 @@ module gyroakf_simulate_simulate_record
    use gyroakf_simulate_noise, only : add_quantisation_noise, add_white, add_flicker, add_random_walk, add_ramp, &
       & add_autoregressive
    use gyroakf_simulate_disturbance, only : add_polynomial, add_outliers, round_to_step, lose_samples
+   use gyroakf_simulate_sensor_filter, only : section_type, make_section, settling_samples, &
+      & apply_section
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
    private
@@ -35,6 +37,9 @@ module gyroakf_simulate_simulate_record
       character(:), allocatable :: unit
       !> Q N B K R, see [[gyroakf_simulate_noise]]: u s, u sqrt(s), u, u/sqrt(s), u/s; >= 0, R of either sign
       real(dp) :: coefficient(5) = 0.0_dp
+      !> Distribution of the white noise N, of the same variance: normal, laplace, t5 (Student's t,
+      !> 5 degrees of freedom)
+      character(7) :: tails = "normal"
       !> Coefficients of an autoregressive process: [p]; none if unallocated or empty
       real(dp), allocatable :: ar(:)
       !> Its stationary variance, u^2, >= 0
@@ -47,8 +52,16 @@ module gyroakf_simulate_simulate_record
       integer(int64) :: outliers = 0
       !> Their mean size in standard deviations of the noise, >= 0; each is 0.75 .. 1.25 times that, of random sign
       real(dp) :: outlier_size = 0.0_dp
+      !> Cutoff frequency of a Butterworth low-pass filter, Hz, below rate_hz/2; 0 none
+      real(dp) :: lowpass_hz = 0.0_dp
+      !> Its order, 1 or 2
+      integer :: lowpass_order = 1
+      !> Frequency of a resonance, a low-pass section of second order, Hz, below rate_hz/2; 0 none
+      real(dp) :: resonance_hz = 0.0_dp
+      !> Its quality factor, 0.5 .. 100
+      real(dp) :: resonance_q = 1.0_dp
       !> Step that the output is rounded to, u; 0 none
-      real(dp) :: quantisation = 0.0_dp
+      real(dp) :: lsb = 0.0_dp
       !> Share of samples lost at random, 0 <= missing < 1
       real(dp) :: missing = 0.0_dp
    end type simulate_options
@@ -59,6 +72,12 @@ module gyroakf_simulate_simulate_record
 
    !> No value may become larger: squares and sums of them still fit
    real(dp), parameter :: largest = 1.0e140_dp
+
+   !> What the filters may take ahead of the record to settle
+   real(dp), parameter :: most_ahead = 1.0e8_dp
+
+   !> Parts of the signal: all noise, the noise that is drift, what is deterministic
+   integer, parameter :: all_noise = 1, drift_noise = 2, deterministic = 3
 
 contains
 
@@ -97,6 +116,9 @@ contains
    !>
    !> Its true drift is what moves slowly or stays: 1/f noise B, random walk K, ramp R, the AR process, trend and offset; not
    !> quantisation noise Q and white noise N, outliers and rounding. It is known where samples are lost, too.
+   !>
+   !> Noise, trend and offset pass the filters of the sensor, settled at the first sample; they
+   !> begin as early as that takes, the random walk at 0 there.
    subroutine simulate_record(options, record, error, truth, progress)
       !> What to simulate
       type(simulate_options), intent(in) :: options
@@ -113,7 +135,8 @@ contains
       call check_options(options, error)
       if (allocated(error)) return
       call begin_record(options, record, error)
-      if (.not. allocated(error)) call add_noise(options, .true., record%value(:, 1), error, progress)
+      if (allocated(error)) return
+      call add_signal(options, all_noise, record%value(:, 1), error, progress)
       if (.not. allocated(error)) call add_disturbances(options, record, error)
       if (.not. allocated(error)) call tell_progress("simulating", options%samples, options%samples, error, progress)
       if (.not. allocated(error)) call check_size(record, error)
@@ -121,10 +144,10 @@ contains
       call audit_record(record)
       if (.not. present(truth)) return
       call begin_record(options, truth, error)
-      if (.not. allocated(error)) call add_noise(options, .false., truth%value(:, 1), error, progress)
       if (allocated(error)) return
-      call add_deterministic(options, truth%sample_interval, truth%value(:, 1))
-      call check_size(truth, error)
+      call add_signal(options, drift_noise, truth%value(:, 1), error, progress)
+      if (.not. allocated(error)) call add_signal(options, deterministic, truth%value(:, 1), error)
+      if (.not. allocated(error)) call check_size(truth, error)
       if (allocated(error)) return
       call audit_record(truth)
    end subroutine simulate_record
@@ -166,6 +189,65 @@ contains
       call add_text(record%channel, "gx")
    end subroutine begin_record
 
+   !> Adds a part of the signal as it leaves the filters of the sensor.
+   subroutine add_signal(options, part, x, error, progress)
+      type(simulate_options), intent(in) :: options
+      !> all_noise, drift_noise, deterministic
+      integer, intent(in) :: part
+      real(dp), intent(inout), contiguous :: x(:)
+      type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
+      type(section_type), allocatable :: sections(:)
+      real(dp), allocatable :: y(:)
+      integer(int64) :: ahead
+      integer :: k, stat
+
+      sections = filters_of(options)
+      if (size(sections) == 0) then
+         call add_part(options, part, 0_int64, x, error, progress)
+         return
+      end if
+      ahead = ceiling(sum(settling_samples(sections)), int64)
+      allocate (y(ahead + size(x, kind=int64)), source=0.0_dp, stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the filters of the record")
+         return
+      end if
+      call add_part(options, part, ahead, y, error, progress)
+      if (allocated(error)) return
+      do k = 1, size(sections)
+         call apply_section(sections(k), y)
+      end do
+      x(:) = x + y(ahead + 1:)
+   end subroutine add_signal
+
+   !> Low-pass filter and resonance, if they are switched on.
+   pure function filters_of(options) result(sections)
+      type(simulate_options), intent(in) :: options
+      type(section_type), allocatable :: sections(:)
+      real(dp) :: hz(2), q(2)
+
+      hz = [options%lowpass_hz, options%resonance_hz]
+      q = [merge(sqrt(0.5_dp), 0.0_dp, options%lowpass_order == 2), options%resonance_q]
+      sections = pack(make_section(hz, options%rate_hz, q), hz > 0)
+   end function filters_of
+
+   !> Adds a part of the signal that begins some samples ahead of the record.
+   subroutine add_part(options, part, ahead, x, error, progress)
+      type(simulate_options), intent(in) :: options
+      integer, intent(in) :: part
+      integer(int64), intent(in) :: ahead
+      real(dp), intent(inout), contiguous :: x(:)
+      type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
+
+      if (part == deterministic) then
+         call add_deterministic(options, -ahead, x)
+      else
+         call add_noise(options, part == all_noise, x, error, progress)
+      end if
+   end subroutine add_part
+
    !> The noise terms that are switched on, each from its stream.
    subroutine add_noise(options, fast, x, error, progress)
       type(simulate_options), intent(in) :: options
@@ -186,7 +268,7 @@ contains
          end if
          if (fast .and. c(2) > 0) then
             call seed_random(random, options%seed, stream_n)
-            call add_white(x, c(2), t0, random, error, progress)
+            call add_white(x, c(2), t0, options%tails, random, error, progress)
             if (allocated(error)) return
          end if
          if (c(3) > 0) then
@@ -222,8 +304,9 @@ contains
             call add_outliers(x, options%outliers, options%outlier_size, random, error)
             if (allocated(error)) return
          end if
-         call add_deterministic(options, record%sample_interval, x)
-         if (options%quantisation > 0) call round_to_step(x, options%quantisation)
+         call add_signal(options, deterministic, x, error)
+         if (allocated(error)) return
+         if (options%lsb > 0) call round_to_step(x, options%lsb)
          if (options%missing > 0) then
             allocate (record%present(options%samples, 1), stat=stat)
             if (stat /= 0) then
@@ -238,15 +321,17 @@ contains
    end subroutine add_disturbances
 
    !> Ramp, trend, offset.
-   subroutine add_deterministic(options, t0, x)
+   pure subroutine add_deterministic(options, first, x)
       type(simulate_options), intent(in) :: options
-      !> Sample interval, s
-      real(dp), intent(in) :: t0
+      !> Sample index of x(1)
+      integer(int64), intent(in) :: first
       real(dp), intent(inout), contiguous :: x(:)
 
-      if (abs(options%coefficient(5)) > 0) call add_ramp(x, options%coefficient(5), t0)
-      if (allocated(options%trend)) call add_polynomial(x, options%trend)
-      if (abs(options%offset) > 0) call add_polynomial(x, [options%offset])
+      associate (r => options%coefficient(5))
+         if (abs(r) > 0) call add_ramp(x, r, 1/options%rate_hz, first)
+      end associate
+      if (allocated(options%trend)) call add_polynomial(x, options%trend, first)
+      if (abs(options%offset) > 0) call add_polynomial(x, [options%offset], first)
    end subroutine add_deterministic
 
    !> Counts, range and smallest step, as a reader would find them.
@@ -306,14 +391,39 @@ contains
          call complain(error, "number of outliers must be 0 .. number of samples")
       else if (.not. within(options%outlier_size, 0.0_dp, largest)) then
          call complain(error, "size of the outliers must be >= 0 standard deviations")
-      else if (.not. within(options%quantisation, 0.0_dp, largest)) then
-         call complain(error, "rounding step must be >= 0")
+      else if (.not. within(options%lsb, 0.0_dp, largest)) then
+         call complain(error, "LSB must be >= 0")
       else if (.not. within(options%missing, 0.0_dp, 1 - epsilon(n))) then
          call complain(error, "share of missing samples must be >= 0 and < 1")
       else
          call check_series(options, error)
+         if (.not. allocated(error)) call check_sensor(options, error)
       end if
    end subroutine check_options
+
+   !> Filters and the distribution of the white noise.
+   subroutine check_sensor(options, error)
+      type(simulate_options), intent(in) :: options
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: below_half
+
+      below_half = options%rate_hz*(0.5_dp - epsilon(0.5_dp))
+      if (.not. within(options%lowpass_hz, 0.0_dp, below_half)) then
+         call complain(error, "frequency of the low-pass filter must be > 0 Hz and "// &
+                       "below half the rate")
+      else if (options%lowpass_order < 1 .or. options%lowpass_order > 2) then
+         call complain(error, "order of the low-pass filter must be 1 or 2")
+      else if (.not. within(options%resonance_hz, 0.0_dp, below_half)) then
+         call complain(error, "frequency of the resonance must be > 0 Hz and below half the rate")
+      else if (.not. within(options%resonance_q, 0.5_dp, 100.0_dp)) then
+         call complain(error, "Q of the resonance must be 0.5 .. 100")
+      else if (.not. any(options%tails == [character(7) :: "normal", "laplace", "t5"])) then
+         call complain(error, "distribution of the white noise must be normal, laplace or t5")
+      else if (sum(settling_samples(filters_of(options))) > most_ahead) then
+         call complain(error, "a filter takes more than 1e8 samples to settle: its "// &
+                       "frequency is too near 0 or half the rate")
+      end if
+   end subroutine check_sensor
 
    !> The options that are lists.
    subroutine check_series(options, error)

@@ -1,0 +1,259 @@
+! SPDX-License-Identifier: MIT
+!> What makes a simulated record like a sensor's: filters, LSB, heavy tails.
+module test_simulate_sensor
+   use testdrive, only : error_type, unittest_type, new_unittest, check
+   use gyroakf_kinds, only : dp
+   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_record, only : record_type
+   use gyroakf_simulate_sensor_filter, only : section_type, make_section, apply_section, &
+      & settling_samples
+   use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record
+   use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
+   implicit none (type, external)
+   private
+   public :: collect_simulate_sensor
+
+   real(dp), parameter :: pi = 3.14159265358979323846_dp
+
+contains
+
+   subroutine collect_simulate_sensor(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      allocate (testsuite(9))
+      testsuite(1) = new_unittest("response", test_response)
+      testsuite(2) = new_unittest("low-pass-variance", test_variance)
+      testsuite(3) = new_unittest("settled", test_settled)
+      testsuite(4) = new_unittest("offset-and-ramp", test_deterministic)
+      testsuite(5) = new_unittest("after-the-filter", test_after)
+      testsuite(6) = new_unittest("truth", test_truth)
+      testsuite(7) = new_unittest("tails", test_tails)
+      testsuite(8) = new_unittest("tails-of-white-noise", test_tails_of_white)
+      testsuite(9) = new_unittest("failures", test_failures)
+   end subroutine collect_simulate_sensor
+
+   !> The Fourier transform of the impulse response is the analog response at the warped frequency.
+   subroutine test_response(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: hz = 12.0_dp, rate = 100.0_dp
+      real(dp), parameter :: q(4) = [0.0_dp, 0.5_dp, sqrt(0.5_dp), 20.0_dp]
+      type(section_type) :: section
+      real(dp), allocatable :: x(:)
+      complex(dp) :: s, analog, response
+      integer :: i, j, k
+
+      do k = 1, size(q)
+         section = make_section(hz, rate, q(k))
+         allocate (x(0:1 + ceiling(settling_samples(section))), source=0.0_dp)
+         x(1) = 1
+         call apply_section(section, x)
+         do j = 0, 49
+            s = cmplx(0.0_dp, tan(pi*j/rate)/tan(pi*hz/rate), dp)
+            analog = 1/(1 + s)
+            if (k > 1) analog = 1/(s**2 + s/q(k) + 1)
+            response = sum([(x(i)*exp(cmplx(0.0_dp, -2*pi*j*(i - 1)/rate, dp)), i=1, ubound(x, 1))])
+            call check(error, abs(response - analog) < 1.0e-10_dp)
+            if (allocated(error)) return
+         end do
+         deallocate (x)
+      end do
+   end subroutine test_response
+
+   !> White noise through y(i) = (1 - 2 b) y(i-1) + b (x(i) + x(i-1)) has b times its variance.
+   subroutine test_variance(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(simulate_options) :: options
+      real(dp), allocatable :: x(:)
+      real(dp) :: g
+
+      options%samples = 200000
+      options%coefficient(2) = 0.1_dp
+      options%lowpass_hz = 0.5_dp
+      g = tan(pi*0.1_dp)
+      x = values(options)
+      call check(error, sum(x**2)/size(x), 0.05_dp*g/(1 + g), thr=0.02_dp, rel=.true.)
+   end subroutine test_variance
+
+   !> The first sample of many records has the variance that the impulse response gives.
+   subroutine test_settled(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: records = 500
+      type(simulate_options) :: options
+      type(section_type) :: sections(2)
+      real(dp) :: x(4000), first(1), total
+      integer :: i
+
+      sections = make_section([1.0_dp, 0.5_dp], 5.0_dp, [sqrt(0.5_dp), 10.0_dp])
+      x = 0
+      x(2) = 1
+      do i = 1, 2
+         call apply_section(sections(i), x)
+      end do
+      options%samples = 1
+      options%coefficient(2) = sqrt(0.2_dp)
+      options%lowpass_hz = 1
+      options%lowpass_order = 2
+      options%resonance_hz = 0.5_dp
+      options%resonance_q = 10
+      total = 0
+      do i = 1, records
+         options%seed = i
+         first = values(options)
+         total = total + first(1)**2
+      end do
+      call check(error, total/records, sum(x**2), thr=4.5_dp*sqrt(2.0_dp/records), rel=.true.)
+   end subroutine test_settled
+
+   !> A constant passes unchanged, a ramp is late by 1/(2 g) and 1/(2 g Q) samples, from the start.
+   subroutine test_deterministic(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(simulate_options) :: options
+      real(dp), allocatable :: x(:)
+      real(dp) :: late
+      integer :: i
+
+      options%samples = 100
+      options%offset = 7
+      options%lowpass_hz = 1
+      options%resonance_hz = 0.5_dp
+      options%resonance_q = 4
+      x = values(options)
+      call check(error, maxval(abs(x - 7)) < 1.0e-14_dp, "offset")
+      if (allocated(error)) return
+      options%coefficient(5) = 0.5_dp                  ! 0.1 a sample
+      options%trend = [0.0_dp, 0.2_dp]
+      x = values(options)
+      late = 1/(2*tan(0.2_dp*pi)) + 1/(8*tan(0.1_dp*pi))
+      x = x - [(7.05_dp + 0.3_dp*(i - late), i=0, 99)]
+      call check(error, maxval(abs(x)) < 1.0e-9_dp, "ramp")
+   end subroutine test_deterministic
+
+   !> Outliers are not smeared by the filter, values are multiples of the LSB.
+   subroutine test_after(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(simulate_options) :: options
+      real(dp), allocatable :: x(:), y(:)
+
+      options%samples = 1000
+      options%coefficient(2) = 1
+      options%offset = 0.3_dp
+      options%lowpass_hz = 0.2_dp
+      x = values(options)
+      options%outliers = 40
+      options%outlier_size = 20
+      y = values(options)
+      call check(error, count(abs(y - x) > 0), 40)
+      if (allocated(error)) return
+      x = y
+      options%lsb = 0.25_dp
+      y = values(options)
+      call check(error, all(abs(4*y - anint(4*y)) <= 0) .and. maxval(abs(x - y)) <= 0.125_dp, "LSB")
+   end subroutine test_after
+
+   !> The true drift passes the same filters.
+   subroutine test_truth(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(simulate_options) :: options
+      type(record_type) :: record, truth
+      type(gyro_error), allocatable :: failure
+
+      options%samples = 500
+      options%coefficient(3:5) = [0.01_dp, 1.0e-3_dp, 1.0e-5_dp]
+      options%trend = [0.1_dp, -1.0e-6_dp]
+      options%lowpass_hz = 1
+      call simulate_record(options, record, failure, truth)
+      call check(error, .not. allocated(failure))
+      if (allocated(error)) return
+      call check(error, maxval(abs(record%value - truth%value)) <= 0)
+   end subroutine test_truth
+
+   !> Variance 1, mean absolute values sqrt(2/pi), sqrt(1/2), 4/(pi sqrt(3)); 4.5 standard errors.
+   subroutine test_tails(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(7), parameter :: tails(3) = [character(7) :: "normal", "laplace", "t5"]
+      real(dp), parameter :: mean(3) = [sqrt(2/pi), sqrt(0.5_dp), 4/(pi*sqrt(3.0_dp))]
+      real(dp), parameter :: kurtosis(3) = [3.0_dp, 6.0_dp, 9.0_dp]
+      type(simulate_options) :: options
+      real(dp), allocatable :: x(:)
+      integer :: k
+
+      options%samples = 200000
+      options%coefficient(2) = sqrt(0.2_dp)
+      do k = 1, 3
+         options%tails = tails(k)
+         x = values(options)
+         call check(error, sum(abs(x))/size(x), mean(k), &
+                    thr=4.5_dp*sqrt((1 - mean(k)**2)/size(x)), more=tails(k))
+         if (allocated(error)) return
+         call check(error, sum(x**2)/size(x), 1.0_dp, &
+                    thr=4.5_dp*sqrt((kurtosis(k) - 1)/size(x)), more=tails(k))
+         if (allocated(error)) return
+         call check(error, abs(sum(x))/size(x) < 4.5_dp/sqrt(real(size(x), dp)), tails(k))
+         if (allocated(error)) return
+         if (k < 3) call check(error, sum(x**4)/size(x), kurtosis(k), thr=0.5_dp, more=tails(k))
+         if (allocated(error)) return
+      end do
+   end subroutine test_tails
+
+   !> Terms other than N stay as they are.
+   subroutine test_tails_of_white(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(simulate_options) :: options
+      real(dp), allocatable :: x(:)
+
+      options%samples = 100
+      options%coefficient = [0.1_dp, 0.0_dp, 0.1_dp, 0.1_dp, 0.1_dp]
+      options%ar = [0.5_dp]
+      options%ar_variance = 1
+      x = values(options)
+      options%tails = "laplace"
+      call check(error, maxval(abs(values(options) - x)) <= 0)
+   end subroutine test_tails_of_white
+
+   !> Options out of their range, at half the rate, NaN
+   subroutine test_failures(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(simulate_options) :: options
+      type(record_type) :: record
+      type(gyro_error), allocatable :: failure
+      real(dp) :: nan
+      integer :: k
+
+      nan = ieee_value(nan, ieee_quiet_nan)
+      do k = 1, 13
+         options = simulate_options(samples=10, lowpass_hz=1.0_dp, resonance_hz=1.0_dp)
+         select case (k)
+         case (1); options%lowpass_hz = -1
+         case (2); options%lowpass_hz = 2.5_dp
+         case (3); options%lowpass_hz = nan
+         case (4); options%lowpass_hz = 1.0e-12_dp     ! takes too long to settle
+         case (5); options%lowpass_hz = tiny(1.0_dp)
+         case (6); options%lowpass_order = 0
+         case (7); options%lowpass_order = 3
+         case (8); options%resonance_hz = -1
+         case (9); options%resonance_hz = 2.5_dp
+         case (10); options%resonance_q = 0.49_dp
+         case (11); options%resonance_q = 101
+         case (12); options%resonance_q = nan
+         case default; options%tails = "cauchy"
+         end select
+         call simulate_record(options, record, failure)
+         call check(error, allocated(failure))
+         if (allocated(error)) return
+         call check(error, failure%code, status%invalid_argument, failure%message)
+         if (allocated(error)) return
+      end do
+   end subroutine test_failures
+
+   !> The values of a record
+   function values(options) result(x)
+      type(simulate_options), intent(in) :: options
+      real(dp), allocatable :: x(:)
+      type(record_type) :: record
+      type(gyro_error), allocatable :: failure
+
+      call simulate_record(options, record, failure)
+      x = record%value(:, 1)
+   end function values
+
+end module test_simulate_sensor
