@@ -143,8 +143,9 @@ contains
       end if
       if (config%command == "run" .or. config%command == "filter") then
          call allan_memory(less)
-         if (rows_within(recording, less) >= rows .or. .not. known) &
+         if (rows_within(recording, less) >= rows .or. .not. known) then
             call add("gyroakf allan "//shell_word(config%path)//config%input_options)
+         end if
       end if
       rate = recording%options%rate_hz
       if (.not. rate > 0.0_dp) rate = recording%table%header%rate_hz
