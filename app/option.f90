@@ -150,9 +150,9 @@ module gyroakf_app_option
                   "probability between the limits of the deviations (default 0.683)"), &
       option_type("--min-coverage", "P", "share", "run allan", "allan", &
                   "share of a window that must be present where samples are missing (default 0.9; 1: all of it)"), &
-      option_type("--terms", "auto|QNBKRMS", "text", "run allan", "allan", &
-                  "terms of the fit, e.g. NBK, tested for being there; M Markov process, S sinusoid (default auto: QNBKR; "// &
-                  "where these do not describe the curve M, S, or without the first points)"), &
+      option_type("--terms", "auto|QNBKR", "text", "run allan", "allan", &
+                  "terms of the fit, e.g. NBK, at all averaging times in its range (default auto: those of QNBKR that the "// &
+                  "curve asks for, at the longest run of octaves that they describe)"), &
       option_type("--fit-tau-min", "S", "positive", "run allan", "allan", &
                   "the fit begins at this averaging time (default: the first)"), &
       option_type("--fit-tau-max", "S", "positive", "run allan", "allan", &

@@ -154,7 +154,6 @@ contains
          pipeline%allan%taus = value%text
       case ("--confidence")
          pipeline%allan%confidence = value%number
-         pipeline%noise%confidence = value%number
          if (value%number >= 1) call value_error(option, "limits that always hold are infinite", error)
       case ("--min-coverage"); pipeline%allan%min_coverage = value%number
       case ("--terms"); call set_terms(pipeline%noise, option, value%text, error)
@@ -224,19 +223,19 @@ contains
       end do
    end subroutine set_estimate
 
-   !> auto, or some of Q N B K R M S, in that order whatever the order of the letters.
+   !> auto, or some of Q N B K R, in that order whatever the order of the letters.
    subroutine set_terms(noise, option, text, error)
       type(noise_options), intent(inout) :: noise
       type(option_type), intent(in) :: option
       character(*), intent(in) :: text
       type(error_type), allocatable, intent(out) :: error
-      character(*), parameter :: letters = "QNBKRMS"
+      character(*), parameter :: letters = "QNBKR"
       integer :: i
 
       noise%terms = "auto"
       if (text == "auto") return
       if (verify(text, letters) /= 0) then
-         call value_error(option, "'"//text//"' has other letters than Q N B K R M S", error)
+         call value_error(option, "'"//text//"' has other letters than Q N B K R", error)
          return
       end if
       noise%terms = ""

@@ -12,12 +12,10 @@ program test_main
    use test_allan_deviation, only : collect_allan_deviation
    use test_allan_freedom, only : collect_allan_freedom
    use test_allan_gaps, only : collect_allan_gaps
-   use test_allan_mixture, only : collect_allan_mixture
    use test_allan_grid, only : collect_allan_grid
    use test_allan_halves, only : collect_allan_halves
    use test_allan_noise_fit, only : collect_allan_noise_fit
    use test_chart, only : collect_chart
-   use test_allan_terms, only : collect_allan_terms
    use test_allan_read_off, only : collect_allan_read_off
    use test_allan_statistics, only : collect_allan_statistics
    use test_allan_noise_model, only : collect_allan_noise_model
@@ -116,11 +114,9 @@ program test_main
    call add("allan_deviation", collect_allan_deviation)
    call add("allan_freedom", collect_allan_freedom)
    call add("allan_gaps", collect_allan_gaps)
-   call add("allan_mixture", collect_allan_mixture)
    call add("allan_grid", collect_allan_grid)
    call add("allan_halves", collect_allan_halves)
    call add("allan_noise_fit", collect_allan_noise_fit)
-   call add("allan_terms", collect_allan_terms)
    call add("allan_read_off", collect_allan_read_off)
    call add("allan_statistics", collect_allan_statistics)
    call add("allan_noise_model", collect_allan_noise_model)

@@ -354,6 +354,7 @@ contains
          allan%curve%edf = [11.0_dp, 5.5_dp]
          allan%curve%terms = [11_int64, 9_int64]
          allan%noise%model = allan%curve%deviation
+         allan%noise%described = .true.
          allan%noise%points = 2
          allan%noise%chi2_reduced = 1.1_dp
          allan%noise%coefficient%fitted = [.true., .true., .true., .true., .false.]
@@ -364,6 +365,8 @@ contains
          allan%noise%coefficient(3)%value = 4.0e-3_dp*shrink(which)
          allan%noise%coefficient(3)%std_error = 1.0e-3_dp*shrink(which)
          allan%noise%coefficient(3)%detected = which < stage%kf
+         where (allan%noise%coefficient%fitted) allan%noise%coefficient%state = "limit"
+         where (allan%noise%coefficient%detected) allan%noise%coefficient%state = "value"
       end associate
    end subroutine fill_allan
 

@@ -4,8 +4,7 @@ module test_allan_covariance
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use, intrinsic :: iso_fortran_env, only : qp => real128
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_allan_covariance, only : allan_covariance, allan_variance_covariances, covariance_basis_type, mixture_covariances, &
-      & mixture_freedom, new_covariance_basis
+   use gyroakf_allan_fit_covariance, only : allan_variance_covariances, mixture_freedom
    use gyroakf_allan_noise_model, only : noise_model_type
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)
@@ -31,9 +30,6 @@ contains
          & new_unittest("walk", test_walk), &
          & new_unittest("mixture", test_mixture), &
          & new_unittest("ramp", test_ramp), &
-         & new_unittest("markov", test_markov), &
-         & new_unittest("sinusoid", test_sinusoid), &
-         & new_unittest("basis", test_basis), &
          & new_unittest("known_freedom", test_known_freedom), &
          & new_unittest("huge_record", test_huge_record)]
    end subroutine collect_allan_covariance
@@ -112,144 +108,6 @@ contains
       if (lag > 0 .and. squares(3) > 0) autocovariance = autocovariance + squares(3)/two_pi*t**2*log(t)
    end function autocovariance
 
-   subroutine test_markov(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      ! against all lags in quadruple precision, alone and over white noise, from a correlation within a sample to one far
-      ! beyond the record
-      real(dp), parameter :: times(5) = [0.3_dp, 2.0_dp, 15.0_dp, 90.0_dp, 5.0e4_dp]
-      type(noise_model_type) :: model
-      type(covariance_basis_type) :: basis
-      real(dp) :: found(5, 5), full(5, 5)
-      integer :: i, j, k, white
-
-      do k = 1, size(times)
-         do white = 0, 1
-            model%squares(6) = 1
-            model%squares(2) = white
-            model%correlation_time = times(k)
-            call new_covariance_basis(samples, factors, basis, times(k))
-            call mixture_covariances(basis, model, found)
-            do j = 1, 5
-               do i = 1, j
-                  full(i, j) = full_markov_sum(factors(i), factors(j), times(k), real(white, dp))
-                  full(j, i) = full(i, j)
-                  call check(error, abs(allan_covariance(samples, factors(i), factors(j), model) - found(i, j)) <= &
-                     & quadrature*sqrt(found(i, i)*found(j, j)), "basis")
-                  if (allocated(error)) return
-               end do
-            end do
-            do j = 1, 5
-               do i = 1, 5
-                  call check(error, abs(found(i, j) - full(i, j)) <= quadrature*sqrt(full(i, i)*full(j, j)), "covariance")
-                  if (allocated(error)) return
-               end do
-            end do
-         end do
-      end do
-   end subroutine test_markov
-
-   !> The covariance of a Markov process over white noise as the sum over all pairs of terms.
-   pure real(dp) function full_markov_sum(m, n, time, white)
-      !> Factors
-      integer(int64), intent(in) :: m, n
-      !> Correlation time, and N^2
-      real(dp), intent(in) :: time, white
-
-      integer, parameter :: c(0:2) = [1, -2, 1]
-      integer(int64) :: lag, terms_m, terms_n
-      integer :: a, b
-      real(qp) :: r, total, p, t
-
-      p = exp(-1/real(time, qp))
-      terms_m = samples - 2*m + 1
-      terms_n = samples - 2*n + 1
-      total = 0
-      do lag = 1 - terms_m, terms_n - 1
-         r = 0
-         do b = 0, 2
-            do a = 0, 2
-               t = real(abs(lag + b*n - a*m), qp)
-               r = r - c(a)*c(b)*(p/(1 - p)**2*p**t + (1 + p)/(2*(1 - p))*t + white*t/2)
-            end do
-         end do
-         total = total + (min(terms_m, terms_n - lag) - max(0_int64, -lag))*r**2
-      end do
-      full_markov_sum = real(total/(2*real(m*n, qp)**2*terms_m*terms_n), dp)
-   end function full_markov_sum
-
-   subroutine test_sinusoid(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      ! white noise under a sinusoid: the cross terms summed over all pairs of terms, the mean over its phase taken
-      type(noise_model_type) :: model
-      integer(int64), parameter :: few(4) = [1_int64, 3_int64, 7_int64, 16_int64]
-      real(dp), parameter :: pi = 3.141592653589793_dp
-      real(dp) :: full, r, found, gain
-      integer(int64) :: i, j, lag, m, n, k, first, last
-
-      model%squares(2) = 2
-      model%frequency = 0.0813_dp
-      do j = 1, size(few)
-         do i = 1, j
-            m = few(i)
-            n = few(j)
-            gain = 4*(sin(pi*model%frequency*m)*sin(pi*model%frequency*n))**2/sin(pi*model%frequency)**2
-            full = 0
-            do lag = 1 - (samples - 2*m + 1), samples - 2*n      ! start of the second term less that of the first
-               r = 0
-               do k = -n, n, n
-                  r = r + merge(2.0_dp, -1.0_dp, k == 0)*triangle(lag + n - m + k, m)
-               end do
-               first = max(0_int64, -lag)
-               last = min(samples - 2*m, samples - 2*n - lag)
-               full = full + max(0_int64, last - first + 1)*r*cos(2*pi*model%frequency*(lag + n - m))*gain/2*3.0_dp
-            end do
-            full = 4*full/(4*real(m*n, dp)**2*(samples - 2*m + 1)*(samples - 2*n + 1))
-            model%squares(7) = 0
-            found = -allan_covariance(samples, m, n, model)
-            model%squares(7) = 3
-            found = found + allan_covariance(samples, m, n, model)
-            call check(error, abs(found - full) <= 0.04_dp*abs(found) + 1e-4_dp*found, "cross terms")
-            if (allocated(error)) return
-         end do
-      end do
-
-   contains
-
-      !> Covariance of differences of step m of white noise with N^2 = 2, at a distance of their centres, less a constant.
-      pure real(dp) function triangle(distance, step)
-         integer(int64), intent(in) :: distance, step
-
-         triangle = 2*real(max(0_int64, step - abs(distance)), dp)
-      end function triangle
-
-   end subroutine test_sinusoid
-
-   subroutine test_basis(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      ! sums over a basis against the direct computation, for a mixture of everything
-      type(noise_model_type) :: model
-      type(covariance_basis_type) :: basis
-      real(dp) :: from_basis(5, 5), direct(5, 5), freedom(5)
-      integer :: i, j
-
-      model%squares(:5) = [0.5_dp, 2.0_dp, 0.01_dp, 1.0e-5_dp, 1.0e-9_dp]
-      call new_covariance_basis(samples, factors, basis)
-      call mixture_covariances(basis, model, from_basis)
-      call allan_variance_covariances(samples, factors, model%squares(:5), direct)
-      freedom = mixture_freedom(basis, model)
-      do j = 1, 5
-         do i = 1, 5
-            call check(error, from_basis(i, j), direct(i, j), thr=1.0e-12_dp, rel=.true.)
-            if (allocated(error)) return
-         end do
-         call check(error, freedom(j) > 0 .and. freedom(j) < 2.0_dp*samples)
-         if (allocated(error)) return
-      end do
-   end subroutine test_basis
-
    subroutine test_quantisation(error)
       type(error_type), allocatable, intent(out) :: error
 
@@ -293,18 +151,19 @@ contains
       ! white rate noise: edf = (3 n/(2 m) - 2 (n - 1)/(n + 1)) 4 m^2/(4 m^2 + 5), NIST SP 1065, table 5, an approximation
       ! to about 1 %; a single term has one degree of freedom
       integer(int64), parameter :: n = 100000, m(3) = [1_int64, 10_int64, 1000_int64]
-      real(dp), parameter :: white(5) = [0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]
-      real(dp) :: edf, expected
+      type(noise_model_type) :: white
+      real(dp) :: edf(1), expected
       integer :: i
 
+      white%squares(2) = 1
       do i = 1, 3
-         edf = 2/real(m(i), dp)**2/allan_covariance(n, m(i), m(i), white)
+         edf = mixture_freedom(n, m(i:i), white)
          expected = (1.5_dp*n/m(i) - 2*real(n - 1, dp)/(n + 1))*4*m(i)**2/(4*m(i)**2 + 5.0_dp)
-         call check(error, edf, expected, thr=0.01_dp, rel=.true.)
+         call check(error, edf(1), expected, thr=0.01_dp, rel=.true.)
          if (allocated(error)) return
       end do
-      edf = 2/50.0_dp**2/allan_covariance(100_int64, 50_int64, 50_int64, white)
-      call check(error, edf, 1.0_dp, thr=1.0e-12_dp, rel=.true.)
+      edf = mixture_freedom(100_int64, [50_int64], white)
+      call check(error, edf(1), 1.0_dp, thr=1.0e-12_dp, rel=.true.)
    end subroutine test_known_freedom
 
    subroutine test_huge_record(error)

@@ -364,7 +364,7 @@ contains
       analysis%noise%terms = "QNBKR"
       call check(error, run(record, result, analysis))
       if (allocated(error)) return
-      call check(error, says(result%channel(1), "is not a sum of Q, N, B, K and R"), "AR(1) noise, five terms")
+      call check(error, says(result%channel(1), "is not a sum of the fitted terms"), "AR(1) noise, five terms")
       if (allocated(error)) return
       options%coefficient(2) = 0.01_dp
       call simulate_record(options, record, failed)

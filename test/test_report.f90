@@ -592,14 +592,14 @@ contains
       if (allocated(error)) return
       call check(error, index(text, lf//"channel,series,term,value,std_error,upper_limit_95,detected,unit,"// &
                               "reduction_percent,read_off,value_si,std_error_si,upper_limit_95_si,unit_si,definition,"// &
-                              "parameter,parameter_std_error"//lf) > 0)
+                              "state"//lf) > 0)
       if (allocated(error)) return
       call check(error, index(text, '"a,""b""",akf,N,0.1896,0.0024,0.036,true,deg/sqrt(h),80,0.96,5.5') > 0)
       if (allocated(error)) return
-      call check(error, index(text, ',rad/sqrt(s),"sigma^2 = N^2/tau, two-sided density N^2",,'//lf) > 0)
+      call check(error, index(text, ',rad/sqrt(s),"sigma^2 = N^2/tau, two-sided density N^2",value'//lf) > 0)
       if (allocated(error)) return
       call check(error, index(text, '"a,""b""",kf,R,nan,nan,nan,false,deg/h^2,nan,nan,nan,nan,nan,rad/s^2,'// &
-                              "sigma^2 = R^2 tau^2/2,,"//lf) > 0)
+                              "sigma^2 = R^2 tau^2/2,"//lf) > 0)
    end subroutine test_csv
 
    !> Gyroscopes beside accelerometers: a unit for each channel, none for the record.

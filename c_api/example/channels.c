@@ -15,6 +15,13 @@ static int complain(const gyroakf_error *err) {
   return 1;
 }
 
+/* A value, an upper limit, or that the fit cannot tell. */
+static void print_coefficient(const gyroakf_coefficient *c, int width) {
+  char text[32] = "withheld";
+  if (c->fitted) snprintf(text, sizeof text, c->detected ? "%.4g" : "< %.4g", c->detected ? c->value : c->upper_limit);
+  printf(" %*s", width, text);
+}
+
 int main(int argc, char **argv) {
   const char *path = argc > 1 ? argv[1] : "example/data/mems_gyro_x.txt";
   gyroakf_reader_options options;
@@ -45,8 +52,10 @@ int main(int argc, char **argv) {
       gyroakf_record_free(record);
       return complain(&err);
     }
-    printf("%-12s %-8s %20.4g %22.4g\n", gyroakf_record_name(record, i), gyroakf_record_unit(record, i), noise.n.value,
-           noise.b.value);
+    printf("%-12s %-8s", gyroakf_record_name(record, i), gyroakf_record_unit(record, i));
+    print_coefficient(&noise.n, 20);
+    print_coefficient(&noise.b, 22);
+    printf("\n");
     gyroakf_allan_free(curve);
   }
   gyroakf_record_free(record);

@@ -321,21 +321,19 @@ GYROAKF_API void gyroakf_allan_free(gyroakf_allan *a);
 
 typedef struct gyroakf_fit_options {
   size_t struct_size;
-  const char *terms;  /* "auto" (default), or letters of "QNBKRMS", M Markov process, S sinusoid */
-  double tau_min;     /* s, points below are left out; 0 */
-  double tau_max;     /* s, points above are left out; DBL_MAX */
-  const char *method; /* "log" (default): logarithms of the variances, bias removed; "linear": the variances */
+  const char *terms; /* "auto" (default), or letters of "QNBKR": then all points in the range are fitted */
+  double tau_min;    /* s, points below are left out; 0 */
+  double tau_max;    /* s, points above are left out; DBL_MAX */
 } gyroakf_fit_options;
 
 GYROAKF_API void gyroakf_fit_options_init(gyroakf_fit_options *opt);
 
 typedef struct gyroakf_coefficient {
-  double value;       /* never negative; 0 where the curve does not ask for the term */
-  double std_error;   /* standard error */
+  double value;       /* never negative; 0 where the term is not in the fit */
+  double std_error;   /* standard error, 0 where the term is not in the fit */
   double upper_limit; /* one-sided, 95 % */
-  int32_t detected;   /* 1: the curve asks for the term (chance finds another term in about 2 % of records of white
-                         noise); otherwise state the upper limit, not the value */
-  int32_t fitted;     /* 1: the term was on offer */
+  int32_t detected;   /* 1: state the value; 0: state the upper limit */
+  int32_t fitted;     /* 1: there is a value or a limit; 0: the term was not asked for, or is withheld */
 } gyroakf_coefficient;
 
 /* Model: sigma^2 = 3 Q^2/tau^2 + N^2/tau + (2 ln 2/pi) B^2 + K^2 tau/3 + R^2 tau^2/2; two-sided PSDs.
@@ -347,23 +345,22 @@ typedef struct gyroakf_noise {
   gyroakf_coefficient k; /* rate random walk, rad/s^1.5 */
   gyroakf_coefficient r; /* ramp, rad/s^2 */
   double chi2_reduced;   /* of the chosen terms; about 1 where they describe the curve */
-  int32_t points;        /* of the curve that were used */
-  int32_t left_out;      /* first points that "auto" left out because a filter bends them */
-  double tau_first;      /* first averaging time that was used, s */
+  int32_t points;        /* octaves of the curve that were fitted */
+  int32_t left_out;      /* octaves before them that "auto" excluded: a filter in the sensor bends the curve there */
+  int32_t cut_off;       /* octaves after them that "auto" excluded */
+  int32_t described;     /* 0: no run of octaves follows the terms, and all coefficients are withheld */
+  double tau_first;      /* first and last averaging time fitted, s */
+  double tau_last;
   double chi2_probability; /* chance of a chi-square as large or larger */
-  double misfit;         /* relative standard deviation of the variances beyond their own scatter, 0 where the terms fit */
-  gyroakf_coefficient markov;    /* strength q_c of a first-order Markov process, rad/s^1.5; fitted 0 where none was needed */
-  double correlation_time;       /* its T_c, s */
-  double correlation_time_error; /* one standard error */
-  gyroakf_coefficient sinusoid;  /* amplitude of a sinusoid, rad/s; fitted 0 where none was needed */
-  double frequency;              /* Hz */
-  double frequency_error;        /* one standard error */
+  double floor;          /* relative departure of the variances from the terms, 0 where chance explains it */
+  double kurtosis;       /* excess kurtosis of the white noise per sample, 0 where it is not significant */
 } gyroakf_noise;
 
 /*
- * Noise coefficients of a curve of kind "oadev": weighted fit with non-negative terms. The curve is not changed.
- * "auto" fits q n b k r. Where these do not describe the curve it adds a first-order Markov process or a sinusoid, or leaves
- * out the first points, which a low-pass filter in the sensor bends; markov, sinusoid and left_out say so.
+ * Noise coefficients of a curve of kind "oadev": generalized least squares with non-negative terms at the octaves 1, 2, 4, ...
+ * samples up to a quarter of the record, whatever averaging times the curve has. The curve is not changed. "auto" fits the
+ * longest run of octaves that q n b k r describe and chooses among them. A coefficient has a value (detected 1), a limit
+ * (detected 0), or is withheld (fitted 0): the fit cannot tell it.
  */
 GYROAKF_API int gyroakf_noise_fit(const gyroakf_allan *a, const gyroakf_fit_options *opt, gyroakf_noise *out,
                                   gyroakf_error *err);

@@ -67,7 +67,7 @@ C
          BIAS = BIAS + REST(I)/NREST
    10 CONTINUE
       CALL GYNFIT(NREST, REST, DT, COEF, SE, UPPER, IDET, CHI2, INFO)
-      IF (INFO .NE. 0 .OR. IDET(2) .EQ. 0) STOP 'nav: N not detected'
+      IF (INFO .NE. 0 .OR. IDET(2) .NE. 1) STOP 'nav: N not detected'
       LIMIT = 4.0D0*COEF(2)/SQRT(NW*DT)
 C
 C     Drift: a Gauss-Markov process whose variance P is that of the

@@ -17,7 +17,7 @@ module gyroakf_special
    implicit none (type, external)
    private
    public :: normal_cdf, log_normal_cdf, normal_quantile, chi_square_cdf, chi_square_survival, chi_square_quantile, digamma, &
-      & ln_gamma
+      & trigamma, ln_gamma
    public :: log1p
 
    interface
@@ -440,5 +440,22 @@ contains
       digamma = log(y) - 0.5_dp/y - b*(1.0_dp/12.0_dp - b*(1.0_dp/120.0_dp - b*(1.0_dp/252.0_dp - b*(1.0_dp/240.0_dp &
          & - b*(1.0_dp/132.0_dp - b*(691.0_dp/32760.0_dp - b/12.0_dp)))))) + shift
    end function digamma
+
+   !> Derivative of digamma (Abramowitz & Stegun 6.4.6 and 6.4.12, to 1e-8).
+   elemental real(dp) function trigamma(x)
+      !> Argument, > 0
+      real(dp), intent(in) :: x
+
+      real(dp) :: y, q
+
+      trigamma = 0
+      y = x
+      do while (y < 8)
+         trigamma = trigamma + 1/y**2
+         y = y + 1
+      end do
+      q = 1/y**2
+      trigamma = trigamma + 1/y + q/2 + q/y*(1/6.0_dp - q*(1/30.0_dp - q*(1/42.0_dp - q/30)))
+   end function trigamma
 
 end module gyroakf_special

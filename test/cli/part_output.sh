@@ -121,14 +121,14 @@ for kind in mdev tdev totdev; do
    is "the report has a table of $kind with gaps" "$(grep -c "^As read: $kind in deg/s" gapped/report.txt)" 1
 done
 is "no warning of a kind" "$(grep -c "is not computed" out)" 0
-run allan "$example" --kinds totdev --out total
-edf_of() { awk -F , -v k="$1" '$2 == "input" && $3 == k && $4 == 0.2 { print $8 }' total/allan.csv; }
-near "degrees of freedom of totdev at one sample" "$(edf_of totdev)" "$(edf_of oadev)" 1
-good "a record with a Markov process" simulate --samples 200000 --rate 10 --coefficients N=0.005 --ar 0.99 --ar-variance 1e-4 \
-   --seed 5 --output markov.txt
-good "the Markov process" allan markov.txt --taus log:10
-holds "the report states it" "Markov process  driving noise q_c" out
-is "lengths of records stand in plain digits" "$(grep -c 'To see' out) $(grep 'To see' out | grep -c 'record of [^ ]*e')" "4 0"
+good "a low-pass filter" simulate --samples 200000 --rate 100 --coefficients N=0.005 --lowpass 20,2 --seed 5 --output lowpass.txt
+good "its octaves are excluded" allan lowpass.txt --json lowpass.json
+holds "the report states it" "Excluded        octaves below tau = " out
+is "Q is withheld" "$(sed -n '/"input": {$/,/"N": {/p' lowpass.json | grep -c '"state": "withheld"')" 1
+good "a slow Markov process alone" simulate --samples 200000 --rate 10 --ar 0.98 --ar-variance 1e-4 --seed 5 --output markov.txt
+good "no coefficient of it" allan markov.txt --json markov.json
+holds "and why" "no run of octaves follows a sum of Q, N, B, K and R" out
+is "all is withheld" "$(sed -n '/"input": {$/,/"read_off"/p' markov.json | grep -c '"state": "withheld"')" 5
 good "a record that grows louder" simulate --samples 20000 --rate 10 --coefficients N=0.01 --seed 3 --output quiet.txt
 awk '/^#/ { print; next } { print (++n > 10000 ? 1.2*$1 : $1) }' quiet.txt >loud.txt
 good "halves that differ" allan loud.txt --json loud.json

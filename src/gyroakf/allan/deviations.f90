@@ -32,6 +32,7 @@ module gyroakf_allan_deviations
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_allan_degrees_of_freedom, only : chi_square_limits
+   use gyroakf_allan_difference_kurtosis, only : find_kurtosis
    use gyroakf_allan_gaps, only : gapped_variances
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_allan_noise_identification, only : identify_noise
@@ -46,7 +47,7 @@ module gyroakf_allan_deviations
    implicit none (type, external)
    private
    public :: allan_options, allan_curve_type, compute_allan, compute_allan_from_phase
-   public :: terms_share, check_arguments
+   public :: terms_share, check_arguments, octaves_type
 
    !> What to compute
    type :: allan_options
@@ -59,6 +60,14 @@ module gyroakf_allan_deviations
       !> Share of a window that must be present, > 0, <= 1; 1 demands complete windows
       real(dp) :: min_coverage = 0.9_dp
    end type allan_options
+
+   !> What a noise fit needs of a record: its overlapping Allan variances at m = 1, 2, 4, ... up to a quarter of it
+   type :: octaves_type
+      !> Averaging factors
+      integer(int64), allocatable :: m(:)
+      !> Variances; excess kurtosis of the white noise per sample as seen at each factor; share of the terms that gaps left
+      real(dp), allocatable :: variance(:), kurtosis(:), share(:)
+   end type octaves_type
 
    !> A deviation curve; arrays have one element per averaging time, ascending
    type :: allan_curve_type
@@ -78,6 +87,8 @@ module gyroakf_allan_deviations
       integer, allocatable :: alpha(:)
       !> Degrees of freedom that the terms have of those of a complete record, below 1 where samples are missing or terms left out
       real(dp), allocatable :: share(:)
+      !> For [[fit_noise]], whatever the averaging times are; filled where kind is "oadev"
+      type(octaves_type) :: octaves
    end type allan_curve_type
 
 contains
@@ -85,8 +96,8 @@ contains
    !> Deviation curve of a rate record with chi-square confidence limits.
    !>
    !> The degrees of freedom are those of the power-law noise identified at each averaging time (Greenhall &
-   !> Riley 2003), reduced by the share of terms lost to gaps; [[fit_noise]] and [[give_mixture_limits]] replace
-   !> them by those of the fitted mixture.
+   !> Riley 2003), reduced by the share of terms lost to gaps; [[fit_noise]] replaces those of
+   !> the overlapping Allan deviation by those of the fitted mixture.
    !> Cost: three passes and O(n) per averaging time; memory 8 bytes a sample, 12 where some are missing.
    subroutine compute_allan(rate, sample_interval, options, curve, error, valid, progress)
       !> Rate samples, evenly spaced: [n], n >= 2 (3 for the Hadamard deviations); NaN and infinity count as missing
@@ -198,27 +209,72 @@ contains
       class(progress_type), intent(inout), optional :: progress
 
       real(dp), allocatable :: variance(:)
-      integer(int64), allocatable :: terms(:)
+      integer(int64), allocatable :: terms(:), all_m(:)
+      logical, allocatable :: shown(:)
       integer :: stat
 
-      allocate (variance(size(m)), stat=stat)
-      if (stat == 0) allocate (terms(size(m)), stat=stat)
+      call add_octaves(options%kind, ubound(phase, 1, kind=int64), m, all_m, shown)
+      allocate (variance(size(all_m)), stat=stat)
+      if (stat == 0) allocate (terms(size(all_m)), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the Allan variances")
          return
       end if
       if (allocated(missing)) then
-         call gapped_variances(options%kind, phase, missing, m, options%min_coverage, variance, terms, error, progress)
+         call gapped_variances(options%kind, phase, missing, all_m, options%min_coverage, variance, terms, error, progress)
       else
-         call complete_variances(options%kind, phase, m, variance, terms, error, progress)
+         call complete_variances(options%kind, phase, all_m, variance, terms, error, progress)
       end if
       if (allocated(error)) return
       curve%kind = options%kind
-      call fill_curve(ubound(phase, 1, kind=int64), sample_interval, options%confidence, m, variance, terms, curve, error)
+      if (options%kind == "oadev") call fill_octaves(phase, missing, all_m, variance, terms, curve%octaves)
+      call fill_curve(ubound(phase, 1, kind=int64), sample_interval, options%confidence, pack(all_m, shown), &
+         & pack(variance, shown), pack(terms, shown), curve, error)
       if (allocated(error)) return
       call identify_noise(phase, curve%m, options%min_coverage, curve%alpha, missing, difference_order(curve%kind))
       call fill_limits(curve)
    end subroutine curve_of_phase
+
+   !> The averaging factors to be computed: those that are shown, and for the overlapping Allan deviation the octaves.
+   pure subroutine add_octaves(kind, samples, m, all_m, shown)
+      character(*), intent(in) :: kind
+      integer(int64), intent(in) :: samples, m(:)
+      integer(int64), allocatable, intent(out) :: all_m(:)
+      logical, allocatable, intent(out) :: shown(:)
+      integer(int64) :: octave
+      integer :: below
+
+      all_m = m
+      shown = spread(.true., 1, size(m))
+      octave = 1
+      do while (kind == "oadev" .and. octave <= max(1_int64, samples/4))
+         if (.not. any(all_m == octave)) then
+            below = count(all_m < octave)
+            all_m = [all_m(:below), octave, all_m(below + 1:)]
+            shown = [shown(:below), .false., shown(below + 1:)]
+         end if
+         octave = 2*octave
+      end do
+   end subroutine add_octaves
+
+   !> What a fit needs.
+   subroutine fill_octaves(phase, missing, m, variance, terms, octaves)
+      real(dp), intent(in), contiguous :: phase(0:)
+      integer(int32), allocatable, intent(in) :: missing(:)
+      integer(int64), intent(in) :: m(:), terms(:)
+      real(dp), intent(in) :: variance(:)
+      type(octaves_type), intent(out) :: octaves
+      logical :: mask(size(m))
+      integer(int64) :: n
+
+      n = ubound(phase, 1, kind=int64)
+      mask = popcnt(m) == 1 .and. m <= max(1_int64, n/4) .and. terms > 0
+      octaves%m = pack(m, mask)
+      octaves%variance = pack(variance, mask)
+      octaves%share = real(pack(terms, mask), dp)/real(term_count("oadev", n, octaves%m), dp)
+      allocate (octaves%kurtosis(size(octaves%m)))
+      call find_kurtosis(phase, octaves%m, octaves%variance, octaves%kurtosis, missing)
+   end subroutine fill_octaves
 
    !> Variances of a record without gaps.
    subroutine complete_variances(kind, phase, m, variance, terms, error, progress)

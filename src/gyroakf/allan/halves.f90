@@ -27,13 +27,13 @@ module gyroakf_allan_halves
    use gyroakf_kinds, only : dp, int8, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, tell_progress
-   use gyroakf_special, only : chi_square_survival, digamma, normal_quantile
-   use gyroakf_allan_covariance, only : covariance_basis_type, mixture_covariances, new_covariance_basis
-   use gyroakf_allan_fit_problem, only : trigamma
+   use gyroakf_special, only : chi_square_survival, digamma, normal_quantile, trigamma
+   use gyroakf_allan_difference_kurtosis, only : find_kurtosis
+   use gyroakf_allan_fit_covariance, only : allan_variance_covariances
    use gyroakf_allan_whitening, only : whitening
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_allan_noise_fit, only : noise_type
-   use gyroakf_allan_noise_model, only : model_variance, noise_model_type, term_markov, unit_model
+   use gyroakf_allan_noise_model, only : model_variance, noise_model_type, unit_model
    use gyroakf_allan_phase, only : integrate_rate
    use gyroakf_allan_segment, only : segment_variances
    implicit none (type, external)
@@ -230,73 +230,24 @@ contains
       if (.not. allocated(error)) complete = real(terms, dp)/real(last - first + 2 - 2*m, dp)
    end subroutine variances_of_half
 
-   !> Excess kurtosis of the innovations, from the second differences of the phase at one sample.
+   !> Excess kurtosis of the innovations of a half, at least that of uniform noise; 0 where nothing varies.
    subroutine innovation_kurtosis(phase, missing, first, last, scale, kurtosis)
-      !> Integral of the record: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Missing samples so far: [0:n], unallocated when every sample is there
       integer(int32), allocatable, intent(in) :: missing(:)
       !> First and last phase that count
       integer(int64), intent(in) :: first, last
-      !> Keeps fourth powers in range: a variance of the record
+      !> A variance of the record
       real(dp), intent(in) :: scale
-      !> At least that of uniform noise; 0 where nothing varies
       real(dp), intent(out) :: kurtosis
+      real(dp) :: found(1)
 
-      real(dp) :: part(3, stretches), total(3)
-      integer(int64) :: n
-      integer :: s
-
-      kurtosis = 0
-      if (scale <= tiny(1.0_dp)) return
-      n = last - first - 1
-      !$omp parallel do schedule(static) if (n > parallel_from)
-      do s = 1, stretches
-         call sum_powers(phase, missing, first + (s - 1)*n/stretches, first + s*n/stretches - 1, scale, part(:, s))
-      end do
-      !$omp end parallel do
-      total = sum(part, dim=2)
-      if (total(2) > 0) kurtosis = max(2*(total(1)*total(3)/total(2)**2 - 3), kurtosis_least)
-   end subroutine innovation_kurtosis
-
-   !> Number, sum of the squares and of the fourth powers of second differences.
-   pure subroutine sum_powers(phase, missing, first, last, scale, sums)
-      !> Integral of the record: [0:n]
-      real(dp), intent(in), contiguous :: phase(0:)
-      !> Missing samples so far: [0:n], unallocated when every sample is there
-      integer(int32), allocatable, intent(in) :: missing(:)
-      !> Differences of phases k, k + 1, k + 2 from k = first to k = last
-      integer(int64), intent(in) :: first, last
-      !> The squares are divided by it
-      real(dp), intent(in) :: scale
-      !> The three
-      real(dp), intent(out) :: sums(3)
-
-      real(dp) :: count, squares, fourths, u
-      integer(int64) :: k
-
-      count = 0
-      squares = 0
-      fourths = 0
       if (allocated(missing)) then
-         do k = first, last
-            if (missing(k + 2) > missing(k)) cycle
-            u = ((phase(k + 2) - phase(k + 1)) - (phase(k + 1) - phase(k)))**2/scale
-            count = count + 1
-            squares = squares + u
-            fourths = fourths + u**2
-         end do
+         call find_kurtosis(phase(first:last), [1_int64], [scale], found, missing(first:last))
       else
-         count = real(max(0_int64, last - first + 1), dp)
-         !$omp simd reduction(+:squares, fourths) private(u)
-         do k = first, last
-            u = ((phase(k + 2) - phase(k + 1)) - (phase(k + 1) - phase(k)))**2/scale
-            squares = squares + u
-            fourths = fourths + u**2
-         end do
+         call find_kurtosis(phase(first:last), [1_int64], [scale], found)
       end if
-      sums = [count, squares, fourths]
-   end subroutine sum_powers
+      kurtosis = max(found(1), kurtosis_least)
+   end subroutine innovation_kurtosis
 
    !> The ratios, and the statistic of all of them.
    subroutine compare_variances(half, sample_interval, m, variance, complete, model, kurtosis, options, halves, error)
@@ -367,17 +318,13 @@ contains
       !> The matrix: [k, k]
       real(dp), intent(out) :: covariance(:, :)
 
-      type(covariance_basis_type) :: basis
+      type(noise_model_type) :: unit
       real(dp) :: variance(size(m))
       integer :: i
 
-      if (model%squares(term_markov) > 0) then
-         call new_covariance_basis(half, m, basis, model%correlation_time)
-      else
-         call new_covariance_basis(half, m, basis)
-      end if
-      call mixture_covariances(basis, unit_model(model), covariance)
-      variance = [(model_variance(unit_model(model), real(m(i), dp)), i=1, size(m))]
+      unit = unit_model(model)
+      call allan_variance_covariances(half, m, unit%squares, covariance)
+      variance = [(model_variance(unit, real(m(i), dp)), i=1, size(m))]
       do i = 1, size(m)
          covariance(:, i) = covariance(:, i)/(variance*variance(i))
       end do

@@ -125,7 +125,7 @@ contains
    !> with (b, c) = (1.50, 0), (1.17, 0.22), (0.93, 0.36) for white, flicker and random-walk rate noise (NIST SP 1065, section
    !> 5.4.1); for phase noise it is taken as that of the overlapping Allan variance. The formula is meant for long averaging times:
    !> for independent rates it is 126 % too large at m = 1 (where the total variance is the overlapping one), 14 % at m = 3, 1 % at
-   !> m = 16, and it is kept because published limits rest on it. [[give_mixture_limits]] replaces it by the exact figure.
+   !> m = 16, and it is kept because published limits rest on it.
    pure real(dp) function statistic_edf(kind, phases, m, alpha) result(edf)
       !> A known statistic
       character(*), intent(in) :: kind

@@ -19,7 +19,6 @@ module gyroakf_c_api_c_noise
       integer(c_size_t) :: struct_size
       type(c_ptr) :: terms
       real(c_double) :: tau_min, tau_max
-      type(c_ptr) :: method
    end type fit_options_c
 
    !> `gyroakf_coefficient`
@@ -33,11 +32,8 @@ module gyroakf_c_api_c_noise
       type(coefficient_c) :: q, n, b, k, r
       real(c_double) :: chi2_reduced
       integer(c_int32_t) :: points, left_out
-      real(c_double) :: tau_first, chi2_probability, misfit
-      type(coefficient_c) :: markov
-      real(c_double) :: correlation_time, correlation_time_error
-      type(coefficient_c) :: sinusoid
-      real(c_double) :: frequency, frequency_error
+      integer(c_int32_t) :: cut_off, described
+      real(c_double) :: tau_first, tau_last, chi2_probability, floor, kurtosis
    end type noise_c
 
 contains
@@ -52,7 +48,6 @@ contains
       opt%terms = c_null_ptr
       opt%tau_min = defaults%tau_min
       opt%tau_max = defaults%tau_max
-      opt%method = c_null_ptr
    end subroutine gyroakf_fit_options_init
 
    !> `gyroakf_noise_fit`
@@ -127,7 +122,6 @@ contains
       call take_text(opt%terms, options%terms, error)
       options%tau_min = opt%tau_min
       options%tau_max = opt%tau_max
-      call take_text(opt%method, options%method, error)
    end subroutine read_options
 
    !> The result in C's struct.
@@ -143,15 +137,13 @@ contains
       out%chi2_reduced = noise%chi2_reduced
       out%points = noise%points
       out%left_out = noise%left_out
+      out%cut_off = noise%cut_off
+      out%described = merge(1_c_int32_t, 0_c_int32_t, noise%described)
       out%tau_first = noise%tau_first
+      out%tau_last = noise%tau_last
       out%chi2_probability = noise%chi2_probability
-      out%misfit = noise%misfit
-      out%markov = coefficient_of(noise%markov)
-      out%correlation_time = noise%correlation_time
-      out%correlation_time_error = noise%correlation_time_error
-      out%sinusoid = coefficient_of(noise%sinusoid)
-      out%frequency = noise%frequency
-      out%frequency_error = noise%frequency_error
+      out%floor = noise%floor
+      out%kurtosis = noise%kurtosis
    end subroutine write_noise
 
    !> One coefficient in C's struct.

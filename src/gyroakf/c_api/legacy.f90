@@ -91,7 +91,7 @@ contains
          coef = noise%coefficient%value
          se = noise%coefficient%std_error
          upper = noise%coefficient%upper_limit
-         idet = merge(1_c_int32_t, 0_c_int32_t, noise%coefficient%detected)
+         idet = merge(1_c_int32_t, merge(0_c_int32_t, -1_c_int32_t, noise%coefficient%fitted), noise%coefficient%detected)
          chi2 = noise%chi2_reduced
       end if
       info = leave_library(host, error)

@@ -31,7 +31,7 @@ contains
       class(progress_type), intent(inout), optional :: progress
       type(halves_options) :: choice
 
-      if (.not. channel%allan(stage%input)%fitted) return
+      if (.not. channel%allan(stage%input)%noise%described) return
       choice%min_coverage = options%allan%min_coverage
       call compare_halves(x, step, channel%allan(stage%input)%noise, choice, channel%halves, error, valid, progress)
       if (is_fatal(error)) return

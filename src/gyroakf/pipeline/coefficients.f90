@@ -6,9 +6,7 @@ module gyroakf_pipeline_coefficients
    use gyroakf_record, only : add_text
    use gyroakf_units, only : unit_type, coefficient_unit_type, coefficient_unit, density_unit, quantity
    use gyroakf_allan_deviations, only : allan_options, compute_allan
-   use gyroakf_allan_mixture_limits, only : give_mixture_limits
    use gyroakf_allan_noise_fit, only : coefficient_type, noise_options, noise_type, fit_noise
-   use gyroakf_allan_record_length, only : never, record_to_see
    use gyroakf_allan_read_off, only : read_off_options, read_off_type, read_off
    use gyroakf_progress, only : progress_type
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, allan_result_type, stated_coefficient_type, &
@@ -74,23 +72,15 @@ contains
       class(progress_type), intent(inout), optional :: progress
 
       type(noise_options) :: noise_of_stage
-      integer :: i
 
-      noise_of_stage = options%noise                        ! what a filter leaves is a filtered curve, not a further process
+      noise_of_stage = options%noise
       if (which == stage%compensated) call end_before_smoother(channel, noise_of_stage)
-      noise_of_stage%further_terms = any(which == [stage%input, stage%cleaned])
       call fit_noise(channel%allan(which)%curve, noise_of_stage, channel%allan(which)%noise, error, progress)
       if (is_fatal(error)) return
       channel%allan(which)%fitted = .not. allocated(error)
       call note_failure(channel, "noise coefficients ("//trim(stage_names(which))//")", error)
       if (.not. channel%allan(which)%fitted) return
-      if (allocated(channel%allan(which)%other)) then
-         do i = 1, size(channel%allan(which)%other)
-            call give_mixture_limits(channel%allan(which)%other(i), channel%allan(which)%noise)
-         end do
-      end if
       call state_noise(channel%allan(which)%noise, rate_known, unit, channel%allan(which)%stated)
-      if (which == stage%input) call state_visible(channel%allan(which))
       call read_off(channel%allan(which)%curve, read_off_options(), channel%allan(which)%read, error)
       if (.not. allocated(error)) call state_read_off(channel%allan(which)%read, rate_known, unit, channel%allan(which)%read_off)
    end subroutine fit_curve
@@ -169,8 +159,6 @@ contains
       do term = 1, 5
          call state_one(noise%coefficient(term), term, rate_known, unit, stated%term(term))
       end do
-      call state_one(noise%markov, 4, rate_known, unit, stated%markov)
-      call state_one(noise%sinusoid, 3, rate_known, unit, stated%sinusoid)
       call state_conventions(noise, unit, stated)
       if (.not. stated%in_units) return
       target_unit = density_unit(unit)
@@ -202,28 +190,8 @@ contains
       to%upper_limit = factor*from%upper_limit
       to%detected = from%detected
       to%fitted = from%fitted
+      to%state = from%state
    end subroutine state_one
-
-   !> For what was not detected: how long a record would show half its limit.
-   subroutine state_visible(allan)
-      !> Fitted and stated
-      type(allan_result_type), intent(inout) :: allan
-      real(dp), parameter :: power(5) = [1.0_dp, 0.5_dp, 0.0_dp, -0.5_dp, -1.0_dp]
-      real(dp) :: half, times, step
-      integer :: term
-
-      step = allan%curve%sample_interval
-      do term = 1, 5
-         associate (to => allan%stated%term(term), from => allan%noise%coefficient(term))
-            if (.not. from%fitted .or. from%detected .or. from%upper_limit <= 0.0_dp) cycle
-            half = 0.5_dp*from%upper_limit/step**power(term)
-            call record_to_see(allan%noise, allan%curve%samples, term, half**2, times)
-            to%visible_value = 0.5_dp*to%upper_limit
-            to%visible_duration = huge(1.0_dp)
-            if (times < never) to%visible_duration = times*real(allan%curve%samples, dp)*step
-         end associate
-      end do
-   end subroutine state_visible
 
    !> States what was read off the curve in the units of the coefficients, the minimum in that of B.
    subroutine state_read_off(read, rate_known, unit, stated)

@@ -32,28 +32,10 @@ contains
          if (.not. stated%in_units) cycle
          call state_si(noise%coefficient(term), unit%to_si, u%si_name, stated%term(term))
       end do
-      call state_further(noise%markov, coefficient_unit(unit, 4), unit%to_si, stated%in_units, &
-         "q_c of dx/dt = -x/T_c + q_c w, w white of density 1", stated%markov)
-      call state_further(noise%sinusoid, coefficient_unit(unit, 3), unit%to_si, stated%in_units, &
-         "amplitude of a sinusoid", stated%sinusoid)
       if (.not. stated%in_units) return
       call state_density(noise%coefficient(2), unit, 1.0_dp, "two-sided: N", stated%density(1))
       call state_density(noise%coefficient(2), unit, sqrt(2.0_dp), "one-sided: sqrt(2) N", stated%density(2))
    end subroutine state_conventions
-
-   !> A Markov process or a sinusoid.
-   subroutine state_further(from, u, factor, in_units, definition, to)
-      type(coefficient_type), intent(in) :: from
-      type(coefficient_unit_type), intent(in) :: u
-      real(dp), intent(in) :: factor
-      logical, intent(in) :: in_units
-      character(*), intent(in) :: definition
-      type(stated_coefficient_type), intent(inout) :: to
-
-      to%definition = definition
-      to%unit_si = ""
-      if (in_units) call state_si(from, factor, u%si_name, to)
-   end subroutine state_further
 
    !> The SI numbers of one coefficient.
    subroutine state_si(from, factor, unit_si, to)

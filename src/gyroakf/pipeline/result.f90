@@ -30,7 +30,11 @@ module gyroakf_pipeline_result
    private
    public :: pipeline_options, pipeline_result_type, channel_result_type, available_type
    public :: allan_result_type, stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type
-   public :: drift_process_type, stage, stage_names
+   public :: drift_process_type, stage, stage_names, not_described
+
+   !> What is said of a curve that the noise terms do not follow
+   character(*), parameter :: not_described = "no run of octaves follows a sum of Q, N, B, K and R: the coefficients are "// &
+      "withheld. The values read off the curve hold where it has their slope; --fit-tau-min and --fit-tau-max fit a range"
 
    !> The series that an Allan curve is computed of, in the order of `channel%allan`
    type :: stage_enum
@@ -109,12 +113,14 @@ module gyroakf_pipeline_result
 
    !> One noise coefficient in the unit it is stated in
    type :: stated_coefficient_type
-      !> Value, its standard error and the one-sided 95 % limit; NaN-free, 0 where the term was not fitted
+      !> Value, its standard error and the one-sided 95 % limit; NaN-free, 0 where there is none
       real(dp) :: value = 0.0_dp, std_error = 0.0_dp, upper_limit = 0.0_dp
-      !> The curve asks for the term
+      !> The value is stated
       logical :: detected = .false.
-      !> The term was part of the fit
+      !> There is a value or a limit; false where the term was not asked for, or is withheld
       logical :: fitted = .false.
+      !> "value", "limit", "withheld" or ""
+      character(8) :: state = ""
       !> "deg/sqrt(h)"; "deg/s*sqrt(sample)" without a rate, "input*sqrt(s)" without a unit
       character(:), allocatable :: unit
       !> The same in SI; 0 and "" where rate or unit is not known
@@ -123,17 +129,12 @@ module gyroakf_pipeline_result
       character(:), allocatable :: unit_si
       !> What it is the coefficient of: "sigma^2 = N^2/tau, two-sided density N^2"
       character(:), allocatable :: definition
-      !> Not detected in the record as read: half the limit, and the length of a record that would show a value as large in s;
-      !> 0 where not asked, `huge` where 1e4 times this record does not
-      real(dp) :: visible_value = 0.0_dp, visible_duration = 0.0_dp
    end type stated_coefficient_type
 
    !> The five coefficients as they are stated
    type :: stated_noise_type
       !> Q N B K R
       type(stated_coefficient_type) :: term(5)
-      !> Strength of the driving noise of a Markov process, amplitude of a sinusoid; not fitted unless the curve needed it
-      type(stated_coefficient_type) :: markov, sinusoid
       !> The unit and the rate are known: `density` and the angle units mean something
       logical :: in_units = .false.
       !> N as a density: two-sided, as N is defined, and one-sided, sqrt(2) N

@@ -6,7 +6,7 @@ module gyroakf_pipeline_warnings
    use gyroakf_record, only : add_text
    use gyroakf_io_decimal, only : format_real, real_length
    use gyroakf_io_place, only : integer_text, integer_length
-   use gyroakf_pipeline_result, only : channel_result_type, stage
+   use gyroakf_pipeline_result, only : channel_result_type, not_described, stage
    implicit none (type, external)
    private
    public :: is_fatal, is_of_channel, note_failure, warn_outliers, warn_order, warn_model, warn_fit, warn_centred
@@ -17,7 +17,7 @@ module gyroakf_pipeline_warnings
    real(dp), parameter :: outlier_share = 0.01_dp
    !> Residuals are called correlated at this significance, and only where an autocorrelation is as large as this: in a long
    !> record every test rejects
-   real(dp), parameter :: significant = 0.01_dp, coloured = 0.05_dp
+   real(dp), parameter :: significant = 0.01_dp, coloured = 0.05_dp, misfit = 0.003_dp
 
 contains
 
@@ -122,22 +122,23 @@ contains
       end associate
    end subroutine warn_model
 
-   !> Curves that the terms do not describe as they are: points were left out, or the coefficients are wrong by more than
-   !> the statistics of the curve tell.
+   !> Curves that the terms do not describe, or only in part.
    pure subroutine warn_fit(channel)
-      !> Its Allan curves of the record as read and cleaned are fitted as far as possible; gets a warning
+      !> Its Allan curve of the record as read is fitted as far as possible; gets a warning
       type(channel_result_type), intent(inout) :: channel
-      real(dp) :: misfit
 
+      if (.not. channel%allan(stage%input)%fitted) return
       associate (noise => channel%allan(stage%input)%noise)
-         if (noise%left_out > 0) call add_text(channel%warnings, "a filter in the sensor, or correlated noise, "// &
-            "bends the Allan curve at its first "//integer_text(int(noise%left_out, int64))// &
-            " points: they were left out of the fit")
+         if (.not. noise%described) then
+            call add_text(channel%warnings, "Allan deviation: "//not_described)
+         else if (noise%left_out > 0) then
+            call add_text(channel%warnings, "a filter in the sensor, a line or correlated noise bends the Allan curve at its "// &
+               "first "//integer_text(int(noise%left_out, int64))//" octaves: they are excluded from the fit")
+         end if
+         if (noise%described .and. noise%chi2_probability < misfit) call add_text(channel%warnings, &
+            "the Allan deviation is not a sum of the fitted terms: chi-square per degree of freedom is "// &
+            format_real(noise%chi2_reduced, 3)//". The errors of the coefficients are increased by its root")
       end associate
-      misfit = max(channel%allan(stage%input)%noise%misfit, channel%allan(stage%cleaned)%noise%misfit)
-      if (misfit > 0.0_dp) call add_text(channel%warnings, "the Allan deviation is not a sum of Q, N, B, K and R: "// &
-         "it departs from the fit by about "//format_real(50*misfit, 2)//" %; correlated noise, vibration "// &
-         "or a filter in the sensor does that. The errors and limits of the coefficients allow for it")
    end subroutine warn_fit
 
    !> The filters' series has no mean.

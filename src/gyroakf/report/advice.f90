@@ -106,8 +106,8 @@ contains
          end if
       end do
       if (len(names) == 0) return
-      call put_point(writer, "This record does not resolve "//names(3:)//": the limits in Table III hold with 95 % "// &
-                     "confidence. How long a record would have to be stands below that table.")
+      call put_point(writer, "This record does not resolve "//names(3:)//": Table III has upper limits of 95 % "// &
+                     "confidence; a longer record resolves more.")
    end subroutine put_unresolved
 
    !> " (phi^2)" for an AR(1).

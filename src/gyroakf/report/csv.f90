@@ -146,7 +146,7 @@ contains
                   call put_value(writer, allan%curve%edf(i), .true.)
                   call put(writer, ","//count_text(allan%curve%terms(i)))
                   if (allan%fitted) then
-                     call put_value(writer, allan%noise%model(i), .true.)
+                     call put_value(writer, allan%noise%model(i), allan%noise%model(i) > 0.0_dp)
                   else
                      call put(writer, ",nan")
                   end if
@@ -183,8 +183,7 @@ contains
       end do
    end subroutine write_curve
 
-   !> coefficients.csv: a line per channel, series and term; the reduction stands with akf. M (Markov process, q_c) and S (sinusoid,
-   !> amplitude) have lines where they were fitted, with their correlation time in s or frequency in Hz in the last columns.
+   !> coefficients.csv: a line per channel, series and term; the reduction stands with akf.
    subroutine write_coefficients(writer, result)
       !> Open
       type(writer_type), intent(inout) :: writer
@@ -193,19 +192,15 @@ contains
       integer :: c, which, term
 
       call put_line(writer, "channel,series,term,value,std_error,upper_limit_95,detected,unit,reduction_percent,read_off,"// &
-                    "value_si,std_error_si,upper_limit_95_si,unit_si,definition,parameter,parameter_std_error")
+                    "value_si,std_error_si,upper_limit_95_si,unit_si,definition,state")
       do c = 1, size(result%channel)
          do which = stage%input, stage%compensated
             associate (channel => result%channel(c), allan => result%channel(c)%allan(which))
                if (.not. allan%fitted) cycle
                do term = 1, 5
                   call put_coefficient(writer, channel, which, term_names(term), allan%stated%term(term), term)
-                  call put_line(writer, ",,")
+                  call put_line(writer, "")
                end do
-               call put_further(writer, channel, which, "M", allan%stated%markov, &
-                  & [allan%noise%correlation_time, allan%noise%correlation_time_error])
-               call put_further(writer, channel, which, "S", allan%stated%sinusoid, &
-                  & [allan%noise%frequency, allan%noise%frequency_error])
             end associate
          end do
       end do
@@ -220,47 +215,26 @@ contains
       !> Letter of the term
       character(*), intent(in) :: name
       type(stated_coefficient_type), intent(in) :: stated
-      !> 1 .. 5; 0 for a further term, which is neither reduced nor read off
+      !> 1 .. 5
       integer, intent(in) :: term
       logical :: reduced, read
 
       associate (allan => channel%allan(which))
-         reduced = .false.
-         read = .false.
-         if (term > 0) reduced = which == stage%akf .and. channel%reduction_known(term)
-         if (term > 0) read = allan%read_off%found(term)
+         reduced = which == stage%akf .and. channel%reduction_known(term)
+         read = allan%read_off%found(term)
          call put(writer, quoted(channel%name)//","//trim(stage_names(which))//","//name)
          call put_value(writer, stated%value, stated%fitted)
          call put_value(writer, stated%std_error, stated%fitted)
          call put_value(writer, stated%upper_limit, stated%fitted)
          call put(writer, ","//trim(merge("true ", "false", stated%detected))//","//quoted(stated%unit))
-         call put_value(writer, channel%reduction_percent(max(1, term)), reduced)
-         call put_value(writer, allan%read_off%value(max(1, term)), read)
+         call put_value(writer, channel%reduction_percent(term), reduced)
+         call put_value(writer, allan%read_off%value(term), read)
          call put_value(writer, stated%value_si, stated%fitted .and. allan%stated%in_units)
          call put_value(writer, stated%std_error_si, stated%fitted .and. allan%stated%in_units)
          call put_value(writer, stated%upper_limit_si, stated%fitted .and. allan%stated%in_units)
-         call put(writer, ","//quoted(stated%unit_si)//","//quoted(stated%definition))
+         call put(writer, ","//quoted(stated%unit_si)//","//quoted(stated%definition)//","//trim(stated%state))
       end associate
    end subroutine put_coefficient
-
-   !> The line of a Markov process or a sinusoid that was fitted.
-   subroutine put_further(writer, channel, which, name, stated, parameter)
-      type(writer_type), intent(inout) :: writer
-      type(channel_result_type), intent(in) :: channel
-      !> Component of [[gyroakf_pipeline_result:stage]]
-      integer, intent(in) :: which
-      !> Letter of the term
-      character(*), intent(in) :: name
-      type(stated_coefficient_type), intent(in) :: stated
-      !> Its time or frequency, and the standard error
-      real(dp), intent(in) :: parameter(2)
-
-      if (.not. stated%fitted) return
-      call put_coefficient(writer, channel, which, name, stated, 0)
-      call put_value(writer, parameter(1), .true.)
-      call put_value(writer, parameter(2), .true.)
-      call put_line(writer, "")
-   end subroutine put_further
 
    !> A field of text, in quotes where it needs them.
    pure function quoted(text) result(field)

@@ -244,7 +244,7 @@ contains
       call put_member(json, "chi2_reduced", allan%noise%chi2_reduced)
       call put_read_off(json, allan%read_off)
       call put_densities(json, allan%stated)
-      call put_description(json, allan%stated, allan%noise)
+      call put_description(json, allan%noise)
       call close_object(json)
    end subroutine put_noise
 

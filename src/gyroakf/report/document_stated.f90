@@ -44,6 +44,7 @@ contains
       call put_known(json, "std_error", stated%std_error, stated%fitted)
       call put_known(json, "upper_limit", stated%upper_limit, stated%fitted)
       call put_member(json, "detected", stated%detected)
+      call put_member(json, "state", trim(stated%state))
       call put_member(json, "unit", stated%unit)
       call put_known(json, "value_si", stated%value_si, stated%fitted .and. in_units)
       call put_known(json, "std_error_si", stated%std_error_si, stated%fitted .and. in_units)
@@ -54,30 +55,27 @@ contains
          call put_null(json, "unit_si")
       end if
       call put_member(json, "definition", stated%definition)
-      call put_known(json, "visible_value", stated%visible_value, stated%visible_duration > 0)
-      call put_known(json, "visible_duration_s", stated%visible_duration, &
-         & stated%visible_duration > 0 .and. stated%visible_duration < huge(1.0_dp))
       call close_object(json)
    end subroutine put_stated
 
-   !> "markov", "sinusoid" and "fit": further terms, and how the terms were fitted.
-   subroutine put_description(json, stated, noise)
+   !> "fit": how the terms were fitted.
+   subroutine put_description(json, noise)
       !> The document
       type(json_type), intent(inout) :: json
-      !> The coefficients of one series
-      type(stated_noise_type), intent(in) :: stated
       !> The fit
       type(noise_type), intent(in) :: noise
 
-      call put_further(json, "markov", stated%markov, "correlation_time_s", noise%correlation_time, noise%correlation_time_error)
-      call put_further(json, "sinusoid", stated%sinusoid, "frequency_hz", noise%frequency, noise%frequency_error)
       call open_object(json, "fit")
+      call put_member(json, "described", noise%described)
       call put_member(json, "points", noise%points)
       call put_member(json, "left_out", noise%left_out)
-      call put_member(json, "tau_first_s", noise%tau_first)
+      call put_member(json, "cut_off", noise%cut_off)
+      call put_known(json, "tau_first_s", noise%tau_first, noise%described)
+      call put_known(json, "tau_last_s", noise%tau_last, noise%described)
       call put_member(json, "chi2_freedom", noise%chi2_freedom)
       call put_member(json, "p_value", noise%chi2_probability)
-      call put_member(json, "misfit_percent", 50*noise%misfit)
+      call put_member(json, "floor_percent", 50*noise%floor)
+      call put_member(json, "kurtosis", noise%kurtosis)
       if (allocated(noise%tau)) then
          call put_member(json, "tau_s", noise%tau)
          call put_member(json, "residual", noise%residual)
@@ -87,33 +85,6 @@ contains
       end if
       call close_object(json)
    end subroutine put_description
-
-   !> A further term with its parameter, or null.
-   subroutine put_further(json, key, stated, parameter, value, error)
-      !> The document
-      type(json_type), intent(inout) :: json
-      !> Name of the term
-      character(*), intent(in) :: key
-      !> Its amplitude
-      type(stated_coefficient_type), intent(in) :: stated
-      !> Name of its parameter
-      character(*), intent(in) :: parameter
-      !> Value and standard error
-      real(dp), intent(in) :: value, error
-
-      if (.not. stated%fitted) then
-         call put_null(json, key)
-         return
-      end if
-      call open_object(json, key)
-      call put_member(json, "value", stated%value)
-      call put_member(json, "std_error", stated%std_error)
-      call put_member(json, "detected", stated%detected)
-      call put_member(json, "unit", stated%unit)
-      call put_member(json, parameter, value)
-      call put_member(json, parameter//"_std_error", error)
-      call close_object(json)
-   end subroutine put_further
 
    !> A number, or null.
    subroutine put_known(json, key, value, known)

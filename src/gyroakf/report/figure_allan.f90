@@ -4,7 +4,6 @@
 !> The curves stand in a data file beside the scripts; the terms are formulas with the fitted numbers in them.
 module gyroakf_report_figure_allan
    use gyroakf_kinds, only : dp
-   use gyroakf_allan_noise_fit, only : noise_type
    use gyroakf_io_writer, only : writer_type, format_real, put_line
    use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, stage, stage_names
    use gyroakf_report_figure_script, only : add_curve, begin_block, begin_script, black, blue, end_block, &
@@ -59,7 +58,6 @@ contains
             do i = 1, size(letters)
                call add_term(writer, curves, allan, i)
             end do
-            call add_further_terms(writer, curves, allan%noise)
          end if
          call add_curve(writer, curves, "$read_off using 1:2", "points pt 6 ps 1.6 lw 2 lc rgb "//grey, "read off")
          call add_curve(writer, curves, input//"2", "points pt 7 ps 0.6 lc rgb "//blue, "deviation")
@@ -105,7 +103,9 @@ contains
          associate (allan => channel%allan(i), curve => channel%allan(i)%curve)
             do k = 1, size(curve%tau)
                point = [curve%tau(k), curve%deviation(k), curve%lower(k), curve%upper(k), ieee_value(0.0_dp, ieee_quiet_nan)]
-               if (allan%fitted) point(5) = allan%noise%model(k)
+               if (allan%fitted) then
+                  if (allan%noise%model(k) > 0.0_dp) point(5) = allan%noise%model(k)
+               end if
                call put_numbers(writer, point)
             end do
          end associate
@@ -125,25 +125,6 @@ contains
                                                   "lines lw 1.5 dt 2 lc rgb "//colours(term), letters(term))
       end associate
    end subroutine add_term
-
-   !> Markov process and sinusoid.
-   subroutine add_further_terms(writer, curves, noise)
-      type(writer_type), intent(inout) :: writer
-      integer, intent(inout) :: curves
-      type(noise_type), intent(in) :: noise
-      character(:), allocatable :: over
-
-      if (noise%markov%detected) then
-         over = "(x/"//number(noise%correlation_time)//")"
-         call add_curve(writer, curves, number(noise%markov%value*sqrt(noise%correlation_time))//"*sqrt((1-(3-4*exp(-"//over// &
-                        ")+exp(-2*"//over//"))/(2*"//over//"))/"//over//")", "lines lw 1.5 dt 4 lc rgb "//green, "Markov")
-      end if
-      if (noise%sinusoid%detected) then
-         over = "(pi*x*"//number(noise%frequency)//")"
-         call add_curve(writer, curves, number(noise%sinusoid%value)//"*sin("//over//")**2/"//over, &
-                        "lines lw 1.5 dt 4 lc rgb "//sky, "sinusoid")
-      end if
-   end subroutine add_further_terms
 
    !> Points of the classical rules, on the line of their slope, where its averaging time is in the figure; B at the lowest point.
    subroutine put_read_off(writer, allan)

@@ -12,7 +12,7 @@ module gyroakf_report_kalibr
    use gyroakf_release, only : release_string
    use gyroakf_units, only : quantity, term_names
    use gyroakf_io_writer, only : writer_type, put_line
-   use gyroakf_pipeline_result, only : pipeline_result_type, stated_coefficient_type, stage
+   use gyroakf_pipeline_result, only : pipeline_result_type, stated_coefficient_type, not_described, stage
    use gyroakf_report_text_layout, only : scientific, number, count_text
    implicit none (type, external)
    private
@@ -179,12 +179,11 @@ contains
 
       do c = 1, size(result%channel)
          name = plain(result%channel(c)%name)
-         associate (misfit => result%channel(c)%allan(stage%input)%noise%misfit)
+         associate (allan => result%channel(c)%allan(stage%input))
             if (quantity_of(record, c) == quantity%unknown) then
                call put_line(writer, lf//"# not used: "//name//", its unit is not known")
-            else if (misfit > 0.0_dp) then
-               call put_line(writer, lf//"# "//name//": the noise terms miss its Allan deviation by about "// &
-                             number(50*misfit, 2)//" %; look at the report")
+            else if (allan%fitted .and. .not. allan%noise%described) then
+               call put_line(writer, lf//"# "//name//": "//not_described)
             end if
          end associate
       end do

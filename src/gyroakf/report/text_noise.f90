@@ -11,7 +11,7 @@ module gyroakf_report_text_noise
    use gyroakf_report_text_conventions, only : put_conventions
    use gyroakf_report_text_layout, only : put_heading, put_item, put_paragraph, number, count_text
    use gyroakf_report_text_table, only : table_type, new_table, set_exact, set_cell, put_table, put_numbered
-   use gyroakf_report_fit, only : put_fit, put_visible
+   use gyroakf_report_fit, only : put_fit
    use gyroakf_report_input, only : unit_name
    implicit none (type, external)
    private
@@ -112,7 +112,7 @@ contains
          call set_cell(table, i + 1, 4, number(curve%upper(i), 4))
          call set_cell(table, i + 1, 5, number(curve%edf(i), 4))
          call set_cell(table, i + 1, 6, count_text(curve%terms(i)))
-         if (present(model)) call set_cell(table, i + 1, 7, number(model(i), 4))
+         if (present(model)) call set_cell(table, i + 1, 7, model_text(model(i)))
          row = "."//count_text(int(i - 1, int64))
          call set_exact(table, i + 1, 1, key//"tau_s"//row, curve%tau(i))
          call set_exact(table, i + 1, 2, key//"deviation"//row, curve%deviation(i))
@@ -122,6 +122,15 @@ contains
       end do
       call put_table(writer, table, 0)
    end subroutine put_curve
+
+   !> A fitted deviation; "-" where the fit says nothing.
+   pure function model_text(model) result(text)
+      real(dp), intent(in) :: model
+      character(:), allocatable :: text
+
+      text = "-"
+      if (model > 0.0_dp) text = number(model, 4)
+   end function model_text
 
    !> The coefficients of one series, in the stated units and in those of the curve.
    subroutine put_coefficients(writer, record, allan, name)
@@ -154,7 +163,7 @@ contains
             if (allan%read_off%found(term)) call set_exact(table, term + 1, 6, key//"read_off."//term_names(term), &
                                                            allan%read_off%value(term))
             if (.not. stated%fitted) then
-               call set_cell(table, term + 1, 3, "not fitted")
+               call set_cell(table, term + 1, 3, trim(merge("withheld  ", "not fitted", stated%state == "withheld")))
                cycle
             end if
             call set_cell(table, term + 1, 3, value_text(stated))
@@ -168,7 +177,6 @@ contains
       end do
       call put_table(writer, table, 2)
       call put_fit(writer, record, allan)
-      call put_visible(writer, record, allan)
       call put_minimum(writer, record, allan)
       call put_conventions(writer, allan, "The same")
    end subroutine put_coefficients
@@ -212,10 +220,9 @@ contains
       call make_comparison(record, channel, table)
       call put_numbered(writer, table)
       if (channel%allan(stage%compensated)%fitted) call put_item(writer, "compensated", "in-sample; Q and N alone, of the "// &
-         "first "//count_text(int(channel%allan(stage%compensated)%noise%points, int64))//" averaging times: at longer ones "// &
+         "first "//count_text(int(channel%allan(stage%compensated)%noise%points, int64))//" octaves: at longer ones "// &
          "the curve lacks what the smoother takes of the noise along with the drift")
       call put_fit(writer, record, channel%allan(stage%input))
-      call put_visible(writer, record, channel%allan(stage%input))
       call put_conventions(writer, channel%allan(stage%input), "As read")
    end subroutine put_comparison
 
@@ -286,6 +293,7 @@ contains
 
       text = "-"
       associate (stated => allan%stated%term(term))
+         if (allan%fitted .and. stated%state == "withheld") text = "withheld"
          if (.not. (allan%fitted .and. stated%fitted)) return
          if (stated%detected) text = number(stated%value, 4)//new_line("a")//"+/- "//number(stated%std_error, 2)
          if (.not. stated%detected) text = "< "//number(stated%upper_limit, 3)
@@ -337,7 +345,7 @@ contains
       character(:), allocatable :: title
 
       select case (term)
-      case (1); title = "quantisation"
+      case (1); title = "quantization"
       case (2)
          title = "white noise"
          if (record%unit%quantity == quantity%angular_rate) title = "angle random walk"
