@@ -42,6 +42,7 @@ contains
          & new_unittest("own_range", test_own_range), &
          & new_unittest("grids", test_grids), &
          & new_unittest("short_records", test_short_records), &
+         & new_unittest("quantized", test_quantized), &
          & new_unittest("limits_of_curve", test_limits_of_curve), &
          & new_unittest("failures", test_failures)]
    end subroutine collect_allan_noise_fit
@@ -682,6 +683,35 @@ contains
          if (allocated(error)) return
       end do
    end subroutine test_short_records
+
+   subroutine test_quantized(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      ! steps of 0.05, 1, 2 and 4 standard deviations: of no account; N without quantization is that before rounding; withheld
+      real(dp), parameter :: lsb(4) = [0.05_dp, 1.0_dp, 1.9_dp, 4.0_dp]
+      character(8), parameter :: state(4) = [character(8) :: "", "value", "value", "withheld"]
+      type(allan_curve_type) :: curve
+      type(noise_type) :: noise
+      integer :: i
+
+      do i = 1, size(lsb)
+         call fit_record(error, lsb(i)*anint((normal_series(50000_int64, 5_int64) + 0.3_dp)/lsb(i)), 1.0_dp, &
+            & noise_options(lsb=lsb(i)), curve, noise)
+         if (allocated(error)) return
+         call check(error, noise%unquantized%state, trim(state(i)))
+         if (allocated(error)) return
+         associate (n => noise%coefficient(2), u => noise%unquantized)
+            call check(error, n%state == "value" .and. noise%lsb_ratio > 0.9_dp*lsb(i) .and. (i == 4 .or. &
+               & noise%lsb_ratio < 1.1_dp*lsb(i)), "N as quantized, and the step in standard deviations")
+            if (allocated(error)) return
+            if (u%state /= "value") cycle
+            call check(error, abs(u%value - 1) < 3*u%std_error .and. u%std_error > n%std_error .and. u%fitted, "N before rounding")
+            if (allocated(error)) return
+            call check(error, u%value**2 + lsb(i)**2/12, n%value**2, thr=1.0e-12_dp)
+         end associate
+         if (allocated(error)) return
+      end do
+   end subroutine test_quantized
 
    subroutine test_limits_of_curve(error)
       type(error_type), allocatable, intent(out) :: error

@@ -500,7 +500,7 @@ OPTIONS(simulate_options,
 OPTIONS(run_options,
         ODD(preset, text()) ODD(tests, any_int() & 1) ODD(ar, any_int() & 1) ODD(filters, any_int() & 1) ODD(allan, any_int() & 1) TOLD)
 OPTIONS(allan_options, ODD(kind, text()) ODD(taus, text()) ODD(confidence, any_double()) ODD(min_coverage, any_double()) TOLD)
-OPTIONS(fit_options, ODD(terms, text()) ODD(tau_min, any_double()) ODD(tau_max, any_double()))
+OPTIONS(fit_options, ODD(terms, text()) ODD(tau_min, any_double()) ODD(tau_max, any_double()) ODD(lsb, any_double()))
 OPTIONS(outlier_options,
         ODD(method, text()) ODD(threshold, any_double()) ODD(rounds, any_int()) ODD(half_width, any_int()) ODD(degree, any_int()) TOLD)
 OPTIONS(adf_options, ODD(regression, text()) ODD(lags, any_int()) ODD(max_lags, any_int()) ODD(criterion, text()) TOLD)

@@ -324,6 +324,7 @@ typedef struct gyroakf_fit_options {
   const char *terms; /* "auto" (default), or letters of "QNBKR": then all points in the range are fitted */
   double tau_min;    /* s, points below are left out; 0 */
   double tau_max;    /* s, points above are left out; DBL_MAX */
+  double lsb;        /* step that the samples are rounded to, in the unit of the rate; 0 (default): none */
 } gyroakf_fit_options;
 
 GYROAKF_API void gyroakf_fit_options_init(gyroakf_fit_options *opt);
@@ -354,6 +355,8 @@ typedef struct gyroakf_noise {
   double chi2_probability; /* chance of a chi-square as large or larger */
   double floor;          /* relative departure of the variances from the terms, 0 where chance explains it */
   double kurtosis;       /* excess kurtosis of the white noise per sample, 0 where it is not significant */
+  gyroakf_coefficient n_unquantized; /* sqrt(n^2 - lsb^2 dt/12); fitted 0 where lsb is of no account, or above 2 deviations */
+  double lsb_ratio;      /* lsb over the standard deviation of the noise */
 } gyroakf_noise;
 
 /*

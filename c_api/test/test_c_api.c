@@ -282,6 +282,12 @@ static void test_noise(void) {
   check(noise.chi2_probability > 1e-4 && noise.chi2_probability <= 1, "chance of chi-square");
   check_success(gyroakf_noise_fit(a, &opt, &noise, &err), "fit of one term");
   check(noise.n.fitted == 1 && noise.q.fitted == 0 && noise.k.fitted == 0, "only N was fitted");
+  check(noise.n_unquantized.fitted == 0 && noise.lsb_ratio == 0, "no step of the samples");
+  opt.lsb = 0.05;
+  check_success(gyroakf_noise_fit(a, &opt, &noise, &err), "fit of rounded samples");
+  check(fabs(noise.n_unquantized.value - sqrt(noise.n.value * noise.n.value - 0.0025 / 12)) < 1e-12, "N without quantization");
+  opt.lsb = -1;
+  check_failure(gyroakf_noise_fit(a, &opt, &noise, &err), GYROAKF_INVALID_ARGUMENT, "negative step");
   gyroakf_allan_free(a);
   test_noise_covariance();
 }

@@ -125,6 +125,14 @@ good "a low-pass filter" simulate --samples 200000 --rate 100 --coefficients N=0
 good "its octaves are excluded" allan lowpass.txt --json lowpass.json
 holds "the report states it" "Excluded        octaves below tau = " out
 is "Q is withheld" "$(sed -n '/"input": {$/,/"N": {/p' lowpass.json | grep -c '"state": "withheld"')" 1
+good "a step of one standard deviation" simulate --samples 100000 --rate 100 --coefficients N=0.001 --lsb 0.01 --output lsb.txt
+good "N without quantization" allan lsb.txt --json lsb.json
+near "is that before rounding" "$(sed -n '/"N_without_quantization"/,/}/p' lsb.json | number value /dev/stdin)" 0.06 0.0007
+holds "the report has it" "N without quantization 0.0" out
+good "a step of four" simulate --samples 100000 --rate 100 --coefficients N=0.001 --lsb 0.04 --output lsb.txt --force
+good "a coarse record" allan lsb.txt
+holds "withheld" "N without quantization is withheld" out
+holds "with a warning" "is above two standard deviations of the noise" out
 good "a slow Markov process alone" simulate --samples 200000 --rate 10 --ar 0.98 --ar-variance 1e-4 --seed 5 --output markov.txt
 good "no coefficient of it" allan markov.txt --json markov.json
 holds "and why" "no run of octaves follows a sum of Q, N, B, K and R" out

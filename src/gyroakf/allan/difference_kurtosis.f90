@@ -4,10 +4,13 @@ module gyroakf_allan_difference_kurtosis
    use gyroakf_kinds, only : dp, int32, int64
    implicit none (type, external)
    private
-   public :: find_kurtosis
+   public :: find_kurtosis, kurtosis_samples
 
    !> Phases of a block, a multiple of the averaging factors that are summed in it together
    integer(int64), parameter :: block_length = 32768
+   !> Blocks that are looked at beyond m = 1, at most, evenly over the record, and their samples: they give the kurtosis of white
+   !> noise to 0.01
+   integer(int64), parameter :: blocks_max = 32, kurtosis_samples = blocks_max*block_length
    !> From which length on threads are worth it
    integer(int64), parameter :: parallel_from = 200000
 
@@ -17,11 +20,11 @@ contains
    !>
    !> $$ \kappa = 2 m \left( \frac{\mathrm{E}(d - \bar d)^4}{(\mathrm{E}(d - \bar d)^2)^2} - 3 \right), $$
    !>
-   !> which for white noise does not depend on m. Two passes over the phase, for all factors together.
+   !> which for white noise does not depend on m. A pass over the phase for m = 1; for longer factors 2**20 samples are looked at.
    subroutine find_kurtosis(phase, m, variance, kurtosis, missing)
       !> Integral of the record: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Averaging factors, powers of two: [k]
+      !> Averaging factors, powers of two, at most n/2: [k]
       integer(int64), intent(in) :: m(:)
       !> Allan variances there, which keep fourth powers in range: [k]
       real(dp), intent(in) :: variance(:)
@@ -30,74 +33,101 @@ contains
       !> Missing samples so far: [0:n]; absent: none
       integer(int32), intent(in), contiguous, optional :: missing(0:)
       real(dp), allocatable :: sums(:, :, :)
-      real(dp) :: total(0:4), scale(size(m)), mean, second
-      integer(int64) :: blocks, b, n
+      real(dp) :: total(3), scale(size(m)), mean(size(m))
+      integer(int64) :: blocks, b, n, stride, before
       integer :: i
 
       n = ubound(phase, 1, kind=int64)
-      blocks = n/block_length + 1
+      stride = n/block_length/blocks_max + 1
+      blocks = n/block_length/stride + 1
       scale = 1/(real(m, dp)*sqrt(max(variance, tiny(1.0_dp))))
-      allocate (sums(0:4, size(m), blocks), source=0.0_dp)
-      !$omp parallel do schedule(static) private(i) if (n > parallel_from)
+      do i = 1, size(m)
+         mean(i) = mean_difference(phase, m(i), missing)
+      end do
+      allocate (sums(3, size(m), blocks), source=0.0_dp)
+      !$omp parallel do schedule(static) private(i, before) if (n > parallel_from)
       do b = 1, blocks
          do i = 1, size(m)
             if (m(i) > block_length .and. b > 1) cycle
-            call add_powers(phase, m(i), (b - 1)*block_length, merge(n, b*block_length, m(i) > block_length), scale(i), &
-               & sums(:, i, b), missing)
+            before = ((b - 1)*stride + 1)*block_length
+            if (m(i) == 1) before = b*stride*block_length
+            if (m(i) > block_length) before = n
+            call add_powers(phase, m(i), (b - 1)*stride*block_length, before, mean(i), scale(i), sums(:, i, b), missing)
          end do
       end do
       !$omp end parallel do
       kurtosis = 0
       do i = 1, size(m)
-         if (variance(i) <= tiny(1.0_dp)) cycle
          total = sum(sums(:, i, :), dim=2)
-         if (total(0) < 2) cycle
-         total = total/total(0)
-         mean = total(1)
-         second = total(2) - mean**2
-         if (second > 0) kurtosis(i) = 2*real(m(i), dp)*((total(4) - 4*mean*total(3) + 6*mean**2*total(2) - 3*mean**4) &
-            & /second**2 - 3)
+         if (variance(i) > tiny(1.0_dp) .and. total(1) > 1 .and. total(2) > 0) then
+            kurtosis(i) = 2*real(m(i), dp)*(total(1)*total(3)/total(2)**2 - 3)
+         end if
       end do
    end subroutine find_kurtosis
 
-   !> Number and power sums of the differences that begin at first, first + m, ... before `before`.
-   pure subroutine add_powers(phase, m, first, before, scale, sums, missing)
+   !> Mean of the differences of step m: known from the ends of a complete record.
+   pure real(dp) function mean_difference(phase, m, missing) result(mean)
+      real(dp), intent(in), contiguous :: phase(0:)
+      integer(int64), intent(in) :: m
+      integer(int32), intent(in), contiguous, optional :: missing(0:)
+      integer(int64) :: k, n, counted
+
+      n = ubound(phase, 1, kind=int64)
+      mean = 0
+      if (present(missing)) then
+         counted = 0
+         do k = 0, n - 2*m, m
+            if (missing(k + 2*m) > missing(k)) cycle
+            counted = counted + 1
+            mean = mean + ((phase(k + 2*m) - phase(k + m)) - (phase(k + m) - phase(k)))
+         end do
+      else
+         counted = (n/m)*m
+         mean = (phase(counted) - phase(counted - m)) - (phase(m) - phase(0))
+         counted = n/m - 1
+      end if
+      mean = mean/real(max(counted, 1_int64), dp)
+   end function mean_difference
+
+   !> Number, squares and fourth powers of the differences that begin at first, first + m, ... before `before`.
+   pure subroutine add_powers(phase, m, first, before, mean, scale, sums, missing)
       real(dp), intent(in), contiguous :: phase(0:)
       integer(int64), intent(in) :: m, first, before
-      real(dp), intent(in) :: scale
-      real(dp), intent(inout) :: sums(0:4)
+      real(dp), intent(in) :: mean, scale
+      real(dp), intent(inout) :: sums(3)
       integer(int32), intent(in), contiguous, optional :: missing(0:)
-      real(dp) :: u, s1, s2, s3, s4
+      real(dp) :: u, squares, fourths
       integer(int64) :: k, last, counted
 
       last = min(before - 1, ubound(phase, 1, kind=int64) - 2*m)
-      s1 = 0
-      s2 = 0
-      s3 = 0
-      s4 = 0
+      squares = 0
+      fourths = 0
       counted = 0
       if (present(missing)) then
          do k = first, last, m
             if (missing(k + 2*m) > missing(k)) cycle
-            u = scale*((phase(k + 2*m) - phase(k + m)) - (phase(k + m) - phase(k)))
+            u = (scale*(((phase(k + 2*m) - phase(k + m)) - (phase(k + m) - phase(k))) - mean))**2
             counted = counted + 1
-            s1 = s1 + u
-            s2 = s2 + u**2
-            s3 = s3 + u**3
-            s4 = s4 + u**4
+            squares = squares + u
+            fourths = fourths + u**2
+         end do
+      else if (m == 1) then
+         counted = max(0_int64, last - first + 1)
+         !$omp simd reduction(+:squares, fourths) private(u)
+         do k = first, last
+            u = (scale*(((phase(k + 2) - phase(k + 1)) - (phase(k + 1) - phase(k))) - mean))**2
+            squares = squares + u
+            fourths = fourths + u**2
          end do
       else
          if (last >= first) counted = (last - first)/m + 1
-         !$omp simd reduction(+:s1, s2, s3, s4) private(u)
          do k = first, last, m
-            u = scale*((phase(k + 2*m) - phase(k + m)) - (phase(k + m) - phase(k)))
-            s1 = s1 + u
-            s2 = s2 + u**2
-            s3 = s3 + u**3
-            s4 = s4 + u**4
+            u = (scale*(((phase(k + 2*m) - phase(k + m)) - (phase(k + m) - phase(k))) - mean))**2
+            squares = squares + u
+            fourths = fourths + u**2
          end do
       end if
-      sums = sums + [real(counted, dp), s1, s2, s3, s4]
+      sums = sums + [real(counted, dp), squares, fourths]
    end subroutine add_powers
 
 end module gyroakf_allan_difference_kurtosis

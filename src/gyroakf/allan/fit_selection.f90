@@ -5,6 +5,7 @@
 module gyroakf_allan_fit_selection
    use gyroakf_kinds, only : dp
    use gyroakf_special, only : chi_square_survival
+   use gyroakf_allan_difference_kurtosis, only : kurtosis_samples
    use gyroakf_allan_fit_solver, only : fit_held, fit_points_type, fit_run, fit_run_type, shapes_of, solution_type
    use gyroakf_allan_noise_model, only : term_count, term_quantization
    implicit none (type, external)
@@ -18,6 +19,8 @@ module gyroakf_allan_fit_selection
       !> Shortest and longest averaging time that the fit looks at, s. Where one of them or `terms` is
       !> given, all points in the range are fitted; else the longest run of points that the terms describe
       real(dp) :: tau_min = 0.0_dp, tau_max = huge(1.0_dp)
+      !> Step that the samples are rounded to (least significant bit), in the unit of the curve; 0: none
+      real(dp) :: lsb = 0.0_dp
       !> The terms describe a run of points if, with this floor, chi-square has a chance of more than
       !> `run_chance` and no residual exceeds `run_residual` of its standard deviations: what five power
       !> laws can claim of a sensor. Clean records lose a point in 1 of 2000
@@ -38,6 +41,9 @@ module gyroakf_allan_fit_selection
       !> N is stated where points are excluded at the start if it is this share of the first three points of the run; so
       !> is B of the last three where points are excluded at the end
       real(dp) :: plain_share = 0.5_dp
+      !> Steps in standard deviations of the noise: a finer one is of no account, of a coarser one nothing is known of the
+      !> noise without it
+      real(dp) :: lsb_range(2) = [0.1_dp, 2.0_dp]
       !> Standard deviations from which on a kurtosis counts
       real(dp) :: kurtosis_deviations = 3.0_dp
    end type noise_options
@@ -80,15 +86,14 @@ contains
       type(noise_options), intent(in) :: options
       !> First and last point
       integer, intent(in) :: first, last
+      real(dp) :: m, differences
 
       run%first = first
       run%last = last
       run%signed = first > 1
-      associate (m => real(points%m(first), dp))            ! 24/n: variance of the kurtosis of n normal differences
-         if (points%kurtosis(first) > 2*m*options%kurtosis_deviations*sqrt(24*m/real(points%samples, dp))) then
-            run%kurtosis = points%kurtosis(first)
-         end if
-      end associate
+      m = real(points%m(first), dp)                         ! 24/n: variance of the kurtosis of n normal differences
+      differences = real(min(points%samples, merge(points%samples, kurtosis_samples, first == 1)), dp)/m
+      if (points%kurtosis(first) > 2*m*options%kurtosis_deviations*sqrt(24/differences)) run%kurtosis = points%kurtosis(first)
    end function run_between
 
    !> Whether some terms describe a run.

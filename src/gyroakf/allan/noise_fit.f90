@@ -56,6 +56,10 @@ module gyroakf_allan_noise_fit
       !> Covariance of these estimates, in the product of their units; 0 beside a term that is not in the fit. Where chance does
       !> not explain chi-square it is multiplied by chi-square per degree of freedom
       real(dp) :: covariance(term_count, term_count) = 0.0_dp
+      !> N without quantization, sqrt(N^2 - lsb^2 dt/12): "withheld" where the step is above two standard deviations of the noise
+      !> or N is; "" where it is of no account. And the step in these standard deviations
+      type(coefficient_type) :: unquantized
+      real(dp) :: lsb_ratio = 0.0_dp
       !> A run of points follows the terms
       logical :: described = .false.
       !> Chi-square per degree of freedom; 0 where no freedom is left
@@ -141,6 +145,7 @@ contains
       call tell_progress(told, 0_int64, 0_int64, error, progress)
       if (.not. allocated(error)) call state_fit(options, estimate, noise, error)
       if (.not. allocated(error)) call state_coefficients(options, estimate, noise)
+      if (.not. allocated(error)) call state_unquantized(options, estimate, noise)
       if (.not. allocated(error)) call give_limits(estimate, curve, noise)
    end subroutine fit_noise
 
@@ -153,8 +158,10 @@ contains
 
       if (.not. (ieee_is_finite(options%tau_min) .and. ieee_is_finite(options%tau_max))) then
          call fatal_error(error, status%invalid_argument, "the range of averaging times of the fit must be finite")
-         return
+      else if (.not. (options%lsb >= 0 .and. options%lsb <= huge(1.0_dp))) then
+         call fatal_error(error, status%invalid_argument, "the step of the samples must not be negative, and finite")
       end if
+      if (allocated(error)) return
       estimate%own_terms = options%terms /= "auto"
       estimate%own_points = estimate%own_terms .or. options%tau_min > 0 .or. options%tau_max < huge(1.0_dp)
       if (.not. estimate%own_terms) return
@@ -341,6 +348,30 @@ contains
          end associate
       end do
    end subroutine state_coefficients
+
+   !> N without the variance lsb^2/12 of rounding, which is white noise where a step is not above two standard deviations of the
+   !> noise before it (W. F. Sheppard, Proc. London Math. Soc. 29, 1898); these are taken from the differences of neighbors.
+   pure subroutine state_unquantized(options, estimate, noise)
+      type(noise_options), intent(in) :: options
+      type(estimate_type), intent(in) :: estimate
+      type(noise_type), intent(inout) :: noise
+      real(dp) :: before, square
+
+      before = estimate%scale - options%lsb**2/12
+      noise%lsb_ratio = options%lsb/sqrt(max(before, tiny(1.0_dp)))
+      if (noise%lsb_ratio < options%lsb_range(1)) return
+      associate (n => noise%coefficient(term_white), c => noise%unquantized)
+         c%state = "withheld"
+         square = n%value**2 - options%lsb**2*noise%sample_interval/12
+         if (noise%lsb_ratio > options%lsb_range(2) .or. .not. n%detected .or. square <= 0) return
+         c%value = sqrt(square)
+         c%std_error = n%std_error*n%value/c%value
+         c%upper_limit = c%value + normal_95*c%std_error
+         c%detected = .true.
+         c%fitted = .true.
+         c%state = "value"
+      end associate
+   end subroutine state_unquantized
 
    !> What the run of points cannot tell.
    pure subroutine find_withheld(options, estimate, withheld)

@@ -18,7 +18,7 @@ module gyroakf_c_api_c_noise
    type, bind(C) :: fit_options_c
       integer(c_size_t) :: struct_size
       type(c_ptr) :: terms
-      real(c_double) :: tau_min, tau_max
+      real(c_double) :: tau_min, tau_max, lsb
    end type fit_options_c
 
    !> `gyroakf_coefficient`
@@ -34,6 +34,8 @@ module gyroakf_c_api_c_noise
       integer(c_int32_t) :: points, left_out
       integer(c_int32_t) :: cut_off, described
       real(c_double) :: tau_first, tau_last, chi2_probability, floor, kurtosis
+      type(coefficient_c) :: n_unquantized
+      real(c_double) :: lsb_ratio
    end type noise_c
 
 contains
@@ -48,6 +50,7 @@ contains
       opt%terms = c_null_ptr
       opt%tau_min = defaults%tau_min
       opt%tau_max = defaults%tau_max
+      opt%lsb = defaults%lsb
    end subroutine gyroakf_fit_options_init
 
    !> `gyroakf_noise_fit`
@@ -122,6 +125,7 @@ contains
       call take_text(opt%terms, options%terms, error)
       options%tau_min = opt%tau_min
       options%tau_max = opt%tau_max
+      options%lsb = opt%lsb
    end subroutine read_options
 
    !> The result in C's struct.
@@ -144,6 +148,8 @@ contains
       out%chi2_probability = noise%chi2_probability
       out%floor = noise%floor
       out%kurtosis = noise%kurtosis
+      out%n_unquantized = coefficient_of(noise%unquantized)
+      out%lsb_ratio = noise%lsb_ratio
    end subroutine write_noise
 
    !> One coefficient in C's struct.

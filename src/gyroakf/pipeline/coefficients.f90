@@ -74,6 +74,7 @@ contains
       type(noise_options) :: noise_of_stage
 
       noise_of_stage = options%noise
+      if (any(which == [stage%input, stage%cleaned])) noise_of_stage%lsb = channel%lsb
       if (which == stage%compensated) call end_before_smoother(channel, noise_of_stage)
       call fit_noise(channel%allan(which)%curve, noise_of_stage, channel%allan(which)%noise, error, progress)
       if (is_fatal(error)) return
@@ -159,6 +160,8 @@ contains
       do term = 1, 5
          call state_one(noise%coefficient(term), term, rate_known, unit, stated%term(term))
       end do
+      call state_one(noise%unquantized, 2, rate_known, unit, stated%unquantized)
+      stated%lsb_ratio = noise%lsb_ratio
       call state_conventions(noise, unit, stated)
       if (.not. stated%in_units) return
       target_unit = density_unit(unit)

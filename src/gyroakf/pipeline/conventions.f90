@@ -32,7 +32,11 @@ contains
          if (.not. stated%in_units) cycle
          call state_si(noise%coefficient(term), unit%to_si, u%si_name, stated%term(term))
       end do
+      u = coefficient_unit(unit, 2)
+      stated%unquantized%definition = "N without the variance of rounding, step^2/12"
+      stated%unquantized%unit_si = ""
       if (.not. stated%in_units) return
+      call state_si(noise%unquantized, unit%to_si, u%si_name, stated%unquantized)
       call state_density(noise%coefficient(2), unit, 1.0_dp, "two-sided: N", stated%density(1))
       call state_density(noise%coefficient(2), unit, sqrt(2.0_dp), "one-sided: sqrt(2) N", stated%density(2))
    end subroutine state_conventions

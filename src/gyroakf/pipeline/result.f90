@@ -135,6 +135,9 @@ module gyroakf_pipeline_result
    type :: stated_noise_type
       !> Q N B K R
       type(stated_coefficient_type) :: term(5)
+      !> N without quantization, and the step of the samples in standard deviations of the noise
+      type(stated_coefficient_type) :: unquantized
+      real(dp) :: lsb_ratio = 0.0_dp
       !> The unit and the rate are known: `density` and the angle units mean something
       logical :: in_units = .false.
       !> N as a density: two-sided, as N is defined, and one-sided, sqrt(2) N
@@ -205,6 +208,8 @@ module gyroakf_pipeline_result
    !> One channel
    type :: channel_result_type
       character(:), allocatable :: name
+      !> Step that its samples are rounded to, 0 where none was found
+      real(dp) :: lsb = 0.0_dp
       !> Which parts below are filled
       type(available_type) :: available
       !> Of the record as read, and of the cleaned series

@@ -135,6 +135,9 @@ contains
             call add_text(channel%warnings, "a filter in the sensor, a line or correlated noise bends the Allan curve at its "// &
                "first "//integer_text(int(noise%left_out, int64))//" octaves: they are excluded from the fit")
          end if
+         if (noise%unquantized%state == "withheld") call add_text(channel%warnings, "the step of the samples, "// &
+            format_real(channel%lsb, 4)//", is above two standard deviations of the noise: N is that of the record as "// &
+            "quantized, which may be far from that of the sensor")
          if (noise%described .and. noise%chi2_probability < misfit) call add_text(channel%warnings, &
             "the Allan deviation is not a sum of the fitted terms: chi-square per degree of freedom is "// &
             format_real(noise%chi2_reduced, 3)//". The errors of the coefficients are increased by its root")

@@ -11,7 +11,7 @@ module gyroakf_report_document_parts
    use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, flush_json
    use gyroakf_report_document_distribution, only : put_distribution
    use gyroakf_report_document_periodicity, only : put_fisher, put_welch
-   use gyroakf_report_document_stated, only : put_stated, put_densities, put_known, put_description
+   use gyroakf_report_document_stated, only : put_stated, put_densities, put_known, put_description, put_unquantized
    use gyroakf_report_document_adf, only : put_adf_regression
    use gyroakf_report_document_correlation, only : put_kpss, put_ljung_box
    implicit none (type, external)
@@ -241,6 +241,7 @@ contains
       do term = 1, 5
          call put_stated(json, term_names(term), allan%stated%term(term), allan%stated%in_units)
       end do
+      call put_unquantized(json, allan%stated)
       call put_member(json, "chi2_reduced", allan%noise%chi2_reduced)
       call put_read_off(json, allan%read_off)
       call put_densities(json, allan%stated)

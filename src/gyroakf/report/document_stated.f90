@@ -7,7 +7,7 @@ module gyroakf_report_document_stated
    use gyroakf_report_json, only : json_type, open_object, close_object, put_member, put_null
    implicit none (type, external)
    private
-   public :: put_stated, put_densities, put_known, put_description
+   public :: put_stated, put_densities, put_known, put_description, put_unquantized
 
 contains
 
@@ -57,6 +57,17 @@ contains
       call put_member(json, "definition", stated%definition)
       call close_object(json)
    end subroutine put_stated
+
+   !> "N_without_quantization" and "lsb_ratio", null where the step of the samples is of no account.
+   subroutine put_unquantized(json, stated)
+      !> The document
+      type(json_type), intent(inout) :: json
+      !> The coefficients of one series
+      type(stated_noise_type), intent(in) :: stated
+
+      call put_stated(json, "N_without_quantization", stated%unquantized, stated%in_units)
+      call put_known(json, "lsb_ratio", stated%lsb_ratio, stated%unquantized%state /= "")
+   end subroutine put_unquantized
 
    !> "fit": how the terms were fitted.
    subroutine put_description(json, noise)

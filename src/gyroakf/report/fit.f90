@@ -34,10 +34,26 @@ contains
             & unit_of_time(record)//": a filter in the sensor, a line or correlated noise bends the curve there; Q is withheld")
          if (noise%cut_off > 0) call put_item(writer, "Excluded", "octaves above tau = "//number(noise%tau_last, 4)// &
             & unit_of_time(record)//": no sum of the terms follows the curve there; K and R are withheld")
+         if (noise%unquantized%state == "value") call put_item(writer, "Quantization", "the step of the samples is "// &
+            & number(noise%lsb_ratio, 2)//" standard deviations of the noise; N without quantization "// &
+            & number(allan%stated%unquantized%value, 4)//" +/- "//number(allan%stated%unquantized%std_error, 2)//" "// &
+            & allan%stated%unquantized%unit)
+         if (noise%unquantized%state == "withheld") call put_item(writer, "Quantization", "the step of the samples is "// &
+            & lsb_text(noise%lsb_ratio)//" standard deviations of the noise: N is that of the record as quantized, N without "// &
+            & "quantization is withheld")
          if (noise%floor > 0) call put_item(writer, "Misfit", "the curve departs from the terms by about "// &
             & number(50*noise%floor, 2)//" %; errors and limits allow for it")
       end associate
    end subroutine put_fit
+
+   !> "2.4", or that it is more than can be told.
+   pure function lsb_text(ratio) result(text)
+      real(dp), intent(in) :: ratio
+      character(:), allocatable :: text
+
+      text = "many"
+      if (ratio < 1e3_dp) text = number(ratio, 2)
+   end function lsb_text
 
    !> "N B", or that there are none.
    pure function chosen_text(allan) result(text)

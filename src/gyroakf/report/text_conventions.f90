@@ -24,7 +24,7 @@ contains
       character(10), parameter :: head(6) = [character(10) :: "", "definition", "unit", "value", "std. error", "limit"]
       integer :: i
 
-      if (.not. allan%fitted .or. .not. allan%stated%in_units) return
+      if (.not. (allan%fitted .and. allan%stated%in_units .and. any(allan%stated%term%fitted))) return
       call put_heading(writer, series//" in SI, and what each number is the coefficient of (tau in s)")
       call new_table(table, size(term_names) + 1, size(head))
       do i = 1, size(head)
@@ -43,6 +43,7 @@ contains
          end associate
       end do
       call put_table(writer, table, 3)
+      if (.not. allan%stated%density(1)%fitted) return
       call put_heading(writer, "N as a density: data sheets mean the one or the other")
       call put_density(writer, "Two-sided", "N, also that of Kalibr", allan%stated%density(1))
       call put_density(writer, "One-sided", "sqrt(2) N, of some data sheets", allan%stated%density(2))
