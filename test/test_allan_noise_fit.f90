@@ -106,7 +106,7 @@ contains
       real(dp) :: floor, kurtosis, chi_square, value(5), std_error(5), limit(5)
       integer :: unit, record, points, first, last, terms, state(5), i
 
-      open (newunit=unit, file="test/noise_fit_reference.txt", status="old", action="read")
+      open (newunit=unit, file="validation/noise_fit.txt", status="old", action="read")
       do i = 1, 3
          read (unit, *)
       end do

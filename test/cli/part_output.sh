@@ -136,6 +136,7 @@ holds "with a warning" "is above two standard deviations of the noise" out
 good "a slow Markov process alone" simulate --samples 200000 --rate 10 --ar 0.98 --ar-variance 1e-4 --seed 5 --output markov.txt
 good "no coefficient of it" allan markov.txt --json markov.json
 holds "and why" "no run of octaves follows a sum of Q, N, B, K and R" out
+holds "the slopes tell the curve" "of log deviation against log tau" out
 is "all is withheld" "$(sed -n '/"input": {$/,/"read_off"/p' markov.json | grep -c '"state": "withheld"')" 5
 good "a record that grows louder" simulate --samples 20000 --rate 10 --coefficients N=0.01 --seed 3 --output quiet.txt
 awk '/^#/ { print; next } { print (++n > 10000 ? 1.2*$1 : $1) }' quiet.txt >loud.txt

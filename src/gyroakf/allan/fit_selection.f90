@@ -23,8 +23,10 @@ module gyroakf_allan_fit_selection
       real(dp) :: lsb = 0.0_dp
       !> The terms describe a run of points if, with this floor, chi-square has a chance of more than
       !> `run_chance` and no residual exceeds `run_residual` of its standard deviations: what five power
-      !> laws can claim of a sensor. Clean records lose a point in 1 of 2000
+      !> laws can claim of a sensor
       real(dp) :: run_floor = 0.02_dp, run_chance = 0.003_dp, run_residual = 3.5_dp
+      !> The same residual of the whole curve: with 3.5 a clean record in 1000 loses its first octaves, and with them most of N
+      real(dp) :: whole_residual = 4.0_dp
       !> Octaves that a run spans at least, and their share of those of the curve: fewer are described by
       !> chance. One more point is left out beside an excluded one, which passes only just
       integer :: run_octaves = 5
@@ -108,10 +110,12 @@ contains
       logical, intent(in) :: offered(term_count)
       type(solution_type) :: solution
       integer :: freedom
+      logical :: whole
 
+      whole = run%last - run%first + 1 == size(points%m)
       call fit_run(points, run, offered, solution)
       freedom = run%last - run%first + 1 - count(abs(solution%squares) > 0)
-      is_described = maxval(abs(solution%residual)) < options%run_residual
+      is_described = maxval(abs(solution%residual)) < merge(options%whole_residual, options%run_residual, whole)
       if (freedom > 0) is_described = is_described .and. &
          & chi_square_survival(solution%chi_square, real(freedom, dp)) > options%run_chance
    end function is_described

@@ -163,6 +163,7 @@ contains
       real(dp), intent(inout) :: squares(:)
       real(dp) :: part(size(right), count(used) + 1), x(count(used)), length(count(used))
       integer :: place(count(used)), j, k
+      logical :: signed(count(used))
 
       k = count(used)
       place = pack([(j, j=1, size(used))], used)
@@ -173,7 +174,8 @@ contains
       do j = 1, k
          part(:, j) = part(:, j)/length(j)
       end do
-      call solve_nonnegative(part(:, :k), part(:, k + 1), x, free(place))
+      signed = free(place)
+      call solve_nonnegative(part(:, :k), part(:, k + 1), x, signed)
       squares(place) = x/length
    end subroutine weighted_step
 

@@ -103,8 +103,6 @@ module gyroakf_allan_noise_fit
 
    !> Powers of the sample interval in the units of Q N B K R
    real(dp), parameter :: power(term_count) = [1.0_dp, 0.5_dp, 0.0_dp, -0.5_dp, -1.0_dp]
-   !> Standard normal quantile of 95 %
-   real(dp), parameter :: normal_95 = 1.6448536269514722_dp
    !> Averaging times per octave at which degrees of freedom are computed; between them they are interpolated
    integer, parameter :: per_octave = 4
    !> The stage that progress is told of
@@ -341,7 +339,7 @@ contains
                c%std_error = sqrt(noise%covariance(j, j))
                c%detected = e%stated(j)
                c%state = merge("value", "limit", c%detected)
-               c%upper_limit = c%value + normal_95*c%std_error
+               c%upper_limit = c%value + sqrt(options%limit_rise)*c%std_error
                if (.not. c%detected) c%upper_limit = &
                   & unit*sqrt(upper_limit(e%points, e%run, options, e%offered, j, e%full%squares))
             end if
@@ -366,7 +364,7 @@ contains
          if (noise%lsb_ratio > options%lsb_range(2) .or. .not. n%detected .or. square <= 0) return
          c%value = sqrt(square)
          c%std_error = n%std_error*n%value/c%value
-         c%upper_limit = c%value + normal_95*c%std_error
+         c%upper_limit = c%value + sqrt(options%limit_rise)*c%std_error
          c%detected = .true.
          c%fitted = .true.
          c%state = "value"

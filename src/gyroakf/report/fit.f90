@@ -25,6 +25,7 @@ contains
       associate (noise => allan%noise)
          if (.not. noise%described) then
             call put_item(writer, "Fit", not_described)
+            call put_item(writer, "Slopes", slopes_text(allan, record))
             return
          end if
          call put_item(writer, "Fit", "terms "//chosen_text(allan)//"; "//count_text(int(noise%points, int64))// &
@@ -45,6 +46,27 @@ contains
             & number(50*noise%floor, 2)//" %; errors and limits allow for it")
       end associate
    end subroutine put_fit
+
+   !> "-0.50 from 0.1 to 1 s, ...": slopes of the logarithm of the deviation against that of tau, factors of eight in tau or more.
+   pure function slopes_text(allan, record) result(text)
+      type(allan_result_type), intent(in) :: allan
+      type(record_type), intent(in) :: record
+      character(:), allocatable :: text
+      character(5) :: slope
+      integer :: i, k
+
+      text = ""
+      i = 1
+      associate (tau => allan%curve%tau, deviation => allan%curve%deviation)
+         do k = 2, size(tau)
+            if (tau(k) < 7.9_dp*tau(i)) cycle
+            write (slope, "(sp, f5.2)") log(deviation(k)/deviation(i))/log(tau(k)/tau(i))
+            text = text//slope//" from "//number(tau(i), 3)//" to "//number(tau(k), 3)//unit_of_time(record)//", "
+            i = k
+         end do
+      end associate
+      text = text//"of log deviation against log tau: -1 is quantization, -1/2 white noise, 0 bias instability, +1/2 random walk"
+   end function slopes_text
 
    !> "2.4", or that it is more than can be told.
    pure function lsb_text(ratio) result(text)

@@ -202,7 +202,7 @@ contains
       integer(int64) :: ahead
       integer :: k, stat
 
-      sections = filters_of(options)
+      allocate (sections, source=filters_of(options))
       if (size(sections) == 0) then
          call add_part(options, part, 0_int64, x, error, progress)
          return
@@ -229,7 +229,7 @@ contains
 
       hz = [options%lowpass_hz, options%resonance_hz]
       q = [merge(sqrt(0.5_dp), 0.0_dp, options%lowpass_order == 2), options%resonance_q]
-      sections = pack(make_section(hz, options%rate_hz, q), hz > 0)
+      allocate (sections, source=pack(make_section(hz, options%rate_hz, q), hz > 0))
    end function filters_of
 
    !> Adds a part of the signal that begins some samples ahead of the record.
