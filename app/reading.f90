@@ -126,12 +126,14 @@ contains
       type(reader_options) :: less
       real(dp) :: rate
       integer(int64) :: rows
-      logical :: known
+      logical :: known, one_unit
 
       known = recording%expected_rows > 0
+      one_unit = .true.
+      if (allocated(recording%options%unit)) one_unit = index(recording%options%unit, ",") == 0
       rows = max(recording%expected_rows, recording%table%rows)
       text = trim(merge("what fits:      ", "what needs less:", known))
-      if (size(recording%table%chosen) > 1) then
+      if (size(recording%table%chosen) > 1 .and. one_unit) then
          if (rows_within(recording, recording%options, 1) >= rows .or. .not. known) then
             call add("--column "//integer_text(int(recording%table%chosen(1), int64)))
          end if

@@ -15,6 +15,7 @@ program test_main
    use test_allan_grid, only : collect_allan_grid
    use test_allan_halves, only : collect_allan_halves
    use test_allan_noise_fit, only : collect_allan_noise_fit
+   use test_noise_statements, only : collect_noise_statements
    use test_chart, only : collect_chart
    use test_allan_read_off, only : collect_allan_read_off
    use test_allan_statistics, only : collect_allan_statistics
@@ -117,6 +118,7 @@ program test_main
    call add("allan_grid", collect_allan_grid)
    call add("allan_halves", collect_allan_halves)
    call add("allan_noise_fit", collect_allan_noise_fit)
+   call add("noise_statements", collect_noise_statements)
    call add("allan_read_off", collect_allan_read_off)
    call add("allan_statistics", collect_allan_statistics)
    call add("allan_noise_model", collect_allan_noise_model)

@@ -132,7 +132,7 @@ contains
       rate = normal_series(int(n, int64), 31_int64)
       do pattern = 1, patterns
          call integrate(rate, presence(n, pattern), phase, missing)
-         call sum_gapped_averages(phase, missing, int(m, int64), 0.85_dp, found, failure)
+         call sum_gapped_averages(phase, missing, int(m, int64), spread(0.85_dp, 1, size(m)), found, failure)
          do i = 1, size(m)
             expected = gap_sums_type()
             white = 0
@@ -164,8 +164,8 @@ contains
       rate = normal_series(int(n, int64), 31_int64)
       do pattern = 1, patterns
          call integrate(rate, presence(n, pattern), phase, missing)
-         call sum_gapped_differences(phase, missing, int(m, int64), 0.85_dp, found)
-         call add_gapped_reflections(phase, missing, int(m, int64), 0.85_dp, found, failure)
+         call sum_gapped_differences(phase, missing, int(m, int64), spread(0.85_dp, 1, size(m)), found)
+         call add_gapped_reflections(phase, missing, int(m, int64), spread(0.85_dp, 1, size(m)), found, failure)
          do i = 1, size(m)
             expected = gap_sums_type()
             white = 0
@@ -204,14 +204,14 @@ contains
       allocate (rate, source=normal_series(int(n, int64), 4_int64))
       allocate (phase(0:n), missing(0:n))
       call integrate(rate, spread(1_int8, 1, n), phase, missing)
-      call sum_gapped_averages(phase, missing, m, 1.0_dp, found, failure)
+      call sum_gapped_averages(phase, missing, m, spread(1.0_dp, 1, size(m)), found, failure)
       call sum_phase_averages(phase, m, plain, failure)
       call check(error, all(abs(found%squares*real(m, dp)**4/plain - 1) < 1.0e-12_dp), "mdev")
       if (allocated(error)) return
       call check(error, all(abs(found%inflation) <= 0) .and. all(found%terms == n - 3*m + 2), "mdev: terms")
       if (allocated(error)) return
-      call sum_gapped_differences(phase, missing, m, 1.0_dp, found)
-      call add_gapped_reflections(phase, missing, m, 1.0_dp, found, failure)
+      call sum_gapped_differences(phase, missing, m, spread(1.0_dp, 1, size(m)), found)
+      call add_gapped_reflections(phase, missing, m, spread(1.0_dp, 1, size(m)), found, failure)
       call sum_second_differences(phase, m, plain)
       call add_reflected_differences(phase, m, plain, failure)
       call check(error, all(abs(found%squares*real(m, dp)**2/plain - 1) < 1.0e-12_dp), "totdev")

@@ -332,7 +332,7 @@ GYROAKF_API void gyroakf_fit_options_init(gyroakf_fit_options *opt);
 typedef struct gyroakf_coefficient {
   double value;       /* never negative; 0 where the term is not in the fit */
   double std_error;   /* standard error, 0 where the term is not in the fit */
-  double upper_limit; /* one-sided, 95 % */
+  double upper_limit; /* one-sided; holds in at least 95 % of records */
   int32_t detected;   /* 1: state the value; 0: state the upper limit */
   int32_t fitted;     /* 1: there is a value or a limit; 0: the term was not asked for, or is withheld */
 } gyroakf_coefficient;

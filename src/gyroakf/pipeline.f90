@@ -142,7 +142,6 @@ contains
       do channel = 1, channels
          result%channel(channel)%name = "channel"
          if (allocated(record%channel)) result%channel(channel)%name = record%channel(channel)%text
-         if (allocated(record%audit%quantisation)) result%channel(channel)%lsb = record%audit%quantisation(channel)
          if (present(truth) .and. options%do_filter) call take_truth(truth, record, channel, result%channel(channel), error)
          if (allocated(error)) return
          if (present(progress) .and. channels > 1) then

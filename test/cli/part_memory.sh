@@ -35,6 +35,7 @@ holds "what is allowed" "30 MB of memory are allowed" err
 fits 50MB "run large.txt" "gyroakf allan large.txt" "--to [0-9]+" "--memory [0-9]+MB"
 fits 50MB "run large.txt --from 9000" "gyroakf allan large.txt --from 9000" "--memory [0-9]+MB"
 fits 32MB "allan three.csv" "--column 1" "--to [0-9]+" "--memory [0-9]+MB"
+fits 32MB "allan three.csv --unit deg/s,deg/s,deg/s" "--to [0-9]+" "--memory [0-9]+MB"
 fits 70MB "run large.txt --out results" "without --out" "--to [0-9]+" "gyroakf allan large.txt" "--memory [0-9]+MB"
 is "no result of a refused record" "$([ -e results ] && echo there)" ""
 # the options that say how a recording is read are part of the way out

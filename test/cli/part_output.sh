@@ -132,7 +132,7 @@ holds "the report has it" "N without quantization 0.0" out
 good "a step of four" simulate --samples 100000 --rate 100 --coefficients N=0.001 --lsb 0.04 --output lsb.txt --force
 good "a coarse record" allan lsb.txt
 holds "withheld" "N without quantization is withheld" out
-holds "with a warning" "is above two standard deviations of the noise" out
+holds "with a warning" "is not small beside the noise" out
 good "a slow Markov process alone" simulate --samples 200000 --rate 10 --ar 0.98 --ar-variance 1e-4 --seed 5 --output markov.txt
 good "no coefficient of it" allan markov.txt --json markov.json
 holds "and why" "no run of octaves follows a sum of Q, N, B, K and R" out

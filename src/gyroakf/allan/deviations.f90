@@ -57,7 +57,8 @@ module gyroakf_allan_deviations
       character(:), allocatable :: taus
       !> Probability between the limits, > 0, < 1
       real(dp) :: confidence = 0.683_dp
-      !> Share of a window that must be present, > 0, <= 1; 1 demands complete windows
+      !> Share of a window that must be present, > 0, <= 1, but for scattered losses ([[window_coverage]]); 1 demands complete
+      !> windows
       real(dp) :: min_coverage = 0.9_dp
    end type allan_options
 
@@ -65,7 +66,8 @@ module gyroakf_allan_deviations
    type :: octaves_type
       !> Averaging factors
       integer(int64), allocatable :: m(:)
-      !> Variances; excess kurtosis of the white noise per sample as seen at each factor; share of the terms that gaps left
+      !> Variances; excess kurtosis of the white noise per sample as seen at each factor; degrees of freedom as a share of
+      !> those of a complete record
       real(dp), allocatable :: variance(:), kurtosis(:), share(:)
    end type octaves_type
 
@@ -208,7 +210,7 @@ contains
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
 
-      real(dp), allocatable :: variance(:)
+      real(dp), allocatable :: variance(:), share(:)
       integer(int64), allocatable :: terms(:), all_m(:)
       logical, allocatable :: shown(:)
       integer :: stat
@@ -216,20 +218,22 @@ contains
       call add_octaves(options%kind, ubound(phase, 1, kind=int64), m, all_m, shown)
       allocate (variance(size(all_m)), stat=stat)
       if (stat == 0) allocate (terms(size(all_m)), stat=stat)
+      if (stat == 0) allocate (share(size(all_m)), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the Allan variances")
          return
       end if
       if (allocated(missing)) then
-         call gapped_variances(options%kind, phase, missing, all_m, options%min_coverage, variance, terms, error, progress)
+         call gapped_variances(options%kind, phase, missing, all_m, options%min_coverage, variance, terms, share, error, progress)
       else
          call complete_variances(options%kind, phase, all_m, variance, terms, error, progress)
+         share = 1
       end if
       if (allocated(error)) return
       curve%kind = options%kind
-      if (options%kind == "oadev") call fill_octaves(phase, missing, all_m, variance, terms, curve%octaves)
+      if (options%kind == "oadev") call fill_octaves(phase, missing, all_m, variance, share, curve%octaves)
       call fill_curve(ubound(phase, 1, kind=int64), sample_interval, options%confidence, pack(all_m, shown), &
-         & pack(variance, shown), pack(terms, shown), curve, error)
+         & pack(variance, shown), pack(terms, shown), pack(share, shown), curve, error)
       if (allocated(error)) return
       call identify_noise(phase, curve%m, options%min_coverage, curve%alpha, missing, difference_order(curve%kind))
       call fill_limits(curve)
@@ -258,20 +262,20 @@ contains
    end subroutine add_octaves
 
    !> What a fit needs.
-   subroutine fill_octaves(phase, missing, m, variance, terms, octaves)
+   subroutine fill_octaves(phase, missing, m, variance, share, octaves)
       real(dp), intent(in), contiguous :: phase(0:)
       integer(int32), allocatable, intent(in) :: missing(:)
-      integer(int64), intent(in) :: m(:), terms(:)
-      real(dp), intent(in) :: variance(:)
+      integer(int64), intent(in) :: m(:)
+      real(dp), intent(in) :: variance(:), share(:)
       type(octaves_type), intent(out) :: octaves
       logical :: mask(size(m))
       integer(int64) :: n
 
       n = ubound(phase, 1, kind=int64)
-      mask = popcnt(m) == 1 .and. m <= max(1_int64, n/4) .and. terms > 0
+      mask = popcnt(m) == 1 .and. m <= max(1_int64, n/4) .and. share > 0
       octaves%m = pack(m, mask)
       octaves%variance = pack(variance, mask)
-      octaves%share = real(pack(terms, mask), dp)/real(term_count("oadev", n, octaves%m), dp)
+      octaves%share = pack(share, mask)
       allocate (octaves%kurtosis(size(octaves%m)))
       call find_kurtosis(phase, octaves%m, octaves%variance, octaves%kurtosis, missing)
    end subroutine fill_octaves
@@ -339,7 +343,7 @@ contains
    end function positive
 
    !> Puts the averaging times that have terms into the curve.
-   subroutine fill_curve(n, sample_interval, confidence, m, variance, terms, curve, error)
+   subroutine fill_curve(n, sample_interval, confidence, m, variance, terms, share, curve, error)
       !> Samples
       integer(int64), intent(in) :: n
       !> Seconds
@@ -350,7 +354,9 @@ contains
       integer(int64), intent(in) :: m(:)
       real(dp), intent(in) :: variance(:)
       integer(int64), intent(in) :: terms(:)
-      !> The curve, without exponents and limits; `share` is that of the terms
+      !> Degrees of freedom as a share of those of a complete record
+      real(dp), intent(in) :: share(:)
+      !> The curve, without exponents and limits
       type(allan_curve_type), intent(inout) :: curve
       !> too_few_samples, no_memory
       type(error_type), allocatable, intent(out) :: error
@@ -387,7 +393,7 @@ contains
          curve%tau(k) = real(m(i), dp)*sample_interval
          curve%deviation(k) = sqrt(variance(i))
          if (curve%kind == "tdev") curve%deviation(k) = curve%tau(k)*curve%deviation(k)/sqrt(3.0_dp)
-         curve%share(k) = real(terms(i), dp)/real(term_count(curve%kind, n, m(i)), dp)
+         curve%share(k) = share(i)
       end do
    end subroutine fill_curve
 

@@ -43,15 +43,15 @@ module gyroakf_allan_gapped_average
 contains
 
    !> For each m the sums over j = 0 .. n - 3m + 1.
-   subroutine sum_gapped_averages(phase, missing, m, min_coverage, sums, error, progress)
+   subroutine sum_gapped_averages(phase, missing, m, coverage, sums, error, progress)
       !> Phase, to which missing samples added nothing: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n]
       integer(int32), intent(in), contiguous :: missing(0:)
       !> Averaging factors, 1 <= m <= (n + 1)/3: [any number]
       integer(int64), intent(in) :: m(:)
-      !> Share of the weight of each triangle that must be present, > 0, <= 1
-      real(dp), intent(in) :: min_coverage
+      !> Share of the weight of each triangle that must be present, > 0, <= 1: [size(m)]
+      real(dp), intent(in) :: coverage(:)
       !> The sums: [size(m)]; the inflation is the sum of V - (m^2 + 1)/m^3
       type(gap_sums_type), intent(out) :: sums(:)
       !> no_memory, cancelled
@@ -85,7 +85,7 @@ contains
          !$omp parallel do schedule(dynamic) private(i) if (term_count(phase, 1_int64)*size(m) >= parallel_from)
          do item = from, max(from - group + 1, 1_int64), -1
             i = factor(item)
-            call add_chain(phase, missing, m(i), min_coverage, begin(item), &
+            call add_chain(phase, missing, m(i), coverage(i), begin(item), &
                & min(chain_length(m(i)), term_count(phase, m(i)) - begin(item)), part(item))
          end do
          !$omp end parallel do
@@ -141,7 +141,7 @@ contains
    end subroutine list_chains
 
    !> Some neighbouring terms.
-   pure subroutine add_chain(phase, missing, m, min_coverage, first, terms, sums)
+   pure subroutine add_chain(phase, missing, m, coverage, first, terms, sums)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n]
@@ -149,7 +149,7 @@ contains
       !> Averaging factor
       integer(int64), intent(in) :: m
       !> Share of the weight that must be present
-      real(dp), intent(in) :: min_coverage
+      real(dp), intent(in) :: coverage
       !> First term, and how many
       integer(int64), intent(in) :: first, terms
       !> The sums
@@ -161,7 +161,7 @@ contains
       logical :: complete
 
       whole = real(m, dp)**2
-      allowed = min(real(int((1 - min_coverage)*whole + 1e-9_dp, int64), dp), whole - 1)
+      allowed = min(real(int((1 - coverage)*whole + 1e-9_dp, int64), dp), whole - 1)
       state = first_state(phase, missing, m, first)
       do j = first, first + terms - 1
          complete = missing(j + 3*m - 1) == missing(j)

@@ -2,7 +2,7 @@
 !> Allan-family variances of a record with missing samples.
 !>
 !> With missing samples the mean of a window is taken over those that are there, and a term counts when each
-!> of its windows is complete to the share `min_coverage`. The mean of c out of m samples is uncertain by
+!> of its windows is complete enough ([[window_coverage]]). The mean of c out of m samples is uncertain by
 !> the sampling variance S^2 (1/c - 1/m), S^2 the variance of the samples within a window (sampling without
 !> replacement; for white noise it is its variance). What that adds to the variance is subtracted. Two windows (Allan):
 !>
@@ -26,21 +26,64 @@ module gyroakf_allan_gaps
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_allan_reflection, only : add_gapped_reflections, complete_weight
    use gyroakf_allan_second_difference, only : sum_gapped_differences, gap_sums_type
-   use gyroakf_allan_statistic, only : difference_order
+   use gyroakf_allan_statistic, only : difference_order, term_count
    use gyroakf_allan_window_difference, only : sum_gapped_windows
    implicit none (type, external)
    private
-   public :: gapped_variances
+   public :: gapped_variances, window_coverage
 
    !> Share of a gapped variance that the correction leaves at least
    real(dp), parameter :: correction_floor = 0.1_dp
    !> Share of the weight of a total variance that must be left: the terms near an end hold little of a random walk
    real(dp), parameter :: weight_least = 0.5_dp
+   !> Gaps of at most this share of a window, or of one sample, are scattered
+   integer(int64), parameter :: scattered_part = 8
 
 contains
 
+   !> Share of a window of m samples that must be present.
+   !>
+   !> It is `min_coverage` of what scattered losses leave of the record, rounded to whole samples: these are a random sample of
+   !> the window, whose mean is corrected for, whatever the noise. Scattered are gaps of at most m/8 samples, and single samples.
+   !> A `min_coverage` of 1 demands complete windows.
+   pure function window_coverage(missing, m, min_coverage) result(coverage)
+      !> Missing samples so far: [0:n]
+      integer(int32), intent(in), contiguous :: missing(0:)
+      !> Averaging factors
+      integer(int64), intent(in) :: m(:)
+      !> Share of a window without scattered losses, > 0, <= 1
+      real(dp), intent(in) :: min_coverage
+      !> At most `min_coverage`: [size(m)]
+      real(dp) :: coverage(size(m))
+      integer(int64) :: lost(0:bit_size(0_int64)), i, gap, n
+      real(dp) :: scattered
+      integer :: j, shortest
+
+      n = ubound(missing, 1, kind=int64)
+      lost = 0                                              ! samples in gaps of more than 2**(j - 1), up to 2**j samples
+      gap = 0
+      do i = 1, n
+         if (missing(i) > missing(i - 1)) then
+            gap = gap + 1
+         else if (gap > 0) then
+            j = bit_size(gap) - leadz(gap - 1)
+            lost(j) = lost(j) + gap
+            gap = 0
+         end if
+      end do
+      if (gap > 0) lost(bit_size(gap)) = gap
+      coverage = min_coverage
+      if (min_coverage >= 1) return
+      do j = 1, size(m)
+         shortest = bit_size(gap) - leadz(max(1_int64, m(j)/scattered_part)) - 1
+         scattered = real(sum(lost(:shortest)), dp)
+         scattered = scattered/max(1.0_dp, real(n - sum(lost), dp) + scattered)
+         coverage(j) = min(min_coverage, max(1.0_dp, anint(min_coverage*(1 - scattered)*real(m(j), dp)))/real(m(j), dp))
+      end do
+   end function window_coverage
+
    !> Variances of a record with missing samples, the inflation by the samples that are not there removed.
-   subroutine gapped_variances(kind, phase, missing, m, min_coverage, variance, terms, error, progress)
+   subroutine gapped_variances(kind, phase, missing, m, min_coverage, variance, terms, share, error, progress)
       !> A known statistic
       character(*), intent(in) :: kind
       !> Phase: [0:n]
@@ -49,12 +92,15 @@ contains
       integer(int32), intent(in), contiguous :: missing(0:)
       !> Averaging factors
       integer(int64), intent(in) :: m(:)
-      !> Share of a window that must be present
+      !> Share of a window that must be present, but for scattered losses
       real(dp), intent(in) :: min_coverage
       !> Variances: [size(m)]; tdev: those of mdev
       real(dp), intent(out) :: variance(:)
       !> Terms used: [size(m)]
       integer(int64), intent(out) :: terms(:)
+      !> Degrees of freedom of the variances as a share of those of a complete record: the share of the terms, times the square of
+      !> what the correction leaves of the variance: [size(m)]
+      real(dp), intent(out) :: share(:)
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> Told how far it is; may cancel
@@ -63,12 +109,13 @@ contains
       type(gap_sums_type), allocatable :: sums(:)
       integer(int64), allocatable :: octave(:)
       real(dp), allocatable :: within(:)
+      real(dp) :: divisor, raw
       integer :: i, stat
 
       call averaging_factors("octave", ubound(phase, 1, kind=int64), 1.0_dp, octave, error)
       if (allocated(error)) return
       allocate (sums(size(octave)), within(size(octave)))
-      call sum_gapped_differences(phase, missing, octave, min_coverage, sums, error, progress)
+      call sum_gapped_differences(phase, missing, octave, window_coverage(missing, octave, min_coverage), sums, error, progress)
       if (allocated(error)) return
       call variance_within_windows(sums, octave, within)
       if (kind /= "oadev" .or. .not. same(m, octave)) then
@@ -78,18 +125,22 @@ contains
             call fatal_error(error, status%no_memory, "no memory for the Allan variances")
             return
          end if
-         call sum_terms(kind, phase, missing, m, min_coverage, sums, error, progress)
+         call sum_terms(kind, phase, missing, m, window_coverage(missing, m, min_coverage), sums, error, progress)
          if (allocated(error)) return
       end if
       do i = 1, size(m)
          if (kind == "totdev") call divide_by_weight(ubound(phase, 1, kind=int64), m(i), sums(i))
          terms(i) = sums(i)%terms
-         variance(i) = corrected(sums(i), interpolated(within, real(m(i), dp)), merge(6.0_dp, 2.0_dp, difference_order(kind) == 3))
+         divisor = merge(6.0_dp, 2.0_dp, difference_order(kind) == 3)
+         variance(i) = corrected(sums(i), interpolated(within, real(m(i), dp)), divisor)
+         raw = sums(i)%squares/(divisor*real(max(terms(i), 1_int64), dp))
+         share(i) = real(terms(i), dp)/real(term_count(kind, ubound(phase, 1, kind=int64), m(i)), dp)
+         if (raw > 0) share(i) = share(i)*(variance(i)/raw)**2
       end do
    end subroutine gapped_variances
 
    !> Squares, inflation and number of the terms.
-   subroutine sum_terms(kind, phase, missing, m, min_coverage, sums, error, progress)
+   subroutine sum_terms(kind, phase, missing, m, coverage, sums, error, progress)
       !> A known statistic
       character(*), intent(in) :: kind
       !> Phase: [0:n]
@@ -98,8 +149,8 @@ contains
       integer(int32), intent(in), contiguous :: missing(0:)
       !> Averaging factors
       integer(int64), intent(in) :: m(:)
-      !> Share of a window that must be present
-      real(dp), intent(in) :: min_coverage
+      !> Share of a window that must be present: [size(m)]
+      real(dp), intent(in) :: coverage(:)
       !> The sums: [size(m)]
       type(gap_sums_type), intent(out) :: sums(:)
       !> no_memory, cancelled
@@ -109,14 +160,14 @@ contains
 
       select case (kind)
       case ("mdev", "tdev")
-         call sum_gapped_averages(phase, missing, m, min_coverage, sums, error, progress)
+         call sum_gapped_averages(phase, missing, m, coverage, sums, error, progress)
       case ("adev", "hdev", "ohdev")
-         call sum_gapped_windows(phase, missing, m, difference_order(kind), kind == "ohdev", min_coverage, sums, error, &
+         call sum_gapped_windows(phase, missing, m, difference_order(kind), kind == "ohdev", coverage, sums, error, &
             & progress)
       case default
-         call sum_gapped_differences(phase, missing, m, min_coverage, sums, error, progress)
+         call sum_gapped_differences(phase, missing, m, coverage, sums, error, progress)
          if (allocated(error)) return
-         if (kind == "totdev") call add_gapped_reflections(phase, missing, m, min_coverage, sums, error, progress)
+         if (kind == "totdev") call add_gapped_reflections(phase, missing, m, coverage, sums, error, progress)
       end select
    end subroutine sum_terms
 

@@ -12,7 +12,7 @@
 !>
 !> A filter of unit gain turns the N^2/tau of white noise into N^2/tau + c/tau^2 once tau exceeds its
 !> memory, c of either sign. Where points are excluded at the start the 1/tau^2 term is therefore of
-!> either sign and not Q. What the run of points cannot tell is withheld: Q, and an N that is not the
+!> either sign and not Q. What the run of points does not determine is withheld: Q, and an N that is not the
 !> larger part of its first three points, where it begins late; K, R, and a B that is not the larger
 !> part of its last three points, where it ends early; everything where no run of points follows the
 !> terms.
@@ -24,7 +24,7 @@ module gyroakf_allan_noise_fit
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_special, only : chi_square_survival
    use gyroakf_allan_degrees_of_freedom, only : chi_square_limits
-   use gyroakf_allan_deviations, only : allan_curve_type
+   use gyroakf_allan_deviations, only : allan_curve_type, terms_share
    use gyroakf_allan_fit_covariance, only : mixture_freedom, new_covariance_basis
    use gyroakf_allan_fit_selection, only : find_floor, find_run, is_described, noise_options, run_between, select_terms, &
       & upper_limit
@@ -39,13 +39,13 @@ module gyroakf_allan_noise_fit
    type :: coefficient_type
       !> Estimate, >= 0, and standard error; 0 of a term that is not in the fit
       real(dp) :: value = 0.0_dp, std_error = 0.0_dp
-      !> One-sided limit: the true value is below it with 95 % confidence
+      !> One-sided limit: the true value is below it in at least 95 % of records
       real(dp) :: upper_limit = 0.0_dp
       !> The value is stated: no set of terms without this one describes the curve as well
       logical :: detected = .false.
       !> There is a value or a limit; false where the term was not asked for, or is withheld
       logical :: fitted = .false.
-      !> "value", "limit", "withheld" (the fit cannot tell), or "" (not asked for)
+      !> "value", "limit", "withheld" (the points do not determine it), or "" (not asked for)
       character(8) :: state = ""
    end type coefficient_type
 
@@ -53,11 +53,12 @@ module gyroakf_allan_noise_fit
    type :: noise_type
       !> Q N B K R
       type(coefficient_type) :: coefficient(term_count)
-      !> Covariance of these estimates, in the product of their units; 0 beside a term that is not in the fit. Where chance does
-      !> not explain chi-square it is multiplied by chi-square per degree of freedom
+      !> Covariance of these estimates, in the product of their units; 0 beside a term that is not in the fit
       real(dp) :: covariance(term_count, term_count) = 0.0_dp
-      !> N without quantization, sqrt(N^2 - lsb^2 dt/12): "withheld" where the step is above two standard deviations of the noise
-      !> or N is; "" where it is of no account. And the step in these standard deviations
+      !> Chance does not explain chi-square: the covariance is multiplied by chi-square per degree of freedom
+      logical :: errors_increased = .false.
+      !> N without quantization, sqrt(N^2 - lsb^2 dt/12): "withheld" where the step is above two standard deviations of the noise;
+      !> "" where it is of no account, or N is not stated. And the step in these standard deviations
       type(coefficient_type) :: unquantized
       real(dp) :: lsb_ratio = 0.0_dp
       !> A run of points follows the terms
@@ -76,7 +77,7 @@ module gyroakf_allan_noise_fit
       real(dp) :: floor = 0.0_dp
       !> Excess kurtosis of the white noise per sample, 0 where it is not significant
       real(dp) :: kurtosis = 0.0_dp
-      !> Mean share of their terms that gaps left
+      !> Mean share of their degrees of freedom that gaps left
       real(dp) :: share = 1.0_dp
       !> Averaging times of the octaves, s; distance of the curve from the terms there in standard
       !> deviations, 0 where excluded
@@ -105,8 +106,8 @@ module gyroakf_allan_noise_fit
    real(dp), parameter :: power(term_count) = [1.0_dp, 0.5_dp, 0.0_dp, -0.5_dp, -1.0_dp]
    !> Averaging times per octave at which degrees of freedom are computed; between them they are interpolated
    integer, parameter :: per_octave = 4
-   !> The stage that progress is told of
-   character(*), parameter :: told = "noise coefficients"
+   !> Stage of the analysis for the progress callback
+   character(*), parameter :: stage = "noise coefficients"
 
 contains
 
@@ -127,9 +128,9 @@ contains
 
       call check_terms(options, estimate, error)
       if (.not. allocated(error)) call take_points(curve, estimate, error)
-      if (.not. allocated(error)) call tell_progress(told, 0_int64, 0_int64, error, progress)
+      if (.not. allocated(error)) call tell_progress(stage, 0_int64, 0_int64, error, progress)
       if (.not. allocated(error)) call choose_run(options, curve%sample_interval, estimate, noise%described, error)
-      if (.not. allocated(error)) call tell_progress(told, 0_int64, 0_int64, error, progress)
+      if (.not. allocated(error)) call tell_progress(stage, 0_int64, 0_int64, error, progress)
       if (allocated(error)) return
       noise%sample_interval = curve%sample_interval
       noise%tau = curve%sample_interval*real(estimate%points%m, dp)
@@ -140,7 +141,7 @@ contains
          return
       end if
       call fit_terms(options, estimate)
-      call tell_progress(told, 0_int64, 0_int64, error, progress)
+      call tell_progress(stage, 0_int64, 0_int64, error, progress)
       if (.not. allocated(error)) call state_fit(options, estimate, noise, error)
       if (.not. allocated(error)) call state_coefficients(options, estimate, noise)
       if (.not. allocated(error)) call state_unquantized(options, estimate, noise)
@@ -174,6 +175,7 @@ contains
       type(allan_curve_type), intent(in) :: curve
       type(estimate_type), intent(inout) :: estimate
       type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: share(:)
       integer, allocatable :: place(:)
       integer :: i
 
@@ -196,7 +198,8 @@ contains
             points%m = curve%m(place)
             points%variance = curve%deviation(place)**2
             allocate (points%kurtosis(size(place)), source=0.0_dp)
-            points%complete = real(curve%terms(place), dp)/real(curve%samples - 2*points%m + 1, dp)
+            share = terms_share(curve)
+            points%complete = share(place)
          end if
          if (size(points%m) == 0) then
             call fatal_error(error, status%too_few_samples, "the curve has no averaging time of 1, 2, 4 ... samples to be fitted")
@@ -259,9 +262,22 @@ contains
          if (e%own_terms .or. .not. any(e%chosen)) used = e%offered
          start = e%final%squares
          call fit_run(e%points, e%run, used, e%final, start, ramp=.true.)
+         if (used(term_ramp) .and. .not. is_likely(options, e%final, used)) call fit_run(e%points, e%run, used, e%final, start)
          e%chosen = used .and. (e%final%squares > 0 .or. (e%run%signed .and. [1, 2, 3, 4, 5] == term_quantization))
       end associate
    end subroutine fit_terms
+
+   !> Chance explains what is left of a fit.
+   logical function is_likely(options, fit, used)
+      type(noise_options), intent(in) :: options
+      type(solution_type), intent(in) :: fit
+      logical, intent(in) :: used(term_count)
+      integer :: freedom
+
+      freedom = size(fit%residual) - count(used)
+      is_likely = freedom <= 0
+      if (freedom > 0) is_likely = chi_square_survival(fit%chi_square, real(freedom, dp)) >= options%run_chance
+   end function is_likely
 
    !> What was fitted, and how well.
    subroutine state_fit(options, estimate, noise, error)
@@ -302,7 +318,7 @@ contains
          call dpotrf("U", k, inverse, k, info)
          if (info == 0) call dpotri("U", k, inverse, k, info)
          if (info /= 0) then
-            call fatal_error(error, status%singular, "the noise terms cannot be told apart at these averaging times")
+            call fatal_error(error, status%singular, "the noise terms are collinear at these averaging times")
             return
          end if
          unit(place) = sqrt(e%scale)*noise%sample_interval**power(place)/(2*sqrt(abs(squares(place)))*unit(place))
@@ -310,7 +326,8 @@ contains
             noise%covariance(place(:j), place(j)) = inverse(:j, j)*unit(place(:j))*unit(place(j))
             noise%covariance(place(j), place(:j)) = noise%covariance(place(:j), place(j))
          end do
-         if (noise%chi2_probability < options%run_chance) noise%covariance = noise%covariance*noise%chi2_reduced
+            noise%errors_increased = noise%chi2_probability < options%run_chance
+         if (noise%errors_increased) noise%covariance = noise%covariance*noise%chi2_reduced
       end associate
    end subroutine state_fit
 
@@ -357,11 +374,11 @@ contains
 
       before = estimate%scale - options%lsb**2/12
       noise%lsb_ratio = options%lsb/sqrt(max(before, tiny(1.0_dp)))
-      if (noise%lsb_ratio < options%lsb_range(1)) return
       associate (n => noise%coefficient(term_white), c => noise%unquantized)
+         if (noise%lsb_ratio < options%lsb_range(1) .or. .not. n%detected) return
          c%state = "withheld"
          square = n%value**2 - options%lsb**2*noise%sample_interval/12
-         if (noise%lsb_ratio > options%lsb_range(2) .or. .not. n%detected .or. square <= 0) return
+         if (noise%lsb_ratio > options%lsb_range(2) .or. square <= 0) return
          c%value = sqrt(square)
          c%std_error = n%std_error*n%value/c%value
          c%upper_limit = c%value + sqrt(options%limit_rise)*c%std_error
@@ -371,7 +388,7 @@ contains
       end associate
    end subroutine state_unquantized
 
-   !> What the run of points cannot tell.
+   !> Terms that the run of points does not determine.
    pure subroutine find_withheld(options, estimate, withheld)
       type(noise_options), intent(in) :: options
       type(estimate_type), intent(in) :: estimate
@@ -400,7 +417,7 @@ contains
       type(allan_curve_type), intent(inout) :: curve
       type(noise_type), intent(inout) :: noise
       type(noise_model_type) :: noisy
-      real(dp), allocatable :: lag(:), relative(:)
+      real(dp), allocatable :: lag(:), relative(:), share(:)
       real(dp) :: m, white, edf
       integer(int64), allocatable :: place(:)
       integer :: i
@@ -410,6 +427,7 @@ contains
          noisy%squares = max(0.0_dp, estimate%full%squares)
          noisy%squares(term_walk) = noisy%squares(term_walk) + 1.5_dp*real(points%m(run%last), dp)*noisy%squares(term_ramp)
          noisy%squares(term_ramp) = 0
+         share = terms_share(curve)
          call spread_factors(curve%m(size(curve%m)), place)
          lag = log(real(place, dp))
          relative = log(2/mixture_freedom(points%samples, place, noisy))
@@ -418,7 +436,7 @@ contains
             outside = curve%m(i) < points%m(run%first) .or. curve%m(i) > 2*points%m(run%last)
             if (.not. outside) noise%model(i) = sqrt(estimate%scale*model_variance(estimate%final%squares, m))
             white = noisy%squares(term_white)/(m*model_variance(noisy, m))
-            edf = 2*curve%share(i)/(exp(between(lag, relative, log(m))) + run%kurtosis/real(points%samples, dp)*white**2)
+            edf = 2*share(i)/(exp(between(lag, relative, log(m))) + run%kurtosis/real(points%samples, dp)*white**2)
             if (outside) edf = min(edf, curve%edf(i))
             curve%edf(i) = max(0.5_dp, edf)
          end do

@@ -9,6 +9,7 @@
 !> Proc. 18th EFTF (2004). It needs 30 means; beyond that the last identified noise is carried on.
 module gyroakf_allan_noise_identification
    use gyroakf_kinds, only : dp, int32, int64
+   use gyroakf_allan_gaps, only : window_coverage
    implicit none (type, external)
    private
    public :: identify_noise
@@ -32,22 +33,25 @@ contains
       real(dp), intent(in), contiguous :: phase(0:)
       !> Averaging factors, ascending
       integer(int64), intent(in) :: m(:)
-      !> Share of a window that must be present
+      !> Share of a window that must be present, but for scattered losses ([[window_coverage]])
       real(dp), intent(in) :: min_coverage
       !> The exponents: [size(m)]; 0 until one could be identified
       integer, intent(out) :: alpha(:)
       !> Missing samples so far: [0:n]; none if absent
-      integer(int32), intent(in), optional :: missing(0:)
+      integer(int32), intent(in), contiguous, optional :: missing(0:)
       !> Differences at most: 2 (if absent) or 3
       integer, intent(in), optional :: differences
 
+      real(dp) :: coverage(size(m))
       integer :: i, most, last
 
+      coverage = min_coverage
+      if (present(missing)) coverage = window_coverage(missing, m, min_coverage)
       most = differences_usual
       if (present(differences)) most = differences
       !$omp parallel do schedule(dynamic) if (ubound(phase, 1, kind=int64) >= parallel_from)
       do i = 1, size(m)
-         call identify_one(phase, m(i), min_coverage, most, alpha(i), missing)
+         call identify_one(phase, m(i), coverage(i), most, alpha(i), missing)
       end do
       !$omp end parallel do
       last = 0
@@ -58,13 +62,13 @@ contains
    end subroutine identify_noise
 
    !> The exponent for one averaging factor.
-   pure subroutine identify_one(phase, m, min_coverage, differences_max, alpha, missing)
+   pure subroutine identify_one(phase, m, coverage, differences_max, alpha, missing)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Averaging factor
       integer(int64), intent(in) :: m
       !> Share of a window that must be present
-      real(dp), intent(in) :: min_coverage
+      real(dp), intent(in) :: coverage
       !> Differences at most
       integer, intent(in) :: differences_max
       !> The exponent; unknown where there are too few windows or nothing varies
@@ -82,7 +86,7 @@ contains
       means = min(ubound(phase, 1, kind=int64)/m, means_max)
       if (means < means_min) return
       rho = 0
-      call window_means(phase, m, min_coverage, mean(:means), use_it(:means), missing)
+      call window_means(phase, m, coverage, mean(:means), use_it(:means), missing)
       if (count(use_it(:means)) < means_min) return
       call remove_line(mean(:means), use_it(:means))
       do d = 0, differences_max
@@ -100,13 +104,13 @@ contains
    end subroutine identify_one
 
    !> Means of adjacent windows around the middle of the record.
-   pure subroutine window_means(phase, m, min_coverage, mean, use_it, missing)
+   pure subroutine window_means(phase, m, coverage, mean, use_it, missing)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Samples in a window
       integer(int64), intent(in) :: m
       !> Share of a window that must be present
-      real(dp), intent(in) :: min_coverage
+      real(dp), intent(in) :: coverage
       !> Means
       real(dp), intent(out) :: mean(:)
       !> Whether the window is complete enough
@@ -121,7 +125,7 @@ contains
          k = first + (j - 1)*m
          there = m
          if (present(missing)) there = m - (missing(k + m) - missing(k))
-         use_it(j) = real(there, dp) >= min_coverage*real(m, dp) - 1e-9_dp .and. there > 0
+         use_it(j) = real(there, dp) >= coverage*real(m, dp) - 1e-9_dp .and. there > 0
          mean(j) = 0
          if (use_it(j)) mean(j) = (phase(k + m) - phase(k))/real(there, dp)
       end do

@@ -86,15 +86,15 @@ contains
    end function edge_squares
 
    !> The same for a record with missing samples: differences of the means of the present samples of two windows.
-   subroutine add_gapped_reflections(phase, missing, m, min_coverage, sums, error, progress)
+   subroutine add_gapped_reflections(phase, missing, m, coverage, sums, error, progress)
       !> Phase, to which missing samples added nothing: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n]
       integer(int32), intent(in), contiguous :: missing(0:)
       !> Averaging factors, 1 <= m <= n/2: [any number]
       integer(int64), intent(in) :: m(:)
-      !> Share of a window that must be present, > 0, <= 1
-      real(dp), intent(in) :: min_coverage
+      !> Share of a window that must be present, > 0, <= 1: [size(m)]
+      real(dp), intent(in) :: coverage(:)
       !> The sums to add to: [size(m)]; the inflation is what unit white noise adds to the square of a term
       type(gap_sums_type), intent(inout) :: sums(:)
       !> cancelled
@@ -115,7 +115,7 @@ contains
             last = min(first + batch - 1, blocks)
             !$omp parallel do schedule(static) if (m(i) >= parallel_from)
             do b = first, last
-               call gapped_edges(phase, missing, m(i), min_coverage, (b - 1)*block_length + 1, min(b*block_length, m(i) - 1), &
+               call gapped_edges(phase, missing, m(i), coverage(i), (b - 1)*block_length + 1, min(b*block_length, m(i) - 1), &
                   & part(b - first + 1))
             end do
             !$omp end parallel do
@@ -138,7 +138,7 @@ contains
    end function complete_weight
 
    !> Both ends: centres j and n - j.
-   pure subroutine gapped_edges(phase, missing, m, min_coverage, first, last, sums)
+   pure subroutine gapped_edges(phase, missing, m, coverage, first, last, sums)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n]
@@ -146,7 +146,7 @@ contains
       !> Averaging factor
       integer(int64), intent(in) :: m
       !> Share of a window that must be present
-      real(dp), intent(in) :: min_coverage
+      real(dp), intent(in) :: coverage
       !> First and last j, within 1 .. m - 1
       integer(int64), intent(in) :: first, last
       !> The sums
@@ -155,7 +155,7 @@ contains
       integer(int64) :: n, j, near, far, least
 
       n = ubound(phase, 1, kind=int64)
-      least = max(1_int64, m - int((1 - min_coverage)*real(m, dp) + 1e-9_dp, int64))
+      least = max(1_int64, m - int((1 - coverage)*real(m, dp) + 1e-9_dp, int64))
       do j = first, last
          near = min(j, m - j)
          far = max(j, m - j)

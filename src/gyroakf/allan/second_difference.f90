@@ -225,15 +225,15 @@ contains
    end function squares
 
    !> The same for a record with missing samples: differences of the means of the present samples of two windows.
-   subroutine sum_gapped_differences(phase, missing, m, min_coverage, sums, error, progress)
+   subroutine sum_gapped_differences(phase, missing, m, coverage, sums, error, progress)
       !> Phase, to which missing samples added nothing: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n]
       integer(int32), intent(in), contiguous :: missing(0:)
       !> Averaging factors, 1 <= m <= n/2: [any number]
       integer(int64), intent(in) :: m(:)
-      !> Share of a window that must be present, > 0, <= 1
-      real(dp), intent(in) :: min_coverage
+      !> Share of a window that must be present, > 0, <= 1: [size(m)]
+      real(dp), intent(in) :: coverage(:)
       !> The sums: [size(m)]
       type(gap_sums_type), intent(out) :: sums(:)
       !> cancelled
@@ -260,7 +260,7 @@ contains
             end if
             !$omp parallel do schedule(dynamic) if (n*(last - first + 1) >= parallel_from)
             do s = from, min(parts, from + group - 1)
-               call one_gapped_part(phase, missing, m(first:last), min_coverage, part_begin(s, parts, n), &
+               call one_gapped_part(phase, missing, m(first:last), coverage(first:last), part_begin(s, parts, n), &
                   & part_begin(s + 1, parts, n), part(:, s))
             end do
             !$omp end parallel do
@@ -274,15 +274,15 @@ contains
    end subroutine sum_gapped_differences
 
    !> All factors over one part of a record with gaps.
-   subroutine one_gapped_part(phase, missing, m, min_coverage, begin, end_before, part)
+   subroutine one_gapped_part(phase, missing, m, coverage, begin, end_before, part)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n]
       integer(int32), intent(in), contiguous :: missing(0:)
       !> Averaging factors
       integer(int64), intent(in) :: m(:)
-      !> Share of a window that must be present
-      real(dp), intent(in) :: min_coverage
+      !> Share of a window that must be present: [size(m)]
+      real(dp), intent(in) :: coverage(:)
       !> First k of the part, and of the next one
       integer(int64), intent(in) :: begin, end_before
       !> Sums, [>= size(m)]
@@ -299,7 +299,7 @@ contains
          do i = 1, size(m)
             terms = min(end_before, k + block_length, n - 2*m(i) + 1) - k
             if (terms <= 0) cycle
-            allowed = min(int((1 - min_coverage)*real(m(i), dp) + 1e-9_dp, int64), m(i) - 1, int(huge(0_int32), int64))
+            allowed = min(int((1 - coverage(i))*real(m(i), dp) + 1e-9_dp, int64), m(i) - 1, int(huge(0_int32), int64))
             k1 = k + m(i)
             k2 = k1 + m(i)
             last = terms - 1

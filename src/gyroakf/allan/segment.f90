@@ -37,12 +37,13 @@ contains
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
 
+      real(dp) :: share(size(m))
       integer(int64) :: i
 
       if (allocated(missing)) then
          if (missing(last) > missing(first - 1)) then
             call gapped_variances("oadev", phase(first - 1:last), missing(first - 1:last), m, min_coverage, variance, terms, &
-               & error, progress)
+               & share, error, progress)
             return
          end if
       end if

@@ -86,7 +86,7 @@ contains
    end function separate_squares
 
    !> The same for a record with missing samples: means of the present samples, at stride 1 or m.
-   subroutine sum_gapped_windows(phase, missing, m, order, overlapping, min_coverage, sums, error, progress)
+   subroutine sum_gapped_windows(phase, missing, m, order, overlapping, coverage, sums, error, progress)
       !> Phase, to which missing samples added nothing: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n]
@@ -97,8 +97,8 @@ contains
       integer, intent(in) :: order
       !> Stride 1, else m
       logical, intent(in) :: overlapping
-      !> Share of a window that must be present, > 0, <= 1
-      real(dp), intent(in) :: min_coverage
+      !> Share of a window that must be present, > 0, <= 1: [size(m)]
+      real(dp), intent(in) :: coverage(:)
       !> The sums: [size(m)]; the inflation is the sum of 1/c_1 + 1/c_2 - 2/m, or of 1/c_1 + 4/c_2 + 1/c_3 - 6/m
       type(gap_sums_type), intent(out) :: sums(:)
       !> cancelled
@@ -120,7 +120,7 @@ contains
             stretches = min(batch, (terms - from + stretch_length - 1)/stretch_length)
             !$omp parallel do schedule(static) if (terms >= parallel_from)
             do s = 1, stretches
-               call gapped_terms(phase, missing, m(i), order, stride, min_coverage, from + (s - 1)*stretch_length, &
+               call gapped_terms(phase, missing, m(i), order, stride, coverage(i), from + (s - 1)*stretch_length, &
                   & min(from + s*stretch_length, terms) - 1, part(s))
             end do
             !$omp end parallel do
@@ -132,7 +132,7 @@ contains
    end subroutine sum_gapped_windows
 
    !> Some neighbouring terms of a record with gaps.
-   pure subroutine gapped_terms(phase, missing, m, order, stride, min_coverage, first, last, sums)
+   pure subroutine gapped_terms(phase, missing, m, order, stride, coverage, first, last, sums)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n]
@@ -144,7 +144,7 @@ contains
       !> Samples from term to term
       integer(int64), intent(in) :: stride
       !> Share of a window that must be present
-      real(dp), intent(in) :: min_coverage
+      real(dp), intent(in) :: coverage
       !> First and last term, from 0
       integer(int64), intent(in) :: first, last
       !> The sums
@@ -155,7 +155,7 @@ contains
       integer(int64) :: t, k, allowed, lost
       integer :: w
 
-      allowed = min(int((1 - min_coverage)*real(m, dp) + 1e-9_dp, int64), m - 1)
+      allowed = min(int((1 - coverage)*real(m, dp) + 1e-9_dp, int64), m - 1)
       do t = first, last
          z = 0
          inverse = 0

@@ -16,7 +16,7 @@ module gyroakf_pipeline_channel
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stage
    use gyroakf_pipeline_coefficients, only : run_allan, compare_coefficients
    use gyroakf_pipeline_channel_halves, only : run_halves
-   use gyroakf_pipeline_channel_distribution, only : run_distribution
+   use gyroakf_pipeline_channel_distribution, only : run_distribution, find_step
    use gyroakf_pipeline_drift_filters, only : run_drift_filters
    use gyroakf_pipeline_channel_filters, only : run_filters
    use gyroakf_pipeline_filter_model, only : choose_filter_model
@@ -105,10 +105,12 @@ contains
       class(progress_type), intent(inout), optional :: progress
       type(autocovariance_type) :: shared
 
+      if (options%do_tests .or. options%do_allan) call find_step(x, channel, error, valid, progress)
+      if (allocated(error)) return
       call plan_pass(size(z, kind=int64), options, channel%cleaned, shared)
       if (options%do_tests) call run_tests(z, options, channel, shared, error, valid, progress)
       if (allocated(error)) return
-      if (options%do_tests) call run_distribution(x, z, options, channel, error, valid, progress)
+      if (options%do_tests) call run_distribution(z, options, channel, error, valid, progress)
       if (allocated(error)) return
       if (options%do_ar .or. options%do_filter) then
          call tell_progress("AR model", 0_int64, size(z, kind=int64), error, progress)

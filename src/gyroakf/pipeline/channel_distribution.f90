@@ -14,20 +14,41 @@ module gyroakf_pipeline_channel_distribution
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure
    implicit none (type, external)
    private
-   public :: run_distribution
+   public :: run_distribution, find_step
 
    !> Where rounding alone adds as much as this to A2, the Anderson-Darling test does not decide
    real(dp), parameter :: negligible_rounding = 0.1_dp
 
 contains
 
-   !> Quantisation of the record as read; Anderson-Darling test and histogram of the cleaned series.
-   subroutine run_distribution(x, z, options, channel, error, valid, progress)
-      !> As read, and cleaned: [n]
-      real(dp), intent(in), contiguous :: x(:), z(:)
+   !> Quantisation of the record as read.
+   subroutine find_step(x, channel, error, valid, progress)
+      !> As read: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> `cleaned` is filled
+      type(channel_result_type), intent(inout) :: channel
+      !> no_memory, cancelled and the like; all else is noted in the channel
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing or an outlier: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
+
+      call tell_progress("steps of the samples", 0_int64, 0_int64, error, progress)
+      if (allocated(error)) return
+      call find_quantisation(x, channel%cleaned%std, channel%quantisation, error, valid)
+      if (is_fatal(error)) return
+      channel%available%quantisation = .not. allocated(error)
+      call note_failure(channel, "quantisation", error)
+   end subroutine find_step
+
+   !> Anderson-Darling test and histogram of the cleaned series.
+   subroutine run_distribution(z, options, channel, error, valid, progress)
+      !> Cleaned: [n]
+      real(dp), intent(in), contiguous :: z(:)
       !> Samples of the Anderson-Darling test, bins
       type(pipeline_options), intent(in) :: options
-      !> `cleaned` and `jarque_bera` are filled
+      !> `cleaned`, `quantisation` and `jarque_bera` are filled
       type(channel_result_type), intent(inout) :: channel
       !> no_memory, cancelled and the like; all else is noted in the channel
       type(error_type), allocatable, intent(out) :: error
@@ -37,12 +58,6 @@ contains
       class(progress_type), intent(inout), optional :: progress
       type(histogram_options) :: bins
 
-      call tell_progress("steps of the samples", 0_int64, 0_int64, error, progress)
-      if (allocated(error)) return
-      call find_quantisation(x, channel%cleaned%std, channel%quantisation, error, valid)
-      if (is_fatal(error)) return
-      channel%available%quantisation = .not. allocated(error)
-      call note_failure(channel, "quantisation", error)
       call warn_coarse(channel)
       call test_anderson_darling(z, options%anderson_darling, channel%anderson_darling, error, valid, progress)
       if (is_fatal(error)) return

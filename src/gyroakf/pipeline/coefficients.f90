@@ -74,7 +74,7 @@ contains
       type(noise_options) :: noise_of_stage
 
       noise_of_stage = options%noise
-      if (any(which == [stage%input, stage%cleaned])) noise_of_stage%lsb = channel%lsb
+      if (any(which == [stage%input, stage%cleaned])) noise_of_stage%lsb = channel%quantisation%step
       if (which == stage%compensated) call end_before_smoother(channel, noise_of_stage)
       call fit_noise(channel%allan(which)%curve, noise_of_stage, channel%allan(which)%noise, error, progress)
       if (is_fatal(error)) return

@@ -208,8 +208,6 @@ module gyroakf_pipeline_result
    !> One channel
    type :: channel_result_type
       character(:), allocatable :: name
-      !> Step that its samples are rounded to, 0 where none was found
-      real(dp) :: lsb = 0.0_dp
       !> Which parts below are filled
       type(available_type) :: available
       !> Of the record as read, and of the cleaned series

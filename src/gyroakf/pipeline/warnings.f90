@@ -17,7 +17,7 @@ module gyroakf_pipeline_warnings
    real(dp), parameter :: outlier_share = 0.01_dp
    !> Residuals are called correlated at this significance, and only where an autocorrelation is as large as this: in a long
    !> record every test rejects
-   real(dp), parameter :: significant = 0.01_dp, coloured = 0.05_dp, misfit = 0.003_dp
+   real(dp), parameter :: significant = 0.01_dp, coloured = 0.05_dp
 
 contains
 
@@ -136,9 +136,9 @@ contains
                "first "//integer_text(int(noise%left_out, int64))//" octaves: they are excluded from the fit")
          end if
          if (noise%unquantized%state == "withheld") call add_text(channel%warnings, "the step of the samples, "// &
-            format_real(channel%lsb, 4)//", is above two standard deviations of the noise: N is that of the record as "// &
-            "quantized, which may be far from that of the sensor")
-         if (noise%described .and. noise%chi2_probability < misfit) call add_text(channel%warnings, &
+            format_real(channel%quantisation%step, 4)//", is not small beside the noise: N is that of the record as quantized, "// &
+            "which may be far from that of the sensor")
+         if (noise%errors_increased) call add_text(channel%warnings, &
             "the Allan deviation is not a sum of the fitted terms: chi-square per degree of freedom is "// &
             format_real(noise%chi2_reduced, 3)//". The errors of the coefficients are increased by its root")
       end associate

@@ -68,7 +68,7 @@ contains
       text = text//"of log deviation against log tau: -1 is quantization, -1/2 white noise, 0 bias instability, +1/2 random walk"
    end function slopes_text
 
-   !> "2.4", or that it is more than can be told.
+   !> "2.4"; "many" from 1000 on.
    pure function lsb_text(ratio) result(text)
       real(dp), intent(in) :: ratio
       character(:), allocatable :: text

@@ -13,6 +13,9 @@ module gyroakf_stats_quantization
    !> From this step over standard deviation on, rounding changes the shape of the distribution itself
    real(dp), parameter :: coarse_ratio = 1.0_dp
 
+   !> A sample is on the grid within this share of a step: numbers are printed with few digits
+   real(dp), parameter :: off_grid = 0.05_dp
+
    !> The grid of a series in its unit u
    type :: quantisation_type
       !> All present samples are whole steps apart, within rounding
@@ -107,7 +110,6 @@ contains
       !> no_memory
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
-      real(dp), parameter :: loosest = 0.05_dp
       integer(int8), allocatable :: seen(:), mine(:)
       integer(int64) :: n, counted
       integer :: chunk, bad, stat
@@ -115,7 +117,7 @@ contains
 
       n = size(x, kind=int64)
       counted = merge(steps, 0_int64, steps < most_levels)
-      fits = rounding <= loosest
+      fits = rounding <= off_grid
       stat = 0
       allocate (seen(0:counted), stat=bad)
       if (bad == 0) then
@@ -125,7 +127,7 @@ contains
          if (bad == 0) mine = 0
          !$omp do schedule(dynamic) reduction(.and.:fits)
          do chunk = 1, chunk_count(n)
-            if (bad == 0 .and. fits) call check_chunk(x, low, step, max(rounding, 1.0e-6_dp), chunk, mine, fits, valid)
+            if (bad == 0 .and. fits) call check_chunk(x, low, step, off_grid, chunk, mine, fits, valid)
          end do
          !$omp end do
          !$omp critical (gyroakf_quantisation_levels)
