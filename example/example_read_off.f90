@@ -2,7 +2,7 @@
 !> Coefficients read off the curve as a data sheet does it, beside those of the fit.
 program example_read_off
    use gyroakf, only : dp, error_type, reader_options, read_record, record_type, allan_options, allan_curve_type, compute_allan, &
-      noise_options, noise_type, fit_noise, read_off_options, read_off_type, read_off, term_names
+      noise_options, noise_type, fit_noise, read_off_type, read_off, term_names
    implicit none (type, external)
    type(error_type), allocatable :: error
    type(record_type) :: record
@@ -14,7 +14,7 @@ program example_read_off
    call read_record("example/data/mems_gyro_x.txt", reader_options(), record, error)
    if (.not. allocated(error)) call compute_allan(record%value(:, 1), record%sample_interval, allan_options(), curve, error)
    if (.not. allocated(error)) call fit_noise(curve, noise_options(), noise, error)
-   if (.not. allocated(error)) call read_off(curve, read_off_options(), read, error)
+   if (.not. allocated(error)) call read_off(curve, read, error)
    if (allocated(error)) error stop error%message
    do i = 1, 5
       print "(a, es12.4, 2x, a)", term_names(i), noise%coefficient(i)%value, segment(i)

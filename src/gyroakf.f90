@@ -27,9 +27,8 @@ module gyroakf
    use gyroakf_allan_phase, only : integrate_rate
    use gyroakf_allan_noise_identification, only : identify_noise
    use gyroakf_allan_fit_covariance, only : allan_variance_covariances
-   use gyroakf_allan_noise_model, only : noise_model_type
    use gyroakf_allan_noise_fit, only : noise_options, noise_type, fit_noise
-   use gyroakf_allan_read_off, only : read_off_options, read_off_type, read_off
+   use gyroakf_allan_read_off, only : read_off_type, read_off
    use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, chi_square_limits
    use gyroakf_allan_halves, only : halves_options, halves_type, compare_halves
    use gyroakf_io_number, only : parse_number

@@ -5,7 +5,6 @@ module test_allan_covariance
    use, intrinsic :: iso_fortran_env, only : qp => real128
    use gyroakf_kinds, only : dp, int64
    use gyroakf_allan_fit_covariance, only : allan_variance_covariances, mixture_freedom
-   use gyroakf_allan_noise_model, only : noise_model_type
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
@@ -151,11 +150,10 @@ contains
       ! white rate noise: edf = (3 n/(2 m) - 2 (n - 1)/(n + 1)) 4 m^2/(4 m^2 + 5), NIST SP 1065, table 5, an approximation
       ! to about 1 %; a single term has one degree of freedom
       integer(int64), parameter :: n = 100000, m(3) = [1_int64, 10_int64, 1000_int64]
-      type(noise_model_type) :: white
+      real(dp), parameter :: white(5) = [0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]
       real(dp) :: edf(1), expected
       integer :: i
 
-      white%squares(2) = 1
       do i = 1, 3
          edf = mixture_freedom(n, m(i:i), white)
          expected = (1.5_dp*n/m(i) - 2*real(n - 1, dp)/(n + 1))*4*m(i)**2/(4*m(i)**2 + 5.0_dp)

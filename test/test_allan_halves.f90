@@ -39,7 +39,7 @@ contains
       real(dp), intent(in) :: n
       type(noise_type), intent(out) :: noise
 
-      noise%mixture%squares(2) = n**2
+      noise%squares(2) = n**2
    end subroutine white_model
 
    !> At a single averaging time the statistic is the square of the

@@ -7,7 +7,7 @@ module test_allan_noise_fit
    use gyroakf_allan_fit_covariance, only : mixture_freedom
    use gyroakf_allan_fit_solver, only : solve_nonnegative
    use gyroakf_allan_noise_fit, only : fit_noise, noise_options, noise_type
-   use gyroakf_allan_noise_model, only : model_variance, noise_model_type
+   use gyroakf_allan_noise_model, only : model_variance
    use allan_series, only : nbs14_long, normal_series, uniform_series, walk_of
    use noise_fit_runs, only : fit_record, mixed_record
    use testdrive, only : check, error_type, new_unittest, unittest_type
@@ -124,7 +124,7 @@ contains
          curve%edf = 0*curve%tau + 1
          curve%lower = curve%deviation
          curve%upper = curve%deviation
-         call fit_noise(curve, noise_options(), noise, failure)
+         call fit_noise(curve, noise_options(stated_margin=2.0_dp), noise, failure)
          call check(error, .not. allocated(failure), "the fit failed")
          if (allocated(error)) exit
          call check(error, noise%left_out == first - 1 .and. noise%points == last - first + 1 .and. &
@@ -170,6 +170,10 @@ contains
       curve%deviation = [(sqrt(model_variance(coefficient**2, curve%tau(i))), i=1, points)]
       curve%edf = real(samples, dp)/curve%m
       curve%share = 0*curve%tau + 1
+      curve%octaves%m = curve%m
+      curve%octaves%variance = curve%deviation**2
+      curve%octaves%kurtosis = 0*curve%tau
+      curve%octaves%share = curve%share
       curve%lower = curve%deviation
       curve%upper = curve%deviation
    end subroutine synthetic_curve
@@ -321,7 +325,7 @@ contains
       type(noise_options) :: options
       type(noise_type) :: noise
       type(gyro_error), allocatable :: failure
-      type(noise_model_type) :: white
+      real(dp), parameter :: white(5) = [0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]
       real(dp) :: edf(1)
 
       options = noise_options("N", tau_min=0.05_dp, tau_max=0.1_dp)
@@ -329,7 +333,6 @@ contains
       call fit_noise(curve, options, noise, failure)
       call check(error, .not. allocated(failure), "the fit failed")
       if (allocated(error)) return
-      white%squares(2) = 1
       edf = mixture_freedom(100000_int64, [8_int64], white)
       call check(error, noise%points, 1)
       if (allocated(error)) return

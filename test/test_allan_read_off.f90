@@ -5,7 +5,7 @@ module test_allan_read_off
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
    use gyroakf_allan_noise_model, only : model_variance
-   use gyroakf_allan_read_off, only : read_off, read_off_options, read_off_type
+   use gyroakf_allan_read_off, only : read_off, read_off_type
    use allan_series, only : flicker_of, nbs14_long, normal_series, walk_of
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)
@@ -62,7 +62,7 @@ contains
          squares = 0
          squares(term) = 2.5_dp**2
          call noiseless(squares, 1, curve)
-         call read_off(curve, read_off_options(), read, failed)
+         call read_off(curve, read, failed)
          call check(error, .not. allocated(failed) .and. count(read%found) == 1 .and. read%found(term))
          if (allocated(error)) return
          call check(error, read%value(term), 2.5_dp, thr=2.5e-13_dp)
@@ -84,7 +84,7 @@ contains
       curve%tau = [1.0_dp, 2.0_dp, 4.0_dp, 8.0_dp, 16.0_dp]
       curve%deviation = 0.3_dp/sqrt(curve%tau)*10**beside
       curve%edf = edf
-      call read_off(curve, read_off_options(), read, failed)
+      call read_off(curve, read, failed)
       call check(error, .not. allocated(failed) .and. read%found(2) .and. read%to_tau(2) > 15.0_dp)
       if (allocated(error)) return
       call check(error, read%value(2), 0.3_dp*10**(sum(edf*beside)/sum(edf)), thr=1e-14_dp, rel=.true.)
@@ -109,7 +109,7 @@ contains
       do i = 1, 161
          curve%deviation(i) = sqrt(model_variance(truth**2, curve%tau(i)))
       end do
-      call read_off(curve, read_off_options(), read, failed)
+      call read_off(curve, read, failed)
       call check(error, all(read%found))
       if (allocated(error)) return
       call check(error, all(read%value >= truth .and. read%value <= 1.2_dp*truth))
@@ -124,16 +124,10 @@ contains
       type(allan_curve_type) :: curve
       type(read_off_type) :: read
       type(gyro_error), allocatable :: failed
-      type(read_off_options) :: options
 
       call noiseless([1.0_dp, 0.0_dp, 0.0_dp, 1e-4_dp, 0.0_dp], 8, curve)
-      call read_off(curve, options, read, failed)
+      call read_off(curve, read, failed)
       call check(error, all(read%found .eqv. [.true., .false., .false., .true., .false.]))
-      if (allocated(error)) return
-      options%least_width = 0                              ! whoever insists gets a number
-      options%tolerance = 0.25_dp
-      call read_off(curve, options, read, failed)
-      call check(error, read%found(3))
    end subroutine test_bend
 
    !> The grid hardly matters.
@@ -146,9 +140,9 @@ contains
       type(gyro_error), allocatable :: failed
 
       call noiseless(squares, 1, curve)
-      call read_off(curve, read_off_options(), read, failed)
+      call read_off(curve, read, failed)
       call noiseless(squares, 20, curve)
-      call read_off(curve, read_off_options(), fine, failed)
+      call read_off(curve, fine, failed)
       call check(error, all(read%found .eqv. fine%found) .and. count(fine%found) == 3)
       if (allocated(error)) return
       call check(error, maxval(abs(read%value(2:4)/fine%value(2:4) - 1)), 0.0_dp, thr=0.05_dp)
@@ -163,7 +157,7 @@ contains
       type(gyro_error), allocatable :: failed
 
       call compute_allan(nbs14_long(), 1.0_dp, allan_options(), curve, failed)
-      if (.not. allocated(failed)) call read_off(curve, read_off_options(), read, failed)
+      if (.not. allocated(failed)) call read_off(curve, read, failed)
       call check(error, .not. allocated(failed))
       if (allocated(error)) return
       call check(error, all(read%found .eqv. [.false., .true., .false., .false., .false.]))
@@ -187,7 +181,7 @@ contains
       x = truth(2)*normal_series(n, 5_int64) + truth(3)*flicker_of(normal_series(n, 6_int64)) &
          & + truth(4)*walk_of(normal_series(n, 7_int64), normal_series(n, 8_int64))
       call compute_allan(x, 1.0_dp, allan_options(), curve, failed)
-      if (.not. allocated(failed)) call read_off(curve, read_off_options(), read, failed)
+      if (.not. allocated(failed)) call read_off(curve, read, failed)
       call check(error, .not. allocated(failed) .and. all(read%found(2:3)) .and. .not. any(read%found([1, 5])))
       if (allocated(error)) return
       call check(error, maxval(abs(read%value(2:3)/truth(2:3) - 1)), 0.0_dp, thr=0.25_dp)
@@ -204,7 +198,7 @@ contains
       call noiseless([0.0_dp, 1.0_dp, 0.0_dp, 3.0_dp, 0.0_dp], 1, curve)     ! sqrt(1/tau + tau): lowest near 1
       curve%deviation(24) = 1e-3_dp
       curve%edf(24) = 1.5_dp
-      call read_off(curve, read_off_options(), read, failed)
+      call read_off(curve, read, failed)
       call check(error, read%minimum_tau, 1.28_dp, thr=1e-12_dp)
       if (allocated(error)) return
       call check(error, read%minimum, sqrt(1/1.28_dp + 1.28_dp), thr=1e-12_dp)
@@ -212,7 +206,7 @@ contains
       call check(error, .not. read%falling)
       if (allocated(error)) return
       curve%edf = 1
-      call read_off(curve, read_off_options(), read, failed)
+      call read_off(curve, read, failed)
       call check(error, .not. allocated(failed) .and. .not. any(read%found) .and. read%minimum <= 0)
    end subroutine test_minimum
 
@@ -227,10 +221,10 @@ contains
       type(gyro_error), allocatable :: failed
 
       call noiseless(squares, 2, curve)
-      call read_off(curve, read_off_options(), read, failed)
+      call read_off(curve, read, failed)
       curve%deviation = 3*curve%deviation
       curve%tau = 60*curve%tau
-      call read_off(curve, read_off_options(), scaled, failed)
+      call read_off(curve, scaled, failed)
       call check(error, all(read%found .eqv. scaled%found) .and. count(read%found) == 3)
       if (allocated(error)) return
       call check(error, maxval(abs(scaled%value - 3*60**power*read%value)/(3*60**power)), 0.0_dp, thr=1e-12_dp)
@@ -243,20 +237,14 @@ contains
 
       type(allan_curve_type) :: curve, empty
       type(read_off_type) :: read
-      type(read_off_options) :: options
       type(gyro_error), allocatable :: failed
 
       call noiseless([1.0_dp, 1.0_dp, 1.0_dp, 1.0_dp, 1.0_dp], 1, curve)
       curve%kind = "mdev"
-      call read_off(curve, options, read, failed)
+      call read_off(curve, read, failed)
       call check(error, failed%code, status%invalid_argument)
       if (allocated(error)) return
-      call read_off(empty, options, read, failed)
-      call check(error, failed%code, status%invalid_argument)
-      if (allocated(error)) return
-      curve%kind = "oadev"
-      options%tolerance = -1
-      call read_off(curve, options, read, failed)
+      call read_off(empty, read, failed)
       call check(error, failed%code, status%invalid_argument)
    end subroutine test_failures
 

@@ -129,7 +129,7 @@ contains
          call fit_record(error, g(:samples) + 0.02_dp*walk_of(g(samples + 1:2*samples), g(2*samples + 1:)), 1.0_dp, &
             & noise_options(), curve, noise)
          if (allocated(error)) return
-         call check(error, noise%mixture%squares(5) > 0 .and. .not. noise%errors_increased, "the errors are increased")
+         call check(error, noise%squares(5) > 0 .and. .not. noise%errors_increased, "the errors are increased")
          if (allocated(error)) return
       end do
    end subroutine test_walk_or_ramp

@@ -47,7 +47,7 @@ module gyroakf_allan_deviations
    implicit none (type, external)
    private
    public :: allan_options, allan_curve_type, compute_allan, compute_allan_from_phase
-   public :: terms_share, check_arguments, octaves_type
+   public :: check_arguments, octaves_type
 
    !> What to compute
    type :: allan_options
@@ -396,16 +396,6 @@ contains
          curve%share(k) = share(i)
       end do
    end subroutine fill_curve
-
-   !> Degrees of freedom that the terms have, as a share of those of a complete record.
-   pure function terms_share(curve) result(share)
-      !> Terms and samples are filled; `share` where it is known better
-      type(allan_curve_type), intent(in) :: curve
-      real(dp) :: share(size(curve%m))
-
-      share = real(curve%terms, dp)/real(term_count(curve%kind, curve%samples, curve%m), dp)
-      if (allocated(curve%share)) share = curve%share
-   end function terms_share
 
    !> Degrees of freedom and limits from the identified noise.
    subroutine fill_limits(curve)

@@ -19,7 +19,7 @@
 !> terms are computed once, and the covariance of a mixture is a contraction.
 module gyroakf_allan_fit_covariance
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_allan_noise_model, only : model_variance, noise_model_type, term_count, term_ramp
+   use gyroakf_allan_noise_model, only : model_variance, term_count, term_ramp
    implicit none (type, external)
    private
    public :: covariance_basis_type, new_covariance_basis, mixture_covariances, mixture_freedom
@@ -46,9 +46,7 @@ module gyroakf_allan_fit_covariance
 
    !> What the covariances of any mixture at some averaging factors are made of
    type :: covariance_basis_type
-      !> Averaging factors: [k]
-      integer(int64), allocatable :: m(:)
-      !> Of each pair of factors: covariance per product of two squares, and with a ramp: [4, 4, k, k], [4, k, k]
+      !> Of each pair of averaging factors: covariance per product of two squares, and with a ramp: [4, 4, k, k], [4, k, k]
       real(dp), allocatable :: product(:, :, :, :), plain(:, :, :)
    end type covariance_basis_type
 
@@ -64,7 +62,6 @@ contains
       type(covariance_basis_type), intent(out) :: basis
       integer :: i, j
 
-      basis%m = m
       allocate (basis%product(noise_count, noise_count, size(m), size(m)), basis%plain(noise_count, size(m), size(m)))
       do j = 1, size(m)
          do i = 1, j
@@ -85,7 +82,7 @@ contains
       real(dp), intent(out) :: covariance(:, :)
       integer :: i, j
 
-      do j = 1, size(basis%m)
+      do j = 1, size(covariance, 2)
          do i = 1, j
             covariance(i, j) = contracted(basis%product(:, :, i, j), basis%plain(:, i, j), squares)
             covariance(j, i) = covariance(i, j)
@@ -94,19 +91,19 @@ contains
    end subroutine mixture_covariances
 
    !> Degrees of freedom of Allan variances of a mixture: twice the squared mean over the variance.
-   pure function mixture_freedom(samples, m, model) result(freedom)
+   pure function mixture_freedom(samples, m, mixture) result(freedom)
       !> Rate samples in the record
       integer(int64), intent(in) :: samples
       !> Averaging factors, 1 <= m <= samples/2: [k]
       integer(int64), intent(in) :: m(:)
-      !> The mixture; a negative square counts as 0
-      type(noise_model_type), intent(in) :: model
+      !> Q^2 N^2 B^2 K^2 R^2 for a sample interval of 1; a negative square counts as 0
+      real(dp), intent(in) :: mixture(term_count)
       !> At most 1e15: [k]
       real(dp) :: freedom(size(m))
       real(dp) :: product(noise_count, noise_count), plain(noise_count), squares(term_count), variance
       integer :: i
 
-      squares = max(0.0_dp, model%squares)
+      squares = max(0.0_dp, mixture)
       do i = 1, size(m)
          call sum_pair(samples, m(i), m(i), product, plain)
          variance = contracted(product, plain, squares)

@@ -6,11 +6,11 @@ module gyroakf_allan_fit_selection
    use gyroakf_kinds, only : dp
    use gyroakf_special, only : chi_square_survival
    use gyroakf_allan_difference_kurtosis, only : kurtosis_samples
-   use gyroakf_allan_fit_solver, only : fit_held, fit_points_type, fit_run, fit_run_type, shapes_of, solution_type
-   use gyroakf_allan_noise_model, only : term_count, term_quantization
+   use gyroakf_allan_fit_solver, only : fit_held, fit_points_type, fit_terms, log_determinant, solution_type
+   use gyroakf_allan_noise_model, only : term_count, term_quantization, term_shape
    implicit none (type, external)
    private
-   public :: noise_options, find_run, find_floor, select_terms, upper_limit, run_between, is_described
+   public :: noise_options, points_between, find_run, is_described, is_likely, find_floor, select_terms, upper_limit
 
    !> What to fit, and the thresholds of the fit
    type :: noise_options
@@ -37,7 +37,7 @@ module gyroakf_allan_fit_selection
       !> What each term has to gain of chi-square. A false Q takes 1 to 3 % off N; R is rarer than K
       real(dp) :: term_price(term_count) = [12.0_dp, 6.0_dp, 6.0_dp, 6.0_dp, 9.0_dp]
       !> A term is stated if the best set without it costs more by this: else another one may take its place
-      real(dp) :: stated_margin = 2.0_dp
+      real(dp) :: stated_margin = 2.3_dp
       !> Rise of chi-square at an upper limit: 2.71 for 95 % of a single fit, 3.84 after the choice of terms
       real(dp) :: limit_rise = 3.84_dp
       !> N is stated where points are excluded at the start if it is this share of the first three points of the run; so
@@ -52,112 +52,115 @@ module gyroakf_allan_fit_selection
 
 contains
 
-   !> Finds the longest run of points that the terms describe; of equally long ones that which excludes points at the start.
-   subroutine find_run(points, options, run, found)
-      !> The curve, octaves
-      type(fit_points_type), intent(in) :: points
-      !> Thresholds
+   !> The octaves `first` to `last` of a curve, with their excess kurtosis if it is significant.
+   pure type(fit_points_type) function points_between(curve, options, first, last) result(run)
+      type(fit_points_type), intent(in) :: curve
       type(noise_options), intent(in) :: options
-      !> The run, with one point more left out beside excluded ones
-      type(fit_run_type), intent(out) :: run
+      integer, intent(in) :: first, last
+      real(dp) :: m, differences
+      integer :: j
+
+      run%samples = curve%samples
+      run%first = first
+      run%m = curve%m(first:last)
+      run%variance = curve%variance(first:last)
+      run%share = curve%share(first:last)
+      run%basis%product = curve%basis%product(:, :, first:last, first:last)
+      run%basis%plain = curve%basis%plain(:, first:last, first:last)
+      allocate (run%shape(size(run%m), term_count))
+      do j = 1, term_count
+         run%shape(:, j) = term_shape(j, real(run%m, dp))
+      end do
+      run%signed = first > 1
+      m = real(run%m(1), dp)                                ! 24/n: variance of the kurtosis of n normal differences
+      differences = real(min(run%samples, merge(run%samples, kurtosis_samples, first == 1)), dp)/m
+      if (curve%kurtosis(first) > 2*m*options%kurtosis_deviations*sqrt(24/differences)) run%excess = curve%kurtosis(first)
+   end function points_between
+
+   !> Finds the longest run of octaves that the terms describe; of equally long ones that which excludes octaves at the start.
+   subroutine find_run(curve, options, run, found)
+      !> All octaves
+      type(fit_points_type), intent(in) :: curve
+      type(noise_options), intent(in) :: options
+      !> The run, with one octave more left out beside excluded ones
+      type(fit_points_type), intent(out) :: run
       !> There is one, and it is long enough
       logical, intent(out) :: found
-      integer :: octaves, excluded, at_end
+      integer :: points, excluded, at_end, first, last
 
-      octaves = size(points%m) - 1
+      points = size(curve%m)
       found = .false.
-      do excluded = 0, octaves - options%run_octaves
+      do excluded = 0, points - 1 - options%run_octaves
          do at_end = 0, excluded
-            run = run_between(points, options, 1 + excluded - at_end, size(points%m) - at_end)
-            run%floor = options%run_floor
-            if (.not. is_described(points, run, options, spread(.true., 1, term_count))) cycle
-            if (run%first > 1 .or. at_end > 0) then
-               run = run_between(points, options, merge(run%first + 1, 1, run%first > 1), run%last - merge(1, 0, at_end > 0))
-            end if
-            found = run%last - run%first >= max(real(options%run_octaves, dp), options%run_share*octaves)
+            first = 1 + excluded - at_end
+            last = points - at_end
+            run = points_between(curve, options, first, last)
+            if (.not. is_described(run, options, spread(.true., 1, term_count), excluded == 0)) cycle
+            if (first > 1) first = first + 1
+            if (last < points) last = last - 1
+            run = points_between(curve, options, first, last)
+            found = last - first >= max(real(options%run_octaves, dp), options%run_share*(points - 1))
             return
          end do
       end do
    end subroutine find_run
 
-   !> A run of points without a floor.
-   pure type(fit_run_type) function run_between(points, options, first, last) result(run)
-      !> The curve
+   !> Whether the terms on offer describe octaves, those of the whole curve or some of them.
+   logical function is_described(points, options, offered, whole)
       type(fit_points_type), intent(in) :: points
-      !> Thresholds
       type(noise_options), intent(in) :: options
-      !> First and last point
-      integer, intent(in) :: first, last
-      real(dp) :: m, differences
+      logical, intent(in) :: offered(term_count), whole
+      type(fit_points_type) :: floored
+      type(solution_type) :: fit
 
-      run%first = first
-      run%last = last
-      run%signed = first > 1
-      m = real(points%m(first), dp)                         ! 24/n: variance of the kurtosis of n normal differences
-      differences = real(min(points%samples, merge(points%samples, kurtosis_samples, first == 1)), dp)/m
-      if (points%kurtosis(first) > 2*m*options%kurtosis_deviations*sqrt(24/differences)) run%kurtosis = points%kurtosis(first)
-   end function run_between
-
-   !> Whether some terms describe a run.
-   logical function is_described(points, run, options, offered)
-      !> The curve
-      type(fit_points_type), intent(in) :: points
-      !> What of it
-      type(fit_run_type), intent(in) :: run
-      !> Thresholds
-      type(noise_options), intent(in) :: options
-      !> The terms
-      logical, intent(in) :: offered(term_count)
-      type(solution_type) :: solution
-      integer :: freedom
-      logical :: whole
-
-      whole = run%last - run%first + 1 == size(points%m)
-      call fit_run(points, run, offered, solution)
-      freedom = run%last - run%first + 1 - count(abs(solution%squares) > 0)
-      is_described = maxval(abs(solution%residual)) < merge(options%whole_residual, options%run_residual, whole)
-      if (freedom > 0) is_described = is_described .and. &
-         & chi_square_survival(solution%chi_square, real(freedom, dp)) > options%run_chance
+      floored = points
+      floored%floor = options%run_floor
+      call fit_terms(floored, offered, fit)
+      is_described = is_likely(fit, options) .and. &
+         & maxval(abs(fit%residual)) < merge(options%whole_residual, options%run_residual, whole)
    end function is_described
 
-   !> The floor of the misfit that remains in a run, by the likelihood.
-   subroutine find_floor(points, options, offered, run, solution)
-      !> The curve
-      type(fit_points_type), intent(in) :: points
-      !> Thresholds
+   !> Whether the chance of as large a chi-square is above `run_chance`.
+   logical function is_likely(fit, options)
+      type(solution_type), intent(in) :: fit
       type(noise_options), intent(in) :: options
-      !> Terms that are fitted
+      integer :: freedom
+
+      freedom = size(fit%residual) - count(abs(fit%squares) > 0)
+      is_likely = freedom <= 0
+      if (freedom > 0) is_likely = chi_square_survival(fit%chi_square, real(freedom, dp)) > options%run_chance
+   end function is_likely
+
+   !> The floor of the misfit that remains, by the likelihood.
+   subroutine find_floor(points, options, offered, solution)
+      !> Their floor is set
+      type(fit_points_type), intent(inout) :: points
+      type(noise_options), intent(in) :: options
       logical, intent(in) :: offered(term_count)
-      !> Its floor is set
-      type(fit_run_type), intent(inout) :: run
       !> The fit with this floor
       type(solution_type), intent(out) :: solution
-      type(fit_run_type) :: trial
+      type(fit_points_type) :: trial
       type(solution_type) :: fit
       real(dp) :: cost, least
       integer :: i
 
       least = huge(least)
-      trial = run
+      trial = points
       do i = 1, size(options%floors)
          trial%floor = options%floors(i)
-         call fit_run(points, trial, offered, fit)
+         call fit_terms(trial, offered, fit)
          cost = fit%chi_square + log_determinant(fit%covariance)
          if (trial%floor > 0) cost = cost + options%floor_price
          if (cost >= least) cycle
          least = cost
-         run%floor = trial%floor
+         points%floor = trial%floor
          solution = fit
       end do
    end subroutine find_floor
 
    !> The set of terms that costs least, chi-square and prices, and which of them no other set does without.
-   subroutine select_terms(points, run, options, offered, solution, chosen, stated)
-      !> The curve
+   subroutine select_terms(points, options, offered, solution, chosen, stated)
       type(fit_points_type), intent(in) :: points
-      !> What of it
-      type(fit_run_type), intent(in) :: run
-      !> Thresholds
       type(noise_options), intent(in) :: options
       !> Terms to choose from
       logical, intent(in) :: offered(term_count)
@@ -167,18 +170,20 @@ contains
       logical, intent(out) :: chosen(term_count), stated(term_count)
       type(solution_type) :: trial, best
       real(dp) :: cost, least, without(term_count)
-      logical :: used(term_count)
+      logical :: used(term_count), signed(term_count)
       integer :: set, j
 
       least = huge(least)
       without = huge(least)
       chosen = .false.
+      signed = points%signed .and. [(j == term_quantization, j=1, term_count)]
       do set = 1, 2**term_count - 1
          used = [(btest(set, j - 1), j=1, term_count)]
-         if (any(used .and. .not. offered) .or. (run%signed .and. .not. used(term_quantization))) cycle
+         if (any(used .and. .not. offered) .or. any(signed .and. .not. used)) cycle
          trial = solution
-         call fit_held(points, run, used, 0, trial)
-         if (any(trial%squares <= 0 .and. used .and. .not. (run%signed .and. [(j == term_quantization, j=1, term_count)]))) cycle
+         trial%squares = merge(solution%squares, 0.0_dp, used)
+         call fit_held(points, used, trial)
+         if (any(trial%squares <= 0 .and. used .and. .not. signed)) cycle
          cost = trial%chi_square + sum(options%term_price, mask=used)
          where (.not. used) without = min(without, cost)
          if (cost >= least) cycle
@@ -192,25 +197,18 @@ contains
 
    !> One-sided limit of the square of a term: there chi-square, the other terms refitted and the covariance that of the
    !> model tried, is above its least value by `limit_rise`.
-   real(dp) function upper_limit(points, run, options, offered, term, full) result(limit)
-      !> The curve
+   real(dp) function upper_limit(points, options, offered, term, full) result(limit)
       type(fit_points_type), intent(in) :: points
-      !> What of it
-      type(fit_run_type), intent(in) :: run
-      !> Thresholds
       type(noise_options), intent(in) :: options
-      !> Terms that are fitted
+      !> Terms that are fitted, one of them, and the squares of the fit of all
       logical, intent(in) :: offered(term_count)
-      !> The term
       integer, intent(in) :: term
-      !> Squares of the fit of all of them
       real(dp), intent(in) :: full(term_count)
-      real(dp) :: shapes(run%last - run%first + 1, term_count), squares(term_count), unit, low, least, middle
+      real(dp) :: squares(term_count), unit, low, least, middle
       integer :: i
 
-      shapes = shapes_of(points, run)
       squares = full
-      unit = minval(matmul(shapes, full)/shapes(:, term))
+      unit = minval(matmul(points%shape, full)/points%shape(:, term))
       low = max(full(term), 1e-3_dp*unit)
       least = profile(low)
       least = min(least, profile(1e-6_dp*unit))
@@ -235,31 +233,13 @@ contains
       real(dp) function profile(x)
          real(dp), intent(in) :: x
          type(solution_type) :: fit
-         logical :: others(term_count)
+         integer :: j
 
-         others = offered
-         others(term) = .false.
          squares(term) = x
-         call fit_run(points, run, others, fit, squares, fixed=term, passes=2)
+         call fit_terms(points, offered .and. [(j /= term, j=1, term_count)], fit, squares, passes=2)
          squares = fit%squares
          profile = fit%chi_square
       end function profile
    end function upper_limit
-
-   !> Logarithm of the determinant of a positive definite matrix, by elimination.
-   pure real(dp) function log_determinant(matrix)
-      real(dp), intent(in) :: matrix(:, :)
-      real(dp) :: a(size(matrix, 1), size(matrix, 1))
-      integer :: i, j
-
-      a = matrix
-      log_determinant = 0
-      do j = 1, size(a, 1)
-         log_determinant = log_determinant + log(max(a(j, j), tiny(1.0_dp)))
-         do i = j + 1, size(a, 1)
-            a(i, j + 1:) = a(i, j + 1:) - a(i, j)/a(j, j)*a(j, j + 1:)
-         end do
-      end do
-   end function log_determinant
 
 end module gyroakf_allan_fit_selection

@@ -33,7 +33,7 @@ module gyroakf_allan_halves
    use gyroakf_allan_whitening, only : whitening
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_allan_noise_fit, only : noise_type
-   use gyroakf_allan_noise_model, only : model_variance, noise_model_type, unit_model
+   use gyroakf_allan_noise_model, only : model_variance, term_count
    use gyroakf_allan_phase, only : integrate_rate
    use gyroakf_allan_segment, only : segment_variances
    implicit none (type, external)
@@ -136,7 +136,7 @@ contains
       call tell_progress("comparing the halves", n - n/4, n, error, progress)
       if (allocated(error)) return
       call innovation_kurtosis(phase, missing, n - half, n, maxval(variance), kurtosis(2))
-      call compare_variances(half, sample_interval, m, variance, complete, noise%mixture, sum(kurtosis)/2, options, halves, error)
+      call compare_variances(half, sample_interval, m, variance, complete, noise%squares, sum(kurtosis)/2, options, halves, error)
    end subroutine compare_halves
 
    !> Rejects what is out of range.
@@ -160,7 +160,7 @@ contains
          call fatal_error(error, status%invalid_argument, "the coverage of a window must be above 0 and at most 1")
       else if (.not. between(options%least_edf, 1.0_dp - epsilon(1.0_dp), huge(1.0_dp))) then
          call fatal_error(error, status%invalid_argument, "the least degrees of freedom must be 1 or more")
-      else if (.not. any(noise%mixture%squares > 0)) then
+      else if (.not. any(noise%squares > 0)) then
          call fatal_error(error, status%invalid_argument, "the noise coefficients are not fitted: all of them are 0")
       else if (half < 4) then
          call fatal_error(error, status%too_few_samples, "two halves to be compared need at least 8 samples")
@@ -260,7 +260,7 @@ contains
       !> Variances, and shares of the terms that are there: [k, 2]
       real(dp), intent(in) :: variance(:, :), complete(:, :)
       !> The mixture
-      type(noise_model_type), intent(in) :: model
+      real(dp), intent(in) :: model(term_count)
       !> Excess kurtosis of the innovations
       real(dp), intent(in) :: kurtosis
       !> Confidence, least degrees of freedom
@@ -314,17 +314,16 @@ contains
       !> Averaging factors: [k]
       integer(int64), intent(in) :: m(:)
       !> The mixture
-      type(noise_model_type), intent(in) :: model
+      real(dp), intent(in) :: model(term_count)
       !> The matrix: [k, k]
       real(dp), intent(out) :: covariance(:, :)
 
-      type(noise_model_type) :: unit
-      real(dp) :: variance(size(m))
+      real(dp) :: squares(term_count), variance(size(m))
       integer :: i
 
-      unit = unit_model(model)
-      call allan_variance_covariances(half, m, unit%squares, covariance)
-      variance = [(model_variance(unit, real(m(i), dp)), i=1, size(m))]
+      squares = scale(model, -exponent(maxval(model)))      ! products of small squares vanish
+      call allan_variance_covariances(half, m, squares, covariance)
+      variance = [(model_variance(squares, real(m(i), dp)), i=1, size(m))]
       do i = 1, size(m)
          covariance(:, i) = covariance(:, i)/(variance*variance(i))
       end do

@@ -24,12 +24,12 @@ module gyroakf_allan_noise_fit
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_special, only : chi_square_survival
    use gyroakf_allan_degrees_of_freedom, only : chi_square_limits
-   use gyroakf_allan_deviations, only : allan_curve_type, terms_share
+   use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_allan_fit_covariance, only : mixture_freedom, new_covariance_basis
-   use gyroakf_allan_fit_selection, only : find_floor, find_run, is_described, noise_options, run_between, select_terms, &
-      & upper_limit
-   use gyroakf_allan_fit_solver, only : fit_points_type, fit_run, fit_run_type, shapes_of, solution_type, whitened
-   use gyroakf_allan_noise_model, only : model_variance, noise_model_type, term_count, term_flicker, term_letters, &
+   use gyroakf_allan_fit_selection, only : find_floor, find_run, is_described, is_likely, noise_options, points_between, &
+      & select_terms, upper_limit
+   use gyroakf_allan_fit_solver, only : fit_points_type, fit_terms, solution_type, whitened
+   use gyroakf_allan_noise_model, only : model_variance, term_count, term_flicker, term_letters, &
       & term_quantization, term_ramp, term_walk, term_white
    implicit none (type, external)
    private
@@ -77,35 +77,31 @@ module gyroakf_allan_noise_fit
       real(dp) :: floor = 0.0_dp
       !> Excess kurtosis of the white noise per sample, 0 where it is not significant
       real(dp) :: kurtosis = 0.0_dp
-      !> Mean share of their degrees of freedom that gaps left
-      real(dp) :: share = 1.0_dp
       !> Averaging times of the octaves, s; distance of the curve from the terms there in standard
       !> deviations, 0 where excluded
       real(dp), allocatable :: tau(:), residual(:)
       !> Fitted deviation at each averaging time of the curve, 0 where the fit says nothing
       real(dp), allocatable :: model(:)
-      !> The fitted mixture for a sample interval of 1, in the square of the curve's unit
-      type(noise_model_type) :: mixture
+      !> Q^2 N^2 B^2 K^2 R^2 of the fitted mixture for a sample interval of 1, in the square of the curve's unit
+      real(dp) :: squares(term_count) = 0.0_dp
    end type noise_type
 
    !> A fit in progress
    type :: estimate_type
-      type(fit_points_type) :: points
+      !> All octaves, and those that are fitted
+      type(fit_points_type) :: curve, run
       !> Unit of the variances
       real(dp) :: scale = 1.0_dp
       !> Terms on offer, those of the best set, those that are stated
       logical :: offered(term_count) = .true., chosen(term_count) = .false., stated(term_count) = .false.
       !> The points are those of the user; the terms are, too
       logical :: own_points = .false., own_terms = .false.
-      type(fit_run_type) :: run
       !> Fit of all terms on offer, and of the chosen ones
       type(solution_type) :: full, final
    end type estimate_type
 
    !> Powers of the sample interval in the units of Q N B K R
    real(dp), parameter :: power(term_count) = [1.0_dp, 0.5_dp, 0.0_dp, -0.5_dp, -1.0_dp]
-   !> Averaging times per octave at which degrees of freedom are computed; between them they are interpolated
-   integer, parameter :: per_octave = 4
    !> Stage of the analysis for the progress callback
    character(*), parameter :: stage = "noise coefficients"
 
@@ -133,14 +129,14 @@ contains
       if (.not. allocated(error)) call tell_progress(stage, 0_int64, 0_int64, error, progress)
       if (allocated(error)) return
       noise%sample_interval = curve%sample_interval
-      noise%tau = curve%sample_interval*real(estimate%points%m, dp)
+      noise%tau = curve%sample_interval*real(estimate%curve%m, dp)
       noise%residual = 0*noise%tau
       noise%model = 0*curve%deviation
       if (.not. noise%described) then
          where (estimate%offered) noise%coefficient%state = "withheld"
          return
       end if
-      call fit_terms(options, estimate)
+      call choose_terms(options, estimate)
       call tell_progress(stage, 0_int64, 0_int64, error, progress)
       if (.not. allocated(error)) call state_fit(options, estimate, noise, error)
       if (.not. allocated(error)) call state_coefficients(options, estimate, noise)
@@ -175,45 +171,30 @@ contains
       type(allan_curve_type), intent(in) :: curve
       type(estimate_type), intent(inout) :: estimate
       type(error_type), allocatable, intent(out) :: error
-      real(dp), allocatable :: share(:)
-      integer, allocatable :: place(:)
-      integer :: i
 
-      if (curve%kind /= "oadev") then
-         call fatal_error(error, status%invalid_argument, "the noise terms are fitted to a curve of kind oadev, this one is "// &
-            & trim(curve%kind))
-      else if (.not. (allocated(curve%deviation) .and. allocated(curve%edf) .and. allocated(curve%terms))) then
-         call fatal_error(error, status%invalid_argument, "the Allan curve is empty")
-      end if
-      if (allocated(error)) return
-      associate (points => estimate%points, octaves => curve%octaves)
-         points%samples = curve%samples
-         if (allocated(octaves%m)) then
-            points%m = octaves%m
-            points%variance = octaves%variance
-            points%kurtosis = octaves%kurtosis
-            points%complete = octaves%share
-         else                                               ! a curve of other origin
-            place = pack([(i, i=1, size(curve%m))], popcnt(curve%m) == 1 .and. curve%m <= max(1_int64, curve%samples/4))
-            points%m = curve%m(place)
-            points%variance = curve%deviation(place)**2
-            allocate (points%kurtosis(size(place)), source=0.0_dp)
-            share = terms_share(curve)
-            points%complete = share(place)
-         end if
-         if (size(points%m) == 0) then
+      associate (points => estimate%curve, octaves => curve%octaves)
+         if (curve%kind /= "oadev") then
+            call fatal_error(error, status%invalid_argument, "the noise terms are fitted to a curve of kind oadev, this one is "// &
+               & trim(curve%kind))
+         else if (.not. allocated(octaves%m)) then
+            call fatal_error(error, status%invalid_argument, "the Allan curve is empty")
+         else if (size(octaves%m) == 0) then
             call fatal_error(error, status%too_few_samples, "the curve has no averaging time of 1, 2, 4 ... samples to be fitted")
-         else if (any(points%variance <= tiny(1.0_dp))) then
+         else if (any(octaves%variance <= tiny(1.0_dp))) then
             call fatal_error(error, status%constant_input, "an Allan deviation is zero: the record does not vary")
          end if
          if (allocated(error)) return
-         estimate%scale = points%variance(1)
-         points%variance = points%variance/estimate%scale
+         estimate%scale = octaves%variance(1)
+         points%samples = curve%samples
+         points%m = octaves%m
+         points%variance = octaves%variance/estimate%scale
+         points%kurtosis = octaves%kurtosis
+         points%share = octaves%share
          call new_covariance_basis(points%samples, points%m, points%basis)
       end associate
    end subroutine take_points
 
-   !> The points that are fitted: those of the user, or the longest run that the terms describe.
+   !> The octaves that are fitted: those of the user, or the longest run that the terms describe.
    subroutine choose_run(options, interval, estimate, described, error)
       type(noise_options), intent(in) :: options
       !> Of the samples, s
@@ -221,63 +202,66 @@ contains
       type(estimate_type), intent(inout) :: estimate
       logical, intent(out) :: described
       type(error_type), allocatable, intent(out) :: error
+      real(dp) :: tau(size(estimate%curve%m))
       integer :: first, last
       character(120) :: text
 
       described = .true.
-      associate (points => estimate%points, run => estimate%run)
-         if (estimate%own_points) then
-            first = 1 + count(interval*real(points%m, dp) < options%tau_min*(1 - 1e-9_dp))
-            last = count(interval*real(points%m, dp) <= options%tau_max)
-            if (last - first + 1 < count(estimate%offered)) then
-               write (text, "(a, i0, a, i0, a)") "a fit of ", count(estimate%offered), " terms needs as many octaves, there are ", &
+      associate (e => estimate)
+         if (e%own_points) then
+            tau = interval*real(e%curve%m, dp)
+            first = 1 + count(tau < options%tau_min*(1 - 1e-9_dp))
+            last = count(tau <= options%tau_max)
+            if (last - first + 1 < count(e%offered)) then
+               write (text, "(a, i0, a, i0, a)") "a fit of ", count(e%offered), " terms needs as many octaves, there are ", &
                   & max(0, last - first + 1), " up to a quarter of the record"
                call fatal_error(error, status%too_few_samples, trim(text))
                return
             end if
-            run = run_between(points, options, first, last)
-            run%signed = run%signed .and. .not. estimate%own_terms
-         else if (size(points%m) <= options%run_octaves) then
-            estimate%offered = [1, 2, 3, 4, 5] == term_white
-            run = run_between(points, options, 1, size(points%m))
-            described = is_described(points, run, options, estimate%offered)
+            e%run = points_between(e%curve, options, first, last)
+            e%run%signed = e%run%signed .and. .not. e%own_terms
+         else if (size(e%curve%m) <= options%run_octaves) then
+            e%offered = is(term_white)
+            e%run = points_between(e%curve, options, 1, size(e%curve%m))
+            described = is_described(e%run, options, e%offered, .true.)
          else
-            call find_run(points, options, run, described)
+            call find_run(e%curve, options, e%run, described)
          end if
       end associate
    end subroutine choose_run
 
+   !> True at a term.
+   pure function is(term)
+      integer, intent(in) :: term
+      logical :: is(term_count)
+      integer :: j
+
+      is = [(j == term, j=1, term_count)]
+   end function is
+
    !> The floor, the choice of terms, and the fit of those chosen.
-   subroutine fit_terms(options, estimate)
+   subroutine choose_terms(options, estimate)
       type(noise_options), intent(in) :: options
       type(estimate_type), intent(inout) :: estimate
       logical :: used(term_count)
       real(dp) :: start(term_count)
 
       associate (e => estimate)
-         call find_floor(e%points, options, e%offered, e%run, e%full)
+         call find_floor(e%run, options, e%offered, e%full)
          e%final = e%full
-         call select_terms(e%points, e%run, options, e%offered, e%final, e%chosen, e%stated)
+         call select_terms(e%run, options, e%offered, e%final, e%chosen, e%stated)
          used = e%chosen
          if (e%own_terms .or. .not. any(e%chosen)) used = e%offered
-         start = e%final%squares
-         call fit_run(e%points, e%run, used, e%final, start, ramp=.true.)
-         if (used(term_ramp) .and. .not. is_likely(options, e%final, used)) call fit_run(e%points, e%run, used, e%final, start)
-         e%chosen = used .and. (e%final%squares > 0 .or. (e%run%signed .and. [1, 2, 3, 4, 5] == term_quantization))
+         start = merge(e%final%squares, 0.0_dp, used)
+         e%run%ramp = used(term_ramp)
+         call fit_terms(e%run, used, e%final, start)
+         if (e%run%ramp .and. .not. is_likely(e%final, options)) then
+            e%run%ramp = .false.
+            call fit_terms(e%run, used, e%final, start)
+         end if
+         e%chosen = used .and. (e%final%squares > 0 .or. (e%run%signed .and. is(term_quantization)))
       end associate
-   end subroutine fit_terms
-
-   !> Chance explains what is left of a fit.
-   logical function is_likely(options, fit, used)
-      type(noise_options), intent(in) :: options
-      type(solution_type), intent(in) :: fit
-      logical, intent(in) :: used(term_count)
-      integer :: freedom
-
-      freedom = size(fit%residual) - count(used)
-      is_likely = freedom <= 0
-      if (freedom > 0) is_likely = chi_square_survival(fit%chi_square, real(freedom, dp)) >= options%run_chance
-   end function is_likely
+   end subroutine choose_terms
 
    !> What was fitted, and how well.
    subroutine state_fit(options, estimate, noise, error)
@@ -288,32 +272,28 @@ contains
       real(dp), allocatable :: columns(:, :), inverse(:, :)
       real(dp) :: unit(term_count)
       integer, allocatable :: place(:)
-      integer :: j, k, info
+      integer :: j, k, info, last
 
       associate (e => estimate, run => estimate%run, squares => estimate%final%squares)
-         noise%points = run%last - run%first + 1
+         last = run%first + size(run%m) - 1
+         noise%points = size(run%m)
          noise%left_out = run%first - 1
-         noise%cut_off = size(e%points%m) - run%last
+         noise%cut_off = size(e%curve%m) - last
          noise%tau_first = noise%tau(run%first)
-         noise%tau_last = noise%tau(run%last)
+         noise%tau_last = noise%tau(last)
          noise%floor = run%floor
-         noise%kurtosis = run%kurtosis
-         noise%share = sum(e%points%complete(run%first:run%last))/noise%points
-         noise%residual(run%first:run%last) = e%final%residual
+         noise%kurtosis = run%excess
+         noise%residual(run%first:last) = e%final%residual
          noise%chi2_freedom = noise%points - count(e%chosen)
          if (noise%chi2_freedom > 0) then
             noise%chi2_reduced = e%final%chi_square/noise%chi2_freedom
             noise%chi2_probability = chi_square_survival(e%final%chi_square, real(noise%chi2_freedom, dp))
          end if
-         noise%mixture%squares = max(0.0_dp, squares)*e%scale
+         noise%squares = max(0.0_dp, squares)*e%scale
          ! covariance of the squares, (B' C^-1 B)^-1, then of the coefficients
          place = pack([(j, j=1, term_count)], e%chosen)
          k = size(place)
-         columns = shapes_of(e%points, run)
-         columns = whitened(e%final%covariance, columns(:, place)/spread(matmul(columns, squares), 2, k))
-         unit = 0
-         unit(place) = norm2(columns, dim=1)
-         columns = columns/spread(unit(place), 1, noise%points)
+         columns = whitened(e%final%covariance, run%shape(:, place)/spread(matmul(run%shape, squares), 2, k))
          inverse = matmul(transpose(columns), columns)
          call dpotrf("U", k, inverse, k, info)
          if (info == 0) call dpotri("U", k, inverse, k, info)
@@ -321,12 +301,12 @@ contains
             call fatal_error(error, status%singular, "the noise terms are collinear at these averaging times")
             return
          end if
-         unit(place) = sqrt(e%scale)*noise%sample_interval**power(place)/(2*sqrt(abs(squares(place)))*unit(place))
+         unit(place) = sqrt(e%scale)*noise%sample_interval**power(place)/(2*sqrt(abs(squares(place))))
          do j = 1, k
             noise%covariance(place(:j), place(j)) = inverse(:j, j)*unit(place(:j))*unit(place(j))
             noise%covariance(place(j), place(:j)) = noise%covariance(place(:j), place(j))
          end do
-            noise%errors_increased = noise%chi2_probability < options%run_chance
+         noise%errors_increased = noise%chi2_probability < options%run_chance
          if (noise%errors_increased) noise%covariance = noise%covariance*noise%chi2_reduced
       end associate
    end subroutine state_fit
@@ -358,7 +338,7 @@ contains
                c%state = merge("value", "limit", c%detected)
                c%upper_limit = c%value + sqrt(options%limit_rise)*c%std_error
                if (.not. c%detected) c%upper_limit = &
-                  & unit*sqrt(upper_limit(e%points, e%run, options, e%offered, j, e%full%squares))
+                  & unit*sqrt(upper_limit(e%run, options, e%offered, j, e%full%squares))
             end if
          end associate
       end do
@@ -393,22 +373,21 @@ contains
       type(noise_options), intent(in) :: options
       type(estimate_type), intent(in) :: estimate
       logical, intent(out) :: withheld(term_count)
-      real(dp) :: share(estimate%run%last - estimate%run%first + 1, term_count), squares(term_count)
-      integer :: n, three
+      real(dp) :: share(size(estimate%run%m), term_count)
+      integer :: n
 
-      withheld = .false.
-      withheld(term_quantization) = estimate%run%signed
-      if (estimate%own_points) return
-      squares = max(0.0_dp, estimate%final%squares)
-      share = shapes_of(estimate%points, estimate%run)*spread(squares, 1, size(share, 1))
-      share = share/spread(sum(share, dim=2), 2, term_count)
-      n = size(share, 1)
-      three = min(3, n)
-      withheld = withheld .or. .not. estimate%offered       ! a record of fewer octaves than a run
-      if (estimate%run%first > 1) withheld(term_white) = minval(share(:three, term_white)) < options%plain_share
-      if (estimate%run%last == size(estimate%points%m)) return
-      withheld([term_walk, term_ramp]) = .true.
-      withheld(term_flicker) = minval(share(n - three + 1:, term_flicker)) < options%plain_share
+      associate (run => estimate%run)
+         withheld = run%signed .and. is(term_quantization)
+         if (estimate%own_points) return
+         withheld = withheld .or. .not. estimate%offered    ! a record of fewer octaves than a run
+         n = size(run%m)
+         share = run%shape*spread(max(0.0_dp, estimate%final%squares), 1, n)
+         share = share/spread(sum(share, dim=2), 2, term_count)
+         if (run%first > 1) withheld(term_white) = minval(share(:min(3, n), term_white)) < options%plain_share
+         if (run%first + n - 1 == size(estimate%curve%m)) return
+         withheld([term_walk, term_ramp]) = .true.
+         withheld(term_flicker) = minval(share(max(1, n - 2):, term_flicker)) < options%plain_share
+      end associate
    end subroutine find_withheld
 
    !> The fitted deviations, and degrees of freedom and limits of the curve from the fit of all terms without its floor.
@@ -416,58 +395,28 @@ contains
       type(estimate_type), intent(in) :: estimate
       type(allan_curve_type), intent(inout) :: curve
       type(noise_type), intent(inout) :: noise
-      type(noise_model_type) :: noisy
-      real(dp), allocatable :: lag(:), relative(:), share(:)
-      real(dp) :: m, white, edf
-      integer(int64), allocatable :: place(:)
+      real(dp) :: squares(term_count), edf(size(curve%m)), m, white
+      integer(int64) :: longest
       integer :: i
       logical :: outside
 
-      associate (points => estimate%points, run => estimate%run)
-         noisy%squares = max(0.0_dp, estimate%full%squares)
-         noisy%squares(term_walk) = noisy%squares(term_walk) + 1.5_dp*real(points%m(run%last), dp)*noisy%squares(term_ramp)
-         noisy%squares(term_ramp) = 0
-         share = terms_share(curve)
-         call spread_factors(curve%m(size(curve%m)), place)
-         lag = log(real(place, dp))
-         relative = log(2/mixture_freedom(points%samples, place, noisy))
+      associate (run => estimate%run)
+         longest = run%m(size(run%m))
+         squares = max(0.0_dp, estimate%full%squares)
+         squares(term_walk) = squares(term_walk) + 1.5_dp*real(longest, dp)*squares(term_ramp)
+         squares(term_ramp) = 0
+         edf = mixture_freedom(run%samples, curve%m, squares)
          do i = 1, size(curve%m)
             m = real(curve%m(i), dp)
-            outside = curve%m(i) < points%m(run%first) .or. curve%m(i) > 2*points%m(run%last)
+            outside = curve%m(i) < run%m(1) .or. curve%m(i) > 2*longest
             if (.not. outside) noise%model(i) = sqrt(estimate%scale*model_variance(estimate%final%squares, m))
-            white = noisy%squares(term_white)/(m*model_variance(noisy, m))
-            edf = 2*share(i)/(exp(between(lag, relative, log(m))) + run%kurtosis/real(points%samples, dp)*white**2)
-            if (outside) edf = min(edf, curve%edf(i))
-            curve%edf(i) = max(0.5_dp, edf)
+            white = squares(term_white)/(m*model_variance(squares, m))
+            edf(i) = 2*curve%share(i)/(2/edf(i) + run%excess/real(run%samples, dp)*white**2)
+            if (outside) edf(i) = min(edf(i), curve%edf(i))
+            curve%edf(i) = max(0.5_dp, edf(i))
          end do
       end associate
       call chi_square_limits(curve%deviation, curve%edf, curve%confidence, curve%lower, curve%upper)
    end subroutine give_limits
-
-   !> Averaging factors from 1 to the longest, some per octave.
-   pure subroutine spread_factors(longest, place)
-      integer(int64), intent(in) :: longest
-      integer(int64), allocatable, intent(out) :: place(:)
-      integer(int64) :: next
-      integer :: k
-
-      place = [1_int64]
-      k = 0
-      do while (place(size(place)) < longest)
-         k = k + 1
-         next = min(longest, nint(2.0_dp**(real(k, dp)/per_octave), int64))
-         if (next > place(size(place))) place = [place, next]
-      end do
-   end subroutine spread_factors
-
-   !> Linear interpolation between ascending places, constant outside.
-   pure real(dp) function between(x, y, at)
-      real(dp), intent(in) :: x(:), y(:), at
-      integer :: low
-
-      low = max(1, min(size(x) - 1, count(x <= at)))
-      between = y(low)
-      if (size(x) > 1) between = y(low) + max(0.0_dp, min(1.0_dp, (at - x(low))/(x(low + 1) - x(low))))*(y(low + 1) - y(low))
-   end function between
 
 end module gyroakf_allan_noise_fit

@@ -12,7 +12,7 @@ module gyroakf_allan_noise_model
    implicit none (type, external)
    private
    public :: term_count, term_letters, term_quantization, term_white, term_flicker, term_walk, term_ramp
-   public :: noise_model_type, term_shape, model_variance, unit_model
+   public :: term_shape, model_variance
 
    !> Number of terms
    integer, parameter :: term_count = 5
@@ -23,31 +23,7 @@ module gyroakf_allan_noise_model
    !> (2 ln 2)/pi
    real(dp), parameter :: flicker_floor = 0.44127120030530273_dp
 
-   !> A mixture
-   type :: noise_model_type
-      !> Q^2 N^2 B^2 K^2 R^2 for a sample interval of 1. The square of Q is negative where it stands
-      !> for what a filter in the sensor took from the variances
-      real(dp) :: squares(term_count) = 0.0_dp
-   end type noise_model_type
-
-   !> Allan variance of a mixture, given as five squares or as a model
-   interface model_variance
-      module procedure variance_of_squares, variance_of_model
-   end interface model_variance
-
 contains
-
-   !> The same mixture in a unit in which the largest of its squares is near 1, for what depends on
-   !> their ratios alone: products of small squares vanish, those of large ones overflow.
-   pure type(noise_model_type) function unit_model(model) result(scaled)
-      !> The mixture
-      type(noise_model_type), intent(in) :: model
-      real(dp) :: largest
-
-      scaled = model
-      largest = maxval(model%squares)
-      if (largest > 0.0_dp) scaled%squares = scale(model%squares, -exponent(largest))
-   end function unit_model
 
    !> What a term with coefficient 1 adds to the Allan variance.
    elemental real(dp) function term_shape(term, tau)
@@ -66,7 +42,7 @@ contains
    end function term_shape
 
    !> Allan variance of the five terms.
-   pure real(dp) function variance_of_squares(squares, tau) result(variance)
+   pure real(dp) function model_variance(squares, tau) result(variance)
       !> Squared coefficients Q^2 N^2 B^2 K^2 R^2
       real(dp), intent(in) :: squares(term_count)
       !> Averaging time, > 0
@@ -74,16 +50,6 @@ contains
       integer :: term
 
       variance = sum([(squares(term)*term_shape(term, tau), term=1, term_count)])
-   end function variance_of_squares
-
-   !> Allan variance of a model.
-   pure real(dp) function variance_of_model(model, m) result(variance)
-      !> The mixture
-      type(noise_model_type), intent(in) :: model
-      !> Averaging factor, >= 1
-      real(dp), intent(in) :: m
-
-      variance = variance_of_squares(model%squares, m)
-   end function variance_of_model
+   end function model_variance
 
 end module gyroakf_allan_noise_model

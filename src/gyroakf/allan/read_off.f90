@@ -21,24 +21,13 @@
 !> Terms that overlap raise each other's lines: what is read is never below the truth but for scatter, and has no standard error.
 !> [[fit_noise]] separates them. Source: IEEE Std 952, annex C.
 module gyroakf_allan_read_off
-   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_allan_noise_model, only : term_count, term_shape
    implicit none (type, external)
    private
-   public :: read_off_options, read_off_type, read_off
-
-   !> What counts as a segment
-   type :: read_off_options
-      !> Largest distance of a local slope from that of the term, > 0
-      real(dp) :: tolerance = 0.1_dp
-      !> Shortest segment, decades of the averaging time, >= 0
-      real(dp) :: least_width = 1.0_dp/3
-      !> Degrees of freedom of a point, >= 0
-      real(dp) :: least_edf = 20.0_dp
-   end type read_off_options
+   public :: read_off_type, read_off
 
    !> What is read, in units of the curve and seconds (Q: u s, N: u sqrt(s), B: u, K: u/sqrt(s), R: u/s)
    type :: read_off_type
@@ -55,31 +44,34 @@ module gyroakf_allan_read_off
       logical :: falling = .false.
    end type read_off_type
 
-   !> Half the width, in decades, of the window of a local slope
-   real(dp), parameter :: half_window = 0.25_dp
+   !> Largest distance of a local slope from that of a term; shortest segment, and half the width of the window of a local
+   !> slope, in decades of the averaging time; degrees of freedom of a point
+   real(dp), parameter :: tolerance = 0.1_dp, least_width = 1.0_dp/3, half_window = 0.25_dp, least_edf = 20.0_dp
    !> Slopes of Q N B K R
    real(dp), parameter :: term_slope(term_count) = [-1.0_dp, -0.5_dp, 0.0_dp, 0.5_dp, 1.0_dp]
 
 contains
 
    !> Reads the coefficients and the minimum off a curve.
-   subroutine read_off(curve, options, result, error)
+   subroutine read_off(curve, result, error)
       !> Of kind adev, oadev or totdev; its degrees of freedom say which points count
       type(allan_curve_type), intent(in) :: curve
-      !> What counts as a segment
-      type(read_off_options), intent(in) :: options
       !> What is read; a term without a segment is not found, and that is no error
       type(read_off_type), intent(out) :: result
-      !> `invalid_argument`: another kind, an empty curve, options out of range
+      !> `invalid_argument`: another kind, an empty curve
       type(error_type), allocatable, intent(out) :: error
-
       real(dp), allocatable :: x(:), y(:), weight(:), slope(:)
       integer, allocatable :: place(:)
       integer :: i, term, first, last
 
-      call check_arguments(curve, options, error)
+      if (all(curve%kind /= ["adev  ", "oadev ", "totdev"])) then
+         call fatal_error(error, status%invalid_argument, "coefficients are read off an Allan deviation (adev, oadev, totdev); "// &
+            & "this curve is a "//trim(curve%kind))
+      else if (.not. (allocated(curve%tau) .and. allocated(curve%deviation) .and. allocated(curve%edf))) then
+         call fatal_error(error, status%invalid_argument, "the Allan curve is empty")
+      end if
       if (allocated(error)) return
-      place = pack([(i, i=1, size(curve%tau))], curve%edf >= options%least_edf .and. curve%deviation > tiny(1.0_dp))
+      place = pack([(i, i=1, size(curve%tau))], curve%edf >= least_edf .and. curve%deviation > tiny(1.0_dp))
       if (size(place) == 0) return
       i = minloc(curve%deviation(place), dim=1)
       result%minimum = curve%deviation(place(i))
@@ -89,10 +81,9 @@ contains
       x = log10(curve%tau(place))
       y = log10(curve%deviation(place))
       weight = curve%edf(place)
-      allocate (slope(size(place)))
-      call local_slopes(x, y, weight, slope)
+      slope = local_slopes(x, y, weight)
       do term = 1, term_count
-         call longest_row(x, abs(slope - term_slope(term)) <= options%tolerance, options%least_width, first, last)
+         call longest_row(x, abs(slope - term_slope(term)) <= tolerance, first, last)
          result%found(term) = first > 0
          if (first == 0) cycle
          result%from_tau(term) = curve%tau(place(first))
@@ -102,112 +93,48 @@ contains
       end do
    end subroutine read_off
 
-   !> Rejects what is out of range.
-   subroutine check_arguments(curve, options, error)
-      !> The curve
-      type(allan_curve_type), intent(in) :: curve
-      !> Options
-      type(read_off_options), intent(in) :: options
-      !> invalid_argument
-      type(error_type), allocatable, intent(out) :: error
+   !> Slope of the weighted line through each of three or more points and those around it.
+   pure function local_slopes(x, y, weight) result(slope)
+      !> Logarithms of averaging time, ascending, and of deviation; weights, > 0
+      real(dp), intent(in) :: x(:), y(:), weight(:)
+      real(dp) :: slope(size(x)), middle
+      integer :: i, first, last
 
-      if (all(curve%kind /= ["adev  ", "oadev ", "totdev"])) then
-         call fatal_error(error, status%invalid_argument, "coefficients are read off an Allan deviation (adev, oadev, totdev); "// &
-            & "this curve is a "//trim(curve%kind))
-      else if (.not. (allocated(curve%tau) .and. allocated(curve%deviation) .and. allocated(curve%edf))) then
-         call fatal_error(error, status%invalid_argument, "the Allan curve is empty")
-      else if (.not. (within(options%tolerance) .and. within(options%least_width) .and. within(options%least_edf))) then
-         call fatal_error(error, status%invalid_argument, "tolerance, least width and least degrees of freedom of a segment "// &
-            & "must be finite and not negative")
-      end if
-   end subroutine check_arguments
-
-   !> Finite and not negative.
-   pure logical function within(x)
-      !> Any number
-      real(dp), intent(in) :: x
-
-      within = .false.
-      if (ieee_is_finite(x)) within = x >= 0
-   end function within
-
-   !> Slope of the line through each point and those around it.
-   pure subroutine local_slopes(x, y, weight, slope)
-      !> Logarithms of averaging time, ascending, and of deviation: [n], n >= 3
-      real(dp), intent(in) :: x(:), y(:)
-      !> Weights, > 0: [n]
-      real(dp), intent(in) :: weight(:)
-      !> The slopes: [n]
-      real(dp), intent(out) :: slope(:)
-
-      integer :: i, n, first, last
-
-      n = size(x)
-      first = 1
-      last = 1
-      do i = 2, n - 1
-         do while (x(first) < x(i) - half_window .and. first < i - 1)
-            first = first + 1
-         end do
-         do while (last < n)
-            if (last > i .and. x(last + 1) > x(i) + half_window) exit
-            last = last + 1
-         end do
-         slope(i) = line_slope(x(first:last), y(first:last), weight(first:last))
+      do i = 2, size(x) - 1
+         first = min(i - 1, 1 + count(x < x(i) - half_window))
+         last = max(i + 1, count(x <= x(i) + half_window))
+         associate (x => x(first:last), y => y(first:last), w => weight(first:last))
+            middle = sum(w*x)/sum(w)
+            slope(i) = sum(w*(x - middle)*y)/sum(w*(x - middle)**2)
+         end associate
       end do
       slope(1) = slope(2)
-      slope(n) = slope(n - 1)
-   end subroutine local_slopes
+      slope(size(x)) = slope(size(x) - 1)
+   end function local_slopes
 
-   !> Slope of the weighted straight line through points.
-   pure real(dp) function line_slope(x, y, weight)
-      !> The points: at least two different x
-      real(dp), intent(in) :: x(:), y(:)
-      !> Weights
-      real(dp), intent(in) :: weight(:)
-
-      real(dp) :: middle
-
-      middle = sum(weight*x)/sum(weight)
-      line_slope = sum(weight*(x - middle)*y)/sum(weight*(x - middle)**2)
-   end function line_slope
-
-   !> The longest row of neighbouring points that belong together.
-   pure subroutine longest_row(x, belongs, least_width, first, last)
+   !> The longest row of two or more neighboring points that belong together and reach over `least_width`.
+   pure subroutine longest_row(x, belongs, first, last)
       !> Logarithms of averaging time, ascending: [n]
       real(dp), intent(in) :: x(:)
       !> Points that may be in it: [n]
       logical, intent(in) :: belongs(:)
-      !> Shorter ones are none
-      real(dp), intent(in) :: least_width
       !> Its ends, 0 if there is none
       integer, intent(out) :: first, last
-
       real(dp) :: width, widest
-      integer :: i, j, n
+      integer :: i, j
 
-      n = size(x)
       first = 0
       last = 0
       widest = least_width*(1 - 1e-9_dp)
-      i = 1
-      do while (i <= n)
-         j = i
-         do while (j <= n)
-            if (.not. belongs(j)) exit
-            j = j + 1
-         end do
-         if (j - i >= 2) then                              ! from half way to the point before to half way to the one after
-            width = (x(j - 1) + x(min(j, n)))/2 - (x(i) + x(max(i - 1, 1)))/2
-            if (width >= widest) then
-               if (first == 0 .or. width > widest*(1 + 1e-9_dp)) then
-                  first = i
-                  last = j - 1
-                  widest = width
-               end if
-            end if
-         end if
-         i = j + 1
+      i = 0
+      do j = 1, size(x)
+         if (.not. belongs(j)) i = j                        ! i: the last one that does not belong
+         if (j - i < 2) cycle                               ! from half way to the point before to half way to the one after
+         width = (x(j) + x(min(j + 1, size(x))))/2 - (x(i + 1) + x(max(i, 1)))/2
+         if (width < widest .or. (first > 0 .and. first /= i + 1 .and. width <= widest*(1 + 1e-9_dp))) cycle
+         first = i + 1
+         last = j
+         widest = width
       end do
    end subroutine longest_row
 

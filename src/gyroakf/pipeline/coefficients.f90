@@ -7,7 +7,7 @@ module gyroakf_pipeline_coefficients
    use gyroakf_units, only : unit_type, coefficient_unit_type, coefficient_unit, density_unit, quantity
    use gyroakf_allan_deviations, only : allan_options, compute_allan
    use gyroakf_allan_noise_fit, only : coefficient_type, noise_options, noise_type, fit_noise
-   use gyroakf_allan_read_off, only : read_off_options, read_off_type, read_off
+   use gyroakf_allan_read_off, only : read_off_type, read_off
    use gyroakf_progress, only : progress_type
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, allan_result_type, stated_coefficient_type, &
       & stated_noise_type, stated_read_off_type, stage, stage_names
@@ -82,7 +82,7 @@ contains
       call note_failure(channel, "noise coefficients ("//trim(stage_names(which))//")", error)
       if (.not. channel%allan(which)%fitted) return
       call state_noise(channel%allan(which)%noise, rate_known, unit, channel%allan(which)%stated)
-      call read_off(channel%allan(which)%curve, read_off_options(), channel%allan(which)%read, error)
+      call read_off(channel%allan(which)%curve, channel%allan(which)%read, error)
       if (.not. allocated(error)) call state_read_off(channel%allan(which)%read, rate_known, unit, channel%allan(which)%read_off)
    end subroutine fit_curve
 

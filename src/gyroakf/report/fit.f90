@@ -86,7 +86,7 @@ contains
 
       text = ""
       do term = 1, 5
-         if (allan%noise%mixture%squares(term) > 0) text = text//" "//letters(term:term)
+         if (allan%noise%squares(term) > 0) text = text//" "//letters(term:term)
       end do
       if (len(text) == 0) text = " none"
       text = text(2:)
