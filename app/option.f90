@@ -79,7 +79,10 @@ module gyroakf_app_option
       option_type("--scale", "F", "real", reading, "input", "multiply every value by F"), &
       option_type("--column", "N|NAME[,...]", "text", reading, "input", "columns to read (default: all but the time)"), &
       option_type("--time-column", "N|NAME|none", "text", reading, "input", &
-                  "column of the time stamps (default: found by its name)"), &
+                  "column of the time stamps (default: found by its name, else by its even rise)"), &
+      option_type("--time-unit", "UNIT", "text", reading, "input", &
+                  "unit of the time column: s, ms, us, ns, min, h, or a multiple such as 100us (default: by its name, else by "// &
+                  "its values)"), &
       option_type("--format", "auto|text|csv|npy|f64|f32|i16|...", "text", reading, "input", &
                   "how the file is written (default auto: by its content); raw numbers: f32 f64 i8 i16 i32 i64 u8 u16 u32, "// &
                   "with be behind it where they are big endian: i16be"), &

@@ -42,6 +42,7 @@ contains
          if (.not. abs(value%number) > 0) call value_error(option, "0 leaves nothing", error)
       case ("--column"); reader%columns = value%text
       case ("--time-column"); reader%time_column = value%text
+      case ("--time-unit"); reader%time_unit = value%text
       case ("--format"); call set_format(reader, option, value%text, error)
       case ("--channels"); reader%channels = value%count
       case ("--skip"); reader%skip = value%count

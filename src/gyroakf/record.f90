@@ -26,6 +26,9 @@ module gyroakf_record
       integer(int64) :: jumps = 0
       !> Double steps at even distances, not counted as gaps: lost samples, or a clock that counts in nearly the interval
       integer(int64) :: beats = 0
+      !> A rate that explains the stamps as well as `stamp_rate`, Hz: with losses where that takes them for beats, or the
+      !> reverse; 0 where there is none
+      real(dp) :: other_rate = 0.0_dp
       !> Stamps equal to the one before
       integer(int64) :: duplicates = 0
       !> Stamps smaller than the one before
@@ -46,6 +49,11 @@ module gyroakf_record
       real(dp), allocatable :: quantisation(:)
       !> Rows that repeat the one above, stamp and values, and were left out; the line of the first, 0 where there is none
       integer(int64) :: repeated = 0, line_of_repeat = 0
+      !> Rows without a time that were left out, and the line of the first
+      integer(int64) :: untimed = 0, line_of_untimed = 0
+      !> Places where the clock starts again (after a GPS week, 2^32 us) and is continued; the line of the first, its period, s
+      integer(int64) :: rollovers = 0, line_of_rollover = 0
+      real(dp) :: rollover_period = 0.0_dp
       !> Bursts: samples that were delivered at once, and late; the largest number; the line of the first
       integer(int64) :: bursts = 0, longest_burst = 0, line_of_burst = 0
       !> Changes of the rate for good; the line of the first, and the rates before and behind it, Hz

@@ -6,16 +6,15 @@
 !> are near their median (regular stamps, [[gyroakf_io_cadence]]), one lost sample is seen at its long step; where they are not, by
 !> the levels before and behind it ([[gyroakf_io_losses]]). Parts of different rates are looked at apart.
 module gyroakf_io_audit
-   use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_stats_extremes, only : scan_extremes
    use gyroakf_io_bursts, only : count_bursts
-   use gyroakf_io_cadence, only : cadence_type, find_cadence, find_changes
+   use gyroakf_io_cadence, only : cadence_type, find_cadence
    use gyroakf_io_losses, only : add_gap, find_losses, gap_type
-   use gyroakf_io_regular_losses, only : find_gaps, is_beat, is_comb
-   use gyroakf_io_repeats, only : drop_repeats, merge_repeats
+   use gyroakf_io_rate_changes, only : find_changes
+   use gyroakf_io_regular_losses, only : find_gaps, loss_pattern, pattern
    use gyroakf_record, only : audit_type
    implicit none (type, external)
    private
@@ -29,56 +28,54 @@ module gyroakf_io_audit
 contains
 
    !> Counts what the stamps show and finds the gaps.
-   subroutine audit_stamps(t, audit, gaps, value)
-      !> Stamps in s: [n]; NaN where missing. Afterwards, in the first n - `audit%repeated`, without backward jumps, repeated rows
-      !> and jumps that are not filled, missing ones interpolated
+   subroutine audit_stamps(t, audit, gaps, rate_hz)
+      !> Stamps in s, none missing: [n]; afterwards without backward jumps and jumps that are not filled
       real(dp), intent(inout), contiguous :: t(:)
       !> Filled: stamps, rate, duplicates, backward steps, bursts, jitter; `line_of_*` hold sample indices
       type(audit_type), intent(inout) :: audit
-      !> Where samples were lost, and rows that are none
+      !> Where samples were lost
       type(gap_type), intent(out) :: gaps
-      !> The rows, by which repeated ones are told from others of the same stamp: [n, channel]
-      real(dp), intent(in), contiguous, optional :: value(:, :)
+      !> Sample rate that was given, which decides between two that explain the stamps equally well, Hz; 0 (also if absent): none
+      real(dp), intent(in), optional :: rate_hz
       type(cadence_type) :: whole
-      integer(int64), allocatable :: repeated(:)
       integer(int64) :: n, change(most_changes), lost
       integer :: changes
-      real(dp) :: steps(most_changes + 1)
+      real(dp) :: steps(most_changes + 1), given
 
+      given = 0.0_dp
+      if (present(rate_hz)) given = rate_hz
       n = size(t, kind=int64)
       audit%has_stamps = n > 0
       allocate (audit%line_of_first(3))
       audit%line_of_first = 0
-      allocate (gaps%before(16), gaps%length(16))
+      allocate (gaps%before(16))
+      allocate (gaps%length(16))
       if (n < 2) return
-      call interpolate(t)
-      if (present(value)) call drop_repeats(t, value, repeated)
-      if (allocated(repeated)) n = n - size(repeated)
-      call find_cadence(t(:n), whole)
-      call count_steps(t(:n), whole%step, audit)
-      if (whole%step > 0.0_dp) then
-         audit%resolution = whole%resolution
-         call find_changes(t(:n), change, steps, changes)
-         call audit_stretches(t(:n), whole, change(:changes), audit, gaps)
-         audit%gaps = gaps%count + gaps%jumps
-         audit%jumps = gaps%jumps
-         call note_changes(change(:changes), steps, audit)
-         call note_first_gap(gaps, audit)
-         lost = sum(gaps%length(:gaps%count))
-         if (t(n) > t(1)) audit%stamp_rate = real(n - 1 + lost, dp)/(t(n) - t(1))
-         call measure_jitter(t(:n), gaps, audit)
-         call count_bursts(t(:n), whole, audit)
-      end if
-      if (allocated(repeated)) call merge_repeats(repeated, audit, gaps)
+      call find_cadence(t, whole)
+      call count_steps(t, whole%step, audit)
+      if (whole%step <= 0.0_dp) return
+      audit%resolution = whole%resolution
+      call find_changes(t, change, steps, changes)
+      call audit_stretches(t, whole, change(:changes), given, audit, gaps)
+      audit%gaps = gaps%count + gaps%jumps
+      audit%jumps = gaps%jumps
+      call note_changes(change(:changes), steps, audit)
+      call note_first_gap(gaps, audit)
+      lost = sum(gaps%length(:gaps%count))
+      if (t(n) > t(1)) audit%stamp_rate = real(n - 1 + lost, dp)/(t(n) - t(1))
+      call measure_jitter(t, gaps, audit)
+      call count_bursts(t, whole, audit)
    end subroutine audit_stamps
 
    !> Finds the losses in each stretch of one rate.
-   subroutine audit_stretches(t, whole, change, audit, gaps)
+   subroutine audit_stretches(t, whole, change, given, audit, gaps)
       real(dp), intent(inout), contiguous :: t(:)
       !> Of the whole
       type(cadence_type), intent(in) :: whole
       !> First sample of each further rate
       integer(int64), intent(in) :: change(:)
+      !> Hz, 0 for none
+      real(dp), intent(in) :: given
       !> Its beats are counted
       type(audit_type), intent(inout) :: audit
       type(gap_type), intent(inout) :: gaps
@@ -98,7 +95,7 @@ contains
          else
             call find_cadence(t(first:last), cadence)
          end if
-         call audit_stretch(t(first:), last - first + 1, cadence, part, audit)
+         call audit_stretch(t(first:), last - first + 1, cadence, given, part, audit)
          do g = 1, part%count
             call add_gap(gaps, part%before(g) + first - 1, part%length(g))
          end do
@@ -108,62 +105,63 @@ contains
    end subroutine audit_stretches
 
    !> The losses in a stretch of one rate; jumps that are too long to be filled are taken out of the stamps.
-   subroutine audit_stretch(t, n, cadence, gaps, audit)
+   subroutine audit_stretch(t, n, cadence, given, gaps, audit)
       !> From the first sample of the stretch to the last of the record
       real(dp), intent(inout), contiguous :: t(:)
       !> Samples of the stretch
       integer(int64), intent(in) :: n
       type(cadence_type), intent(in) :: cadence
+      !> Sample rate that was given, Hz, 0 for none
+      real(dp), intent(in) :: given
       type(gap_type), intent(out) :: gaps
       type(audit_type), intent(inout) :: audit
       real(dp) :: step
 
-      allocate (gaps%before(16), gaps%length(16))
+      allocate (gaps%before(16))
+      allocate (gaps%length(16))
       if (cadence%step <= 0.0_dp) return
       if (cadence%regular) then
          call find_gaps(t(:n), cadence%step, gaps)
-         if (is_beat(gaps, cadence, n)) then
-            audit%beats = audit%beats + gaps%count
-            gaps%count = 0
-         else if (is_comb(gaps, cadence)) then
-            gaps%count = 0
-            call find_losses(t(:n), cadence, gaps, step)
-         end if
+         call explain_losses(t(:n), cadence, given, gaps, audit)
       else
          call find_losses(t(:n), cadence, gaps, step)
       end if
       call join_jumps(t, n, cadence%step, gaps)
    end subroutine audit_stretch
 
-   !> Fills missing stamps between their neighbours; at the ends by the mean step.
-   subroutine interpolate(t)
-      real(dp), intent(inout), contiguous :: t(:)
-      integer(int64) :: i, j, first, last, n
-      real(dp) :: step
+   !> Decides whether losses at even distances are losses or the beat of the samples with a coarse clock: those at exactly even
+   !> distances below 50 samples are losses, others are not (a clock that counts in nearly the interval is the likelier cause),
+   !> unless the given rate is nearer to that of the other explanation.
+   subroutine explain_losses(t, cadence, given, gaps, audit)
+      real(dp), intent(in), contiguous :: t(:)
+      type(cadence_type), intent(in) :: cadence
+      real(dp), intent(in) :: given
+      !> None where they are a beat
+      type(gap_type), intent(inout) :: gaps
+      !> Its beats and the other rate
+      type(audit_type), intent(inout) :: audit
+      real(dp) :: step, grid_rate, beat_rate
+      integer(int64) :: distance
+      integer :: found
+      logical :: beat
 
-      n = size(t, kind=int64)
-      first = 0
-      last = 0
-      do i = 1, n
-         if (ieee_is_nan(t(i))) cycle
-         if (first == 0) first = i
-         do j = last + 1, i - 1
-            if (last > 0) t(j) = t(last) + (t(i) - t(last))*(real(j - last, dp)/real(i - last, dp))
-         end do
-         last = i
-      end do
-      step = 1.0_dp
-      if (first == 0) then
-         first = 1
-         last = 1
-         t(1) = 0.0_dp
+      call loss_pattern(gaps, cadence, size(t, kind=int64), found, distance)
+      if (found == pattern%losses) return
+      grid_rate = 1.0_dp/cadence%step
+      if (found == pattern%comb) then
+         gaps%count = 0
+         call find_losses(t, cadence, gaps, step)
+         return
       end if
-      if (last > first) step = (t(last) - t(first))/real(last - first, dp)
-      do i = 1, n
-         if (i < first) t(i) = t(first) - step*real(first - i, dp)
-         if (i > last) t(i) = t(last) + step*real(i - last, dp)
-      end do
-   end subroutine interpolate
+      beat = found == pattern%beat .or. distance >= 50
+      beat_rate = grid_rate*real(distance, dp)/real(distance + 1, dp)
+      if (found == pattern%beat) beat_rate = real(size(t) - 1, dp)/(t(size(t)) - t(1))
+      if (given > 0.0_dp) beat = abs(given - beat_rate) < abs(given - grid_rate)
+      if (given <= 0.0_dp .and. distance > 0) audit%other_rate = merge(grid_rate, beat_rate, beat)
+      if (.not. beat) return
+      audit%beats = audit%beats + gaps%count
+      gaps%count = 0
+   end subroutine explain_losses
 
    !> The rates before and behind the first change.
    subroutine note_changes(change, steps, audit)
@@ -188,13 +186,14 @@ contains
       if (gaps%count > 0 .and. gaps%first_jump > 0) audit%line_of_first(3) = min(gaps%before(1), gaps%first_jump)
    end subroutine note_first_gap
 
-   !> Counts duplicates and backward steps; a clock that was set back by more than ten samples goes on by one sample.
+   !> Counts duplicates, rollovers and backward steps; a clock that starts again is continued, one that was set back by more than
+   !> ten samples otherwise goes on by one sample.
    subroutine count_steps(t, interval, audit)
       real(dp), intent(inout), contiguous :: t(:)
       !> Usual, s
       real(dp), intent(in) :: interval
       type(audit_type), intent(inout) :: audit
-      real(dp) :: step, shift
+      real(dp) :: step, shift, period
       integer(int64) :: i
 
       shift = 0.0_dp
@@ -203,17 +202,43 @@ contains
          step = t(i) - t(i - 1)
          if (step > 0.0_dp) cycle
          if (step < 0.0_dp) then
-            audit%backward_steps = audit%backward_steps + 1
-            if (audit%line_of_first(2) == 0) audit%line_of_first(2) = i
-            if (interval <= 0.0_dp .or. step > -10.0_dp*interval) cycle
-            shift = shift - step + interval
-            t(i) = t(i - 1) + interval
+            period = rollover_of(step, interval)
+            if (period > 0.0_dp) then
+               audit%rollovers = audit%rollovers + 1
+               audit%rollover_period = period
+               if (audit%line_of_rollover == 0) audit%line_of_rollover = i
+            else
+               audit%backward_steps = audit%backward_steps + 1
+               if (audit%line_of_first(2) == 0) audit%line_of_first(2) = i
+               if (interval <= 0.0_dp .or. step > -10.0_dp*interval) cycle
+               period = interval - step
+            end if
+            shift = shift + period
+            t(i) = t(i) + period
          else
             audit%duplicates = audit%duplicates + 1
             if (audit%line_of_first(1) == 0) audit%line_of_first(1) = i
          end if
       end do
    end subroutine count_steps
+
+   !> The period after which a clock starts again, s; 0 where the stamps would not go on within 20 samples.
+   pure real(dp) function rollover_of(step, interval) result(period)
+      !> Below 0, s
+      real(dp), intent(in) :: step
+      !> Usual, s
+      real(dp), intent(in) :: interval
+      !> Day, GPS week; 16, 24, 31, 32 bits of us, 100 us and ms
+      real(dp), parameter :: periods(*) = [86400.0_dp, 604800.0_dp, 2.0_dp**[16, 24, 31, 32]*1.0e-6_dp, &
+         2.0_dp**[16, 24, 31, 32]*1.0e-4_dp, 2.0_dp**[16, 24, 31, 32]*1.0e-3_dp]
+      integer :: k
+
+      do k = 1, size(periods)
+         period = periods(k)
+         if (period > 100.0_dp*interval .and. step + period >= 0.0_dp .and. step + period <= 20.0_dp*interval) return
+      end do
+      period = 0.0_dp
+   end function rollover_of
 
    !> Takes jumps that are too long to be filled out of the stamps and of the gaps.
    subroutine join_jumps(t, n, interval, gaps)

@@ -1,12 +1,15 @@
 ! SPDX-License-Identifier: MIT
-!> How often samples come: the step of the stamps, the resolution of their clock, where the rate changes.
+!> The sample interval from time stamps, and the resolution of their clock.
 !>
-!> Everything here is told by medians, so that lost samples, late ones and bursts do not move it.
+!> All steps are counted in a histogram of 32 bins an octave. Where samples lie on an even grid of interval \(T\), some of them lost
+!> and each with a jitter, the steps \(x\) are whole multiples of \(T\) with a scatter, and the coherence
+!> $$C(f) = \overline{\cos 2\pi f x}$$ has a maximum at \(f = 1/T\), whatever the pattern of the losses. \(1/T\) lies above the mean
+!> rate; of several maxima of about the same height the lowest counts (the others are its harmonics).
 module gyroakf_io_cadence
    use gyroakf_kinds, only : dp, int64
    implicit none (type, external)
    private
-   public :: cadence_type, find_cadence, find_changes, sort, median_of
+   public :: cadence_type, find_cadence, find_step, sort, median_of
 
    !> How samples come
    type :: cadence_type
@@ -14,14 +17,20 @@ module gyroakf_io_cadence
       real(dp) :: step = 0.0_dp
       !> Smallest difference between two steps, s: the stamps count in it; 0 where it is below 1e-4 of the step
       real(dp) :: resolution = 0.0_dp
-      !> Almost all steps are near their median, or whole multiples of it: one lost sample is seen at its place
+      !> Almost all steps are near the interval, or whole multiples of it: one lost sample is seen at its place
       logical :: regular = .false.
+      !> Share of the steps that are shorter than half of the interval, and longer than 1.5 of it
+      real(dp) :: short = 0.0_dp, long = 0.0_dp
    end type cadence_type
 
-   !> Steps looked at
-   integer, parameter :: looked_at = 4001
-   !> Parts of a record that are compared with each other, and samples of the shortest
-   integer(int64), parameter :: most_parts = 128, shortest_part = 64
+   !> Steps looked at for the resolution
+   integer, parameter :: resolution_steps = 4001
+   !> The histogram: 32 bins an octave from 2^-40 s to 2^40 s; what lies outside is in the outermost bins
+   integer, parameter :: mantissa_bits = 5, octaves = 80, bins = octaves*2**mantissa_bits
+   !> Lowest and highest rate looked for, in mean rates of the usual steps, and the distance of those tried
+   real(dp), parameter :: lowest_rate = 0.9_dp, highest_rate = 3.4_dp, rate_distance = 0.02_dp
+   !> Steps at least so coherent are those of an even grid; harmonics that are no more than this much higher do not count
+   real(dp), parameter :: least_coherence = 0.3_dp, harmonic_share = 0.9_dp
 
 contains
 
@@ -31,40 +40,183 @@ contains
       real(dp), intent(in), contiguous :: t(:)
       !> The cadence
       type(cadence_type), intent(out) :: cadence
-      real(dp) :: step(looked_at), median, total
-      integer(int64) :: i, n, near, forward
+      real(dp) :: step(resolution_steps)
+      real(dp), parameter :: golden = 0.6180339887498949_dp
+      integer(int64) :: i, n
       integer :: k, m
 
+      call find_step(t, cadence)
       n = size(t, kind=int64)
-      if (n < 2) return
-      m = int(min(int(looked_at, int64), n - 1))
+      if (cadence%step <= 0.0_dp) return
+      m = int(min(int(resolution_steps, int64), n - 1))
       do k = 1, m
-         i = 2 + (int(k - 1, int64)*(n - 2))/max(m - 1, 1)
+         i = k + 1
+         if (m < n - 1) i = 2 + int(modulo(k*golden, 1.0_dp)*real(n - 1, dp), int64)
          step(k) = t(i) - t(i - 1)
       end do
       call sort(step(:m))
-      median = step((m + 1)/2)
+      cadence%resolution = smallest_difference(step(:m), 1.0e-4_dp*max(step((m + 1)/2), 0.1_dp*cadence%step))
+      if (min(cadence%short, cadence%long) > 0.002_dp .and. cadence%resolution > 0.3_dp*cadence%step) call use_mean(t, cadence)
+   end subroutine find_cadence
+
+   !> The interval alone, and whether the stamps are regular.
+   subroutine find_step(t, cadence)
+      !> s, none missing: [n]
+      real(dp), intent(in), contiguous :: t(:)
+      !> Its resolution stays 0
+      type(cadence_type), intent(out) :: cadence
+      real(dp) :: total(bins), x(bins)
+      integer(int64) :: number(bins), weight(bins), i, flat
+      integer :: bin, k
+      real(dp) :: step
+
+      total(:) = 0.0_dp
+      number(:) = 0
+      flat = 0
+      do i = 2, size(t, kind=int64)
+         step = t(i) - t(i - 1)
+         if (step > 0.0_dp) then
+            bin = bin_of(step)
+            total(bin) = total(bin) + step
+            number(bin) = number(bin) + 1
+         else
+            flat = flat + 1
+         end if
+      end do
+      k = 0
+      do bin = 1, bins
+         if (number(bin) == 0) cycle
+         k = k + 1
+         x(k) = total(bin)/real(number(bin), dp)
+         weight(k) = number(bin)
+      end do
+      if (k == 0) return
+      call choose_step(x(:k), real(weight(:k), dp), real(flat, dp), cadence)
+      if (.not. cadence%regular) call use_mean(t, cadence)
+   end subroutine find_step
+
+   !> The bin of a step.
+   pure integer function bin_of(step)
+      !> s, above 0
+      real(dp), intent(in) :: step
+      integer(int64), parameter :: lowest = shiftl(1023_int64 - octaves/2, mantissa_bits) - 1
+      integer(int64) :: bits
+
+      bits = shiftr(transfer(step, bits), 52 - mantissa_bits) - lowest
+      bin_of = int(max(1_int64, min(int(bins, int64), bits)))
+   end function bin_of
+
+   !> The interval is the mean of the steps that do not go back.
+   pure subroutine use_mean(t, cadence)
+      real(dp), intent(in), contiguous :: t(:)
+      type(cadence_type), intent(inout) :: cadence
+      real(dp) :: total
+      integer(int64) :: i, forward
+
+      cadence%regular = .false.
       total = 0.0_dp
       forward = 0
-      do i = 2, n
+      do i = 2, size(t, kind=int64)
          if (t(i) < t(i - 1)) cycle
          total = total + (t(i) - t(i - 1))
          forward = forward + 1
       end do
-      if (total <= 0.0_dp) return
-      cadence%step = total/real(forward, dp)
-      cadence%resolution = smallest_difference(step(:m), 1.0e-4_dp*max(median, 0.1_dp*cadence%step))
-      cadence%regular = is_regular(step(:m), median, cadence%resolution)
-      if (.not. cadence%regular) return
-      total = 0.0_dp
-      near = 0
-      do i = 2, n
-         if (t(i) - t(i - 1) < 0.5_dp*median .or. t(i) - t(i - 1) > 1.5_dp*median) cycle
-         total = total + (t(i) - t(i - 1))
-         near = near + 1
+      cadence%step = 0.0_dp
+      if (total > 0.0_dp) cadence%step = total/real(forward, dp)
+   end subroutine use_mean
+
+   !> The interval that the steps are whole multiples of, and whether they are.
+   !>
+   !> Regular are stamps whose steps are near the interval (97 %), or coherent and hardly ever short. Where most of the time passes in
+   !> steps of more than 2.5 intervals, samples are delivered in bursts.
+   pure subroutine choose_step(x, weight, flat, cadence)
+      !> Mean step of every bin, s, rising, and how many there are: [bin]
+      real(dp), intent(in), contiguous :: x(:), weight(:)
+      !> Steps that are not above 0
+      real(dp), intent(in) :: flat
+      type(cadence_type), intent(inout) :: cadence
+      integer, parameter :: tried = nint((highest_rate - lowest_rate)/rate_distance)
+      real(dp) :: coherence(0:tried), usual, interval, all_steps, near, all_time, far_time
+      integer :: k, best
+
+      usual = usual_step(x, weight)
+      k = count(x <= 4.0_dp*usual)
+      call find_coherence(x(:k)/usual, weight(:k), coherence)
+      best = maxloc(coherence, dim=1) - 1
+      do k = 1, best - 1
+         if (coherence(k) < harmonic_share*coherence(best)) cycle
+         if (coherence(k) > coherence(k - 1) .and. coherence(k) >= coherence(k + 1)) exit
       end do
-      if (near > 0) cadence%step = total/real(near, dp)
-   end subroutine find_cadence
+      if (best > 0) best = min(k, best)
+      interval = usual/(lowest_rate + best*rate_distance)
+      do k = 1, 2
+         interval = mean_interval(x, weight, interval)
+      end do
+      if (interval <= 0.0_dp) return
+      all_steps = sum(weight) + flat
+      near = sum(weight, x > 0.5_dp*interval .and. x < 1.5_dp*interval)
+      cadence%short = (sum(weight, x <= 0.5_dp*interval) + flat)/all_steps
+      cadence%long = sum(weight, x >= 1.5_dp*interval)/all_steps
+      all_time = sum(weight*min(x, 100.0_dp*interval))
+      far_time = sum(weight*min(x, 100.0_dp*interval), x > 2.5_dp*interval)
+      cadence%step = interval
+      cadence%regular = near >= 0.97_dp*all_steps
+      if (coherence(best) >= least_coherence .and. near >= 0.3_dp*all_steps) then
+         cadence%regular = cadence%regular .or. cadence%short <= 0.03_dp
+      end if
+      cadence%regular = cadence%regular .and. far_time <= 0.5_dp*all_time
+   end subroutine choose_step
+
+   !> Mean of the steps that are no longer than eight medians.
+   pure real(dp) function usual_step(x, weight) result(usual)
+      real(dp), intent(in), contiguous :: x(:), weight(:)
+      real(dp) :: half
+      integer :: k
+
+      half = 0.5_dp*sum(weight)
+      do k = 1, size(x) - 1
+         half = half - weight(k)
+         if (half <= 0.0_dp) exit
+      end do
+      usual = sum(weight*x, x <= 8.0_dp*x(k))/sum(weight, x <= 8.0_dp*x(k))
+   end function usual_step
+
+   !> Mean cosine of the phases that the steps have at all rates that are tried.
+   pure subroutine find_coherence(x, weight, coherence)
+      !> Steps, in usual steps, and how many there are: [bin]
+      real(dp), intent(in), contiguous :: x(:), weight(:)
+      !> [rate]
+      real(dp), intent(out) :: coherence(0:)
+      real(dp), parameter :: turn = 6.283185307179586_dp
+      complex(dp) :: phase(size(x)), change(size(x))
+      integer :: k
+
+      phase(:) = exp(cmplx(0.0_dp, turn*lowest_rate*x, dp))*weight/sum(weight)
+      change(:) = exp(cmplx(0.0_dp, turn*rate_distance*x, dp))
+      do k = 0, ubound(coherence, 1)
+         coherence(k) = sum(real(phase))
+         phase(:) = phase*change
+      end do
+   end subroutine find_coherence
+
+   !> Time over intervals of the steps between 0.5 and 4.5 intervals.
+   pure real(dp) function mean_interval(x, weight, interval)
+      real(dp), intent(in), contiguous :: x(:), weight(:)
+      !> As far as it is known, s
+      real(dp), intent(in) :: interval
+      real(dp) :: time, count_intervals
+      integer :: k
+
+      time = 0.0_dp
+      count_intervals = 0.0_dp
+      do k = 1, size(x)
+         if (x(k) <= 0.5_dp*interval .or. x(k) >= 4.5_dp*interval) cycle
+         time = time + weight(k)*x(k)
+         count_intervals = count_intervals + weight(k)*anint(x(k)/interval)
+      end do
+      mean_interval = interval
+      if (count_intervals > 0.0_dp) mean_interval = time/count_intervals
+   end function mean_interval
 
    !> The smallest difference between values, or between them and 0, that is more than rounding; the value itself where all are
    !> the same.
@@ -84,190 +236,6 @@ contains
       end do
       if (smallest_difference >= huge(1.0_dp)) smallest_difference = 0.0_dp
    end function smallest_difference
-
-   !> True where almost all steps are near the median, or most are, none is far below it and almost all are whole multiples of
-   !> it: samples of an even grid, some of them lost. (Short steps as well are those of late samples and a coarse clock: where
-   !> the clock counts in more than 0.3 of the step, short and long ones must not be more than 0.2 %. Where most of the time
-   !> passes in long steps, samples come in bursts.)
-   pure logical function is_regular(step, median, resolution)
-      real(dp), intent(in) :: step(:), median, resolution
-      integer :: k, near, whole, short, long
-      real(dp) :: near_time, other_time
-
-      is_regular = .false.
-      if (median <= 0.0_dp) return
-      near = 0
-      whole = 0
-      short = count(step <= 0.5_dp*median)
-      long = count(step >= 1.5_dp*median)
-      near_time = 0.0_dp
-      other_time = 0.0_dp
-      do k = 1, size(step)
-         if (step(k) <= 0.5_dp*median) cycle
-         if (step(k) < 1.5_dp*median) then
-            near = near + 1
-            near_time = near_time + step(k)
-         else
-            other_time = other_time + min(step(k), 100.0_dp*median)
-         end if
-         if (abs(step(k)/median - anint(step(k)/median)) <= 0.25_dp) whole = whole + 1
-      end do
-      is_regular = 100*near >= 97*size(step) .or. &
-                   (100*near >= 80*size(step) .and. 100*whole >= 97*size(step) .and. short == 0)
-      if (other_time > near_time) is_regular = .false.
-      if (500*min(short, long) > size(step) .and. resolution > 0.3_dp*median) is_regular = .false.
-   end function is_regular
-
-   !> Where the rate changes for good: by more than 0.5 % and than the rates of the parts of the record scatter.
-   subroutine find_changes(t, change, steps, count_changes)
-      !> s, none missing: [n]
-      real(dp), intent(in), contiguous :: t(:)
-      !> The first sample of each new rate: [at most]
-      integer(int64), intent(out) :: change(:)
-      !> s from sample to sample before the first change, and behind each: [at most + 1]
-      real(dp), intent(out) :: steps(:)
-      !> How many
-      integer, intent(out) :: count_changes
-      real(dp) :: part(most_parts)
-      integer :: ends(0:size(change) + 1), parts, k
-      integer(int64) :: n, length
-
-      n = size(t, kind=int64)
-      change = 0
-      steps = 0.0_dp
-      count_changes = 0
-      parts = int(min(most_parts, n/shortest_part))
-      if (parts < 8) return
-      length = n/parts
-      do k = 1, parts
-         part(k) = step_of_part(t((k - 1)*length + 1:k*length))
-      end do
-      if (minval(part(:parts)) <= 0.0_dp) return
-      ends(0) = 0
-      ends(1) = parts
-      call divide(part(:parts), ends, count_changes, size(change))
-      do k = 0, count_changes
-         steps(k + 1) = median_of(part(ends(k) + 1:ends(k + 1)))
-      end do
-      do k = 1, count_changes
-         change(k) = corner(t, max(1_int64, (ends(k) - 2)*length), min(n, (ends(k) + 2)*length), 0.5_dp*(steps(k) + steps(k + 1)), &
-                            steps(k + 1) < steps(k))
-      end do
-   end subroutine find_changes
-
-   !> The step within a part: the mean of those near their median where most are, else the median of eight slopes.
-   real(dp) function step_of_part(t) result(step)
-      real(dp), intent(in), contiguous :: t(:)
-      real(dp) :: change(257), slope(8), median, total, mean(9)
-      integer(int64) :: n, i, piece
-      integer :: k, m, near
-
-      n = size(t, kind=int64)
-      m = int(min(257_int64, n - 1))
-      do k = 1, m
-         i = 2 + (int(k - 1, int64)*(n - 2))/max(m - 1, 1)
-         change(k) = t(i) - t(i - 1)
-      end do
-      call sort(change(:m))
-      median = change((m + 1)/2)
-      if (median > 0.0_dp) then
-         total = 0.0_dp
-         near = 0
-         do k = 1, m
-            if (abs(change(k) - median) > 0.3_dp*median) cycle
-            total = total + change(k)
-            near = near + 1
-         end do
-         step = total/near
-         if (100*near >= 85*m) return
-      end if
-      piece = n/9
-      do k = 1, 9
-         mean(k) = sum(t((k - 1)*piece + 1:k*piece) - t(1))/real(piece, dp)
-      end do
-      slope = (mean(2:) - mean(:8))/real(piece, dp)
-      call sort(slope)
-      step = 0.5_dp*(slope(4) + slope(5))
-   end function step_of_part
-
-   !> Divides the parts where their medians differ most, again and again.
-   subroutine divide(part, ends, changes, most)
-      real(dp), intent(in) :: part(:)
-      !> The last part of each stretch: [0:]
-      integer, intent(inout) :: ends(0:)
-      integer, intent(inout) :: changes
-      integer, intent(in) :: most
-      integer :: stretch, at, k
-      logical :: found
-
-      do while (changes < most)
-         found = .false.
-         do stretch = 0, changes
-            call best_division(part(ends(stretch) + 1:ends(stretch + 1)), at)
-            if (at == 0) cycle
-            found = .true.
-            do k = changes + 1, stretch + 1, -1
-               ends(k + 1) = ends(k)
-            end do
-            ends(stretch + 1) = ends(stretch) + at
-            changes = changes + 1
-            exit
-         end do
-         if (.not. found) exit
-      end do
-   end subroutine divide
-
-   !> The last part before the change, 0 where there is none: both sides' medians differ by more than 0.5 % and six times the
-   !> scatter of either side, and the sides overlap in no more than an eighth of their parts.
-   subroutine best_division(part, at)
-      real(dp), intent(in) :: part(:)
-      integer, intent(out) :: at
-      integer, parameter :: least = 3
-      real(dp) :: left, right, spread, best, score, middle
-      integer :: k, n, wrong
-
-      at = 0
-      n = size(part)
-      if (n < 2*least) return
-      if (maxval(part) - minval(part) <= 0.005_dp*minval(part)) return
-      best = 1.0_dp
-      do k = least, n - least
-         left = median_of(part(:k))
-         right = median_of(part(k + 1:))
-         if (abs(right - left) <= 0.005_dp*min(left, right)) cycle
-         spread = 1.5_dp*max(median_of(abs(part(:k) - left)), median_of(abs(part(k + 1:) - right)))
-         if (abs(right - left) <= 6.0_dp*spread) cycle
-         middle = 0.5_dp*(left + right)
-         wrong = count((part(:k) > middle) .neqv. (left > middle)) + count((part(k + 1:) > middle) .neqv. (right > middle))
-         if (wrong > n/8) cycle
-         score = 2.0_dp + abs(right - left)/middle - real(wrong, dp)
-         if (at > 0 .and. score <= best) cycle
-         best = score
-         at = k
-      end do
-   end subroutine best_division
-
-   !> The first sample behind a bend of the stamps between two samples: where their distance from the mean slope is extreme.
-   pure integer(int64) function corner(t, first, last, step, faster)
-      real(dp), intent(in), contiguous :: t(:)
-      integer(int64), intent(in) :: first, last
-      real(dp), intent(in) :: step
-      !> The step falls there
-      logical, intent(in) :: faster
-      integer(int64) :: i
-      real(dp) :: distance, extreme
-
-      corner = first
-      extreme = -huge(1.0_dp)
-      do i = first, last
-         distance = (t(i) - t(first)) - real(i - first, dp)*step
-         if (.not. faster) distance = -distance
-         if (distance <= extreme) cycle
-         extreme = distance
-         corner = i
-      end do
-      corner = min(corner + 1, last)
-   end function corner
 
    !> The middle value of a short list.
    real(dp) function median_of(x)

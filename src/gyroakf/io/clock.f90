@@ -7,14 +7,15 @@ module gyroakf_io_clock
    use gyroakf_io_columns, only : label_of
    use gyroakf_io_date, only : stamp_kind
    use gyroakf_io_decimal, only : format_real
-   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_header, only : time_scale
    use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_stamps, only : infer_scale, named_scale
    use gyroakf_io_table, only : table_type
    use gyroakf_record, only : add_text, record_type
+   use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
-   public :: find_scale, is_clock, set_rate, may_be_time, least_rows, make_time_warning
+   public :: find_scale, is_clock, set_rate
 
 contains
 
@@ -42,6 +43,8 @@ contains
       kind = time_kind(table)
       if (kind /= stamp_kind%number .and. kind /= stamp_kind%long) then
          scale = 1.0_dp
+      else if (allocated(options%time_unit)) then
+         scale = time_scale(lower(options%time_unit))
       else if (table%names%known) then
          scale = named_scale(table%names%name(table%time)%text, table%names%unit(table%time)%text)
       end if
@@ -49,8 +52,8 @@ contains
          given = merge(options%rate_hz, table%header%rate_hz, options%rate_hz > 0.0_dp)
          call infer_scale(stamps, given, scale, sure, real(table%layout%origin, dp))
          if (.not. sure) call add_text(record%warnings, "the time in "//label_of(table%names, table%time)// &
-            " names no unit and is taken as "//unit_word(scale)//" by its step; a name such as time_"//unit_word(scale)// &
-            " or the option --rate settles it")
+            " names no unit and is taken as "//unit_word(scale)//" by its step; --time-unit "//unit_word(scale)// &
+            " or a name such as time_"//unit_word(scale)//" settles it")
       end if
       do i = 1, size(stamps, kind=int64)
          if (.not. ieee_is_nan(stamps(i))) exit
@@ -142,41 +145,5 @@ contains
       if (options%from > 0.0_dp .or. options%to < huge(1.0_dp)) call fatal_error(error, status%invalid_argument, &
          "--from and --to need the rate, and "//table%name//" does not tell it: give --rate HZ or --dt S, or --time-column")
    end subroutine set_rate
-
-   !> True where a first channel that rises all the way is worth a word: it may be a time, or a counter.
-   pure logical function may_be_time(options, table)
-      !> What is wanted
-      type(reader_options), intent(in) :: options
-      !> Its columns are chosen
-      type(table_type), intent(in) :: table
-
-      may_be_time = table%layout%columns >= 2 .and. .not. (table%asked .or. allocated(options%time_column))
-      if (may_be_time .and. allocated(options%input)) may_be_time = options%input /= "angle"
-   end function may_be_time
-
-   !> More rows than so many have to rise: two without names, more with names, for a channel that has one may rise by chance.
-   pure integer(int64) function least_rows(table)
-      !> Of any format
-      type(table_type), intent(in) :: table
-
-      least_rows = merge(20, 2, table%names%known)
-   end function least_rows
-
-   !> What is said of it.
-   subroutine make_time_warning(table, text)
-      !> Of any format
-      type(table_type), intent(in) :: table
-      !> A sentence
-      character(:), allocatable, intent(out) :: text
-      character(:), allocatable :: number
-
-      number = integer_text(int(table%chosen(1), int64))
-      text = label_of(table%names, table%chosen(1))//" rises from row to row and looks like "
-      if (table%time > 0) then
-         text = text//"a counter; it is read as a channel, --column leaves it out"
-      else
-         text = text//"time; it is read as a channel, --time-column "//number//" takes it for the time"
-      end if
-   end subroutine make_time_warning
 
 end module gyroakf_io_clock

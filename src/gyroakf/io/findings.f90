@@ -29,14 +29,12 @@ contains
       end do
       if (record%audit%jumps > 0) call add_text(record%warnings, "a jump of the time stamps is too long to be filled with "// &
          "missing samples; the parts before and after it are joined: analyse them apart with --from and --to")
-      if (record%audit%beats > 0) call add_text(record%warnings, "the time stamps make a double step in "// &
-         counted(record%audit%beats, "place")//", as those of a clock do that is too coarse for the rate, or of lost samples; "// &
-         trim(merge("the stamps place the samples, as was asked             ", &
-                    "the samples are taken as evenly spaced at the mean rate", placed(record))))
+      call explain_rates(record)
       call tell_odd(table, record)
       if (record%audit%jitter_max > 1.0_dp*record%sample_interval .and. record%rate_known .and. .not. placed(record)) then
          call add_text(record%warnings, "the time stamps are up to "//format_real(record%audit%jitter_max, 3)// &
-                       " s away from an even grid; the samples are taken as evenly spaced at the mean rate")
+                       " s away from an even grid; the samples are taken as evenly spaced at the mean rate: "// &
+                       "--resample nearest places them by their time stamps")
       end if
       if (table%headings > 0) call add_text(record%warnings, counted(table%headings, "line")// &
          trim(merge(" repeats", " repeat ", table%headings == 1))//" the names of the columns, as in files that were put "// &
@@ -45,6 +43,26 @@ contains
          " could not be read and "//trim(merge("counts", "count ", table%bad_lines == 1))//" as missing; the first is line "// &
          integer_text(table%first_bad_line))
    end subroutine tell
+
+   !> Double steps at even distances: two sample rates, one of them with lost samples, explain the stamps.
+   subroutine explain_rates(record)
+      type(record_type), intent(inout) :: record
+      character(:), allocatable :: text
+
+      associate (audit => record%audit)
+         if (audit%beats > 0) text = "the time stamps make a double step in "//counted(audit%beats, "place")// &
+            ", as those of a clock do that is too coarse for the rate, or of lost samples; "// &
+            trim(merge("the stamps place the samples, as was asked             ", &
+                       "the samples are taken as evenly spaced at the mean rate", placed(record)))
+         if (audit%other_rate > 0.0_dp) then
+            if (audit%beats == 0) text = "the time stamps make a double step at even distances: "// &
+               format_real(audit%stamp_rate, 6)//" Hz with lost samples is taken, but "//format_real(audit%other_rate, 6)// &
+               " Hz and a clock that counts in "//format_real(audit%resolution, 3)//" s explain them equally well"
+            text = text//"; --rate "//format_real(audit%other_rate, 6)//" takes the other explanation"
+         end if
+      end associate
+      if (allocated(text)) call add_text(record%warnings, text)
+   end subroutine explain_rates
 
    !> True where the stamps place the samples.
    pure logical function placed(record)
@@ -61,10 +79,17 @@ contains
 
       associate (audit => record%audit)
          if (audit%line_of_repeat > 0) audit%line_of_repeat = line_of(table%map, audit%line_of_repeat)
+         if (audit%line_of_untimed > 0) audit%line_of_untimed = line_of(table%map, audit%line_of_untimed)
+         if (audit%line_of_rollover > 0) audit%line_of_rollover = line_of(table%map, audit%line_of_rollover)
          if (audit%line_of_burst > 0) audit%line_of_burst = line_of(table%map, audit%line_of_burst)
          if (audit%line_of_change > 0) audit%line_of_change = line_of(table%map, audit%line_of_change)
          if (audit%repeated > 0) call add_text(record%warnings, counted(audit%repeated, "row")//" with stamp and values of the "// &
             "row above: left out; the first is in line "//integer_text(audit%line_of_repeat))
+         if (audit%untimed > 0 .and. audit%has_stamps) call add_text(record%warnings, counted(audit%untimed, "row")// &
+            " without a time: left out; the first is in line "//integer_text(audit%line_of_untimed))
+         if (audit%rollovers > 0) call add_text(record%warnings, "the time starts again after "// &
+            format_real(audit%rollover_period, 12)//" s in "//counted(audit%rollovers, "place")// &
+            " and is continued; the first is in line "//integer_text(audit%line_of_rollover))
          if (audit%bursts > 0) call add_text(record%warnings, "samples were delivered late and several at once in "// &
             counted(audit%bursts, "place")//", up to "//integer_text(audit%longest_burst)//" at once; the first is in line "// &
             integer_text(audit%line_of_burst))

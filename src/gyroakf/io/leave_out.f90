@@ -6,7 +6,7 @@ module gyroakf_io_leave_out
    use gyroakf_io_number, only : is_missing_word
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_rows, only : join_fields, layout_type
-   use gyroakf_io_stamps, only : is_time_name
+   use gyroakf_io_stamps, only : is_temperature_name, is_time_name
    use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, last_visible, split, split_line
    use gyroakf_record, only : add_text, text_type
    use gyroakf_spelling, only : lower
@@ -95,8 +95,8 @@ contains
          other_time(i) = .false.
          if (.not. names%known .or. text(i) .or. part(i)) cycle
          associate (name => names%name(chosen(i))%text, unit => names%unit(chosen(i))%text)
-            warm(i) = is_temperature(lower(name), lower(unit))
-            other_time(i) = time > 0 .and. is_time_name(name)
+            other_time(i) = time > 0 .and. is_time_name(name, unit)
+            warm(i) = is_temperature_name(name, unit) .and. .not. other_time(i) .and. (time > 0 .or. name /= "T")
          end associate
       end do
       if (all(text .or. warm .or. other_time .or. part)) return
@@ -127,16 +127,6 @@ contains
       if (size(columns) > most_named) list = list//", ..."
       call add_text(warnings, integer_text(size(columns, kind=int64))//" columns hold "//what//" and are left out: "//list(3:))
    end subroutine say
-
-   !> True where the name or the unit says so.
-   pure logical function is_temperature(name, unit)
-      !> In lower case
-      character(*), intent(in) :: name, unit
-
-      is_temperature = name == "temp" .or. index(name, "temperature") > 0 .or. index(name, "temp_") == 1 .or. &
-         index(name//" ", "_temp ") > 0 .or. index(name//" ", ".temp ") > 0 .or. &
-         any(unit == [character(8) :: "degc", "deg c", "celsius", "kelvin", "degf", char(194)//char(176)//"c"])
-   end function is_temperature
 
    !> The columns that hold numbers in a line, as a list for --column: "4,6,8"; "" where there are none.
    subroutine list_number_columns(bytes, first, last, list)

@@ -354,7 +354,7 @@ contains
    end subroutine fit_step
 
    !> Appends a gap.
-   subroutine add_gap(gaps, before, length)
+   pure subroutine add_gap(gaps, before, length)
       !> Grows by one
       type(gap_type), intent(inout) :: gaps
       !> Where, and how many samples

@@ -4,23 +4,23 @@
 !> What the file says about rate, unit and columns is honoured, an option overrides it, and where nobody says anything
 !> nothing is assumed. Everything that was decided on the way is in the record: `rate_source`, `unit_source`, `warnings`.
 module gyroakf_io_reader
-   use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_audit, only : audit_stamps, audit_values, gap_type
+   use gyroakf_io_audit, only : audit_values, gap_type
    use gyroakf_io_channel_units, only : set_units
-   use gyroakf_io_clock, only : find_scale, is_clock, least_rows, may_be_time, set_rate, make_time_warning
+   use gyroakf_io_clock, only : set_rate
+   use gyroakf_io_column_behavior, only : find_time_and_counters
    use gyroakf_io_columns, only : label_of, name_of
    use gyroakf_io_findings, only : tell
    use gyroakf_io_lines, only : line_of
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_stamps, only : unwrap_days
-   use gyroakf_io_resample, only : resample
-   use gyroakf_io_shape, only : cut, fill_gaps, largest_value, make_rates, mark_missing, refuse_tiny, warn_of_wraps, wrap_of
+   use gyroakf_io_shape, only : cut, largest_value, make_rates, mark_missing, refuse_tiny, warn_of_wraps, wrap_of
    use gyroakf_io_store, only : take_columns
    use gyroakf_io_recording, only : close_recording, hold_rows, open_recording, reader_options, recording_type, &
       say_too_large
    use gyroakf_io_table, only : table_type
+   use gyroakf_io_time_base, only : place_samples, use_stamps
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_record, only : add_text, record_type
    implicit none (type, external)
@@ -79,9 +79,8 @@ contains
          record%format = recording%format
          record%stored_type = recording%stored_type
          call move_alloc(table%warnings, record%warnings)
-         call take_values(table, record, stamps, error)
-         if (.not. allocated(error)) call warn_of_time(options, table, record)
-         if (.not. allocated(error)) call use_stamps(options, table, stamps, record, gaps)
+         call take_values(options, table, record, stamps, error)
+         if (.not. allocated(error)) call use_stamps(options, table, stamps, record, gaps, error)
          if (.not. allocated(error)) call set_rate(options, table, record, error)
          if (.not. allocated(error)) call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
          if (.not. allocated(error)) call place_samples(options, table, stamps, gaps, record, error)
@@ -94,7 +93,9 @@ contains
          end if
          if (.not. allocated(error)) call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
          if (.not. allocated(error)) call make_rates(record, input, options%scale, error, wrap)
-         if (.not. allocated(error)) call cut(record, options%from, options%to, error)
+         if (.not. allocated(error) .and. .not. record%audit%stamp_rate > 0.0_dp) then
+            call cut(record, options%from, options%to, error)
+         end if
          if (.not. allocated(error)) call audit_values(record%value, record%present, record%audit, error, progress)
          if (.not. allocated(error)) call refuse_tiny(record, error)
          if (.not. allocated(error)) call tell(table, record)
@@ -102,19 +103,26 @@ contains
    end subroutine complete_record
 
    !> Moves the columns that hold numbers into the record.
-   subroutine take_values(table, record, stamps, error)
+   subroutine take_values(options, table, record, stamps, error)
+      type(reader_options), intent(in) :: options
       type(table_type), intent(inout) :: table
       type(record_type), intent(inout) :: record
       real(dp), allocatable, intent(out) :: stamps(:)
       type(error_type), allocatable, intent(out) :: error
       integer :: j, failed, time_slot
       integer, allocatable :: slots(:)
+      logical, allocatable :: keep(:)
 
+      allocate (keep(size(table%chosen)))
+      keep(:) = .true.
+      if (looks_at_behavior(options, table)) then
+         call find_time_and_counters(table, allocated(options%time_column), keep, record%warnings)
+      end if
       time_slot = 0
       if (table%time > 0) time_slot = table%layout%slot(table%time)
-      allocate (slots(0))
-      call find_numbers(table, slots, record, error)
+      call find_numbers(table, keep, record, error)
       if (allocated(error)) return
+      slots = pack([(j, j=1, size(keep))], keep)
       call take_columns(table%store, time_slot, slots, record%value, stamps, failed)
       if (failed /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the record of "//table%name)
@@ -127,10 +135,20 @@ contains
       table%chosen = table%chosen(slots)
    end subroutine take_values
 
-   !> Which of the stored columns hold a number at all; blank ones are left out unless they were asked for.
-   subroutine find_numbers(table, slots, record, error)
+   !> True where a column may be a time or a counter by its behavior: not where the columns were asked for, or hold angles.
+   pure logical function looks_at_behavior(options, table)
+      type(reader_options), intent(in) :: options
       type(table_type), intent(in) :: table
-      integer, allocatable, intent(inout) :: slots(:)
+
+      looks_at_behavior = .not. table%asked
+      if (looks_at_behavior .and. allocated(options%input)) looks_at_behavior = options%input /= "angle"
+   end function looks_at_behavior
+
+   !> Which of the stored columns hold a number at all; blank ones are left out unless they were asked for.
+   subroutine find_numbers(table, keep, record, error)
+      type(table_type), intent(in) :: table
+      !> [chosen column]
+      logical, intent(inout) :: keep(:)
       type(record_type), intent(inout) :: record
       type(error_type), allocatable, intent(out) :: error
       logical :: holds(size(table%chosen))
@@ -138,6 +156,7 @@ contains
 
       holds = .false.
       do j = 1, size(holds)
+         if (.not. keep(j)) cycle
          do i = 1, table%store%count
             associate (chunk => table%store%chunk(i))
                holds(j) = .not. all(ieee_is_nan(chunk%value(:chunk%rows, j)))
@@ -152,114 +171,10 @@ contains
          end if
          call add_text(record%warnings, label_of(table%names, table%chosen(j))//" holds no number and is left out")
       end do
-      slots = pack([(j, j=1, size(holds))], holds)
-      if (size(slots) > 0) return
+      keep(:) = keep .and. holds
+      if (any(keep)) return
       call fatal_error(error, status%parse, table%name//":"//integer_text(line_of(table%map, 1_int64))// &
                        ":1: no column holds a number"//new_line("a")//"give one row of numbers per sample")
    end subroutine find_numbers
-
-   !> A first channel that rises all the way may be a time: it is not taken for one, but said.
-   subroutine warn_of_time(options, table, record)
-      type(reader_options), intent(in) :: options
-      type(table_type), intent(in) :: table
-      type(record_type), intent(inout) :: record
-      integer(int64) :: i, n
-      logical :: rises
-      character(:), allocatable :: text
-
-      if (.not. may_be_time(options, table)) return
-      n = size(record%value, 1, kind=int64)
-      rises = n > least_rows(table)
-      do i = 2, n
-         if (.not. rises) return
-         rises = .not. (ieee_is_nan(record%value(i, 1)) .or. ieee_is_nan(record%value(i - 1, 1)))
-         if (rises) rises = record%value(i, 1) > record%value(i - 1, 1)
-      end do
-      if (rises) then
-         call make_time_warning(table, text)
-         call add_text(record%warnings, text)
-      end if
-   end subroutine warn_of_time
-
-   !> Turns the stamps into seconds from the first and audits them.
-   subroutine use_stamps(options, table, stamps, record, gaps)
-      type(reader_options), intent(in) :: options
-      type(table_type), intent(in) :: table
-      real(dp), intent(inout), contiguous :: stamps(:)
-      type(record_type), intent(inout) :: record
-      type(gap_type), intent(out) :: gaps
-      real(dp) :: scale, origin, before
-      integer :: days
-
-      record%audit%bad_lines = table%bad_lines
-      if (size(stamps) == 0) then
-         call audit_stamps(stamps, record%audit, gaps)
-         return
-      end if
-      before = ieee_value(before, ieee_quiet_nan)
-      days = 0
-      if (is_clock(table)) call unwrap_days(stamps, before, days)
-      call find_scale(options, table, stamps, record, scale, origin)
-      stamps = (stamps - origin)*scale
-      call audit_stamps(stamps, record%audit, gaps, record%value)
-   end subroutine use_stamps
-
-   !> Fills gaps, or puts the samples on the grid by their stamps.
-   subroutine place_samples(options, table, stamps, gaps, record, error)
-      type(reader_options), intent(in) :: options
-      type(table_type), intent(in) :: table
-      !> As audited
-      real(dp), intent(in), contiguous :: stamps(:)
-      !> Only its repeated rows remain where the samples are resampled
-      type(gap_type), intent(inout) :: gaps
-      type(record_type), intent(inout) :: record
-      type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: way
-      real(dp) :: wrap
-      integer :: kept
-
-      way = "index"
-      if (allocated(options%resample)) way = options%resample
-      record%resample = way
-      if (way == "index") then
-         call fill_gaps(gaps, record, error)
-         return
-      end if
-      call check_resample(options, table, record, error)
-      if (allocated(error)) return
-      kept = count(gaps%length(:gaps%count) < 0)
-      gaps%before(:kept) = pack(gaps%before(:gaps%count), gaps%length(:gaps%count) < 0)
-      gaps%length(:kept) = -1
-      gaps%count = kept
-      call fill_gaps(gaps, record, error)
-      if (allocated(error)) return
-      wrap = 0.0_dp
-      if (allocated(options%input)) then
-         if (options%input == "angle") wrap = wrap_of(options, table)
-      end if
-      call resample(stamps(:size(record%value, 1)), way, wrap, record, error)
-   end subroutine place_samples
-
-   !> What resampling needs.
-   subroutine check_resample(options, table, record, error)
-      !> `resample` is not "index"
-      type(reader_options), intent(in) :: options
-      type(table_type), intent(in) :: table
-      !> Audited
-      type(record_type), intent(in) :: record
-      !> invalid_argument
-      type(error_type), allocatable, intent(out) :: error
-
-      if (.not. record%audit%has_stamps) then
-         call fatal_error(error, status%invalid_argument, "--resample "//options%resample//" needs time stamps, and "// &
-                          table%name//" has none that are known: name their column with --time-column")
-      else if (.not. record%audit%stamp_rate > 0.0_dp) then
-         call fatal_error(error, status%invalid_argument, "--resample "//options%resample//" needs time stamps that rise, "// &
-                          "those of "//table%name//" do not")
-      end if
-      if (allocated(error) .or. .not. allocated(options%input)) return
-      if (options%resample == "linear" .and. options%input == "increment") call fatal_error(error, status%invalid_argument, &
-         "--resample linear between increments would not keep the angle that they add up to: use --resample nearest or index")
-   end subroutine check_resample
 
 end module gyroakf_io_reader

@@ -6,8 +6,9 @@ module gyroakf_io_reader_options
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_element, only : element_type, parse_element
-   use gyroakf_io_header, only : largest_rate, smallest_rate
+   use gyroakf_io_header, only : largest_rate, smallest_rate, time_scale
    use gyroakf_io_number, only : number, parse_number
+   use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
    public :: reader_options, check_options
@@ -27,6 +28,9 @@ module gyroakf_io_reader_options
       character(:), allocatable :: columns
       !> Number or name; "none" forbids; unallocated: found by its name
       character(:), allocatable :: time_column
+      !> Of numbers in the time column: "s", "ms", "us", "ns", "min", "h", perhaps behind a whole number, as in "100us";
+      !> unallocated: by its name, else by its values
+      character(:), allocatable :: time_unit
       !> How samples get their place: "index" (also where unallocated) at the mean rate, lost ones filled in; "nearest" on the slot
       !> of the grid nearest to their stamp; "linear" interpolated onto the grid
       character(:), allocatable :: resample
@@ -86,6 +90,12 @@ contains
          call fatal_error(error, status%invalid_argument, "the number of lines to skip must not be negative")
       else if (options%channels < 0) then
          call fatal_error(error, status%invalid_argument, "the number of channels must not be negative")
+      end if
+      if (allocated(error)) return
+      if (allocated(options%time_unit)) then
+         known = time_scale(lower(options%time_unit)) > 0.0_dp
+         if (.not. known) call fatal_error(error, status%invalid_argument, "the unit of time '"//options%time_unit// &
+            "' is not known; known are s, ms, us, ns, min, h and multiples such as 100us")
       end if
       if (allocated(error)) return
       if (allocated(options%format)) then

@@ -1,152 +1,139 @@
 ! SPDX-License-Identifier: MIT
-!> Losses among regular stamps: a long step behind which the lag, elapsed time * rate - count, stays higher.
+!> Losses among regular stamps: the lag, elapsed time * rate - count, rises by a whole number and stays there.
+!>
+!> Every stamp is given the number of its place on an even grid whose phase follows the stamps slowly. Where a number is left out a
+!> gap begins; where stamps come sooner than the grid lets them, as after a late one, the last gap is given back.
 module gyroakf_io_regular_losses
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_io_cadence, only : cadence_type, sort
+   use gyroakf_io_cadence, only : cadence_type
    use gyroakf_io_losses, only : add_gap, gap_type
    implicit none (type, external)
    private
-   public :: find_gaps, is_beat, is_comb
+   public :: find_gaps, loss_pattern, pattern
 
-   !> Window of the lags, samples; after a long step it is longer, up to most_window
-   integer(int64), parameter :: window = 64, most_window = 20000
+   !> How the phase follows the stamps, and the longest gap over which it is kept, intervals
+   real(dp), parameter :: phase_gain = 1.0_dp/32.0_dp, longest_kept = 50.0_dp
+   !> Late samples are taken for lost ones after so many samples, or four times as many as are missing
+   integer(int64), parameter :: lasting = 2048
+
+   !> What losses look like, reached as `pattern%beat`
+   type :: pattern_enum
+      !> Scattered, or none: samples were lost
+      integer :: losses = 0
+      !> Single samples at exactly even distances: every k-th was lost, or the clock counts in the interval
+      integer :: periodic = 1
+      !> Nearly even distances: the beat of the samples with a clock that counts in more than half of the interval
+      integer :: beat = 2
+      !> Such beats, and losses among them
+      integer :: comb = 3
+   end type pattern_enum
+
+   !> All patterns
+   type(pattern_enum), parameter :: pattern = pattern_enum()
 
 contains
 
-   !> Finds where samples of regular stamps were lost: a long step behind which the lag stays higher.
-   !>
-   !> A loss is no longer than the step of the stamps there, and than the rise of the lag.
-   subroutine find_gaps(t, interval, gaps)
+   !> Finds where samples of regular stamps were lost.
+   pure subroutine find_gaps(t, interval, gaps)
+      !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
       !> s from sample to sample
       real(dp), intent(in) :: interval
+      !> Appended to, in order
       type(gap_type), intent(inout) :: gaps
-      integer(int64) :: i, n, since, after
-      real(dp) :: rise, rate, step
-      real(dp), parameter :: enough = 0.75_dp
+      integer(int64) :: i, lost, early, early_at
+      real(dp) :: rate, phase, x
 
-      n = size(t, kind=int64)
       rate = 1.0_dp/interval
-      since = 1
-      do i = 2, n
-         step = (t(i) - t(i - 1))*rate
-         if (step < 2.0_dp*enough) cycle
-         rise = step - 1.0_dp
-         if (rise < enough .or. .not. even_around(t, i, max(i - window, since), min(i + window, n), interval)) then
-            after = min(i - 1 + max(window, int(min(4.0_dp*step, real(most_window, dp)), int64)), n)
-            rise = middle_lag(t, rate, i, after) - middle_lag(t, rate, max(i - window, since), i - 1)
+      phase = 0.0_dp
+      early = 0
+      early_at = 0
+      do i = 2, size(t, kind=int64)
+         x = (t(i) - t(i - 1))*rate + phase
+         if (x >= 0.5_dp .and. x < 1.5_dp) then
+            phase = (1.0_dp - phase_gain)*(x - 1.0_dp)
+            cycle
          end if
-         if (rise < enough) cycle
-         if (falls_back(t, rate, i, rise)) cycle
-         since = i
-         call add_gap(gaps, i, max(1_int64, min(whole(rise), whole(step) - 1)))
+         lost = nint(min(x, 1.0e15_dp), int64) - 1
+         phase = 0.0_dp
+         if (x < longest_kept) phase = (1.0_dp - phase_gain)*(x - real(lost + 1, dp))
+         if (i - early_at > lasting) early = 0
+         if (lost > 0) then
+            x = real(lost, dp)
+            lost = max(0_int64, lost - early)
+            early = max(0_int64, early - int(x, int64))
+            if (lost > 0) call add_gap(gaps, i, lost)
+         else
+            call give_back(i, -lost, gaps, early)
+            early_at = i
+         end if
       end do
    end subroutine find_gaps
 
-   !> The nearest whole number, as far as there is one.
-   pure integer(int64) function whole(x)
-      real(dp), intent(in) :: x
+   !> Shortens the last gaps by places that are taken after all.
+   pure subroutine give_back(i, places, gaps, early)
+      integer(int64), intent(in) :: i, places
+      type(gap_type), intent(inout) :: gaps
+      !> Places that belong to no gap are added to it
+      integer(int64), intent(inout) :: early
+      integer(int64) :: left, taken
 
-      whole = nint(min(x, 1.0e15_dp), int64)
-   end function whole
-
-   !> True where all steps but that before sample i are near the interval.
-   pure logical function even_around(t, i, first, last, interval)
-      real(dp), intent(in), contiguous :: t(:)
-      integer(int64), intent(in) :: i, first, last
-      real(dp), intent(in) :: interval
-      integer(int64) :: k
-
-      even_around = .false.
-      do k = first + 1, last
-         if (k /= i .and. abs(t(k) - t(k - 1) - interval) > 0.3_dp*interval) return
+      left = places
+      do while (left > 0 .and. gaps%count > 0)
+         associate (before => gaps%before(gaps%count), length => gaps%length(gaps%count))
+            if (i - before > max(lasting, 4*length)) exit
+            taken = min(left, length)
+            length = length - taken
+            left = left - taken
+            if (length == 0) gaps%count = gaps%count - 1
+         end associate
       end do
-      even_around = abs(t(last) - t(i) - real(last - i, dp)*interval) <= 0.3_dp*interval .and. &
-                    abs(t(i - 1) - t(first) - real(i - 1 - first, dp)*interval) <= 0.3_dp*interval
-   end function even_around
+      early = early + left
+   end subroutine give_back
 
-   !> True where the lag has lost half of a rise again after 512, 1024 or 2048 samples.
-   pure logical function falls_back(t, rate, i, rise)
-      real(dp), intent(in), contiguous :: t(:)
-      real(dp), intent(in) :: rate, rise
-      integer(int64), intent(in) :: i
-      integer(int64) :: ahead
-      integer :: k
-
-      falls_back = .false.
-      ahead = 512
-      do k = 1, 3
-         if (i + ahead > size(t, kind=int64)) return
-         if ((t(i + ahead) - t(i - 1))*rate - real(ahead + 1, dp) < 0.5_dp*rise - 0.25_dp) falls_back = .true.
-         ahead = 2*ahead
-      end do
-   end function falls_back
-
-   !> True where the double steps of single samples are the beat of the samples with a clock that counts in more than half of
-   !> their interval, or cannot be told from it: at even distances, or so few (0.03 %) that a clock explains them.
-   pure logical function is_beat(gaps, cadence, n)
+   !> What the losses look like; always losses where the clock counts in less than half of the interval, and no beat is possible.
+   pure subroutine loss_pattern(gaps, cadence, n, found, distance)
       type(gap_type), intent(in) :: gaps
       type(cadence_type), intent(in) :: cadence
+      !> Samples
       integer(int64), intent(in) :: n
+      !> A component of [[gyroakf_io_regular_losses:pattern]]
+      integer, intent(out) :: found
+      !> Samples from loss to loss where most are alike, 0 where none are
+      integer(int64), intent(out) :: distance
+      !> A clock that runs so much fast or slow explains single double steps
       real(dp), parameter :: usual_drift = 3.0e-4_dp
-      integer(int64) :: distance
-      integer :: k, alike
+      integer(int64) :: between(max(gaps%count - 1, 0))
+      real(dp) :: usual
+      integer :: k, m, equal, beside, alike
 
-      is_beat = .false.
-      if (gaps%count == 0 .or. cadence%resolution < 0.5_dp*cadence%step) return
-      if (any(gaps%length(:gaps%count) > 1)) return
-      if (gaps%count < 4) then
-         is_beat = real(gaps%count, dp) < usual_drift*real(n, dp)
+      found = pattern%losses
+      distance = 0
+      m = gaps%count - 1
+      if (m < 0 .or. cadence%resolution < 0.5_dp*cadence%step) return
+      between(:) = gaps%before(2:gaps%count) - gaps%before(:m)
+      if (m < 3) then
+         if (any(gaps%length(:gaps%count) > 1)) return
+         if (real(gaps%count, dp) < usual_drift*real(n, dp)) found = pattern%beat
          return
       end if
-      distance = (gaps%before(gaps%count) - gaps%before(1))/(gaps%count - 1)
-      alike = 0
-      do k = 2, gaps%count
-         if (abs(gaps%before(k) - gaps%before(k - 1) - distance) <= max(2_int64, distance/10)) alike = alike + 1
+      equal = 0
+      do k = 1, min(m, 12)
+         alike = count(between == between(k))
+         if (alike <= equal) cycle
+         equal = alike
+         distance = between(k)
       end do
-      is_beat = 10*alike >= 9*(gaps%count - 1)
-   end function is_beat
-
-   !> True where half of the double steps are at even distances: beats of a coarse clock and losses among them.
-   pure logical function is_comb(gaps, cadence)
-      type(gap_type), intent(in) :: gaps
-      type(cadence_type), intent(in) :: cadence
-      integer(int64) :: distance
-      integer :: k, j, alike, most
-
-      is_comb = .false.
-      if (count(gaps%length(:gaps%count) == 1) < 8 .or. cadence%resolution < 0.5_dp*cadence%step) return
-      most = 0
-      do j = 2, min(gaps%count, 12)
-         distance = gaps%before(j) - gaps%before(j - 1)
-         if (distance < 50) cycle
-         alike = 0
-         do k = 2, gaps%count
-            if (gaps%length(k) /= 1) cycle
-            if (abs(gaps%before(k) - gaps%before(k - 1) - distance) <= max(2_int64, distance/10)) alike = alike + 1
-         end do
-         most = max(most, alike)
-      end do
-      is_comb = 2*most >= gaps%count - 1
-   end function is_comb
-
-   !> Median of the lag t*rate - index over a range (every k-th of a long one).
-   real(dp) function middle_lag(t, rate, from, to)
-      real(dp), intent(in), contiguous :: t(:)
-      real(dp), intent(in) :: rate
-      integer(int64), intent(in) :: from, to
-      real(dp) :: lag(2*window)
-      integer(int64) :: i, stride
-      integer :: k
-
-      stride = 1 + (to - from)/size(lag)
-      k = 0
-      do i = from, to, stride
-         k = k + 1
-         lag(k) = (t(i) - t(1))*rate - real(i, dp)
-      end do
-      call sort(lag(:k))
-      middle_lag = lag((k + 1)/2)
-   end function middle_lag
+      beside = count(abs(between - distance) == 1)
+      usual = real(gaps%before(gaps%count) - gaps%before(1), dp)/real(m, dp)
+      alike = count(abs(real(between, dp) - usual) <= max(1.0_dp, 0.1_dp*usual))
+      if (2*equal >= m .and. 50*beside <= m) then
+         found = pattern%periodic
+      else if (10*alike >= 9*m .and. all(gaps%length(:gaps%count) == 1)) then
+         found = pattern%beat
+      else if (m >= 8 .and. 2*count(abs(between - distance) <= max(2_int64, distance/10)) >= m .and. distance >= 50) then
+         found = pattern%comb
+      end if
+   end subroutine loss_pattern
 
 end module gyroakf_io_regular_losses

@@ -4,27 +4,159 @@ module gyroakf_io_stamps
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_header, only : time_scale
-   use gyroakf_record, only : text_type
+   use gyroakf_record, only : add_text, text_type
    use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
-   public :: fraction_of, is_time_name, named_scale, infer_scale, unwrap_days
+   public :: fraction_of, is_time_name, is_temperature_name, is_counter_name, may_hold_time, named_scale, infer_scale, unwrap_days
 
 contains
 
-   !> True for the names that mean a time: t, time, timestamp, stamp, time_ms, timestamp [us], seconds, ...
-   pure logical function is_time_name(name)
+   !> True for the names that mean a time: t, time_ms, Timestamp [us], TimeUS, SampleTimeFine, gps_tow_s, epoch, Elapsed Time, UTC.
+   !>
+   !> One of its words, parted by signs or by capitals, means a time, and none that it is a duration, an error or a state. `T` is a
+   !> temperature, unless its unit is that of a time.
+   pure logical function is_time_name(name, unit)
       !> Without brackets
       character(*), intent(in) :: name
-      character(:), allocatable :: base
-      character(15), parameter :: known(21) = [character(15) :: "t", "time", "times", "timestamp", "timestamps", "time_stamp", &
-         "stamp", "stamps", "tstamp", "elapsed", "elapsed_time", "sec", "secs", "seconds", "millis", "milliseconds", "micros", &
-         "microseconds", "seconds_elapsed", "zeit", "uhrzeit"]
+      !> What stood in brackets; "" (also if absent) where nothing did
+      character(*), intent(in), optional :: unit
+      character(6), parameter :: times(16) = [character(6) :: "time", "times", "stamp", "stamps", "tstamp", "ts", "unixt", &
+         "tow", "itow", "gpst", "epoch", "epoc", "utc", "unix", "clock", "zeit"]
+      character(12), parameter :: units(12) = [character(12) :: "sec", "secs", "seconds", "millis", "milliseconds", "micros", &
+         "microseconds", "nanos", "nanoseconds", "usec", "msec", "nsec"]
+      character(8), parameter :: others(21) = [character(8) :: "delta", "dt", "diff", "step", "interval", "period", "constant", &
+         "sync", "status", "valid", "quality", "accuracy", "error", "err", "offset", "drift", "bias", "exposure", "latency", &
+         "delay", "per"]
+      type(text_type), allocatable :: word(:)
+      logical :: known_unit
+      integer :: i
 
-      call find_base_name(name, base)
-      is_time_name = any(known == base) .or. ends_with(base, "timestamp") .or. ends_with(base, "_time") &
-                     .or. ends_with(base, "_stamp") .or. ends_with(base, ".stamp")
+      is_time_name = .false.
+      known_unit = .false.
+      if (present(unit)) then
+         if (is_temperature_unit(unit)) return
+         known_unit = time_scale(lower(unit)) > 0.0_dp
+      end if
+      call split_name(name, word)
+      if (size(word) == 0) return
+      if (word(1)%text == "t") then
+         is_time_name = size(word) == 1 .and. (name /= "T" .or. known_unit)
+         if (size(word) == 2) is_time_name = time_scale(word(2)%text) > 0.0_dp
+         return
+      end if
+      is_time_name = any(units == word(1)%text)
+      do i = 1, size(word)
+         associate (text => word(i)%text)
+            if (any(others == text(:min(len(text), 8)))) then
+               is_time_name = .false.
+               return
+            end if
+            if (any(times == text) .or. text == "elapsed" .or. text == "uhrzeit") is_time_name = .true.
+            if (ends_with(text, "time") .or. ends_with(text, "stamp") .or. index(text, "timestamp") == 1) is_time_name = .true.
+         end associate
+      end do
    end function is_time_name
+
+   !> False for the names of what rises evenly too, but is no time: angles, rates, positions.
+   pure logical function may_hold_time(name)
+      !> Without brackets
+      character(*), intent(in) :: name
+      character(4), parameter :: beginnings(24) = [character(4) :: "gyr", "acc", "mag", "rate", "ang", "yaw", "roll", "pitc", &
+         "head", "azim", "lat", "lon", "alt", "pos", "vel", "quat", "pres", "baro", "omeg", "phi", "psi", "thet", "volt", "enco"]
+      type(text_type), allocatable :: word(:)
+      integer :: i, k
+
+      call split_name(name, word)
+      may_hold_time = .true.
+      do i = 1, size(word)
+         if (any(["gx", "gy", "gz", "wx", "wy", "wz", "ax", "ay", "az"] == word(i)%text)) may_hold_time = .false.
+         do k = 1, size(beginnings)
+            if (index(word(i)%text, trim(beginnings(k))) == 1) may_hold_time = .false.
+         end do
+      end do
+   end function may_hold_time
+
+   !> The words of a name in lower case: "TimeUS", "time_us" and "timeus" are "time" and "us".
+   pure subroutine split_name(name, word)
+      character(*), intent(in) :: name
+      type(text_type), allocatable, intent(out) :: word(:)
+      character(2), parameter :: units(3) = ["us", "ms", "ns"]
+      character(:), allocatable :: text
+      integer :: i, k
+
+      allocate (word(0))
+      text = ""
+      do i = 1, len(name) + 1
+         if (begins_word(name, i)) then
+            do k = 1, size(units)
+               if (.not. (ends_with(text, "time"//units(k)) .or. ends_with(text, "stamp"//units(k)))) cycle
+               call add_text(word, text(:len(text) - 2))
+               text = units(k)
+            end do
+            if (len(text) > 0) call add_text(word, text)
+            text = ""
+         end if
+         if (i > len(name)) exit
+         if (scan(name(i:i), "_-. /:"//achar(9)) == 0) text = text//lower(name(i:i))
+      end do
+   end subroutine split_name
+
+   !> True where a word ends before a character: at a sign, at a capital behind a small letter, and at the last capital before one.
+   pure logical function begins_word(name, i)
+      character(*), intent(in) :: name
+      integer, intent(in) :: i
+      character(*), parameter :: capitals = "ABCDEFGHIJKLMNOPQRSTUVWXYZ", small = "abcdefghijklmnopqrstuvwxyz"
+
+      begins_word = i > len(name)
+      if (begins_word) return
+      begins_word = scan(name(i:i), "_-. /:"//achar(9)) > 0
+      if (begins_word .or. i == 1 .or. scan(name(i:i), capitals) == 0) return
+      begins_word = scan(name(i - 1:i - 1), small) > 0
+      if (begins_word .or. i == len(name)) return
+      begins_word = scan(name(i - 1:i - 1), capitals) > 0 .and. scan(name(i + 1:i + 1), small) > 0
+   end function begins_word
+
+   !> True for a temperature: temp, Temperature, gyro_temp, tempC, T, or a unit that is one.
+   pure logical function is_temperature_name(name, unit)
+      !> Without brackets, and what stood in them
+      character(*), intent(in) :: name, unit
+      type(text_type), allocatable :: word(:)
+      integer :: i
+
+      is_temperature_name = is_temperature_unit(unit) .or. (name == "T" .and. .not. time_scale(lower(unit)) > 0.0_dp)
+      call split_name(name, word)
+      do i = 1, size(word)
+         associate (text => word(i)%text)
+            if (index(text, "temperature") > 0) is_temperature_name = .true.
+            if (index(text, "temp") == 1 .and. verify(text(min(5, len(text) + 1):), "0123456789cfk") == 0) then
+               is_temperature_name = .true.
+            end if
+         end associate
+      end do
+   end function is_temperature_name
+
+   !> True for a unit of temperature.
+   pure logical function is_temperature_unit(unit)
+      character(*), intent(in) :: unit
+
+      is_temperature_unit = any(lower(unit) == [character(8) :: "degc", "deg c", "c", "celsius", "kelvin", "k", "degf", &
+         char(194)//char(176)//"c", char(194)//char(176)//" c"])
+   end function is_temperature_unit
+
+   !> True for a name that means a count of rows: counter, count, seq, index, sample, frame, packet_id, ...
+   pure logical function is_counter_name(name)
+      !> Without brackets
+      character(*), intent(in) :: name
+      character(9), parameter :: counters(19) = [character(9) :: "counter", "count", "cnt", "seq", "sequence", "index", "idx", &
+         "sample", "samples", "frame", "packet", "row", "line", "nr", "no", "number", "id", "n", "#"]
+      type(text_type), allocatable :: word(:)
+
+      call split_name(name, word)
+      is_counter_name = .false.
+      if (size(word) > 0) is_counter_name = any(counters == word(size(word))%text)
+      if (size(word) == 1) is_counter_name = is_counter_name .or. ends_with(word(1)%text, "counter")
+   end function is_counter_name
 
    !> The column of the nanoseconds or microseconds that belong to a column of whole seconds, by their names:
    !> `stamp.secs` and `stamp.nsecs`, `sec` and `nanosec`, `tv_sec` and `tv_usec`.
@@ -59,18 +191,6 @@ contains
       end do
    end subroutine fraction_of
 
-   !> The name in lower case without the unit behind it: "Time_ms" as "time".
-   pure subroutine find_base_name(name, base)
-      character(*), intent(in) :: name
-      character(:), allocatable, intent(out) :: base
-      integer :: mark
-
-      base = trim(adjustl(lower(name)))
-      mark = scan(base, "_-. ", back=.true.)
-      if (mark < 2 .or. mark == len(base)) return
-      if (time_scale(base(mark + 1:)) > 0.0_dp) base = trim(base(:mark - 1))
-   end subroutine find_base_name
-
    !> True where the text ends so.
    pure logical function ends_with(text, tail)
       character(*), intent(in) :: text, tail
@@ -79,18 +199,18 @@ contains
       if (len(text) >= len(tail)) ends_with = text(len(text) - len(tail) + 1:) == tail
    end function ends_with
 
-   !> Seconds in the unit that the name says by its brackets or its end; 0 where it says none.
+   !> Seconds in the unit that the name says by its brackets or its end; 0 where it says none. Xsens' SampleTimeFine counts in 100 us.
    pure real(dp) function named_scale(name, unit)
       !> "time_ms", or "time" with its brackets' content as unit
       character(*), intent(in) :: name, unit
-      character(:), allocatable :: low
-      integer :: mark
+      type(text_type), allocatable :: word(:)
 
       named_scale = time_scale(trim(adjustl(lower(unit))))
       if (named_scale > 0.0_dp) return
-      low = trim(adjustl(lower(name)))
-      mark = scan(low, "_-. ", back=.true.)
-      named_scale = time_scale(low(mark + 1:))
+      call split_name(name, word)
+      if (size(word) == 0) return
+      named_scale = time_scale(word(size(word))%text)
+      if (word(size(word))%text == "fine") named_scale = 1.0e-4_dp
    end function named_scale
 
    !> Seconds in the unit that the stamps themselves suggest.

@@ -307,7 +307,7 @@ contains
          if (options%time_column /= "none") call find_column(options%time_column, table%names, n, table%time, error)
       else if (table%names%known) then
          do i = n, 1, -1
-            if (is_time_name(table%names%name(i)%text)) table%time = i
+            if (is_time_name(table%names%name(i)%text, table%names%unit(i)%text)) table%time = i
          end do
       end if
       if (allocated(error)) return

@@ -1,0 +1,152 @@
+! SPDX-License-Identifier: MIT
+!> Columns that are a time or a counter by what they do from row to row, whatever their names.
+module gyroakf_io_column_behavior
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_io_columns, only : label_of
+   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_stamps, only : is_counter_name, is_temperature_name, may_hold_time
+   use gyroakf_io_store, only : store_type
+   use gyroakf_io_table, only : table_type
+   use gyroakf_record, only : add_text, text_type
+   implicit none (type, external)
+   private
+   public :: find_time_and_counters
+
+   !> Behavior of a column, reached as `behavior%time`
+   type :: behavior_enum
+      integer :: other = 0
+      !> Rises from row to row, unevenly
+      integer :: rising = 1
+      !> Rises evenly, perhaps with equal values or a rollover
+      integer :: time = 2
+      !> Whole numbers that rise by 1 in most rows, or a counter by name that never falls; they may start again
+      integer :: counter = 3
+   end type behavior_enum
+
+   type(behavior_enum), parameter :: behavior = behavior_enum()
+   !> A column rises by chance in fewer rows
+   integer(int64), parameter :: least_rises = 20
+
+contains
+
+   !> Takes the first column that behaves like a time for the time where there is none, and leaves counters out; both is said.
+   subroutine find_time_and_counters(table, time_known, keep, warnings)
+      !> Its rows are read, its columns were not asked for; `time` may be set
+      type(table_type), intent(inout) :: table
+      !> The time column was given, or is not wanted
+      logical, intent(in) :: time_known
+      !> Columns that are channels: [chosen column]
+      logical, intent(out) :: keep(:)
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      integer :: kind(size(keep)), j
+      logical :: named
+
+      keep(:) = .true.
+      named = table%names%known
+      do j = 1, size(keep)
+         kind(j) = behavior_of(table%store, j, counter_name(table, j))
+      end do
+      do j = 1, size(keep)
+         if (table%time > 0 .or. time_known) exit
+         if (kind(j) /= behavior%time .or. count(keep) < 2) cycle
+         if (named) then
+            if (.not. may_hold_time(table%names%name(table%chosen(j))%text)) cycle
+         end if
+         table%time = table%chosen(j)
+         keep(j) = .false.
+         call add_text(warnings, label_of(table%names, table%time)//" rises evenly from row to row and is taken for the time; "// &
+            "--time-column none reads it as a channel")
+      end do
+      do j = 1, size(keep)
+         if (.not. keep(j) .or. count(keep) < 2) cycle
+         associate (column => table%chosen(j))
+            if (kind(j) == behavior%counter) then
+               keep(j) = .false.
+               call add_text(warnings, label_of(table%names, column)//" holds a counter and is left out; --column reads it, "// &
+                  "--time-column "//integer_text(int(column, int64))//" takes it for the time")
+            else if (named .and. kind(j) /= behavior%time) then
+               if (is_temperature_name(table%names%name(column)%text, table%names%unit(column)%text)) then
+                  keep(j) = .false.
+                  call add_text(warnings, label_of(table%names, column)//" holds a temperature and is left out; --column reads it")
+               end if
+            end if
+         end associate
+      end do
+      if (kind(1) == behavior%counter .or. kind(1) == behavior%other .or. .not. keep(1) .or. count(keep) < 2) return
+      if (named .and. kind(1) == behavior%rising) then
+         if (.not. may_hold_time(table%names%name(table%chosen(1))%text)) return
+      end if
+      call add_text(warnings, label_of(table%names, table%chosen(1))//" rises from row to row and looks like a "// &
+         trim(merge("further time", "time        ", table%time > 0))//"; it is read as a channel, --time-column "// &
+         integer_text(int(table%chosen(1), int64))//" takes it for the time")
+   end subroutine find_time_and_counters
+
+   !> True where the name says so.
+   pure logical function counter_name(table, j)
+      type(table_type), intent(in) :: table
+      integer, intent(in) :: j
+
+      counter_name = table%names%known
+      if (counter_name) counter_name = is_counter_name(table%names%name(table%chosen(j))%text)
+   end function counter_name
+
+   !> What a column does; a column that falls otherwise than by starting again is left after a few rows.
+   pure integer function behavior_of(store, column, named_counter) result(found)
+      type(store_type), intent(in) :: store
+      integer, intent(in) :: column
+      !> Its name is that of a counter
+      logical, intent(in) :: named_counter
+      integer(int64) :: i, rises, ones, even, falls, rows
+      integer :: k
+      real(dp) :: before, lowest, highest, step, usual
+      logical :: whole
+
+      found = behavior%other
+      before = ieee_value(before, ieee_quiet_nan)
+      rises = 0
+      ones = 0
+      even = 0
+      falls = 0
+      rows = 0
+      usual = 0.0_dp
+      lowest = huge(lowest)
+      highest = -huge(highest)
+      whole = .true.
+      do k = 1, store%count
+         do i = 1, store%chunk(k)%rows
+            associate (x => store%chunk(k)%value(i, column))
+               if (ieee_is_nan(x)) cycle
+               if (abs(x) > 1.0e30_dp) return
+               rows = rows + 1
+               lowest = min(lowest, x)
+               highest = max(highest, x)
+               whole = whole .and. abs(x - anint(x)) <= 0.0_dp
+               if (.not. ieee_is_nan(before)) then
+                  step = x - before
+                  if (step > 0.0_dp) then
+                     rises = rises + 1
+                     if (abs(step - 1.0_dp) <= 0.0_dp) ones = ones + 1
+                     if (step >= 0.2_dp*usual .and. step <= 5.0_dp*usual) even = even + 1
+                     usual = usual + (step - usual)/real(min(rises, 100_int64), dp)
+                  else if (step < 0.0_dp) then
+                     falls = falls + 1
+                     if (falls > 1 + rows/8 .or. -step < 0.5_dp*(highest - lowest) .or. .not. rises > 0) return
+                  end if
+               end if
+               before = x
+            end associate
+         end do
+      end do
+      if (rises < least_rises .or. 20*rises < rows) return
+      found = behavior%rising
+      if (whole .and. (2*ones >= rises .or. named_counter)) then
+         found = behavior%counter
+      else if (falls > 1 + rows/2000) then
+         found = behavior%other
+      else if (5*even >= 4*rises) then
+         found = behavior%time
+      end if
+   end function behavior_of
+
+end module gyroakf_io_column_behavior
