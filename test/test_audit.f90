@@ -6,6 +6,7 @@ module test_audit
    use gyroakf_error, only : gyro_error => error_type
    use gyroakf_io_audit, only : audit_stamps, gap_type
    use gyroakf_io_decimal, only : format_real
+   use gyroakf_io_left_out_rows, only : leave_rows_out, place_with
    use gyroakf_io_reader, only : reader_options, read_record
    use gyroakf_record, only : audit_type, record_type
    use scratch_file, only : remove_file, scratch_path, write_bytes
@@ -248,7 +249,7 @@ contains
    subroutine test_beat(error)
       type(error_type), allocatable, intent(out) :: error
       type(audit_type) :: audit
-      real(dp), parameter :: clock(3) = [0.0095_dp, 0.0099_dp, 0.00999_dp]
+      real(dp), parameter :: clock(3) = [0.00953_dp, 0.0099_dp, 0.00999_dp]
       real(dp) :: t(n)
       integer :: i
 
@@ -303,13 +304,28 @@ contains
       call check(error, audit%gaps, 1_int64)
    end subroutine test_set_forward
 
+   !> Rows without a time fill the places that are free between their neighbors, and are left out elsewhere; no stamp is invented.
    subroutine test_missing_stamps(error)
       type(error_type), allocatable, intent(out) :: error
       type(audit_type) :: audit
-      real(dp) :: t(n)
+      type(gyro_error), allocatable :: failed
+      real(dp), allocatable :: t(:), value(:, :)
+      integer(int64), allocatable :: dropped(:)
+      integer(int64) :: i
 
       t = even()
+      allocate (value(n, 1))
+      value(:, 1) = [(real(i, dp), i=1, n)]
       t([1, 2, 100, 101, 102, n]) = ieee_value(1.0_dp, ieee_quiet_nan)
+      t(500:) = t(500:) - dt
+      t(500) = ieee_value(1.0_dp, ieee_quiet_nan)
+      call leave_rows_out(t, value, audit, dropped, failed)
+      call check(error, .not. allocated(failed) .and. audit%untimed == 4 .and. audit%line_of_untimed == 1, "counts")
+      if (allocated(error)) return
+      call check(error, all(dropped == [1, 2, 500, n]) .and. size(t) == n - 4 .and. size(value, 1) == n - 4, "rows")
+      if (allocated(error)) return
+      call check(error, place_with(dropped, 498_int64, 1_int64), 501_int64)
+      if (allocated(error)) return
       call expect(error, t, 0, 0, 1.0e-12_dp, audit)
       if (allocated(error)) return
       call check(error, audit%duplicates + audit%backward_steps, 0_int64)

@@ -283,7 +283,7 @@ contains
                        """2026-05-01 12:00:01.500"",4.5"//nl, 1)
       if (allocated(error)) return
       call expect_rows(error, "date;time;gx"//nl//"2026-05-01;12:00:00;1.5"//nl//"2026-05-01;;2.5"//nl// &
-                       "2026-05-01;12:00:01;3.5"//nl//"2026-05-01;nan;4.5"//nl, 1)
+                       "2026-05-01;12:00:01;3.5"//nl//"2026-05-01;12:00:01.5;4.5"//nl//"2026-05-01;nan;5.5"//nl, 1)
       if (allocated(error)) return
       call expect_error(error, "2026-05-01T12:00:00,1"//nl//"2026-05-01T12:00:61,2"//nl, "is not a date as in the first row")
       if (allocated(error)) return

@@ -5,7 +5,7 @@ module test_text
    use gyroakf_kinds, only : int8, int64
    use gyroakf_io_format, only : content_type, decimal_comma, recognise
    use gyroakf_io_place, only : make_place_message
-   use gyroakf_io_stamps, only : infer_scale, is_time_name, named_scale
+   use gyroakf_io_stamps, only : infer_scale, is_counter_name, is_temperature_name, is_time_name, named_scale
    use gyroakf_io_text, only : bytes_text, fields_type, is_comment, split, split_line
    use gyroakf_kinds, only : dp
    implicit none (type, external)
@@ -205,9 +205,14 @@ contains
 
    subroutine test_time_names(error)
       type(error_type), allocatable, intent(out) :: error
-      character(16), parameter :: yes(12) = [character(16) :: "t", "T", "time", "Timestamp", "time_s", "time_ms", "t_us", &
-         "sensor_timestamp", "gps_time", "header.stamp", "seconds", "Time ns"]
-      character(16), parameter :: no(7) = [character(16) :: "gx", "temp", "tx", "ts1", "rate_s", "", "temperature"]
+      character(18), parameter :: yes(42) = [character(18) :: "t", "T_ms", "time", "Timestamp", "time_s", "time_ms", "t_us", &
+         "sensor_timestamp", "gps_time", "header.stamp", "seconds", "Time ns", "TimeUS", "timeus", "TIME_US", "time_usec", &
+         "SampleTimeFine", "sampletimefine", "gps_tow_s", "tow", "iTOW", "GPS TOW", "gpstime", "GPSTime", "epoch", "epoc", &
+         "Elapsed Time", "Time stamp", "loggingTime", "SystemTime", "UTC", "utc_time", "timestamp_sample", "ts", &
+         "unix_time", "System Time", "micros", "Millis", "seconds_elapsed", "elapsed", "Uhrzeit", "acc_timestamp"]
+      character(16), parameter :: no(20) = [character(16) :: "gx", "temp", "tx", "ts1", "rate_s", "", "temperature", "T", &
+         "delta_time", "time_step", "timestamp_valid", "gx_deg_sec", "exposure_time", "time_constant", "gyro_x", "Timer", &
+         "UTC offset", "T_x", "rad_per_sec", "sync_time"]
       integer :: i
 
       do i = 1, size(yes)
@@ -218,6 +223,14 @@ contains
          call check(error,.not. is_time_name(trim(no(i))), "taken: "//no(i))
          if (allocated(error)) return
       end do
+      call check(error, is_time_name("T", "s") .and. .not. is_time_name("T", "degC") .and. .not. is_time_name("t", "degC"), "T")
+      if (allocated(error)) return
+      call check(error, is_temperature_name("T", "") .and. is_temperature_name("T", "degC") .and. .not. &
+                 is_temperature_name("T", "s") .and. is_temperature_name("GyroTemp", "") .and. is_temperature_name("tempC", "") &
+                 .and. .not. is_temperature_name("tempo", "") .and. .not. is_temperature_name("t", ""), "temperatures")
+      if (allocated(error)) return
+      call check(error, is_counter_name("Packet Counter") .and. is_counter_name("header.seq") .and. is_counter_name("n") .and. &
+                 is_counter_name("PacketCounter") .and. .not. is_counter_name("gx"), "counters")
    end subroutine test_time_names
 
    subroutine test_time_units(error)
@@ -232,6 +245,14 @@ contains
       call check(error, named_scale("seconds", ""), 1.0_dp)
       if (allocated(error)) return
       call check(error, named_scale("time", "deg"), 0.0_dp)
+      if (allocated(error)) return
+      call check(error, named_scale("TimeUS", ""), 1.0e-6_dp)
+      if (allocated(error)) return
+      call check(error, named_scale("SampleTimeFine", ""), 1.0e-4_dp)
+      if (allocated(error)) return
+      call check(error, named_scale("gps_tow_s", "") + named_scale("t", "100us"), 1.0001_dp, thr=1.0e-12_dp)
+      if (allocated(error)) return
+      call check(error, named_scale("epoc", "ms") + named_scale("t", "min") + named_scale("t", "12"), 60.001_dp, thr=1.0e-12_dp)
    end subroutine test_time_units
 
    subroutine test_inferred(error)

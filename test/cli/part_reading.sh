@@ -126,7 +126,7 @@ awk 'BEGIN { print "seq,stamp.secs,stamp.nsecs,frame_id,x"
 good "seconds and nanoseconds" inspect ros.csv --json ros.json
 holds "their rate" "Rate            200 Hz (from the time stamps); 1.5 s" out
 holds "text is left out" "column 'frame_id' holds text and is left out" out
-holds "a counter is said" "column 'seq' rises from row to row and looks like a counter" out
+holds "a counter is left out" "column 'seq' holds a counter and is left out" out
 awk '{ print "12:00:0" NR%10 ".5 -> X: " $1 " Y: " $2 }' <(sed 1,3d plain.txt | head -n 9) >labels.txt
 good "labels between numbers" inspect labels.txt --json -
 holds "the channels" '"channels": ["column4", "column6"]' out

@@ -130,8 +130,7 @@ contains
    end subroutine audit_stretch
 
    !> Decides whether losses at even distances are losses or the beat of the samples with a coarse clock: those at exactly even
-   !> distances below 50 samples are losses, others are not (a clock that counts in nearly the interval is the likelier cause),
-   !> unless the given rate is nearer to that of the other explanation.
+   !> distances below 50 samples are losses, others are not, unless the given rate is nearer to that of the other explanation.
    subroutine explain_losses(t, cadence, given, gaps, audit)
       real(dp), intent(in), contiguous :: t(:)
       type(cadence_type), intent(in) :: cadence
@@ -153,9 +152,9 @@ contains
          call find_losses(t, cadence, gaps, step)
          return
       end if
-      beat = found == pattern%beat .or. distance >= 50
+      beat = found == pattern%beat
       beat_rate = grid_rate*real(distance, dp)/real(distance + 1, dp)
-      if (found == pattern%beat) beat_rate = real(size(t) - 1, dp)/(t(size(t)) - t(1))
+      if (beat) beat_rate = real(size(t) - 1, dp)/(t(size(t)) - t(1))
       if (given > 0.0_dp) beat = abs(given - beat_rate) < abs(given - grid_rate)
       if (given <= 0.0_dp .and. distance > 0) audit%other_rate = merge(grid_rate, beat_rate, beat)
       if (.not. beat) return

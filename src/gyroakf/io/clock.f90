@@ -15,18 +15,18 @@ module gyroakf_io_clock
    use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
-   public :: find_scale, is_clock, set_rate
+   public :: drop_absurd, find_scale, is_clock, set_rate
 
 contains
 
-   !> The unit of the stamps and the first of them; what is no time becomes missing.
+   !> The unit of the stamps and the first of them.
    subroutine find_scale(options, table, stamps, record, scale, origin)
       !> For the rate
       type(reader_options), intent(in) :: options
       !> For names, units and the header's rate
       type(table_type), intent(in) :: table
       !> As read
-      real(dp), intent(inout), contiguous :: stamps(:)
+      real(dp), intent(in), contiguous :: stamps(:)
       !> Gets a warning where the unit is guessed
       type(record_type), intent(inout) :: record
       !> Seconds in the unit of the stamps
@@ -38,7 +38,6 @@ contains
       integer(int64) :: i
       integer :: kind
 
-      call drop_absurd(stamps)
       scale = 0.0_dp
       kind = time_kind(table)
       if (kind /= stamp_kind%number .and. kind /= stamp_kind%long) then

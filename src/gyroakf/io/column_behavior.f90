@@ -74,11 +74,11 @@ contains
          end associate
       end do
       if (kind(1) == behavior%counter .or. kind(1) == behavior%other .or. .not. keep(1) .or. count(keep) < 2) return
-      if (named .and. kind(1) == behavior%rising) then
+      if (named) then
          if (.not. may_hold_time(table%names%name(table%chosen(1))%text)) return
       end if
-      call add_text(warnings, label_of(table%names, table%chosen(1))//" rises from row to row and looks like a "// &
-         trim(merge("further time", "time        ", table%time > 0))//"; it is read as a channel, --time-column "// &
+      call add_text(warnings, label_of(table%names, table%chosen(1))//" rises from row to row and looks like "// &
+         trim(merge("a further time", "time          ", table%time > 0))//"; it is read as a channel, --time-column "// &
          integer_text(int(table%chosen(1), int64))//" takes it for the time")
    end subroutine find_time_and_counters
 

@@ -13,6 +13,8 @@ module gyroakf_io_regular_losses
 
    !> How the phase follows the stamps, and the longest gap over which it is kept, intervals
    real(dp), parameter :: phase_gain = 1.0_dp/32.0_dp, longest_kept = 50.0_dp
+   !> Losses at even distances of so many samples or more are the beat of a clock that counts in nearly the interval
+   integer(int64), parameter :: longest_period = 50
    !> Late samples are taken for lost ones after so many samples, or four times as many as are missing
    integer(int64), parameter :: lasting = 2048
 
@@ -20,7 +22,7 @@ module gyroakf_io_regular_losses
    type :: pattern_enum
       !> Scattered, or none: samples were lost
       integer :: losses = 0
-      !> Single samples at exactly even distances: every k-th was lost, or the clock counts in the interval
+      !> Mostly single samples at exactly even distances: every k-th was lost, or the clock counts in the interval
       integer :: periodic = 1
       !> Nearly even distances: the beat of the samples with a clock that counts in more than half of the interval
       integer :: beat = 2
@@ -106,6 +108,7 @@ contains
       integer(int64) :: between(max(gaps%count - 1, 0))
       real(dp) :: usual
       integer :: k, m, equal, beside, alike
+      logical :: single
 
       found = pattern%losses
       distance = 0
@@ -127,11 +130,14 @@ contains
       beside = count(abs(between - distance) == 1)
       usual = real(gaps%before(gaps%count) - gaps%before(1), dp)/real(m, dp)
       alike = count(abs(real(between, dp) - usual) <= max(1.0_dp, 0.1_dp*usual))
-      if (2*equal >= m .and. 50*beside <= m) then
+      if (2*count(gaps%length(:gaps%count) == 1) < gaps%count) return
+      single = all(gaps%length(:gaps%count) == 1)
+      if (2*equal >= m .and. 2*beside <= m - equal .and. distance < longest_period) then
          found = pattern%periodic
-      else if (10*alike >= 9*m .and. all(gaps%length(:gaps%count) == 1)) then
+      else if (10*alike >= 9*m .and. single) then
          found = pattern%beat
-      else if (m >= 8 .and. 2*count(abs(between - distance) <= max(2_int64, distance/10)) >= m .and. distance >= 50) then
+      else if (m >= 8 .and. 2*count(abs(between - distance) <= max(2_int64, distance/10)) >= m .and. &
+               distance >= longest_period) then
          found = pattern%comb
       end if
    end subroutine loss_pattern

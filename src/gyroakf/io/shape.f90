@@ -16,7 +16,7 @@ module gyroakf_io_shape
    use gyroakf_units, only : angle_to_rate_unit
    implicit none (type, external)
    private
-   public :: fill_gaps, mark_missing, make_rates, cut, find_span, wrap_of, wrapped, warn_of_wraps, largest_value, refuse_tiny
+   public :: fill_gaps, mark_missing, make_rates, cut, wrap_of, wrapped, warn_of_wraps, largest_value, refuse_tiny
 
    !> A rate beyond it is an error: the fourth powers of the statistics would overflow
    real(dp), parameter :: largest_value = 1.0e60_dp
@@ -271,39 +271,26 @@ contains
       real(dp), intent(in) :: from, to
       !> Allocated where nothing is left: too_few_samples; or no_memory
       type(error_type), allocatable, intent(out) :: error
-      integer(int64) :: span(2)
-
-      if (from <= 0.0_dp .and. to >= huge(1.0_dp)) return
-      call find_span(size(record%value, 1, kind=int64), record%sample_interval, from, to, span, error)
-      if (.not. allocated(error)) call keep_rows(record, span(1), span(2), error)
-   end subroutine cut
-
-   !> The samples from <= time < to.
-   pure subroutine find_span(n, interval, from, to, span, error)
-      !> Samples of the record
-      integer(int64), intent(in) :: n
-      !> From sample to sample, and the limits from the start, s
-      real(dp), intent(in) :: interval, from, to
-      !> The first and the last
-      integer(int64), intent(out) :: span(2)
-      !> Allocated where there are none: too_few_samples
-      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: first, last, n
       real(dp) :: length
 
-      span(:) = 0
-      length = real(n, dp)*interval
+      if (from <= 0.0_dp .and. to >= huge(1.0_dp)) return
+      n = size(record%value, 1, kind=int64)
+      length = real(n, dp)*record%sample_interval
       if (from >= length) then
          call fatal_error(error, status%too_few_samples, "the record ends at "//format_real(length, 6)//" s, before --from "// &
                           format_real(from, 6))
          return
       end if
-      span(1) = 1 + ceiling(from/interval - 1.0e-6_dp, int64)
-      span(2) = n
-      if (to < length) span(2) = ceiling(to/interval - 1.0e-6_dp, int64)
-      if (span(1) > span(2)) then
+      first = 1 + ceiling(from/record%sample_interval - 1.0e-6_dp, int64)
+      last = n
+      if (to < length) last = ceiling(to/record%sample_interval - 1.0e-6_dp, int64)
+      if (first > last) then
          call fatal_error(error, status%too_few_samples, "no sample lies between --from and --to")
+         return
       end if
-   end subroutine find_span
+      call keep_rows(record, first, last, error)
+   end subroutine cut
 
    !> Keeps some of the samples.
    subroutine keep_rows(record, first, last, error)

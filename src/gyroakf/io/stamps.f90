@@ -81,18 +81,19 @@ contains
    pure subroutine split_name(name, word)
       character(*), intent(in) :: name
       type(text_type), allocatable, intent(out) :: word(:)
-      character(2), parameter :: units(3) = ["us", "ms", "ns"]
-      character(:), allocatable :: text
+      character(4), parameter :: endings(4) = [character(4) :: "us", "ms", "ns", "fine"]
+      character(:), allocatable :: text, ending
       integer :: i, k
 
       allocate (word(0))
       text = ""
       do i = 1, len(name) + 1
          if (begins_word(name, i)) then
-            do k = 1, size(units)
-               if (.not. (ends_with(text, "time"//units(k)) .or. ends_with(text, "stamp"//units(k)))) cycle
-               call add_text(word, text(:len(text) - 2))
-               text = units(k)
+            do k = 1, size(endings)
+               ending = trim(endings(k))
+               if (.not. (ends_with(text, "time"//ending) .or. ends_with(text, "stamp"//ending))) cycle
+               call add_text(word, text(:len(text) - len(ending)))
+               text = ending
             end do
             if (len(text) > 0) call add_text(word, text)
             text = ""
@@ -230,26 +231,32 @@ contains
       !> What was subtracted from the stamps while they were read, 0 if absent
       real(dp), intent(in), optional :: offset
       real(dp), parameter :: units(4) = [1.0_dp, 1.0e-3_dp, 1.0e-6_dp, 1.0e-9_dp]
-      real(dp) :: first, last, step
-      integer(int64) :: i, count
+      real(dp) :: first, last, step, total
+      integer(int64) :: i, count, forward
       integer :: k
       logical :: whole
 
       scale = 1.0_dp
       whole = .true.
       count = 0
+      forward = 0
       first = 0.0_dp
       last = 0.0_dp
+      total = 0.0_dp
       do i = 1, size(stamps, kind=int64)
          if (ieee_is_nan(stamps(i))) cycle
          if (count == 0) first = stamps(i)
+         if (count > 0 .and. stamps(i) >= last) then
+            total = total + (stamps(i) - last)
+            forward = forward + 1
+         end if
          last = stamps(i)
          count = count + 1
          if (whole) whole = abs(stamps(i) - anint(stamps(i))) <= 0.0_dp
       end do
       sure = .not. whole
       if (count < 2) return
-      step = abs(last - first)/real(count - 1, dp)
+      step = total/real(max(forward, 1_int64), dp)
       if (rate_hz > 0.0_dp) then
          do k = 1, 4
             if (abs(log10(max(step*units(k)*rate_hz, tiny(step)))) > 0.48_dp) cycle

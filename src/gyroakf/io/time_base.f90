@@ -5,13 +5,14 @@ module gyroakf_io_time_base
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_audit, only : audit_stamps, gap_type
-   use gyroakf_io_clock, only : find_scale, is_clock
+   use gyroakf_io_clock, only : drop_absurd, find_scale, is_clock
    use gyroakf_io_columns, only : label_of
+   use gyroakf_io_decimal, only : format_real
    use gyroakf_io_left_out_rows, only : leave_rows_out, place_with
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_resample, only : resample
-   use gyroakf_io_shape, only : fill_gaps, find_span, wrap_of
+   use gyroakf_io_shape, only : fill_gaps, wrap_of
    use gyroakf_io_stamps, only : unwrap_days
    use gyroakf_io_table, only : table_type
    use gyroakf_record, only : add_text, audit_type, record_type
@@ -32,7 +33,7 @@ contains
       !> no_memory, too_few_samples
       type(error_type), allocatable, intent(out) :: error
       integer(int64), allocatable :: dropped(:)
-      real(dp) :: scale, origin, before, given
+      real(dp) :: scale, origin, before, given, rate
       integer(int64) :: rows, first
       integer :: days
 
@@ -44,17 +45,21 @@ contains
       before = ieee_value(before, ieee_quiet_nan)
       days = 0
       if (is_clock(table)) call unwrap_days(stamps, before, days)
-      call find_scale(options, table, stamps, record, scale, origin)
-      stamps = (stamps - origin)*scale
+      call drop_absurd(stamps)
       rows = size(stamps, kind=int64)
       call leave_rows_out(stamps, record%value, record%audit, dropped, error)
       if (allocated(error)) return
       if (size(stamps) == 0) call add_text(record%warnings, label_of(table%names, table%time)//" holds no time in "// &
          integer_text(record%audit%untimed)//" of "//integer_text(rows)//" rows and is not used: --rate HZ gives the sample rate")
+      if (size(stamps) > 0) then
+         call find_scale(options, table, stamps, record, scale, origin)
+         stamps = (stamps - origin)*scale
+      end if
       given = merge(options%rate_hz, table%header%rate_hz, options%rate_hz > 0.0_dp)
-      call keep_span(options, given, stamps, record%value, first, error)
+      call keep_span(options, given, stamps, record%value, first, rate, error)
       if (allocated(error)) return
       call audit_stamps(stamps, record%audit, gaps, given)
+      if (record%audit%stamp_rate <= 0.0_dp) record%audit%stamp_rate = rate
       associate (audit => record%audit)
          audit%line_of_first(1) = place_with(dropped, audit%line_of_first(1), first)
          audit%line_of_first(2) = place_with(dropped, audit%line_of_first(2), first)
@@ -66,24 +71,26 @@ contains
    end subroutine use_stamps
 
    !> Keeps the rows of the span that is asked for, so that what is found is found in it.
-   subroutine keep_span(options, given, stamps, value, first, error)
+   subroutine keep_span(options, given, stamps, value, first, rate, error)
       type(reader_options), intent(in) :: options
       !> Sample rate that was given, Hz, 0 for none
       real(dp), intent(in) :: given
       real(dp), allocatable, intent(inout) :: stamps(:), value(:, :)
       !> The row of all that the first kept one is
       integer(int64), intent(out) :: first
+      !> Of all rows, Hz; 0 where all are kept
+      real(dp), intent(out) :: rate
       !> no_memory, too_few_samples
       type(error_type), allocatable, intent(out) :: error
       type(audit_type) :: audit
       type(gap_type) :: gaps
       real(dp), allocatable :: t(:)
-      real(dp) :: interval
-      integer(int64) :: i, at, last, samples
-      integer(int64) :: span(2)
-      integer :: next, failed
+      real(dp) :: interval, scale
+      integer(int64) :: last
+      integer :: failed
 
       first = 1
+      rate = 0.0_dp
       if (size(stamps) == 0 .or. .not. has_span(options)) return
       allocate (t(size(stamps)), stat=failed)
       if (failed /= 0) then
@@ -94,33 +101,21 @@ contains
       call audit_stamps(t, audit, gaps, given)
       if (audit%stamp_rate <= 0.0_dp) return
       interval = 1.0_dp/audit%stamp_rate
-      if (options%rate_hz > 0.0_dp) interval = 1.0_dp/options%rate_hz
-      samples = size(t, kind=int64) + sum(gaps%length(:gaps%count))
-      call find_span(samples, interval, options%from, options%to, span, error)
+      scale = 1.0_dp
+      if (options%rate_hz > 0.0_dp) scale = audit%stamp_rate/options%rate_hz
+      first = count(scale*t < options%from - 1.0e-6_dp*interval, kind=int64) + 1
+      last = count(scale*t < options%to - 1.0e-6_dp*interval, kind=int64)
+      if (first > size(t)) then
+         call fatal_error(error, status%too_few_samples, "the record ends at "// &
+            format_real(scale*(t(size(t)) + interval), 6)//" s, before --from "//format_real(options%from, 6))
+      else if (first > last) then
+         call fatal_error(error, status%too_few_samples, "no sample lies between --from and --to")
+      end if
       if (allocated(error)) return
       if (allocated(options%input)) then
-         if (options%input == "angle") span(2) = span(2) + 1
+         if (options%input == "angle") last = min(last + 1, size(t, kind=int64))
       end if
-      first = 0
-      last = 0
-      at = 0
-      next = 1
-      do i = 1, size(t, kind=int64)
-         at = at + 1
-         if (next <= gaps%count) then
-            if (gaps%before(next) == i) then
-               at = at + gaps%length(next)
-               next = next + 1
-            end if
-         end if
-         if (at > span(2)) exit
-         if (at >= span(1) .and. first == 0) first = i
-         last = i
-      end do
-      if (first == 0 .or. last < first) then
-         call fatal_error(error, status%too_few_samples, "no sample lies between --from and --to")
-         return
-      end if
+      rate = audit%stamp_rate
       stamps = stamps(first:last) - stamps(first)
       value = value(first:last, :)
    end subroutine keep_span
