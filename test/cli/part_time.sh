@@ -42,6 +42,56 @@ good "990 Hz in ms" inspect coarse.csv
 plain "990 Hz, no gaps" "0 gaps"
 is "990 Hz within 1e-3" "$(awk '/Rate/ { print ($2 > 989.5 && $2 < 990.5) }' out | head -n 1)" 1
 
+# every eighth sample lost: from jittered stamps the rate is sure, from ms two rates explain them, and --rate decides
+awk 'BEGIN { print "time_us,gx"; for (i = 0; i < 4000; i++) if (i%8 != 7) printf "%d,%.6f\n", i*1000 + (i*i)%7, sin(i*i) }' >eighth.csv
+good "every eighth sample lost" inspect eighth.csv --json -
+holds "the true rate" '"gaps": 499' out
+awk -F, 'NR == 1 { print "time_ms,gx"; next } { printf "%d,%s\n", $1/1000, $2 }' eighth.csv >eighth_ms.csv
+good "every eighth sample lost, in ms" inspect eighth_ms.csv
+plain "rate with losses" "Rate 1000 Hz (from the time stamps)"
+plain "the other rate" "875 Hz and a clock that counts in 0.001 s explain them equally well; --rate 875 takes the other explanation"
+good "the other rate is given" inspect eighth_ms.csv --rate 875
+plain "no losses at it" "Missing 0 values, 0 gaps"
+
+# times by name and by behavior, counters, clocks that start again
+for name in TimeUS time_usec 'Timestamp (us)' timestamp_sample SampleTimeFine 'Elapsed Time' gps_tow_s epoch UTC loggingTime; do
+  case $name in
+    *Fine) step=100 ;; *TimeUS* | *us* | *_sample) step=10000 ;; *) step=0.01 ;;
+  esac
+  awk -v name="$name" -v step=$step 'BEGIN { print name ",gx"
+     for (i = 0; i < 300; i++) printf "%.10g,%.6f\n", 1000000 + i*step, sin(i*i) }' >named.csv
+  good "time named $name" inspect named.csv
+  plain "its rate: $name" "Rate 100 Hz (from the time stamps)"
+  plain "its channel: $name" "in 1 channel: gx"
+done
+awk 'BEGIN { print "no,stamped,gx"; for (i = 0; i < 900; i++) printf "%d,%.0f,%.6f\n", i%256, (4294000000 + i*10000)%4294967296, sin(i*i) }' \
+  >rollover.csv
+good "a time by its behavior" inspect rollover.csv
+plain "taken for the time" "column 'stamped' rises evenly from row to row and is taken for the time"
+plain "its rollover" "starts again after 4294.967296 s in 1 place and is continued; the first is in line 99"
+plain "a counter before it" "column 'no' holds a counter and is left out"
+plain "its rate" "Rate 100 Hz (from the time stamps)"
+awk 'BEGIN { print "T,gx"; for (i = 0; i < 300; i++) printf "%.2f,%.6f\n", 20 + i%7/10, sin(i*i) }' >warmth.csv
+good "T is a temperature" inspect warmth.csv
+plain "left out" "column 'T' holds a temperature and is left out"
+awk 'BEGIN { print "when,gx"; for (i = 0; i < 301; i++) printf "%d,%.6f\n", int(i/2)*200, sin(i*i) }' >ticks.csv
+good "equal stamps" inspect ticks.csv --time-unit 100us
+plain "and a unit" "Rate 100 Hz (from the time stamps)"
+bad "a wrong unit of time" 2 "the unit of time 'fortnight' is not known" inspect ticks.csv --time-unit fortnight
+
+# rows without a time, and findings of the span that is read
+awk 'BEGIN { print "t,gx"; for (i = 0; i < 300; i++) { printf "%.2f,%.6f\n,\n", i*0.01, sin(i*i); if (i%9 == 0) print ",5" } }' >blank.csv
+good "rows without a time" inspect blank.csv
+plain "left out" "334 rows without a time: left out; the first is in line 3"
+plain "the rate is that of the others" "Rate 100 Hz (from the time stamps)"
+awk 'BEGIN { print "t,gx"; for (i = 0; i < 2000; i++) printf "%.2f,%.6f\n", i*0.01 + (i > 1000)*0.5 - (i > 1500)*0.05, sin(i*i) }' >late_gap.csv
+good "a gap outside the span" inspect late_gap.csv --to 9
+plain "is not reported" "Missing 0 values, 0 gaps"
+is "nothing to warn of" "$(grep -c Warning out)" 0
+good "a gap inside it" inspect late_gap.csv --from 9 --to 12
+plain "and its line" "the first is in line 1003"
+bad "a span behind the end" 2 "the record ends at 20.45 s, before --from 50" inspect late_gap.csv --from 50
+
 # angles of a counter, and temperatures
 awk 'BEGIN { print "# rate_hz: 100\n# unit: deg"; for (i = 0; i < 2000; i++) print (i*700) % 65536 }' >counter.txt
 good "a counter that wraps" inspect counter.txt --input angle --scale 0.01
