@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> The sample interval from stamps of which some are lost: every k-th, at random, in runs, with jitter; rates that explain the stamps
-!> equally well; clocks that start again.
+!> The sample interval from stamps of which some are lost: every k-th, at random, in runs, with
+!> jitter; rates that explain the stamps equally well; clocks that start again.
 module test_cadence
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : dp, int64
@@ -108,8 +108,8 @@ contains
       end do
    end subroutine test_runs
 
-   !> Every eighth sample lost and 875 Hz in ms are the same stamps: both are known, and a rate that is given decides. Those of 833.1 Hz
-   !> in ms are not at exactly even distances, and no losses.
+   !> Every eighth sample lost and 875 Hz in ms are the same stamps: both are known, and a rate that
+   !> is given decides. Those of 833.1 Hz in ms are not at exactly even distances, and no losses.
    subroutine test_two_rates(error)
       type(error_type), allocatable, intent(out) :: error
       type(audit_type) :: audit, decided, same

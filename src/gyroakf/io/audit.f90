@@ -1,10 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> The audit of a record: what the time stamps show, and what the values show.
 !>
-!> Samples are taken as evenly spaced at the mean rate. Stamps that come in bursts (delivered late, several at once) are no
-!> gaps: samples were lost only where the lag, elapsed time * rate - count, rises and does not fall back. Where almost all steps
-!> are near their median (regular stamps, [[gyroakf_io_cadence]]), one lost sample is seen at its long step; where they are not, by
-!> the levels before and behind it ([[gyroakf_io_losses]]). Parts of different rates are looked at apart.
+!> Samples are taken as evenly spaced at the mean rate. Stamps that come in bursts (delivered late,
+!> several at once) are no gaps: samples were lost only where the lag, elapsed time * rate - count,
+!> rises and does not fall back. Where almost all steps are near their median (regular stamps,
+!> [[gyroakf_io_cadence]]), one lost sample is seen at its long step; where they are not, by the
+!> levels before and behind it ([[gyroakf_io_losses]]). Parts of different rates are looked at
+!> apart.
 module gyroakf_io_audit
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
@@ -29,13 +31,16 @@ contains
 
    !> Counts what the stamps show and finds the gaps.
    subroutine audit_stamps(t, audit, gaps, rate_hz)
-      !> Stamps in s, none missing: [n]; afterwards without backward jumps and jumps that are not filled
+      !> Stamps in s, none missing: [n]; afterwards without backward jumps and jumps that are not
+      !> filled
       real(dp), intent(inout), contiguous :: t(:)
-      !> Filled: stamps, rate, duplicates, backward steps, bursts, jitter; `line_of_*` hold sample indices
+      !> Filled: stamps, rate, duplicates, backward steps, bursts, jitter; `line_of_*` hold sample
+      !> indices
       type(audit_type), intent(inout) :: audit
       !> Where samples were lost
       type(gap_type), intent(out) :: gaps
-      !> Sample rate that was given, which decides between two that explain the stamps equally well, Hz; 0 (also if absent): none
+      !> Sample rate that was given, which decides between two that explain the stamps equally well,
+      !> Hz; 0 (also if absent): none
       real(dp), intent(in), optional :: rate_hz
       type(cadence_type) :: whole
       integer(int64) :: n, change(most_changes), lost
@@ -104,7 +109,8 @@ contains
       end do
    end subroutine audit_stretches
 
-   !> The losses in a stretch of one rate; jumps that are too long to be filled are taken out of the stamps.
+   !> The losses in a stretch of one rate; jumps that are too long to be filled are taken out of the
+   !> stamps.
    subroutine audit_stretch(t, n, cadence, given, gaps, audit)
       !> From the first sample of the stretch to the last of the record
       real(dp), intent(inout), contiguous :: t(:)
@@ -121,7 +127,7 @@ contains
       allocate (gaps%length(16))
       if (cadence%step <= 0.0_dp) return
       if (cadence%regular) then
-         call find_gaps(t(:n), cadence%step, gaps)
+         call find_regular(t(:n), cadence%step, gaps)
          call explain_losses(t(:n), cadence, given, gaps, audit)
       else
          call find_losses(t(:n), cadence, gaps, step)
@@ -129,8 +135,35 @@ contains
       call join_jumps(t, n, cadence%step, gaps)
    end subroutine audit_stretch
 
-   !> Decides whether losses at even distances are losses or the beat of the samples with a coarse clock: those at exactly even
-   !> distances below 50 samples are losses, others are not, unless the given rate is nearer to that of the other explanation.
+   !> The losses among regular stamps; again with the interval that follows from them, where jitter let
+   !> it be a little wrong.
+   subroutine find_regular(t, interval, gaps)
+      real(dp), intent(in), contiguous :: t(:)
+      !> s
+      real(dp), intent(in) :: interval
+      !> Empty before
+      type(gap_type), intent(inout) :: gaps
+      integer, parameter :: max_iterations = 4
+      real(dp), parameter :: tolerance = 5.0e-4_dp
+      real(dp) :: used, found
+      integer(int64) :: n
+      integer :: k
+
+      n = size(t, kind=int64)
+      used = interval
+      do k = 1, max_iterations
+         gaps%count = 0
+         call find_gaps(t, used, gaps)
+         if (sum(gaps%length(:gaps%count)) > n) return
+         found = (t(n) - t(1))/real(n - 1 + sum(gaps%length(:gaps%count)), dp)
+         if (abs(found - used) <= tolerance*used) return
+         used = found
+      end do
+   end subroutine find_regular
+
+   !> Decides whether losses at even distances are losses or the beat of the samples with a coarse
+   !> clock: those at exactly even distances below 50 samples are losses, others are not, unless the
+   !> given rate is nearer to that of the other explanation.
    subroutine explain_losses(t, cadence, given, gaps, audit)
       real(dp), intent(in), contiguous :: t(:)
       type(cadence_type), intent(in) :: cadence
@@ -185,8 +218,8 @@ contains
       if (gaps%count > 0 .and. gaps%first_jump > 0) audit%line_of_first(3) = min(gaps%before(1), gaps%first_jump)
    end subroutine note_first_gap
 
-   !> Counts duplicates, rollovers and backward steps; a clock that starts again is continued, one that was set back by more than
-   !> ten samples otherwise goes on by one sample.
+   !> Counts duplicates, rollovers and backward steps; a clock that starts again is continued, one
+   !> that was set back by more than ten samples otherwise goes on by one sample.
    subroutine count_steps(t, interval, audit)
       real(dp), intent(inout), contiguous :: t(:)
       !> Usual, s
@@ -221,7 +254,8 @@ contains
       end do
    end subroutine count_steps
 
-   !> The period after which a clock starts again, s; 0 where the stamps would not go on within 20 samples.
+   !> The period after which a clock starts again, s; 0 where the stamps would not go on within 20
+   !> samples.
    pure real(dp) function rollover_of(step, interval) result(period)
       !> Below 0, s
       real(dp), intent(in) :: step
@@ -267,7 +301,8 @@ contains
       gaps%count = kept
    end subroutine join_jumps
 
-   !> The largest and the usual distance of a stamp from the even grid at the mean rate, and the rates of the halves.
+   !> The largest and the usual distance of a stamp from the even grid at the mean rate, and the
+   !> rates of the halves.
    subroutine measure_jitter(t, gaps, audit)
       real(dp), intent(in), contiguous :: t(:)
       type(gap_type), intent(in) :: gaps

@@ -1,10 +1,11 @@
 ! SPDX-License-Identifier: MIT
 !> The sample interval from time stamps, and the resolution of their clock.
 !>
-!> All steps are counted in a histogram of 32 bins an octave. Where samples lie on an even grid of interval \(T\), some of them lost
-!> and each with a jitter, the steps \(x\) are whole multiples of \(T\) with a scatter, and the coherence
-!> $$C(f) = \overline{\cos 2\pi f x}$$ has a maximum at \(f = 1/T\), whatever the pattern of the losses. \(1/T\) lies above the mean
-!> rate; of several maxima of about the same height the lowest counts (the others are its harmonics).
+!> All steps are counted in a histogram of 32 bins an octave. Where samples lie on an even grid of
+!> interval \(T\), some of them lost and each with a jitter, the steps \(x\) are whole multiples of
+!> \(T\) with a scatter, and the coherence $$C(f) = \overline{\cos 2\pi f x}$$ has a maximum at
+!> \(f = 1/T\), whatever the pattern of the losses. \(1/T\) lies above the mean rate; of several
+!> maxima of about the same height the lowest counts (the others are its harmonics).
 module gyroakf_io_cadence
    use gyroakf_kinds, only : dp, int64
    implicit none (type, external)
@@ -15,9 +16,11 @@ module gyroakf_io_cadence
    type :: cadence_type
       !> s from sample to sample where none is lost; 0 where the stamps do not rise
       real(dp) :: step = 0.0_dp
-      !> Smallest difference between two steps, s: the stamps count in it; 0 where it is below 1e-4 of the step
+      !> Smallest difference between two steps, s: the stamps count in it; 0 where it is below 1e-4
+      !> of the step
       real(dp) :: resolution = 0.0_dp
-      !> Almost all steps are near the interval, or whole multiples of it: one lost sample is seen at its place
+      !> Almost all steps are near the interval, or whole multiples of it: one lost sample is seen
+      !> at its place
       logical :: regular = .false.
       !> Share of the steps that are shorter than half of the interval, and longer than 1.5 of it
       real(dp) :: short = 0.0_dp, long = 0.0_dp
@@ -25,12 +28,15 @@ module gyroakf_io_cadence
 
    !> Steps looked at for the resolution
    integer, parameter :: resolution_steps = 4001
-   !> The histogram: 32 bins an octave from 2^-40 s to 2^40 s; what lies outside is in the outermost bins
+   !> The histogram: 32 bins an octave from 2^-40 s to 2^40 s; what lies outside is in the outermost
+   !> bins
    integer, parameter :: mantissa_bits = 5, octaves = 80, bins = octaves*2**mantissa_bits
-   !> Lowest and highest rate looked for, in mean rates of the usual steps, and the distance of those tried
+   !> Lowest and highest rate looked for, in mean rates of the usual steps, and the distance of
+   !> those tried
    real(dp), parameter :: lowest_rate = 0.9_dp, highest_rate = 3.4_dp, rate_distance = 0.02_dp
-   !> Steps at least so coherent are those of an even grid; harmonics that are no more than this much higher do not count
-   real(dp), parameter :: least_coherence = 0.3_dp, harmonic_share = 0.9_dp
+   !> Steps at least so coherent are those of an even grid; harmonics that are no more than this
+   !> much higher do not count
+   real(dp), parameter :: least_coherence = 0.18_dp, harmonic_share = 0.9_dp
 
 contains
 
@@ -40,7 +46,7 @@ contains
       real(dp), intent(in), contiguous :: t(:)
       !> The cadence
       type(cadence_type), intent(out) :: cadence
-      real(dp) :: step(resolution_steps)
+      real(dp) :: step(resolution_steps), rounding
       real(dp), parameter :: golden = 0.6180339887498949_dp
       integer(int64) :: i, n
       integer :: k, m
@@ -55,8 +61,10 @@ contains
          step(k) = t(i) - t(i - 1)
       end do
       call sort(step(:m))
-      cadence%resolution = smallest_difference(step(:m), 1.0e-4_dp*max(step((m + 1)/2), 0.1_dp*cadence%step))
-      if (min(cadence%short, cadence%long) > 0.002_dp .and. cadence%resolution > 0.3_dp*cadence%step) call use_mean(t, cadence)
+      rounding = 1.0e-4_dp*max(step((m + 1)/2), 0.1_dp*cadence%step)
+      cadence%resolution = smallest_difference(step(:m), rounding)
+      if (cadence%resolution <= 0.3_dp*cadence%step) return
+      if (min(cadence%short, cadence%long) > 0.002_dp) call use_mean(t, cadence)
    end subroutine find_cadence
 
    !> The interval alone, and whether the stamps are regular.
@@ -127,8 +135,9 @@ contains
 
    !> The interval that the steps are whole multiples of, and whether they are.
    !>
-   !> Regular are stamps whose steps are near the interval (97 %), or coherent and hardly ever short. Where most of the time passes in
-   !> steps of more than 2.5 intervals, samples are delivered in bursts.
+   !> Regular are stamps whose steps are near the interval (97 %), or coherent and hardly ever
+   !> short. Where most of the time passes in steps of more than 2.5 intervals, samples are
+   !> delivered in bursts.
    pure subroutine choose_step(x, weight, flat, cadence)
       !> Mean step of every bin, s, rising, and how many there are: [bin]
       real(dp), intent(in), contiguous :: x(:), weight(:)
@@ -162,7 +171,7 @@ contains
       cadence%step = interval
       cadence%regular = near >= 0.97_dp*all_steps
       if (coherence(best) >= least_coherence .and. near >= 0.3_dp*all_steps) then
-         cadence%regular = cadence%regular .or. cadence%short <= 0.03_dp
+         cadence%regular = cadence%regular .or. cadence%short <= 0.06_dp
       end if
       cadence%regular = cadence%regular .and. far_time <= 0.5_dp*all_time
    end subroutine choose_step
@@ -218,8 +227,8 @@ contains
       if (count_intervals > 0.0_dp) mean_interval = time/count_intervals
    end function mean_interval
 
-   !> The smallest difference between values, or between them and 0, that is more than rounding; the value itself where all are
-   !> the same.
+   !> The smallest difference between values, or between them and 0, that is more than rounding; the
+   !> value itself where all are the same.
    pure real(dp) function smallest_difference(step, rounding)
       !> In order
       real(dp), intent(in) :: step(:)

@@ -20,7 +20,8 @@ module gyroakf_io_column_behavior
       integer :: rising = 1
       !> Rises evenly, perhaps with equal values or a rollover
       integer :: time = 2
-      !> Whole numbers that rise by 1 in most rows, or a counter by name that never falls; they may start again
+      !> Whole numbers that rise by 1 in most rows, or a counter by name that never falls; they may
+      !> start again
       integer :: counter = 3
    end type behavior_enum
 
@@ -30,7 +31,8 @@ module gyroakf_io_column_behavior
 
 contains
 
-   !> Takes the first column that behaves like a time for the time where there is none, and leaves counters out; both is said.
+   !> Takes the first column that behaves like a time for the time where there is none, and leaves
+   !> counters out; both is said.
    subroutine find_time_and_counters(table, time_known, keep, warnings)
       !> Its rows are read, its columns were not asked for; `time` may be set
       type(table_type), intent(inout) :: table
@@ -55,31 +57,37 @@ contains
          end if
          table%time = table%chosen(j)
          keep(j) = .false.
-         call add_text(warnings, label_of(table%names, table%time)//" rises evenly from row to row and is taken for the time; "// &
-            "--time-column none reads it as a channel")
+         call add_text(warnings, label_of(table%names, table%time)//" rises evenly from row to row "// &
+                       "and is taken for the time; --time-column none reads it as a channel")
       end do
       do j = 1, size(keep)
          if (.not. keep(j) .or. count(keep) < 2) cycle
          associate (column => table%chosen(j))
             if (kind(j) == behavior%counter) then
                keep(j) = .false.
-               call add_text(warnings, label_of(table%names, column)//" holds a counter and is left out; --column reads it, "// &
-                  "--time-column "//integer_text(int(column, int64))//" takes it for the time")
+               call add_text(warnings, label_of(table%names, column)//" holds a counter and is left "// &
+                             "out; --column reads it, --time-column "// &
+                             integer_text(int(column, int64))//" takes it for the time")
             else if (named .and. kind(j) /= behavior%time) then
-               if (is_temperature_name(table%names%name(column)%text, table%names%unit(column)%text)) then
-                  keep(j) = .false.
-                  call add_text(warnings, label_of(table%names, column)//" holds a temperature and is left out; --column reads it")
+               keep(j) = .not. is_temperature_name(table%names%name(column)%text, &
+                                                   table%names%unit(column)%text)
+               if (.not. keep(j)) then
+                  call add_text(warnings, label_of(table%names, column)//" holds a temperature "// &
+                                "and is left out; --column reads it")
                end if
             end if
          end associate
       end do
-      if (kind(1) == behavior%counter .or. kind(1) == behavior%other .or. .not. keep(1) .or. count(keep) < 2) return
+      if (kind(1) /= behavior%rising .and. kind(1) /= behavior%time) return
+      if (.not. keep(1) .or. count(keep) < 2) return
       if (named) then
          if (.not. may_hold_time(table%names%name(table%chosen(1))%text)) return
       end if
-      call add_text(warnings, label_of(table%names, table%chosen(1))//" rises from row to row and looks like "// &
-         trim(merge("a further time", "time          ", table%time > 0))//"; it is read as a channel, --time-column "// &
-         integer_text(int(table%chosen(1), int64))//" takes it for the time")
+      call add_text(warnings, label_of(table%names, table%chosen(1))// &
+                    " rises from row to row and looks like "// &
+                    trim(merge("a further time", "time          ", table%time > 0))// &
+                    "; it is read as a channel, --time-column "// &
+                    integer_text(int(table%chosen(1), int64))//" takes it for the time")
    end subroutine find_time_and_counters
 
    !> True where the name says so.
@@ -91,7 +99,8 @@ contains
       if (counter_name) counter_name = is_counter_name(table%names%name(table%chosen(j))%text)
    end function counter_name
 
-   !> What a column does; a column that falls otherwise than by starting again is left after a few rows.
+   !> What a column does; a column that falls otherwise than by starting again is left after a few
+   !> rows.
    pure integer function behavior_of(store, column, named_counter) result(found)
       type(store_type), intent(in) :: store
       integer, intent(in) :: column
@@ -131,7 +140,8 @@ contains
                      usual = usual + (step - usual)/real(min(rises, 100_int64), dp)
                   else if (step < 0.0_dp) then
                      falls = falls + 1
-                     if (falls > 1 + rows/8 .or. -step < 0.5_dp*(highest - lowest) .or. .not. rises > 0) return
+                     if (falls > 1 + rows/8 .or. rises == 0) return
+                     if (-step < 0.5_dp*(highest - lowest)) return
                   end if
                end if
                before = x

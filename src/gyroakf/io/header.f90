@@ -1,7 +1,9 @@
 ! SPDX-License-Identifier: MIT
-!> What comment lines say about the record: `# rate_hz: 5`, `# dt = 0.2`, `# unit: deg/h`, `# columns: t gx gy gz`.
+!> What comment lines say about the record: `# rate_hz: 5`, `# dt = 0.2`, `# unit: deg/h`, `#
+!> columns: t gx gy gz`.
 !>
-!> They are read leniently (the first number counts); a value that cannot be understood is a warning, never an error.
+!> They are read leniently (the first number counts); a value that cannot be understood is a
+!> warning, never an error.
 module gyroakf_io_header
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
@@ -26,7 +28,8 @@ module gyroakf_io_header
       real(dp) :: rate_hz = 0.0_dp
       !> Of the values; quantity unknown where it says none
       type(unit_type) :: unit
-      !> Of each column, as written: [column], with or without the time's; unallocated where it says none
+      !> Of each column, as written: [column], with or without the time's; unallocated where it says
+      !> none
       type(text_type), allocatable :: units(:)
       !> From the key `columns`
       type(column_names_type) :: names
@@ -143,7 +146,8 @@ contains
       end if
    end subroutine read_interval
 
-   !> Key `unit`: the whole value, or its first word; where every word is a unit, or the key is `units`, one for each column.
+   !> Key `unit`: the whole value, or its first word; where every word is a unit, or the key is
+   !> `units`, one for each column.
    subroutine read_unit(bytes, first, last, key, line, header, warnings)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last, line
@@ -214,7 +218,8 @@ contains
                     shown_bytes(bytes, first, min(last_visible(bytes, first, last), first + 60))//"' "//what//" and is ignored")
    end subroutine warn
 
-   !> Seconds in a unit of time: s, ms, us, ns, min, h and their spellings, perhaps behind a whole number (100us); 0 for other words.
+   !> Seconds in a unit of time: s, ms, us, ns, min, h and their spellings, perhaps behind a whole
+   !> number (100us); 0 for other words.
    pure real(dp) function time_scale(word)
       !> In lower case
       character(*), intent(in) :: word

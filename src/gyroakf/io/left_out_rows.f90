@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: MIT
-!> Rows that are no samples of their own: without a time, or with the stamp and the values of the row above.
+!> Rows that are no samples of their own: without a time, or with the stamp and the values of the
+!> row above.
 !>
-!> A row without a time stays where it fills exactly the places that are free between its neighbors; its stamp is not invented
-!> anywhere else. Where neighbors of different stamps are as often alike as those of equal ones, equal rows are chance (a coarse clock
-!> and coarse values), and they stay.
+!> A row without a time stays where it fills exactly the places that are free between its neighbors;
+!> its stamp is not invented anywhere else. Where neighbors of different stamps are as often alike
+!> as those of equal ones, equal rows are chance (a coarse clock and coarse values), and they stay.
 module gyroakf_io_left_out_rows
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int64
@@ -18,7 +19,8 @@ contains
 
    !> Takes rows out that are no samples of their own.
    subroutine leave_rows_out(t, value, audit, dropped, error)
-      !> s, NaN where missing; none missing afterwards; of size 0 where fewer than half of the rows with values have a time
+      !> s, NaN where missing; none missing afterwards; of size 0 where fewer than half of the rows
+      !> with values have a time
       real(dp), allocatable, intent(inout) :: t(:)
       !> [row, channel]
       real(dp), allocatable, intent(inout) :: value(:, :)
@@ -72,7 +74,8 @@ contains
       t = pack(t, keep)
    end subroutine keep_rows
 
-   !> Lets rows without a time fill the places between their neighbors, where they are as many; the others are not kept.
+   !> Lets rows without a time fill the places between their neighbors, where they are as many; the
+   !> others are not kept.
    subroutine place_untimed(t, value, keep, audit)
       real(dp), allocatable, intent(inout) :: t(:)
       real(dp), intent(in), contiguous :: value(:, :)
@@ -127,8 +130,8 @@ contains
       any_repeats = .false.
    end function any_repeats
 
-   !> Rows that repeat the one above are not kept, unless it is chance: rows of equal stamps are alike less than ten times as often as
-   !> neighbors of different stamps.
+   !> Rows that repeat the one above are not kept, unless it is chance: rows of equal stamps are
+   !> alike less than ten times as often as neighbors of different stamps.
    pure subroutine find_repeats(t, value, keep, audit)
       real(dp), intent(in), contiguous :: t(:), value(:, :)
       logical, intent(inout) :: keep(:)

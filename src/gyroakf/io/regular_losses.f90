@@ -1,8 +1,10 @@
 ! SPDX-License-Identifier: MIT
-!> Losses among regular stamps: the lag, elapsed time * rate - count, rises by a whole number and stays there.
+!> Losses among regular stamps: the lag, elapsed time * rate - count, rises by a whole number and
+!> stays there.
 !>
-!> Every stamp is given the number of its place on an even grid whose phase follows the stamps slowly. Where a number is left out a
-!> gap begins; where stamps come sooner than the grid lets them, as after a late one, the last gap is given back.
+!> Every stamp is given the number of its place on an even grid whose phase follows the stamps
+!> slowly. Where a number is left out a gap begins; where stamps come sooner than the grid lets
+!> them, as after a late one, the last gap is given back.
 module gyroakf_io_regular_losses
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_cadence, only : cadence_type
@@ -13,18 +15,22 @@ module gyroakf_io_regular_losses
 
    !> How the phase follows the stamps, and the longest gap over which it is kept, intervals
    real(dp), parameter :: phase_gain = 1.0_dp/32.0_dp, longest_kept = 50.0_dp
-   !> Losses at even distances of so many samples or more are the beat of a clock that counts in nearly the interval
+   !> Losses at even distances of so many samples or more are the beat of a clock that counts in
+   !> nearly the interval
    integer(int64), parameter :: longest_period = 50
-   !> Late samples are taken for lost ones after so many samples, or four times as many as are missing
+   !> Late samples are taken for lost ones after so many samples, or four times as many as are
+   !> missing
    integer(int64), parameter :: lasting = 2048
 
    !> What losses look like, reached as `pattern%beat`
    type :: pattern_enum
       !> Scattered, or none: samples were lost
       integer :: losses = 0
-      !> Mostly single samples at exactly even distances: every k-th was lost, or the clock counts in the interval
+      !> Mostly single samples at exactly even distances: every k-th was lost, or the clock counts
+      !> in the interval
       integer :: periodic = 1
-      !> Nearly even distances: the beat of the samples with a clock that counts in more than half of the interval
+      !> Nearly even distances: the beat of the samples with a clock that counts in more than half
+      !> of the interval
       integer :: beat = 2
       !> Such beats, and losses among them
       integer :: comb = 3
@@ -93,7 +99,8 @@ contains
       early = early + left
    end subroutine give_back
 
-   !> What the losses look like; always losses where the clock counts in less than half of the interval, and no beat is possible.
+   !> What the losses look like; always losses where the clock counts in less than half of the
+   !> interval, and no beat is possible.
    pure subroutine loss_pattern(gaps, cadence, n, found, distance)
       type(gap_type), intent(in) :: gaps
       type(cadence_type), intent(in) :: cadence

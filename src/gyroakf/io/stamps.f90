@@ -8,26 +8,30 @@ module gyroakf_io_stamps
    use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
-   public :: fraction_of, is_time_name, is_temperature_name, is_counter_name, may_hold_time, named_scale, infer_scale, unwrap_days
+   public :: fraction_of, is_time_name, is_temperature_name, is_counter_name, may_hold_time
+   public :: named_scale, infer_scale, unwrap_days
 
 contains
 
-   !> True for the names that mean a time: t, time_ms, Timestamp [us], TimeUS, SampleTimeFine, gps_tow_s, epoch, Elapsed Time, UTC.
+   !> True for the names that mean a time: t, time_ms, Timestamp [us], TimeUS, SampleTimeFine,
+   !> gps_tow_s, epoch, Elapsed Time, UTC.
    !>
-   !> One of its words, parted by signs or by capitals, means a time, and none that it is a duration, an error or a state. `T` is a
-   !> temperature, unless its unit is that of a time.
+   !> One of its words, parted by signs or by capitals, means a time, and none that it is a
+   !> duration, an error or a state. `T` is a temperature, unless its unit is that of a time.
    pure logical function is_time_name(name, unit)
       !> Without brackets
       character(*), intent(in) :: name
       !> What stood in brackets; "" (also if absent) where nothing did
       character(*), intent(in), optional :: unit
-      character(6), parameter :: times(16) = [character(6) :: "time", "times", "stamp", "stamps", "tstamp", "ts", "unixt", &
-         "tow", "itow", "gpst", "epoch", "epoc", "utc", "unix", "clock", "zeit"]
-      character(12), parameter :: units(12) = [character(12) :: "sec", "secs", "seconds", "millis", "milliseconds", "micros", &
+      character(7), parameter :: times(17) = [character(7) :: "time", "times", "stamp", "stamps", &
+         "tstamp", "ts", "tow", "itow", "gpst", "epoch", "epoc", "utc", "unix", "clock", "elapsed", &
+         "zeit", "uhrzeit"]
+      character(12), parameter :: units(12) = [character(12) :: "sec", "secs", "seconds", "millis", &
+         "milliseconds", "micros", &
          "microseconds", "nanos", "nanoseconds", "usec", "msec", "nsec"]
-      character(8), parameter :: others(21) = [character(8) :: "delta", "dt", "diff", "step", "interval", "period", "constant", &
-         "sync", "status", "valid", "quality", "accuracy", "error", "err", "offset", "drift", "bias", "exposure", "latency", &
-         "delay", "per"]
+      character(8), parameter :: others(21) = [character(8) :: "delta", "dt", "diff", "step", &
+         "interval", "period", "constant", "sync", "status", "valid", "quality", "accuracy", "error", &
+         "err", "offset", "drift", "bias", "exposure", "latency", "delay", "per"]
       type(text_type), allocatable :: word(:)
       logical :: known_unit
       integer :: i
@@ -52,8 +56,8 @@ contains
                is_time_name = .false.
                return
             end if
-            if (any(times == text) .or. text == "elapsed" .or. text == "uhrzeit") is_time_name = .true.
-            if (ends_with(text, "time") .or. ends_with(text, "stamp") .or. index(text, "timestamp") == 1) is_time_name = .true.
+            is_time_name = is_time_name .or. any(times == text) .or. ends_with(text, "time") .or. &
+                           ends_with(text, "stamp") .or. index(text, "timestamp") == 1
          end associate
       end do
    end function is_time_name
@@ -62,15 +66,17 @@ contains
    pure logical function may_hold_time(name)
       !> Without brackets
       character(*), intent(in) :: name
-      character(4), parameter :: beginnings(24) = [character(4) :: "gyr", "acc", "mag", "rate", "ang", "yaw", "roll", "pitc", &
-         "head", "azim", "lat", "lon", "alt", "pos", "vel", "quat", "pres", "baro", "omeg", "phi", "psi", "thet", "volt", "enco"]
+      character(4), parameter :: beginnings(24) = [character(4) :: "gyr", "acc", "mag", "rate", "ang", &
+         "yaw", "roll", "pitc", "head", "azim", "lat", "lon", "alt", "pos", "vel", "quat", "pres", &
+         "baro", "omeg", "phi", "psi", "thet", "volt", "enco"]
+      character(2), parameter :: axes(9) = ["gx", "gy", "gz", "wx", "wy", "wz", "ax", "ay", "az"]
       type(text_type), allocatable :: word(:)
       integer :: i, k
 
       call split_name(name, word)
       may_hold_time = .true.
       do i = 1, size(word)
-         if (any(["gx", "gy", "gz", "wx", "wy", "wz", "ax", "ay", "az"] == word(i)%text)) may_hold_time = .false.
+         if (any(axes == word(i)%text)) may_hold_time = .false.
          do k = 1, size(beginnings)
             if (index(word(i)%text, trim(beginnings(k))) == 1) may_hold_time = .false.
          end do
@@ -103,7 +109,8 @@ contains
       end do
    end subroutine split_name
 
-   !> True where a word ends before a character: at a sign, at a capital behind a small letter, and at the last capital before one.
+   !> True where a word ends before a character: at a sign, at a capital behind a small letter, and
+   !> at the last capital before one.
    pure logical function begins_word(name, i)
       character(*), intent(in) :: name
       integer, intent(in) :: i
@@ -125,7 +132,8 @@ contains
       type(text_type), allocatable :: word(:)
       integer :: i
 
-      is_temperature_name = is_temperature_unit(unit) .or. (name == "T" .and. .not. time_scale(lower(unit)) > 0.0_dp)
+      is_temperature_name = is_temperature_unit(unit)
+      if (name == "T") is_temperature_name = .not. time_scale(lower(unit)) > 0.0_dp
       call split_name(name, word)
       do i = 1, size(word)
          associate (text => word(i)%text)
@@ -141,16 +149,19 @@ contains
    pure logical function is_temperature_unit(unit)
       character(*), intent(in) :: unit
 
-      is_temperature_unit = any(lower(unit) == [character(8) :: "degc", "deg c", "c", "celsius", "kelvin", "k", "degf", &
+      is_temperature_unit = any(lower(unit) == [character(8) :: "degc", "deg c", "c", "celsius", &
+         "kelvin", "k", "degf", &
          char(194)//char(176)//"c", char(194)//char(176)//" c"])
    end function is_temperature_unit
 
-   !> True for a name that means a count of rows: counter, count, seq, index, sample, frame, packet_id, ...
+   !> True for a name that means a count of rows: counter, count, seq, index, sample, frame,
+   !> packet_id, ...
    pure logical function is_counter_name(name)
       !> Without brackets
       character(*), intent(in) :: name
-      character(9), parameter :: counters(19) = [character(9) :: "counter", "count", "cnt", "seq", "sequence", "index", "idx", &
-         "sample", "samples", "frame", "packet", "row", "line", "nr", "no", "number", "id", "n", "#"]
+      character(8), parameter :: counters(19) = [character(8) :: "counter", "count", "cnt", "seq", &
+         "sequence", "index", "idx", "sample", "samples", "frame", "packet", "row", "line", "nr", "no", &
+         "number", "id", "n", "#"]
       type(text_type), allocatable :: word(:)
 
       call split_name(name, word)
@@ -159,8 +170,8 @@ contains
       if (size(word) == 1) is_counter_name = is_counter_name .or. ends_with(word(1)%text, "counter")
    end function is_counter_name
 
-   !> The column of the nanoseconds or microseconds that belong to a column of whole seconds, by their names:
-   !> `stamp.secs` and `stamp.nsecs`, `sec` and `nanosec`, `tv_sec` and `tv_usec`.
+   !> The column of the nanoseconds or microseconds that belong to a column of whole seconds, by
+   !> their names: `stamp.secs` and `stamp.nsecs`, `sec` and `nanosec`, `tv_sec` and `tv_usec`.
    pure subroutine fraction_of(names, time, column, nano)
       !> Of all columns
       type(text_type), intent(in) :: names(:)
@@ -200,7 +211,8 @@ contains
       if (len(text) >= len(tail)) ends_with = text(len(text) - len(tail) + 1:) == tail
    end function ends_with
 
-   !> Seconds in the unit that the name says by its brackets or its end; 0 where it says none. Xsens' SampleTimeFine counts in 100 us.
+   !> Seconds in the unit that the name says by its brackets or its end; 0 where it says none.
+   !> Xsens' SampleTimeFine counts in 100 us.
    pure real(dp) function named_scale(name, unit)
       !> "time_ms", or "time" with its brackets' content as unit
       character(*), intent(in) :: name, unit
@@ -216,9 +228,10 @@ contains
 
    !> Seconds in the unit that the stamps themselves suggest.
    !>
-   !> A rate that was given decides where it fits one unit within a factor of 3. Else: stamps with decimals are seconds; whole
-   !> ones are told by their size where they count from 1970, else by their mean step: up to 1.5 seconds, below 1000
-   !> milliseconds, below 10^6 microseconds, nanoseconds.
+   !> A rate that was given decides where it fits one unit within a factor of 3. Else: stamps with
+   !> decimals are seconds; whole ones are told by their size where they count from 1970, else by
+   !> their mean step: up to 1.5 seconds, below 1000 milliseconds, below 10^6 microseconds,
+   !> nanoseconds.
    pure subroutine infer_scale(stamps, rate_hz, scale, sure, offset)
       !> As read, NaN where missing: [n]
       real(dp), intent(in), contiguous :: stamps(:)
@@ -286,7 +299,8 @@ contains
    pure subroutine unwrap_days(stamps, before, days)
       !> s from midnight, NaN where missing: [n]; afterwards from the first midnight
       real(dp), intent(inout), contiguous :: stamps(:)
-      !> The last stamp before these as it was read, NaN where there is none, and the midnights so far; 0 at first
+      !> The last stamp before these as it was read, NaN where there is none, and the midnights so
+      !> far; 0 at first
       real(dp), intent(inout) :: before
       integer, intent(inout) :: days
       real(dp), parameter :: half_day = 43200.0_dp

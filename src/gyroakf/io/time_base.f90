@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> The place of every sample in time: stamps in seconds, the span that is asked for, the audit, gaps or a grid.
+!> The place of every sample in time: stamps in seconds, the span that is asked for, the audit, gaps
+!> or a grid.
 module gyroakf_io_time_base
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int64
@@ -22,7 +23,8 @@ module gyroakf_io_time_base
 
 contains
 
-   !> Turns the stamps into seconds from the first, keeps the rows that are asked for and audits them.
+   !> Turns the stamps into seconds from the first, keeps the rows that are asked for and audits
+   !> them.
    subroutine use_stamps(options, table, stamps, record, gaps, error)
       type(reader_options), intent(in) :: options
       type(table_type), intent(in) :: table
@@ -49,8 +51,11 @@ contains
       rows = size(stamps, kind=int64)
       call leave_rows_out(stamps, record%value, record%audit, dropped, error)
       if (allocated(error)) return
-      if (size(stamps) == 0) call add_text(record%warnings, label_of(table%names, table%time)//" holds no time in "// &
-         integer_text(record%audit%untimed)//" of "//integer_text(rows)//" rows and is not used: --rate HZ gives the sample rate")
+      if (size(stamps) == 0) then
+         call add_text(record%warnings, label_of(table%names, table%time)//" holds no time in "// &
+                       integer_text(record%audit%untimed)//" of "//integer_text(rows)// &
+                       " rows and is not used: --rate HZ gives the sample rate")
+      end if
       if (size(stamps) > 0) then
          call find_scale(options, table, stamps, record, scale, origin)
          stamps = (stamps - origin)*scale
@@ -94,7 +99,7 @@ contains
       if (size(stamps) == 0 .or. .not. has_span(options)) return
       allocate (t(size(stamps)), stat=failed)
       if (failed /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the time stamps of a part of the record")
+         call fatal_error(error, status%no_memory, "no memory for the time stamps of a span")
          return
       end if
       t(:) = stamps
