@@ -1,12 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> The audit of a record: what the time stamps show, and what the values show.
 !>
-!> Samples are taken as evenly spaced at the mean rate. Stamps that come in bursts (delivered late,
-!> several at once) are no gaps: samples were lost only where the lag, elapsed time * rate - count,
-!> rises and does not fall back. Where almost all steps are near their median (regular stamps,
-!> [[gyroakf_io_cadence]]), one lost sample is seen at its long step; where they are not, by the
-!> levels before and behind it ([[gyroakf_io_losses]]). Parts of different rates are looked at
-!> apart.
+!> Samples are taken as evenly spaced at the mean rate. Samples were lost only where the lag, elapsed
+!> time * rate - count, rises and does not fall back: among regular stamps ([[gyroakf_io_cadence]]) at a
+!> long step, among others by the levels before and behind it ([[gyroakf_io_losses]]).
 module gyroakf_io_audit
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type

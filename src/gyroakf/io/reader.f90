@@ -112,10 +112,13 @@ contains
       integer :: j, failed, time_slot
       integer, allocatable :: slots(:)
       logical, allocatable :: keep(:)
+      logical :: looks
 
       allocate (keep(size(table%chosen)))
       keep(:) = .true.
-      if (looks_at_behavior(options, table)) then
+      looks = .not. table%asked
+      if (looks .and. allocated(options%input)) looks = options%input /= "angle"
+      if (looks) then
          call find_time_and_counters(table, allocated(options%time_column), keep, record%warnings)
       end if
       time_slot = 0
@@ -134,15 +137,6 @@ contains
       end do
       table%chosen = table%chosen(slots)
    end subroutine take_values
-
-   !> True where a column may be a time or a counter by its behavior: not where the columns were asked for, or hold angles.
-   pure logical function looks_at_behavior(options, table)
-      type(reader_options), intent(in) :: options
-      type(table_type), intent(in) :: table
-
-      looks_at_behavior = .not. table%asked
-      if (looks_at_behavior .and. allocated(options%input)) looks_at_behavior = options%input /= "angle"
-   end function looks_at_behavior
 
    !> Which of the stored columns hold a number at all; blank ones are left out unless they were asked for.
    subroutine find_numbers(table, keep, record, error)

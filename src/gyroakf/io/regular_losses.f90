@@ -115,7 +115,6 @@ contains
       integer(int64) :: between(max(gaps%count - 1, 0))
       real(dp) :: usual
       integer :: k, m, equal, beside, alike
-      logical :: single
 
       found = pattern%losses
       distance = 0
@@ -138,10 +137,9 @@ contains
       usual = real(gaps%before(gaps%count) - gaps%before(1), dp)/real(m, dp)
       alike = count(abs(real(between, dp) - usual) <= max(1.0_dp, 0.1_dp*usual))
       if (2*count(gaps%length(:gaps%count) == 1) < gaps%count) return
-      single = all(gaps%length(:gaps%count) == 1)
       if (2*equal >= m .and. 2*beside <= m - equal .and. distance < longest_period) then
          found = pattern%periodic
-      else if (10*alike >= 9*m .and. single) then
+      else if (10*alike >= 9*m .and. all(gaps%length(:gaps%count) == 1)) then
          found = pattern%beat
       else if (m >= 8 .and. 2*count(abs(between - distance) <= max(2_int64, distance/10)) >= m .and. &
                distance >= longest_period) then

@@ -37,7 +37,7 @@ contains
       integer(int64), allocatable :: dropped(:)
       real(dp) :: scale, origin, before, given, rate
       integer(int64) :: rows, first
-      integer :: days
+      integer :: days, k
 
       record%audit%bad_lines = table%bad_lines
       if (size(stamps) == 0) then
@@ -66,9 +66,7 @@ contains
       call audit_stamps(stamps, record%audit, gaps, given)
       if (record%audit%stamp_rate <= 0.0_dp) record%audit%stamp_rate = rate
       associate (audit => record%audit)
-         audit%line_of_first(1) = place_with(dropped, audit%line_of_first(1), first)
-         audit%line_of_first(2) = place_with(dropped, audit%line_of_first(2), first)
-         audit%line_of_first(3) = place_with(dropped, audit%line_of_first(3), first)
+         audit%line_of_first = [(place_with(dropped, audit%line_of_first(k), first), k=1, 3)]
          audit%line_of_rollover = place_with(dropped, audit%line_of_rollover, first)
          audit%line_of_burst = place_with(dropped, audit%line_of_burst, first)
          audit%line_of_change = place_with(dropped, audit%line_of_change, first)
@@ -96,7 +94,7 @@ contains
 
       first = 1
       rate = 0.0_dp
-      if (size(stamps) == 0 .or. .not. has_span(options)) return
+      if (size(stamps) == 0 .or. (options%from <= 0.0_dp .and. options%to >= huge(1.0_dp))) return
       allocate (t(size(stamps)), stat=failed)
       if (failed /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the time stamps of a span")
@@ -124,13 +122,6 @@ contains
       stamps = stamps(first:last) - stamps(first)
       value = value(first:last, :)
    end subroutine keep_span
-
-   !> True where a part of the record is asked for.
-   pure logical function has_span(options)
-      type(reader_options), intent(in) :: options
-
-      has_span = options%from > 0.0_dp .or. options%to < huge(1.0_dp)
-   end function has_span
 
    !> Fills gaps, or puts the samples on the grid by their stamps.
    subroutine place_samples(options, table, stamps, gaps, record, error)
