@@ -87,9 +87,8 @@ def small_probability(gyroakf):
 
 
 # What makes either side differ from the exact sum
-NOTES = """Why ours differ: those of oadev are of the fitted noise, a sum over lags by quadrature, beyond 32 averaging times left out, and
-interpolated between four averaging times to an octave; those of the other kinds are Greenhall and Riley's, and NIST SP 1065's of
-totdev, for the noise type identified at each averaging time.
+NOTES = """Why ours differ: those of oadev are of the fitted noise, a sum over lags by quadrature, beyond 32 averaging times left out; those of
+the other kinds are Greenhall and Riley's, and NIST SP 1065's of totdev, for the noise type identified at each averaging time.
 
 Why allantools' differ: (a) Greenhall and Riley let every phase be a mean over a sample interval (filter factor F = m) of noise
 without end of its band; the phase of rates is their running sum, which is F without end: "their sum, F = inf" is that, by
