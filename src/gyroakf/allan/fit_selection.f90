@@ -62,11 +62,11 @@ contains
 
       run%samples = curve%samples
       run%first = first
-      run%m = curve%m(first:last)
-      run%variance = curve%variance(first:last)
-      run%share = curve%share(first:last)
-      run%basis%product = curve%basis%product(:, :, first:last, first:last)
-      run%basis%plain = curve%basis%plain(:, first:last, first:last)
+      allocate (run%m, source=curve%m(first:last))
+      allocate (run%variance, source=curve%variance(first:last))
+      allocate (run%share, source=curve%share(first:last))
+      allocate (run%basis%product, source=curve%basis%product(:, :, first:last, first:last))
+      allocate (run%basis%plain, source=curve%basis%plain(:, first:last, first:last))
       allocate (run%shape(size(run%m), term_count))
       do j = 1, term_count
          run%shape(:, j) = term_shape(j, real(run%m, dp))

@@ -66,7 +66,7 @@ contains
          if (missing(i) > missing(i - 1)) then
             gap = gap + 1
          else if (gap > 0) then
-            j = bit_size(gap) - leadz(gap - 1)
+            j = int(bit_size(gap)) - leadz(gap - 1)
             lost(j) = lost(j) + gap
             gap = 0
          end if
@@ -75,7 +75,7 @@ contains
       coverage = min_coverage
       if (min_coverage >= 1) return
       do j = 1, size(m)
-         shortest = bit_size(gap) - leadz(max(1_int64, m(j)/scattered_part)) - 1
+         shortest = int(bit_size(gap)) - leadz(max(1_int64, m(j)/scattered_part)) - 1
          scattered = real(sum(lost(:shortest)), dp)
          scattered = scattered/max(1.0_dp, real(n - sum(lost), dp) + scattered)
          coverage(j) = min(min_coverage, max(1.0_dp, anint(min_coverage*(1 - scattered)*real(m(j), dp)))/real(m(j), dp))
