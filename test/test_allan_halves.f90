@@ -28,6 +28,7 @@ contains
          & new_unittest("reversal", test_reversal), &
          & new_unittest("units", test_units), &
          & new_unittest("uniform_p_values", test_uniform), &
+         & new_unittest("scattered_losses", test_scattered), &
          & new_unittest("outliers", test_outliers), &
          & new_unittest("gaps", test_gaps), &
          & new_unittest("unequal_halves", test_unequal), &
@@ -189,6 +190,28 @@ contains
       if (allocated(error)) return
       call check(error, real(count(p_value < 0.2_dp), dp)/records, 0.2_dp, thr=3*sqrt(0.16_dp/records))
    end subroutine test_uniform
+
+   !> Of 200 white records that lack a fifth of their samples, here and there, p-values below 0.05 are as many as they should be,
+   !> within three standard errors.
+   subroutine test_scattered(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      integer, parameter :: records = 200
+      type(noise_type) :: noise
+      type(halves_type) :: halves
+      type(gyro_error), allocatable :: failed
+      real(dp) :: p_value(records), x(2048)
+      integer :: i
+
+      call white_model(1.0_dp, noise)
+      do i = 1, records
+         x = normal_series(2048_int64, int(i*104729, int64))
+         where (normal_series(2048_int64, int(i*15485863, int64)) > 0.8416_dp) x = ieee_value(1.0_dp, ieee_quiet_nan)
+         call compare_halves(x, 1.0_dp, noise, halves_options(), halves, failed)
+         p_value(i) = halves%p_value
+      end do
+      call check(error, real(count(p_value < 0.05_dp), dp)/records, 0.05_dp, thr=3*sqrt(0.0475_dp/records))
+   end subroutine test_scattered
 
    !> Eight outliers of 15 standard deviations in the second half, a fifth more variance, are no change of the noise; the same rise
    !> spread over all samples is.

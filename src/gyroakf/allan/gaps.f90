@@ -108,14 +108,16 @@ contains
 
       type(gap_sums_type), allocatable :: sums(:)
       integer(int64), allocatable :: octave(:)
-      real(dp), allocatable :: within(:)
+      real(dp), allocatable :: within(:), coverage(:)
       real(dp) :: divisor, raw
       integer :: i, stat
 
       call averaging_factors("octave", ubound(phase, 1, kind=int64), 1.0_dp, octave, error)
       if (allocated(error)) return
       allocate (sums(size(octave)), within(size(octave)))
-      call sum_gapped_differences(phase, missing, octave, window_coverage(missing, octave, min_coverage), sums, error, progress)
+      coverage = window_coverage(missing, [octave, m], min_coverage)
+      call sum_gapped_differences(phase, missing, octave, coverage(:size(octave)), sums, error, &
+         & progress)
       if (allocated(error)) return
       call variance_within_windows(sums, octave, within)
       if (kind /= "oadev" .or. .not. same(m, octave)) then
@@ -125,7 +127,7 @@ contains
             call fatal_error(error, status%no_memory, "no memory for the Allan variances")
             return
          end if
-         call sum_terms(kind, phase, missing, m, window_coverage(missing, m, min_coverage), sums, error, progress)
+         call sum_terms(kind, phase, missing, m, coverage(size(octave) + 1:), sums, error, progress)
          if (allocated(error)) return
       end if
       do i = 1, size(m)

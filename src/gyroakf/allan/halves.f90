@@ -12,8 +12,8 @@
 !>
 !> has the expectation 0 if they are the same. Its covariance is the sum of those of the halves (which are independent but for
 !> their common border): the analytic covariance of the fitted mixture, [[mixture_covariances]], for n/2 samples, of
-!> logarithms (nu/2 psi'(nu/2) on the diagonal instead of 1), divided by the share of the terms that gaps left. One statistic
-!> for all averaging times is d' C^-1 d in the space of the eigenvectors that carry information
+!> logarithms (nu/2 psi'(nu/2) on the diagonal instead of 1), divided by the share that gaps leave of the degrees of freedom.
+!> One statistic for all averaging times is d' C^-1 d in the space of the eigenvectors that carry information
 !> ([[whitening]]); it is chi-square. Averaging times with few degrees of freedom are left out.
 !>
 !> Noise that is not Gaussian scatters otherwise: the innovations' excess kurtosis kappa adds kappa/(n/2) to the covariance of every
@@ -106,7 +106,7 @@ contains
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
 
-      real(dp), allocatable :: phase(:), variance(:, :), complete(:, :)
+      real(dp), allocatable :: phase(:), variance(:, :), share(:, :)
       real(dp) :: kurtosis(2)
       integer(int32), allocatable :: missing(:)
       integer(int64), allocatable :: m(:)
@@ -119,14 +119,14 @@ contains
       if (.not. allocated(error)) call integrate_rate(rate, phase, missing, error, valid, progress)
       if (.not. allocated(error)) call tell_progress("comparing the halves", 0_int64, n, error, progress)
       if (allocated(error)) return
-      allocate (variance(size(m), 2), complete(size(m), 2))
-      call variances_of_half(phase, missing, 1_int64, half, m, options%min_coverage, variance(:, 1), complete(:, 1), &
+      allocate (variance(size(m), 2), share(size(m), 2))
+      call segment_variances(phase, missing, 1_int64, half, m, options%min_coverage, variance(:, 1), share(:, 1), &
          & error, progress)
-      if (.not. allocated(error)) call variances_of_half(phase, missing, n - half + 1, n, m, options%min_coverage, &
-         & variance(:, 2), complete(:, 2), error, progress)
+      if (.not. allocated(error)) call segment_variances(phase, missing, n - half + 1, n, m, options%min_coverage, &
+         & variance(:, 2), share(:, 2), error, progress)
       if (.not. allocated(error)) call tell_progress("comparing the halves", n/2, n, error, progress)
       if (allocated(error)) return
-      if (any(minval(complete, dim=2) > 0 .and. &
+      if (any(minval(share, dim=2) > 0 .and. &
             & minval(variance, dim=2) <= max(constant_share*maxval(variance, dim=2), tiny(1.0_dp)))) then
          call fatal_error(error, status%constant_input, "an Allan deviation is zero: a half of the record does not vary")
          return
@@ -136,7 +136,7 @@ contains
       call tell_progress("comparing the halves", n - n/4, n, error, progress)
       if (allocated(error)) return
       call innovation_kurtosis(phase, missing, n - half, n, maxval(variance), kurtosis(2))
-      call compare_variances(half, sample_interval, m, variance, complete, noise%squares, sum(kurtosis)/2, options, halves, error)
+      call compare_variances(half, sample_interval, m, variance, share, noise%squares, sum(kurtosis)/2, options, halves, error)
    end subroutine compare_halves
 
    !> Rejects what is out of range.
@@ -204,32 +204,6 @@ contains
       call move_alloc(grid, m)
    end subroutine choose_factors
 
-   !> Variances of a half, and the share of their terms that gaps left.
-   subroutine variances_of_half(phase, missing, first, last, m, min_coverage, variance, complete, error, progress)
-      !> Integral of the record: [0:n]
-      real(dp), intent(in), contiguous :: phase(0:)
-      !> Missing samples so far: [0:n], unallocated when every sample is there
-      integer(int32), allocatable, intent(in) :: missing(:)
-      !> First and last sample
-      integer(int64), intent(in) :: first, last
-      !> Averaging factors
-      integer(int64), intent(in) :: m(:)
-      !> Share of a window that must be present
-      real(dp), intent(in) :: min_coverage
-      !> The variances and shares: [size(m)]
-      real(dp), intent(out) :: variance(:), complete(:)
-      !> no_memory
-      type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
-      class(progress_type), intent(inout), optional :: progress
-
-      integer(int64) :: terms(size(m))
-
-      complete = 0
-      call segment_variances(phase, missing, first, last, m, min_coverage, variance, terms, error, progress)
-      if (.not. allocated(error)) complete = real(terms, dp)/real(last - first + 2 - 2*m, dp)
-   end subroutine variances_of_half
-
    !> Excess kurtosis of the innovations of a half, at least that of uniform noise; 0 where nothing varies.
    subroutine innovation_kurtosis(phase, missing, first, last, scale, kurtosis)
       real(dp), intent(in), contiguous :: phase(0:)
@@ -250,15 +224,15 @@ contains
    end subroutine innovation_kurtosis
 
    !> The ratios, and the statistic of all of them.
-   subroutine compare_variances(half, sample_interval, m, variance, complete, model, kurtosis, options, halves, error)
+   subroutine compare_variances(half, sample_interval, m, variance, share, model, kurtosis, options, halves, error)
       !> Samples of a half
       integer(int64), intent(in) :: half
       !> Seconds
       real(dp), intent(in) :: sample_interval
       !> Averaging factors: [k]
       integer(int64), intent(in) :: m(:)
-      !> Variances, and shares of the terms that are there: [k, 2]
-      real(dp), intent(in) :: variance(:, :), complete(:, :)
+      !> Variances, and shares of their degrees of freedom that gaps leave: [k, 2]
+      real(dp), intent(in) :: variance(:, :), share(:, :)
       !> The mixture
       real(dp), intent(in) :: model(term_count)
       !> Excess kurtosis of the innovations
@@ -280,7 +254,7 @@ contains
       call relative_covariance(half, m, model, covariance)
       covariance = covariance + kurtosis/real(half, dp)
       do i = 1, size(m)
-         edf(i, :) = 2*complete(i, :)/covariance(i, i)
+         edf(i, :) = 2*share(i, :)/covariance(i, i)
       end do
       place = pack([(i, i=1, size(m))], minval(edf, dim=2) >= options%least_edf)
       if (size(place) == 0) then
@@ -290,7 +264,7 @@ contains
       edf = edf/2
       change = log(variance(place, 2)/variance(place, 1)) &
          & - (digamma(edf(place, 2)) - log(edf(place, 2))) + (digamma(edf(place, 1)) - log(edf(place, 1)))
-      call add_halves(edf, complete, covariance)
+      call add_halves(edf, share, covariance)
       kept = covariance(place, place)
       call whitening(kept, axes)
       halves%freedom = size(axes, 1)
@@ -330,9 +304,9 @@ contains
    end subroutine relative_covariance
 
    !> From the relative covariance of one half to that of the difference of the logarithms of both.
-   pure subroutine add_halves(freedom, complete, covariance)
-      !> Half the degrees of freedom, and shares of the terms that are there: [k, 2]; rows without terms are not used
-      real(dp), intent(in) :: freedom(:, :), complete(:, :)
+   pure subroutine add_halves(freedom, share, covariance)
+      !> Half the degrees of freedom, and shares of them that gaps leave: [k, 2]; rows without terms are not used
+      real(dp), intent(in) :: freedom(:, :), share(:, :)
       !> The matrix: [k, k]
       real(dp), intent(inout) :: covariance(:, :)
 
@@ -343,7 +317,7 @@ contains
       do j = 1, 2
          do i = 1, size(factor, 1)
             half = freedom(i, j)
-            if (half > 0) factor(i, j) = sqrt(half*trigamma(half)/complete(i, j))
+            if (half > 0) factor(i, j) = sqrt(half*trigamma(half)/share(i, j))
          end do
       end do
       do i = 1, size(factor, 1)

@@ -17,7 +17,7 @@ module gyroakf_allan_segment
 contains
 
    !> Variances of the samples `first` .. `last`.
-   subroutine segment_variances(phase, missing, first, last, m, min_coverage, variance, terms, error, progress)
+   subroutine segment_variances(phase, missing, first, last, m, min_coverage, variance, share, error, progress)
       !> Integral of the whole record, from [[integrate_rate]]: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n], unallocated when every sample is there
@@ -30,15 +30,14 @@ contains
       real(dp), intent(in) :: min_coverage
       !> Variances, 0 without terms: [size(m)]
       real(dp), intent(out) :: variance(:)
-      !> Terms used: [size(m)]
-      integer(int64), intent(out) :: terms(:)
+      !> Degrees of freedom as a share of those of a complete part: [size(m)]
+      real(dp), intent(out) :: share(:)
       !> no_memory
       type(error_type), allocatable, intent(out) :: error
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
 
-      real(dp) :: share(size(m))
-      integer(int64) :: i
+      integer(int64) :: terms(size(m)), i
 
       if (allocated(missing)) then
          if (missing(last) > missing(first - 1)) then
@@ -47,6 +46,7 @@ contains
             return
          end if
       end if
+      share = 1
       do i = 1, size(m, kind=int64)
          terms(i) = term_count("oadev", last - first + 1, m(i))
       end do
