@@ -26,7 +26,7 @@ module gyroakf
    use gyroakf_allan_statistic, only : statistic_names, statistic_edf, longest_factor
    use gyroakf_allan_phase, only : integrate_rate
    use gyroakf_allan_noise_identification, only : identify_noise
-   use gyroakf_allan_fit_covariance, only : allan_variance_covariances
+   use gyroakf_allan_fit_covariance, only : covariance_basis, covariance_basis_type, mixture_covariances
    use gyroakf_allan_noise_fit, only : noise_options, noise_type, fit_noise
    use gyroakf_allan_read_off, only : read_off_type, read_off
    use gyroakf_allan_degrees_of_freedom, only : greenhall_edf, chi_square_limits

@@ -4,7 +4,7 @@ module test_allan_covariance
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use, intrinsic :: iso_fortran_env, only : qp => real128
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_allan_fit_covariance, only : allan_variance_covariances, mixture_freedom
+   use gyroakf_allan_fit_covariance, only : covariance_basis, mixture_covariances, mixture_freedom
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
@@ -46,7 +46,7 @@ contains
       integer :: i, j
       character(80) :: text
 
-      call allan_variance_covariances(samples, factors, squares, found)
+      found = mixture_covariances(covariance_basis(samples, factors), squares)
       do j = 1, 5
          do i = 1, 5
             if (i <= j) full(i, j) = full_sum(factors(i), factors(j), squares)
@@ -173,7 +173,7 @@ contains
       real(dp) :: found(3, 3), correlation
       integer :: i, j
 
-      call allan_variance_covariances(n, m, mixture, found)
+      found = mixture_covariances(covariance_basis(n, m), mixture)
       do j = 1, 3
          do i = 1, 3
             call check(error, ieee_is_finite(found(i, j)))

@@ -4,8 +4,6 @@ module test_progress
    use testdrive, only : check, error_type, new_unittest, unittest_type
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
-   use gyroakf_allan_noise_fit, only : fit_noise, noise_options, noise_type
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, run_pipeline
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_record, only : record_type
@@ -40,7 +38,7 @@ contains
 
       testsuite = [new_unittest("told_and_cancelled", told_and_cancelled), new_unittest("nobody_listens", nobody_listens), &
                    new_unittest("job_is_the_same", job_is_the_same), new_unittest("job_is_cancelled", job_is_cancelled), &
-                   new_unittest("channels_are_named", channels_are_named), new_unittest("fit_is_cancelled", fit_is_cancelled)]
+                   new_unittest("channels_are_named", channels_are_named)]
    end subroutine collect_progress
 
    subroutine note(self, stage, done, total, cancel)
@@ -113,32 +111,6 @@ contains
       if (allocated(error)) return
       call check(error, all(abs(alone%channel(1)%allan(4)%curve%deviation - watched%channel(1)%allan(4)%curve%deviation) <= 0.0_dp))
    end subroutine job_is_the_same
-
-   !> The fit of noise coefficients tells of each of its steps, and ends at any of them.
-   subroutine fit_is_cancelled(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failed
-      type(record_type) :: record
-      type(allan_curve_type) :: curve
-      type(noise_type) :: noise
-      type(quitter_type) :: listener, quitter
-      type(simulate_options) :: white
-      integer :: call_number
-
-      white%coefficient(2) = 0.01_dp
-      call simulate_record(white, record, failed)
-      call compute_allan(record%value(:, 1), record%sample_interval, allan_options(), curve, failed)
-      if (.not. allocated(failed)) call fit_noise(curve, noise_options(), noise, failed, listener)
-      call check(error, .not. allocated(failed) .and. listener%calls >= 3, "every step is told")
-      do call_number = 1, listener%calls
-         if (allocated(error)) return
-         quitter = quitter_type(last=call_number)
-         call fit_noise(curve, noise_options(), noise, failed, quitter)
-         call check(error, allocated(failed), "the cancellation is lost")
-         if (allocated(error)) return
-         call check(error, failed%code == status%cancelled .and. quitter%calls == call_number, quitter%stage)
-      end do
-   end subroutine fit_is_cancelled
 
    !> A stage names its channel where there are several.
    subroutine channels_are_named(error)

@@ -14,35 +14,27 @@
 !>
 !> (C. A. Greenhall, IEEE Trans. UFFC 47, 2000), with Q^2 at t = 0. It is smooth between the kinks 0,
 !> n - m, m, n and n + m. The sum over u is taken term by term where these are close and by Gauss
-!> quadrature elsewhere: correlations are within 0.001 of the full sum, and the cost does not depend on
-!> the length of the record. It is bilinear in the squared coefficients: the sums of products of two
-!> terms are computed once, and the covariance of a mixture is a contraction.
+!> quadrature elsewhere: correlations are within 0.001 of the full sum. It is bilinear in the squared
+!> coefficients: sums for each two terms are computed once, the covariance of a mixture is a contraction.
 module gyroakf_allan_fit_covariance
    use gyroakf_kinds, only : dp, int64
    use gyroakf_allan_noise_model, only : model_variance, term_count, term_ramp
    implicit none (type, external)
    private
-   public :: covariance_basis_type, new_covariance_basis, mixture_covariances, mixture_freedom
-   public :: allan_variance_covariances
+   public :: covariance_basis_type, covariance_basis, mixture_covariances, mixture_freedom
 
    !> Q N B K, the terms that are noise; the last three of them have a smooth R_mn
    integer, parameter :: noise_count = 4, smooth_count = 3
-   !> Segments up to this length are summed term by term
-   integer, parameter :: direct_max = 24
-   !> Ends of segments at most
-   integer, parameter :: ends_max = 10
-   !> Gauss quadrature on 0 .. 1
-   integer, parameter :: node_count = 12
+   !> Ends of segments; those up to the second length are summed term by term, longer ones by Gauss quadrature on 0 .. 1
+   integer, parameter :: ends_max = 10, direct_max = 24, node_count = 12
    real(dp), parameter :: half_node(6) = [0.0092196828766403782_dp, 0.047941371814762601_dp, 0.11504866290284765_dp, &
       & 0.20634102285669126_dp, 0.31608425050090994_dp, 0.43738329574426554_dp]
    real(dp), parameter :: half_weight(6) = [0.023587668193255706_dp, 0.053469662997659533_dp, 0.080039164271673208_dp, &
       & 0.10158371336153287_dp, 0.11674626826917731_dp, 0.12457352290670134_dp]
    real(dp), parameter :: node(node_count) = [half_node, 1 - half_node(6:1:-1)]
    real(dp), parameter :: weight(node_count) = [half_weight, half_weight(6:1:-1)]
-   !> 1/(2 pi)
-   real(dp), parameter :: per_two_pi = 0.15915494309189535_dp
-   !> Most degrees of freedom
-   real(dp), parameter :: freedom_max = 1e15_dp
+   !> 1/(2 pi); most degrees of freedom
+   real(dp), parameter :: per_two_pi = 0.15915494309189535_dp, freedom_max = 1e15_dp
 
    !> What the covariances of any mixture at some averaging factors are made of
    type :: covariance_basis_type
@@ -52,14 +44,13 @@ module gyroakf_allan_fit_covariance
 
 contains
 
-   !> Computes what the covariances are made of.
-   pure subroutine new_covariance_basis(samples, m, basis)
+   !> What the covariances are made of.
+   pure function covariance_basis(samples, m) result(basis)
       !> Rate samples in the record
       integer(int64), intent(in) :: samples
       !> Averaging factors, 1 <= m <= samples/2: [k]
       integer(int64), intent(in) :: m(:)
-      !> The basis
-      type(covariance_basis_type), intent(out) :: basis
+      type(covariance_basis_type) :: basis
       integer :: i, j
 
       allocate (basis%product(noise_count, noise_count, size(m), size(m)), basis%plain(noise_count, size(m), size(m)))
@@ -70,16 +61,16 @@ contains
             basis%plain(:, j, i) = basis%plain(:, i, j)
          end do
       end do
-   end subroutine new_covariance_basis
+   end function covariance_basis
 
    !> Covariance matrix of the Allan variances of a mixture.
-   pure subroutine mixture_covariances(basis, squares, covariance)
+   pure function mixture_covariances(basis, squares) result(covariance)
       !> Of the record and its averaging factors
       type(covariance_basis_type), intent(in) :: basis
       !> Q^2 N^2 B^2 K^2 R^2 for a sample interval of 1, >= 0
       real(dp), intent(in) :: squares(term_count)
       !> The matrix: [k, k]
-      real(dp), intent(out) :: covariance(:, :)
+      real(dp) :: covariance(size(basis%plain, 2), size(basis%plain, 2))
       integer :: i, j
 
       do j = 1, size(covariance, 2)
@@ -88,7 +79,7 @@ contains
             covariance(j, i) = covariance(i, j)
          end do
       end do
-   end subroutine mixture_covariances
+   end function mixture_covariances
 
    !> Degrees of freedom of Allan variances of a mixture: twice the squared mean over the variance.
    pure function mixture_freedom(samples, m, mixture) result(freedom)
@@ -111,22 +102,6 @@ contains
          if (variance > 0) freedom(i) = min(freedom_max, 2*model_variance(squares, real(m(i), dp))**2/variance)
       end do
    end function mixture_freedom
-
-   !> Covariance matrix of the Allan variances of the five terms.
-   pure subroutine allan_variance_covariances(samples, m, squares, covariance)
-      !> Rate samples in the record
-      integer(int64), intent(in) :: samples
-      !> Averaging factors, 1 <= m <= samples/2: [k]
-      integer(int64), intent(in) :: m(:)
-      !> Squared coefficients for a sample interval of 1: Q^2, N^2, B^2, K^2, R^2
-      real(dp), intent(in) :: squares(term_count)
-      !> The matrix: [k, k]
-      real(dp), intent(out) :: covariance(:, :)
-      type(covariance_basis_type) :: basis
-
-      call new_covariance_basis(samples, m, basis)
-      call mixture_covariances(basis, squares, covariance)
-   end subroutine allan_variance_covariances
 
    !> Covariance of a mixture from the sums of a pair.
    pure real(dp) function contracted(product, plain, squares) result(covariance)

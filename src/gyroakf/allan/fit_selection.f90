@@ -7,7 +7,7 @@ module gyroakf_allan_fit_selection
    use gyroakf_special, only : chi_square_survival
    use gyroakf_allan_difference_kurtosis, only : kurtosis_samples
    use gyroakf_allan_fit_solver, only : fit_held, fit_points_type, fit_terms, log_determinant, solution_type
-   use gyroakf_allan_noise_model, only : term_count, term_quantization, term_shape
+   use gyroakf_allan_noise_model, only : term_count, term_quantization, term_shape, terms
    implicit none (type, external)
    private
    public :: noise_options, points_between, find_run, is_described, is_likely, find_floor, select_terms, upper_limit
@@ -58,7 +58,6 @@ contains
       type(noise_options), intent(in) :: options
       integer, intent(in) :: first, last
       real(dp) :: m, differences
-      integer :: j
 
       run%samples = curve%samples
       run%first = first
@@ -67,10 +66,7 @@ contains
       allocate (run%share, source=curve%share(first:last))
       allocate (run%basis%product, source=curve%basis%product(:, :, first:last, first:last))
       allocate (run%basis%plain, source=curve%basis%plain(:, first:last, first:last))
-      allocate (run%shape(size(run%m), term_count))
-      do j = 1, term_count
-         run%shape(:, j) = term_shape(j, real(run%m, dp))
-      end do
+      allocate (run%shape, source=term_shape(spread(terms, 1, size(run%m)), spread(real(run%m, dp), 2, term_count)))
       run%signed = first > 1
       m = real(run%m(1), dp)                                ! 24/n: variance of the kurtosis of n normal differences
       differences = real(min(run%samples, merge(run%samples, kurtosis_samples, first == 1)), dp)/m
@@ -171,14 +167,14 @@ contains
       type(solution_type) :: trial, best
       real(dp) :: cost, least, without(term_count)
       logical :: used(term_count), signed(term_count)
-      integer :: set, j
+      integer :: set
 
       least = huge(least)
       without = huge(least)
       chosen = .false.
-      signed = points%signed .and. [(j == term_quantization, j=1, term_count)]
+      signed = points%signed .and. terms == term_quantization
       do set = 1, 2**term_count - 1
-         used = [(btest(set, j - 1), j=1, term_count)]
+         used = btest(set, terms - 1)
          if (any(used .and. .not. offered) .or. any(signed .and. .not. used)) cycle
          trial = solution
          trial%squares = merge(solution%squares, 0.0_dp, used)
@@ -233,10 +229,9 @@ contains
       real(dp) function profile(x)
          real(dp), intent(in) :: x
          type(solution_type) :: fit
-         integer :: j
 
          squares(term) = x
-         call fit_terms(points, offered .and. [(j /= term, j=1, term_count)], fit, squares, passes=2)
+         call fit_terms(points, offered .and. terms /= term, fit, squares, passes=2)
          squares = fit%squares
          profile = fit%chi_square
       end function profile

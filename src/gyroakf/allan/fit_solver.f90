@@ -12,11 +12,10 @@ module gyroakf_allan_fit_solver
    use gyroakf_kinds, only : dp, int64
    use gyroakf_lapack, only : dgels, dpotrf, dtrtrs
    use gyroakf_allan_fit_covariance, only : covariance_basis_type, mixture_covariances
-   use gyroakf_allan_noise_model, only : term_count, term_quantization, term_ramp, term_shape, term_walk, term_white
+   use gyroakf_allan_noise_model, only : term_count, term_quantization, term_ramp, term_walk, term_white, terms
    implicit none (type, external)
    private
-   public :: fit_points_type, solution_type
-   public :: fit_terms, fit_held, whitened, log_determinant, solve_nonnegative
+   public :: fit_points_type, solution_type, fit_terms, fit_held, whitened, log_determinant, solve_nonnegative
 
    !> Consecutive octaves of an Allan curve; lengths in samples
    type :: fit_points_type
@@ -50,8 +49,7 @@ module gyroakf_allan_fit_solver
       real(dp), allocatable :: residual(:), covariance(:, :)
    end type solution_type
 
-   !> Steps of a fit at most, the step from which on only half of the way is taken, and the relative
-   !> change of the model at which it ends
+   !> Steps at most, the step from which on half of the way is taken, relative changes of the model that end steps and passes
    integer, parameter :: steps_max = 40, halved_from = 9
    real(dp), parameter :: step_end = 1e-6_dp, pass_end = 1e-3_dp
    !> Least relative variance of a point: a ramp alone has none
@@ -74,9 +72,8 @@ contains
 
       passes_max = 4
       if (present(passes)) passes_max = passes
-      associate (v => points%variance, white => points%shape(:, term_white))
-         solution%squares = merge([0.0_dp, median(v/white), median(v), 0.0_dp, 0.0_dp], 0.0_dp, used)
-      end associate
+      solution%squares = merge([0.0_dp, median(points%variance/points%shape(:, term_white)), median(points%variance), &
+         & 0.0_dp, 0.0_dp], 0.0_dp, used)
       if (present(start)) solution%squares = start
       do pass = 1, passes_max
          call make_positive(points, used, solution%squares)
@@ -148,17 +145,15 @@ contains
       logical, intent(in) :: used(:)
       real(dp), intent(inout) :: squares(:)
       real(dp) :: part(size(right), count(used) + 1), x(count(used)), length(count(used))
-      integer :: place(count(used)), j, k
+      integer :: place(count(used)), k
 
       k = count(used)
-      place = pack([(j, j=1, size(used))], used)
+      place = pack(terms, used)
       part(:, :k) = points%shape(:, place)/spread(model, 2, k)
       part(:, k + 1) = right
       part = whitened(covariance, part)
       length = norm2(part(:, :k), dim=1)
-      do j = 1, k
-         part(:, j) = part(:, j)/length(j)
-      end do
+      part(:, :k) = part(:, :k)/spread(length, 1, size(right))
       call solve_nonnegative(part(:, :k), part(:, k + 1), x, points%signed .and. place == term_quantization)
       squares(place) = x/length
    end subroutine weighted_step
@@ -179,7 +174,7 @@ contains
       end if
       base = matmul(points%shape, noise)*sqrt(points%share)
       white = noise(term_white)*points%shape(:, term_white)/(matmul(points%shape, squares)*sqrt(points%share))
-      call mixture_covariances(points%basis, noise, covariance)
+      covariance = mixture_covariances(points%basis, noise)
       do j = 1, size(m)
          covariance(:, j) = covariance(:, j)/(base*base(j)) + points%excess/real(points%samples, dp)*white*white(j) &
             & + points%floor**2*min(m, m(j))/max(m, m(j))
@@ -187,31 +182,22 @@ contains
       end do
    end function relative_covariance
 
-   !> Cholesky factor L of a covariance matrix: rounding may take its least eigenvalue below 0, its diagonal is then raised.
-   function cholesky(covariance) result(factor)
-      real(dp), intent(in) :: covariance(:, :)
-      real(dp) :: factor(size(covariance, 1), size(covariance, 1)), raise
+   !> L^-1 B of a covariance matrix L L': [n, n], [n, k]. Where rounding takes its least eigenvalue below 0, its diagonal is raised.
+   function whitened(covariance, b) result(x)
+      real(dp), intent(in) :: covariance(:, :), b(:, :)
+      real(dp) :: x(size(b, 1), size(b, 2)), factor(size(b, 1), size(b, 1)), raise
       integer :: info, j
 
       raise = 0
       do
          factor = covariance
-         do j = 1, size(factor, 1)
+         do j = 1, size(b, 1)
             factor(j, j) = factor(j, j)*(1 + raise)
          end do
-         call dpotrf("L", size(factor, 1), factor, size(factor, 1), info)
-         if (info == 0) return
+         call dpotrf("L", size(b, 1), factor, size(b, 1), info)
+         if (info == 0) exit
          raise = max(1e-12_dp, 10*raise)
       end do
-   end function cholesky
-
-   !> L^-1 B of a covariance matrix L L': [n, n], [n, k].
-   function whitened(covariance, b) result(x)
-      real(dp), intent(in) :: covariance(:, :), b(:, :)
-      real(dp) :: x(size(b, 1), size(b, 2)), factor(size(b, 1), size(b, 1))
-      integer :: info
-
-      factor = cholesky(covariance)
       x = b
       call dtrtrs("L", "N", "N", size(b, 1), size(b, 2), factor, size(b, 1), x, size(b, 1), info)
    end function whitened
@@ -219,11 +205,12 @@ contains
    !> Logarithm of the determinant of a covariance matrix.
    real(dp) function log_determinant(covariance)
       real(dp), intent(in) :: covariance(:, :)
-      real(dp) :: factor(size(covariance, 1), size(covariance, 1))
-      integer :: j
+      real(dp) :: inverse(size(covariance, 1), size(covariance, 1))
+      integer :: i, j
 
-      factor = cholesky(covariance)
-      log_determinant = 2*sum([(log(factor(j, j)), j=1, size(factor, 1))])
+      inverse = whitened(covariance, reshape([((merge(1.0_dp, 0.0_dp, i == j), i=1, size(inverse, 1)), j=1, size(inverse, 1))], &
+         & shape(inverse)))
+      log_determinant = -2*sum([(log(inverse(j, j)), j=1, size(inverse, 1))])
    end function log_determinant
 
    !> Minimizes |A x - b| subject to x >= 0: the conditions of the minimum are a linear complementarity problem, solved by

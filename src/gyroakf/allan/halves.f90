@@ -29,7 +29,7 @@ module gyroakf_allan_halves
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_special, only : chi_square_survival, digamma, normal_quantile, trigamma
    use gyroakf_allan_difference_kurtosis, only : find_kurtosis
-   use gyroakf_allan_fit_covariance, only : allan_variance_covariances
+   use gyroakf_allan_fit_covariance, only : covariance_basis, covariance_basis_type, mixture_covariances
    use gyroakf_allan_whitening, only : whitening
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_allan_noise_fit, only : noise_type
@@ -292,11 +292,13 @@ contains
       !> The matrix: [k, k]
       real(dp), intent(out) :: covariance(:, :)
 
+      type(covariance_basis_type) :: basis
       real(dp) :: squares(term_count), variance(size(m))
       integer :: i
 
       squares = scale(model, -exponent(maxval(model)))      ! products of small squares vanish
-      call allan_variance_covariances(half, m, squares, covariance)
+      basis = covariance_basis(half, m)
+      covariance = mixture_covariances(basis, squares)
       variance = [(model_variance(squares, real(m(i), dp)), i=1, size(m))]
       do i = 1, size(m)
          covariance(:, i) = covariance(:, i)/(variance*variance(i))

@@ -5,32 +5,28 @@
 !>     type(noise_type) :: noise
 !>     call fit_noise(curve, options, noise, error)        ! noise%coefficient(2)%value is N
 !>
-!> One generalized least-squares fit ([[gyroakf_allan_fit_solver]]) gives values, standard errors, upper
-!> limits, goodness of fit, the choice of terms and of the points ([[gyroakf_allan_fit_selection]]), and the
-!> confidence limits of the curve. It looks at the octaves m = 1, 2, 4, ... up to a quarter of the record,
-!> whatever averaging times the curve is shown at: more points add nothing to the errors.
+!> One generalized least-squares fit ([[gyroakf_allan_fit_solver]]) gives values, standard errors, upper limits, goodness of
+!> fit, the choice of terms and of the points ([[gyroakf_allan_fit_selection]]), and the confidence limits of the curve. It looks
+!> at the octaves m = 1, 2, 4, ... up to a quarter of the record, whatever averaging times the curve is shown at.
 !>
-!> A filter of unit gain turns the N^2/tau of white noise into N^2/tau + c/tau^2 once tau exceeds its
-!> memory, c of either sign. Where points are excluded at the start the 1/tau^2 term is therefore of
-!> either sign and not Q. What the run of points does not determine is withheld: Q, and an N that is not the
-!> larger part of its first three points, where it begins late; K, R, and a B that is not the larger
-!> part of its last three points, where it ends early; everything where no run of points follows the
-!> terms.
+!> A filter of unit gain turns the N^2/tau of white noise into N^2/tau + c/tau^2 once tau exceeds its memory, c of either sign.
+!> Where points are excluded at the start the 1/tau^2 term is therefore of either sign and not Q. What the run of points does
+!> not determine is withheld: Q, and an N that is not the larger part of its first three points, where it begins late; K, R, and
+!> a B that is not the larger part of its last three points, where it ends early; everything where no run follows the terms.
 module gyroakf_allan_noise_fit
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_lapack, only : dpotrf, dpotri
-   use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_special, only : chi_square_survival
    use gyroakf_allan_degrees_of_freedom, only : chi_square_limits
    use gyroakf_allan_deviations, only : allan_curve_type
-   use gyroakf_allan_fit_covariance, only : mixture_freedom, new_covariance_basis
+   use gyroakf_allan_fit_covariance, only : covariance_basis, mixture_freedom
    use gyroakf_allan_fit_selection, only : find_floor, find_run, is_described, is_likely, noise_options, points_between, &
       & select_terms, upper_limit
    use gyroakf_allan_fit_solver, only : fit_points_type, fit_terms, solution_type, whitened
-   use gyroakf_allan_noise_model, only : model_variance, term_count, term_flicker, term_letters, &
-      & term_quantization, term_ramp, term_walk, term_white
+   use gyroakf_allan_noise_model, only : model_variance, term_count, term_flicker, term_letters, term_quantization, &
+      & term_ramp, term_walk, term_white, terms
    implicit none (type, external)
    private
    public :: noise_options, coefficient_type, noise_type, fit_noise
@@ -63,22 +59,16 @@ module gyroakf_allan_noise_fit
       real(dp) :: lsb_ratio = 0.0_dp
       !> A run of points follows the terms
       logical :: described = .false.
-      !> Chi-square per degree of freedom; 0 where no freedom is left
-      real(dp) :: chi2_reduced = 0.0_dp
-      !> Degrees of freedom, and the chance of a chi-square as large
+      !> Degrees of freedom, chi-square per degree (0 where none is left), and the chance of a chi-square as large
       integer :: chi2_freedom = 0
-      real(dp) :: chi2_probability = 1.0_dp
-      !> Of the curve, s
-      real(dp) :: sample_interval = 1.0_dp
+      real(dp) :: chi2_reduced = 0.0_dp, chi2_probability = 1.0_dp
       !> Points that were fitted, points excluded before and after them; first and last averaging time fitted, s
       integer :: points = 0, left_out = 0, cut_off = 0
       real(dp) :: tau_first = 0.0_dp, tau_last = 0.0_dp
-      !> Floor of the relative deviation of the variances from the terms, 0 where chance explains it
-      real(dp) :: floor = 0.0_dp
-      !> Excess kurtosis of the white noise per sample, 0 where it is not significant
-      real(dp) :: kurtosis = 0.0_dp
-      !> Averaging times of the octaves, s; distance of the curve from the terms there in standard
-      !> deviations, 0 where excluded
+      !> Floor of the relative deviation of the variances from the terms, 0 where chance explains it; excess kurtosis of the
+      !> white noise per sample, 0 where it is not significant
+      real(dp) :: floor = 0.0_dp, kurtosis = 0.0_dp
+      !> Averaging times of the octaves, s; distance of the curve from the terms there in standard deviations, 0 where excluded
       real(dp), allocatable :: tau(:), residual(:)
       !> Fitted deviation at each averaging time of the curve, 0 where the fit says nothing
       real(dp), allocatable :: model(:)
@@ -90,8 +80,8 @@ module gyroakf_allan_noise_fit
    type :: estimate_type
       !> All octaves, and those that are fitted
       type(fit_points_type) :: curve, run
-      !> Unit of the variances
-      real(dp) :: scale = 1.0_dp
+      !> Unit of the variances, units of the coefficients, sample interval, s
+      real(dp) :: scale = 1.0_dp, unit(term_count) = 1.0_dp, interval = 1.0_dp
       !> Terms on offer, those of the best set, those that are stated
       logical :: offered(term_count) = .true., chosen(term_count) = .false., stated(term_count) = .false.
       !> The points are those of the user; the terms are, too
@@ -102,34 +92,26 @@ module gyroakf_allan_noise_fit
 
    !> Powers of the sample interval in the units of Q N B K R
    real(dp), parameter :: power(term_count) = [1.0_dp, 0.5_dp, 0.0_dp, -0.5_dp, -1.0_dp]
-   !> Stage of the analysis for the progress callback
-   character(*), parameter :: stage = "noise coefficients"
 
 contains
 
    !> Fits the terms, and gives the curve the degrees of freedom and limits of the fitted mixture.
-   subroutine fit_noise(curve, options, noise, error, progress)
-      !> From [[compute_allan]], kind oadev; edf, lower and upper are replaced (by larger limits only
-      !> outside the run of points that was fitted) where the terms describe the curve
+   subroutine fit_noise(curve, options, noise, error)
+      !> From [[compute_allan]], kind oadev; edf, lower and upper are replaced (outside the points fitted, by larger limits only)
       type(allan_curve_type), intent(inout) :: curve
       !> Terms, range of averaging times, thresholds
       type(noise_options), intent(in) :: options
       !> Coefficients with errors, goodness of the fit
       type(noise_type), intent(out) :: noise
-      !> invalid_argument, too_few_samples (fewer points than terms), constant_input, singular, cancelled
+      !> invalid_argument, too_few_samples (fewer points than terms), constant_input, singular
       type(error_type), allocatable, intent(out) :: error
-      !> Told between the steps; may cancel
-      class(progress_type), intent(inout), optional :: progress
       type(estimate_type) :: estimate
 
       call check_terms(options, estimate, error)
       if (.not. allocated(error)) call take_points(curve, estimate, error)
-      if (.not. allocated(error)) call tell_progress(stage, 0_int64, 0_int64, error, progress)
-      if (.not. allocated(error)) call choose_run(options, curve%sample_interval, estimate, noise%described, error)
-      if (.not. allocated(error)) call tell_progress(stage, 0_int64, 0_int64, error, progress)
+      if (.not. allocated(error)) call choose_run(options, estimate, noise%described, error)
       if (allocated(error)) return
-      noise%sample_interval = curve%sample_interval
-      noise%tau = curve%sample_interval*real(estimate%curve%m, dp)
+      noise%tau = estimate%interval*real(estimate%curve%m, dp)
       noise%residual = 0*noise%tau
       noise%model = 0*curve%deviation
       if (.not. noise%described) then
@@ -137,11 +119,11 @@ contains
          return
       end if
       call choose_terms(options, estimate)
-      call tell_progress(stage, 0_int64, 0_int64, error, progress)
-      if (.not. allocated(error)) call state_fit(options, estimate, noise, error)
-      if (.not. allocated(error)) call state_coefficients(options, estimate, noise)
-      if (.not. allocated(error)) call state_unquantized(options, estimate, noise)
-      if (.not. allocated(error)) call give_limits(estimate, curve, noise)
+      call state_fit(options, estimate, noise, error)
+      if (allocated(error)) return
+      call state_coefficients(options, estimate, noise)
+      call state_unquantized(options, estimate, noise)
+      call give_limits(estimate, curve, noise)
    end subroutine fit_noise
 
    !> Reads the letters of the terms.
@@ -163,7 +145,7 @@ contains
       if (verify(trim(options%terms), term_letters) > 0 .or. options%terms == " ") then
          call fatal_error(error, status%invalid_argument, "terms '"//trim(options%terms)//"': auto, or letters of "//term_letters)
       end if
-      estimate%offered = [(index(options%terms, term_letters(i:i)) > 0, i=1, term_count)]
+      estimate%offered = index(options%terms, [(term_letters(i:i), i=1, term_count)]) > 0
    end subroutine check_terms
 
    !> Takes the octaves of a curve.
@@ -184,21 +166,21 @@ contains
             call fatal_error(error, status%constant_input, "an Allan deviation is zero: the record does not vary")
          end if
          if (allocated(error)) return
+         estimate%interval = curve%sample_interval
          estimate%scale = octaves%variance(1)
+         estimate%unit = sqrt(estimate%scale)*estimate%interval**power
          points%samples = curve%samples
          points%m = octaves%m
          points%variance = octaves%variance/estimate%scale
          points%kurtosis = octaves%kurtosis
          points%share = octaves%share
-         call new_covariance_basis(points%samples, points%m, points%basis)
+         points%basis = covariance_basis(points%samples, points%m)
       end associate
    end subroutine take_points
 
    !> The octaves that are fitted: those of the user, or the longest run that the terms describe.
-   subroutine choose_run(options, interval, estimate, described, error)
+   subroutine choose_run(options, estimate, described, error)
       type(noise_options), intent(in) :: options
-      !> Of the samples, s
-      real(dp), intent(in) :: interval
       type(estimate_type), intent(inout) :: estimate
       logical, intent(out) :: described
       type(error_type), allocatable, intent(out) :: error
@@ -209,7 +191,7 @@ contains
       described = .true.
       associate (e => estimate)
          if (e%own_points) then
-            tau = interval*real(e%curve%m, dp)
+            tau = e%interval*real(e%curve%m, dp)
             first = 1 + count(tau < options%tau_min*(1 - 1e-9_dp))
             last = count(tau <= options%tau_max)
             if (last - first + 1 < count(e%offered)) then
@@ -221,7 +203,7 @@ contains
             e%run = points_between(e%curve, options, first, last)
             e%run%signed = e%run%signed .and. .not. e%own_terms
          else if (size(e%curve%m) <= options%run_octaves) then
-            e%offered = is(term_white)
+            e%offered = terms == term_white
             e%run = points_between(e%curve, options, 1, size(e%curve%m))
             described = is_described(e%run, options, e%offered, .true.)
          else
@@ -229,15 +211,6 @@ contains
          end if
       end associate
    end subroutine choose_run
-
-   !> True at a term.
-   pure function is(term)
-      integer, intent(in) :: term
-      logical :: is(term_count)
-      integer :: j
-
-      is = [(j == term, j=1, term_count)]
-   end function is
 
    !> The floor, the choice of terms, and the fit of those chosen.
    subroutine choose_terms(options, estimate)
@@ -250,8 +223,7 @@ contains
          call find_floor(e%run, options, e%offered, e%full)
          e%final = e%full
          call select_terms(e%run, options, e%offered, e%final, e%chosen, e%stated)
-         used = e%chosen
-         if (e%own_terms .or. .not. any(e%chosen)) used = e%offered
+         used = merge(e%offered, e%chosen, e%own_terms .or. .not. any(e%chosen))
          start = merge(e%final%squares, 0.0_dp, used)
          e%run%ramp = used(term_ramp)
          call fit_terms(e%run, used, e%final, start)
@@ -259,7 +231,7 @@ contains
             e%run%ramp = .false.
             call fit_terms(e%run, used, e%final, start)
          end if
-         e%chosen = used .and. (e%final%squares > 0 .or. (e%run%signed .and. is(term_quantization)))
+         e%chosen = used .and. (e%final%squares > 0 .or. (e%run%signed .and. terms == term_quantization))
       end associate
    end subroutine choose_terms
 
@@ -291,7 +263,7 @@ contains
          end if
          noise%squares = max(0.0_dp, squares)*e%scale
          ! covariance of the squares, (B' C^-1 B)^-1, then of the coefficients
-         place = pack([(j, j=1, term_count)], e%chosen)
+         place = pack(terms, e%chosen)
          k = size(place)
          columns = whitened(e%final%covariance, run%shape(:, place)/spread(matmul(run%shape, squares), 2, k))
          inverse = matmul(transpose(columns), columns)
@@ -301,7 +273,7 @@ contains
             call fatal_error(error, status%singular, "the noise terms are collinear at these averaging times")
             return
          end if
-         unit(place) = sqrt(e%scale)*noise%sample_interval**power(place)/(2*sqrt(abs(squares(place))))
+         unit(place) = e%unit(place)/(2*sqrt(abs(squares(place))))
          do j = 1, k
             noise%covariance(place(:j), place(j)) = inverse(:j, j)*unit(place(:j))*unit(place(j))
             noise%covariance(place(j), place(:j)) = noise%covariance(place(:j), place(j))
@@ -317,28 +289,22 @@ contains
       type(estimate_type), intent(in) :: estimate
       type(noise_type), intent(inout) :: noise
       logical :: withheld(term_count)
-      real(dp) :: unit
       integer :: j
 
       call find_withheld(options, estimate, withheld)
+      where (spread(withheld, 1, term_count) .or. spread(withheld, 2, term_count)) noise%covariance = 0
       do j = 1, term_count
-         if (withheld(j)) then
-            noise%covariance(:, j) = 0
-            noise%covariance(j, :) = 0
-         end if
          associate (c => noise%coefficient(j), e => estimate)
             if (withheld(j)) then
                c%state = "withheld"
             else if (e%offered(j)) then
-               unit = sqrt(e%scale)*noise%sample_interval**power(j)
                c%fitted = .true.
-               c%value = unit*sqrt(max(0.0_dp, e%final%squares(j)))
+               c%value = e%unit(j)*sqrt(max(0.0_dp, e%final%squares(j)))
                c%std_error = sqrt(noise%covariance(j, j))
                c%detected = e%stated(j)
                c%state = merge("value", "limit", c%detected)
                c%upper_limit = c%value + sqrt(options%limit_rise)*c%std_error
-               if (.not. c%detected) c%upper_limit = &
-                  & unit*sqrt(upper_limit(e%run, options, e%offered, j, e%full%squares))
+               if (.not. c%detected) c%upper_limit = e%unit(j)*sqrt(upper_limit(e%run, options, e%offered, j, e%full%squares))
             end if
          end associate
       end do
@@ -350,21 +316,17 @@ contains
       type(noise_options), intent(in) :: options
       type(estimate_type), intent(in) :: estimate
       type(noise_type), intent(inout) :: noise
-      real(dp) :: before, square
+      real(dp) :: before, square, deviation
 
       before = estimate%scale - options%lsb**2/12
       noise%lsb_ratio = options%lsb/sqrt(max(before, tiny(1.0_dp)))
       associate (n => noise%coefficient(term_white), c => noise%unquantized)
          if (noise%lsb_ratio < options%lsb_range(1) .or. .not. n%detected) return
          c%state = "withheld"
-         square = n%value**2 - options%lsb**2*noise%sample_interval/12
+         square = n%value**2 - options%lsb**2*estimate%interval/12
          if (noise%lsb_ratio > options%lsb_range(2) .or. square <= 0) return
-         c%value = sqrt(square)
-         c%std_error = n%std_error*n%value/c%value
-         c%upper_limit = c%value + sqrt(options%limit_rise)*c%std_error
-         c%detected = .true.
-         c%fitted = .true.
-         c%state = "value"
+         deviation = n%std_error*n%value/sqrt(square)
+         c = coefficient_type(sqrt(square), deviation, sqrt(square) + sqrt(options%limit_rise)*deviation, .true., .true., "value")
       end associate
    end subroutine state_unquantized
 
@@ -377,7 +339,7 @@ contains
       integer :: n
 
       associate (run => estimate%run)
-         withheld = run%signed .and. is(term_quantization)
+         withheld = run%signed .and. terms == term_quantization
          if (estimate%own_points) return
          withheld = withheld .or. .not. estimate%offered    ! a record of fewer octaves than a run
          n = size(run%m)

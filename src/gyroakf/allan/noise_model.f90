@@ -11,14 +11,12 @@ module gyroakf_allan_noise_model
    use gyroakf_kinds, only : dp
    implicit none (type, external)
    private
-   public :: term_count, term_letters, term_quantization, term_white, term_flicker, term_walk, term_ramp
+   public :: term_count, terms, term_letters, term_quantization, term_white, term_flicker, term_walk, term_ramp
    public :: term_shape, model_variance
 
-   !> Number of terms
-   integer, parameter :: term_count = 5
-   !> Their letters, in the order of every array of coefficients
+   !> Number of terms, their numbers and letters in the order of every array of coefficients
+   integer, parameter :: term_count = 5, terms(term_count) = [1, 2, 3, 4, 5]
    character(term_count), parameter :: term_letters = "QNBKR"
-   !> Their places
    integer, parameter :: term_quantization = 1, term_white = 2, term_flicker = 3, term_walk = 4, term_ramp = 5
    !> (2 ln 2)/pi
    real(dp), parameter :: flicker_floor = 0.44127120030530273_dp
@@ -47,9 +45,8 @@ contains
       real(dp), intent(in) :: squares(term_count)
       !> Averaging time, > 0
       real(dp), intent(in) :: tau
-      integer :: term
 
-      variance = sum([(squares(term)*term_shape(term, tau), term=1, term_count)])
+      variance = sum(squares*term_shape(terms, tau))
    end function model_variance
 
 end module gyroakf_allan_noise_model

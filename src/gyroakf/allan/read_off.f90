@@ -37,8 +37,7 @@ module gyroakf_allan_read_off
       logical :: found(term_count) = .false.
       !> Averaging times between which it lies, s
       real(dp) :: from_tau(term_count) = 0.0_dp, to_tau(term_count) = 0.0_dp
-      !> The lowest deviation, not divided by anything (the in-run bias stability of many data sheets), and where it is, s;
-      !> both 0 where no point has the degrees of freedom
+      !> The lowest deviation, not divided by anything (the in-run bias stability of many data sheets), and where it is, s, or 0
       real(dp) :: minimum = 0.0_dp, minimum_tau = 0.0_dp
       !> The lowest deviation is the last one: the curve still falls, a longer record would show a lower one
       logical :: falling = .false.
@@ -95,7 +94,6 @@ contains
 
    !> Slope of the weighted line through each of three or more points and those around it.
    pure function local_slopes(x, y, weight) result(slope)
-      !> Logarithms of averaging time, ascending, and of deviation; weights, > 0
       real(dp), intent(in) :: x(:), y(:), weight(:)
       real(dp) :: slope(size(x)), middle
       integer :: i, first, last
@@ -112,13 +110,10 @@ contains
       slope(size(x)) = slope(size(x) - 1)
    end function local_slopes
 
-   !> The longest row of two or more neighboring points that belong together and reach over `least_width`.
+   !> Ends of the longest row of two or more neighbors that belong together and reach over `least_width`, 0 if there is none.
    pure subroutine longest_row(x, belongs, first, last)
-      !> Logarithms of averaging time, ascending: [n]
       real(dp), intent(in) :: x(:)
-      !> Points that may be in it: [n]
       logical, intent(in) :: belongs(:)
-      !> Its ends, 0 if there is none
       integer, intent(out) :: first, last
       real(dp) :: width, widest
       integer :: i, j

@@ -51,11 +51,11 @@ contains
          call run_other_kinds(x, step, options, which, channel, error, valid, progress)
          if (allocated(error)) return
       end if
-      call fit_curve(rate_known, unit, options, which, channel, error, progress)
+      call fit_curve(rate_known, unit, options, which, channel, error)
    end subroutine run_allan
 
    !> Fits the coefficients of a curve and states them. A failure is noted in the channel.
-   subroutine fit_curve(rate_known, unit, options, which, channel, error, progress)
+   subroutine fit_curve(rate_known, unit, options, which, channel, error)
       !> The sample interval is in seconds
       logical, intent(in) :: rate_known
       !> Unit of the series
@@ -68,15 +68,13 @@ contains
       type(channel_result_type), intent(inout) :: channel
       !> no_memory, cancelled, internal; everything else is noted in the channel
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
-      class(progress_type), intent(inout), optional :: progress
 
       type(noise_options) :: noise_of_stage
 
       noise_of_stage = options%noise
       if (any(which == [stage%input, stage%cleaned])) noise_of_stage%lsb = channel%quantisation%step
       if (which == stage%compensated) call end_before_smoother(channel, noise_of_stage)
-      call fit_noise(channel%allan(which)%curve, noise_of_stage, channel%allan(which)%noise, error, progress)
+      call fit_noise(channel%allan(which)%curve, noise_of_stage, channel%allan(which)%noise, error)
       if (is_fatal(error)) return
       channel%allan(which)%fitted = .not. allocated(error)
       call note_failure(channel, "noise coefficients ("//trim(stage_names(which))//")", error)
