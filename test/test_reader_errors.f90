@@ -133,7 +133,7 @@ contains
       if (allocated(error)) return
       call expect(error, "t"//nl//"1"//nl//"2"//nl, status%parse, ":1:1: there is no column besides the time in column 't'")
       if (allocated(error)) return
-      call expect(error, "gx"//nl//"gy"//nl//"2"//nl, status%parse, ":2:1: 'gy' is not a number")
+      call expect(error, "gx"//nl//"2"//nl//"gy"//nl//"2"//nl, status%parse, ":3:1: 'gy' is not a number")
    end subroutine test_no_numbers
 
    subroutine test_no_text(error)

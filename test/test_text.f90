@@ -5,7 +5,8 @@ module test_text
    use gyroakf_kinds, only : int8, int64
    use gyroakf_io_format, only : content_type, decimal_comma, recognise
    use gyroakf_io_place, only : make_place_message
-   use gyroakf_io_stamps, only : infer_scale, is_counter_name, is_temperature_name, is_time_name, named_scale
+   use gyroakf_column_class, only : is_counter_name, is_temperature_name, is_time_name
+   use gyroakf_io_stamps, only : infer_scale, named_scale
    use gyroakf_io_text, only : bytes_text, fields_type, is_comment, split, split_line
    use gyroakf_kinds, only : dp
    implicit none (type, external)

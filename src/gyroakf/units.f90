@@ -10,7 +10,8 @@ module gyroakf_units
    implicit none (type, external)
    private
    public :: unit_type, coefficient_unit_type, quantity, term_names
-   public :: parse_unit, parse_units, coefficient_unit, density_unit, angle_to_rate_unit, is_integral, coefficient_definition
+   public :: parse_unit, parse_units, time_scale, is_integral
+   public :: coefficient_unit, density_unit, angle_to_rate_unit, coefficient_definition
 
    !> The order of the five terms everywhere: quantisation, angle random walk, bias instability, rate random walk, ramp
    character(1), parameter :: term_names(5) = ["Q", "N", "B", "K", "R"]
@@ -75,15 +76,16 @@ module gyroakf_units
    real(dp), parameter :: velocity_to_si(4) = [1.0_dp, 1.0e-3_dp, 1.0e-2_dp, 0.3048_dp]
 
    !> Other spellings: pairs of what is written and what is meant
-   character(12), parameter :: spellings(2, 41) = reshape([character(12) :: &
+   character(12), parameter :: spellings(2, 43) = reshape([character(12) :: &
       "degree", "deg", "degrees", "deg", "degs", "deg", "radian", "rad", "radians", "rad", "rads", "rad", &
       "arcsecond", "arcsec", "arcseconds", "arcsec", "asec", "arcsec", "arcs", "arcsec", '"', "arcsec", &
       "arcminute", "arcmin", "arcminutes", "arcmin", "revolution", "rev", "revolutions", "rev", "turn", "rev", "turns", "rev", &
       "millidegree", "mdeg", "millidegrees", "mdeg", "millirad", "mrad", "microrad", "urad", &
       "dps", "deg/s", "mdps", "mdeg/s", "udps", "udeg/s", "dph", "deg/h", "rps", "rev/s", "rpm", "rev/min", &
       "degps", "deg/s", "degph", "deg/h", "radps", "rad/s", "mradps", "mrad/s", &
-      "m/s2", "m/s^2", "m/s/s", "m/s^2", "mps2", "m/s^2", "cm/s2", "cm/s^2", "mm/s2", "mm/s^2", "ft/s2", "ft/s^2", &
-      "gn", "g", "milli-g", "mg", "micro-g", "ug", "gal", "cm/s^2"], [2, 41])
+      "m/s2", "m/s^2", "m/s/s", "m/s^2", "mps2", "m/s^2", "ms2", "m/s^2", "g-force", "g", &
+      "cm/s2", "cm/s^2", "mm/s2", "mm/s^2", "ft/s2", "ft/s^2", &
+      "gn", "g", "milli-g", "mg", "micro-g", "ug", "gal", "cm/s^2"], [2, 43])
 
    !> The unit of time under the stroke, and its spellings
    character(8), parameter :: seconds_names(5) = ["s       ", "sec     ", "secs    ", "second  ", "seconds "]
@@ -104,7 +106,7 @@ contains
 
    !> The unit that a text names. Case, blanks and brackets do not matter; `dps`, `deg/s`, `deg s^-1`,
    !> `degrees per second` and the degree sign are the same unit.
-   subroutine parse_unit(text, unit, error)
+   pure subroutine parse_unit(text, unit, error)
       !> As somebody wrote it
       character(*), intent(in) :: text
       !> The unit
@@ -277,6 +279,29 @@ contains
       unit%quantity = what
       unit%to_si = to_si
    end subroutine set_unit
+
+   !> Seconds in a unit of time: s, ms, us, ns, min, h and their spellings, perhaps behind a whole
+   !> number (100us); 0 for other words.
+   pure real(dp) function time_scale(word)
+      !> In lower case
+      character(*), intent(in) :: word
+      integer :: i, digits
+
+      digits = verify(word, "0123456789") - 1
+      select case (adjustl(word(max(digits, 0) + 1:)))
+      case ("s", "sec", "secs", "second", "seconds"); time_scale = 1.0_dp
+      case ("ms", "msec", "msecs", "millis", "millisecond", "milliseconds"); time_scale = 1.0e-3_dp
+      case ("us", "usec", "usecs", "micros", "microsecond", "microseconds"); time_scale = 1.0e-6_dp
+      case (char(194)//char(181)//"s", char(206)//char(188)//"s"); time_scale = 1.0e-6_dp
+      case ("ns", "nsec", "nsecs", "nanos", "nanosecond", "nanoseconds"); time_scale = 1.0e-9_dp
+      case ("min", "minute", "minutes"); time_scale = 60.0_dp
+      case ("h", "hour", "hours"); time_scale = 3600.0_dp
+      case default; time_scale = 0.0_dp
+      end select
+      if (digits <= 0) return
+      if (digits > 9) time_scale = 0.0_dp
+      time_scale = time_scale*sum([(real(iachar(word(i:i)) - iachar("0"), dp)*10.0_dp**(digits - i), i=1, digits)])
+   end function time_scale
 
    !> True for the units of angles and velocities: what rates and accelerations add up to.
    pure logical function is_integral(unit)

@@ -7,12 +7,12 @@ module gyroakf_io_clock
    use gyroakf_io_columns, only : label_of
    use gyroakf_io_date, only : stamp_kind
    use gyroakf_io_decimal, only : format_real
-   use gyroakf_io_header, only : time_scale
    use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_stamps, only : infer_scale, named_scale
    use gyroakf_io_table, only : table_type
    use gyroakf_record, only : add_text, record_type
    use gyroakf_spelling, only : lower
+   use gyroakf_units, only : time_scale
    implicit none (type, external)
    private
    public :: drop_absurd, find_scale, is_clock, set_rate

@@ -5,7 +5,7 @@ module gyroakf_io_column_behavior
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_columns, only : label_of
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_stamps, only : is_counter_name, is_temperature_name, may_hold_time
+   use gyroakf_column_class, only : is_counter_name, is_temperature_name, may_hold_time
    use gyroakf_io_store, only : store_type
    use gyroakf_io_table, only : table_type
    use gyroakf_record, only : add_text, text_type

@@ -2,6 +2,7 @@
 !> Columns by name and number: names with units in brackets, which columns were asked for.
 module gyroakf_io_columns
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_column_class, only : class_of, column_class, is_unit
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_place, only : integer_text, integer_length
@@ -11,11 +12,13 @@ module gyroakf_io_columns
    use gyroakf_utf8, only : make_readable
    implicit none (type, external)
    private
-   public :: column_names_type, read_names, take_brackets_off, names_way, name_of, label_of, find_column, choose_columns
-   public :: most_columns
+   public :: column_names_type, read_names, join_names, drop_empty_names, take_brackets_off, refuse_equal_names
+   public :: names_way, name_of, label_of, find_column, choose_columns, most_columns
 
    !> A file with more of them has lost its line ends
    integer, parameter :: most_columns = 65536
+   !> Names of more columns are not compared with each other
+   integer, parameter :: most_compared = 4096
 
    !> The names of a file's columns
    type :: column_names_type
@@ -57,8 +60,7 @@ contains
          word = bytes_text(bytes, fields%first(i), fields%last(i))
          call make_readable(word)
          if (way == split%mixed .and. count > 0 .and. scan(word, "[(") == 1) then
-            names%unit(count)%text = word
-            call take_brackets_off(names%unit(count)%text)
+            call take_name(names%name(count)%text//" "//word, names%name(count)%text, names%unit(count)%text)
          else
             count = count + 1
             call take_name(word, names%name(count)%text, names%unit(count)%text)
@@ -66,7 +68,95 @@ contains
       end do
       call shorten(names%name, count)
       call shorten(names%unit, count)
+      call keep_apart(names)
    end subroutine read_names
+
+   !> Names that are equal without their units keep them: "a [g]", "a [m/s^2]".
+   pure subroutine keep_apart(names)
+      type(column_names_type), intent(inout) :: names
+      logical :: equal(size(names%name))
+      integer :: i, j
+
+      equal(:) = .false.
+      if (size(equal) > most_compared) return
+      do i = 1, size(equal)
+         do j = i + 1, merge(size(equal), 0, len(names%name(i)%text) > 0)
+            if (names%name(i)%text /= names%name(j)%text .or. names%unit(i)%text == names%unit(j)%text) cycle
+            equal(i) = .true.
+            equal(j) = .true.
+         end do
+      end do
+      do i = 1, size(equal)
+         if (equal(i) .and. len(names%unit(i)%text) > 0) names%name(i)%text = names%name(i)%text//" ["//names%unit(i)%text//"]"
+      end do
+   end subroutine keep_apart
+
+   !> Names of one line from two: a group above the columns and the column in it, "gyro" and "x", or the line that says more.
+   pure subroutine join_names(above, names)
+      !> As many as the names; empty where the group of the column before goes on
+      type(column_names_type), intent(in) :: above
+      type(column_names_type), intent(inout) :: names
+      character(:), allocatable :: group, unit
+      integer :: i
+
+      if (knows(above) .and. (.not. knows(names) .or. 2*known_classes(above) > size(above%name) + known_classes(names))) then
+         names%name = above%name
+         names%unit = above%unit
+         return
+      else if (.not. knows(names) .or. any([(len(above%name(i)%text) == 0, i=2, size(above%name))])) then
+         group = ""
+         unit = ""
+         do i = 1, size(names%name)
+            if (len(above%name(i)%text) > 0) then
+               group = above%name(i)%text
+               unit = above%unit(i)%text
+            end if
+            if (len(names%unit(i)%text) == 0) names%unit(i)%text = unit
+            if (len(names%name(i)%text) == 0) names%name(i)%text = group
+            if (names%name(i)%text /= group .and. len(group) > 0) names%name(i)%text = group//" "//names%name(i)%text
+         end do
+      end if
+   end subroutine join_names
+
+   !> Names that say what is measured.
+   pure integer function known_classes(names)
+      type(column_names_type), intent(in) :: names
+      integer :: i
+
+      known_classes = count([(class_of(names%name(i)%text, names%unit(i)%text) /= column_class%unknown, i=1, size(names%name))])
+   end function known_classes
+
+   !> Takes off the empty names of a line that begins or ends with a separator where the rows do not.
+   pure subroutine drop_empty_names(columns, names)
+      !> Of the first row
+      integer, intent(in) :: columns
+      type(column_names_type), intent(inout) :: names
+      integer :: first, last
+
+      if (.not. names%known) return
+      first = 1
+      last = size(names%name)
+      if (last > columns .and. len(names%name(last)%text) == 0) last = last - 1
+      if (last > columns .and. len(names%name(1)%text) == 0) first = 2
+      if (last - first + 1 == columns .and. columns > 0) then
+         names%name = names%name(first:last)
+         names%unit = names%unit(first:last)
+      end if
+   end subroutine drop_empty_names
+
+   !> True where every column has a name of its own.
+   pure logical function knows(names)
+      type(column_names_type), intent(in) :: names
+      integer :: i, j
+
+      knows = .true.
+      do i = 1, min(size(names%name), most_compared)
+         knows = knows .and. len(names%name(i)%text) > 0
+         do j = 1, i - 1
+            knows = knows .and. names%name(i)%text /= names%name(j)%text
+         end do
+      end do
+   end function knows
 
    !> Keeps the first texts of a list.
    pure subroutine shorten(list, count)
@@ -93,21 +183,27 @@ contains
       if (any(bytes(first:last) == comma .or. bytes(first:last) == semicolon .or. bytes(first:last) == tab)) names_way = split%names
    end function names_way
 
-   !> "gx [deg/s]" as name and unit.
-   subroutine take_name(word, name, unit)
+   !> "gx [deg/s]" as name and unit; what stands in brackets at the end belongs to the name where it is no unit: "gyro[0]".
+   pure subroutine take_name(word, name, unit)
       character(*), intent(in) :: word
-      character(:), allocatable, intent(out) :: name, unit
-      integer :: bracket
+      character(:), allocatable, intent(inout) :: name, unit
+      character(:), allocatable :: text
+      integer :: bracket, depth
 
-      bracket = scan(word, "[(")
-      if (bracket > 1 .and. scan(word, "])") == len(word)) then
-         name = trim(word(:bracket - 1))
-         unit = word(bracket:)
-         call take_brackets_off(unit)
-      else
-         name = word
-         unit = ""
-      end if
+      text = word
+      name = text
+      unit = ""
+      if (scan(text, "])", back=.true.) /= len(text)) return
+      depth = 0
+      do bracket = len(text), 2, -1
+         if (scan(text(bracket:bracket), "])") > 0) depth = depth + 1
+         if (scan(text(bracket:bracket), "[(") > 0) depth = depth - 1
+         if (depth == 0) exit
+      end do
+      if (bracket < 2) return
+      if (.not. is_unit(text(bracket + 1:len(text) - 1))) return
+      name = trim(text(:bracket - 1))
+      unit = trim(adjustl(text(bracket + 1:len(text) - 1)))
    end subroutine take_name
 
    !> "[deg/s]" becomes "deg/s".
@@ -190,17 +286,16 @@ contains
       integer, intent(out) :: column
       !> Allocated where there is no such column: invalid_argument
       type(error_type), allocatable, intent(out) :: error
-      integer :: i, found
+      character(:), allocatable :: name, unit
+      integer :: found
       real(dp) :: x
 
       column = 0
-      if (names%known) then
-         do i = columns, 1, -1
-            if (lower(names%name(i)%text) == lower(word) .and. len(word) > 0) column = i
-         end do
-         do i = columns, 1, -1
-            if (names%name(i)%text == word .and. len(word) > 0) column = i
-         end do
+      call take_name(word, name, unit)
+      if (names%known .and. len(word) > 0) then
+         column = column_named(names, word, .true.)
+         if (column == 0) column = column_named(names, word, .false.)
+         if (column == 0) column = column_named(names, name, .true.)
       end if
       if (column > 0) return
       call parse_number(word, x, found)
@@ -214,6 +309,25 @@ contains
          call refuse_name(word, names, error)
       end if
    end subroutine find_column
+
+   !> The column of that name, 0 where there is none or, apart from case, more than one.
+   pure integer function column_named(names, name, exact) result(column)
+      type(column_names_type), intent(in) :: names
+      character(*), intent(in) :: name
+      logical, intent(in) :: exact
+      integer :: i
+
+      column = 0
+      do i = 1, size(names%name)
+         if (exact .and. names%name(i)%text /= name) cycle
+         if (lower(names%name(i)%text) /= lower(name)) cycle
+         if (column > 0) then
+            column = 0
+            return
+         end if
+         column = i
+      end do
+   end function column_named
 
    !> The error for a name that no column has.
    subroutine refuse_name(word, names, error)
@@ -232,7 +346,8 @@ contains
       end if
       allocate (known(size(names%name)))
       do i = 1, size(known)
-         known(i) = names%name(i)%text
+         known(i) = ""
+         if (may_mean(word, names%name(i)%text)) known(i) = names%name(i)%text
       end do
       near = nearest_word(word, known)
       if (near > 0) message = message//", perhaps '"//names%name(near)%text//"'"
@@ -243,6 +358,66 @@ contains
       if (size(known) > 40) message = message//" ..."
       call fatal_error(error, status%invalid_argument, message)
    end subroutine refuse_name
+
+   !> True where a name may be another one misspelt: the same digits and the same last letter, so the same axis, and nothing that
+   !> makes it the name of another quantity.
+   pure logical function may_mean(word, name)
+      character(*), intent(in) :: word, name
+      character(*), parameter :: digits = "0123456789", letters = "abcdefghijklmnopqrstuvwxyz"
+      integer :: last(2), class(2)
+
+      may_mean = kept(word, digits) == kept(name, digits) .and. len(name) > 0
+      last = [scan(lower(word), letters, back=.true.), scan(lower(name), letters, back=.true.)]
+      if (.not. may_mean .or. any(last == 0)) return
+      may_mean = lower(word(last(1):last(1))) == lower(name(last(2):last(2)))
+      class = [class_of(word, ""), class_of(name, "")]
+      may_mean = may_mean .and. (class(1) == class(2) .or. (class(1) == column_class%unknown .and. len(word) /= len(name)) &
+                                 .or. (class(1) == column_class%unknown .and. len(word) > 4))
+   end function may_mean
+
+   !> The characters of a text that are in a set.
+   pure function kept(text, set) result(left)
+      character(*), intent(in) :: text, set
+      character(:), allocatable :: left
+      integer :: i
+
+      left = ""
+      do i = 1, len(text)
+         if (scan(text(i:i), set) > 0) left = left//text(i:i)
+      end do
+   end function kept
+
+   !> Refuses names that several columns have, unless the columns were asked for by number: they get their number then.
+   subroutine refuse_equal_names(asked, file, names, error)
+      !> True where all columns that were asked for were asked for by number
+      logical, intent(in) :: asked
+      !> Its name, for the message
+      character(*), intent(in) :: file
+      type(column_names_type), intent(inout) :: names
+      !> Allocated where names are equal: parse
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: list, name
+      integer :: i, j, count
+
+      list = ""
+      if (.not. names%known) return
+      do i = 1, merge(size(names%name), 0, size(names%name) <= most_compared)
+         name = names%name(i)%text
+         count = 0
+         do j = i + 1, merge(size(names%name), 0, len(name) > 0)
+            if (names%name(j)%text /= name) cycle
+            if (count == 0) list = list//"; '"//name//"' in columns "//integer_text(int(i, int64))
+            count = count + 1
+            list = list//", "//integer_text(int(j, int64))
+            names%name(j)%text = name//" (column "//integer_text(int(j, int64))//")"
+         end do
+         if (count > 0) names%name(i)%text = name//" (column "//integer_text(int(i, int64))//")"
+      end do
+      if (len(list) == 0 .or. asked) return
+      call fatal_error(error, status%parse, file//":"//integer_text(names%line)// &
+                       ":1: names of columns are equal: "//list(3:)//new_line("a")// &
+                       "--column takes numbers, as in --column 2,3,4; or make the names different")
+   end subroutine refuse_equal_names
 
    !> The columns of a comma list.
    subroutine choose_columns(list, names, columns, chosen, error)

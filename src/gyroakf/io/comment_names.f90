@@ -2,8 +2,8 @@
 !> Names of columns in a comment, as `rostopic echo -p` (`%time,field.x`) and numpy's `savetxt` (`# t gx gy`) write them.
 module gyroakf_io_comment_names
    use gyroakf_kinds, only : int8, int64
+   use gyroakf_column_class, only : is_time_name
    use gyroakf_io_columns, only : column_names_type, names_way, read_names
-   use gyroakf_io_stamps, only : is_time_name
    use gyroakf_io_text, only : last_visible, split
    implicit none (type, external)
    private
@@ -40,7 +40,8 @@ contains
       if (names_way(bytes, from, to) == split%mixed .and. .not. is_time_name(names%name(1)%text)) return
       do i = 1, size(names%name)
          if (len(names%name(i)%text) == 0) cycle
-         if (scan(names%name(i)%text(1:1), "+-.0123456789") > 0) return
+         if (scan(names%name(i)%text(1:1), "+-0123456789") > 0) return
+         if (names%name(i)%text(1:1) == "." .and. scan(names%name(i)%text, "0123456789") == 2) return
       end do
       supposed = names
    end subroutine suppose_names

@@ -14,10 +14,10 @@ module gyroakf_io_header
    use gyroakf_io_text, only : bytes_text, first_visible, last_visible
    use gyroakf_record, only : add_text, text_type
    use gyroakf_spelling, only : lower
-   use gyroakf_units, only : parse_unit, unit_type
+   use gyroakf_units, only : parse_unit, time_scale, unit_type
    implicit none (type, external)
    private
-   public :: header_type, read_comment, time_scale, smallest_rate, largest_rate
+   public :: header_type, read_comment, smallest_rate, largest_rate
 
    !> Hz; what lies outside is no rate (and products of times would overflow)
    real(dp), parameter :: smallest_rate = 1.0e-30_dp, largest_rate = 1.0e30_dp
@@ -217,28 +217,5 @@ contains
       call add_text(warnings, "line "//integer_text(line)//": the header's "//key//" '"// &
                     shown_bytes(bytes, first, min(last_visible(bytes, first, last), first + 60))//"' "//what//" and is ignored")
    end subroutine warn
-
-   !> Seconds in a unit of time: s, ms, us, ns, min, h and their spellings, perhaps behind a whole
-   !> number (100us); 0 for other words.
-   pure real(dp) function time_scale(word)
-      !> In lower case
-      character(*), intent(in) :: word
-      integer :: i, digits
-
-      digits = verify(word, "0123456789") - 1
-      select case (adjustl(word(max(digits, 0) + 1:)))
-      case ("s", "sec", "secs", "second", "seconds"); time_scale = 1.0_dp
-      case ("ms", "msec", "msecs", "millis", "millisecond", "milliseconds"); time_scale = 1.0e-3_dp
-      case ("us", "usec", "usecs", "micros", "microsecond", "microseconds"); time_scale = 1.0e-6_dp
-      case (char(194)//char(181)//"s", char(206)//char(188)//"s"); time_scale = 1.0e-6_dp
-      case ("ns", "nsec", "nsecs", "nanos", "nanosecond", "nanoseconds"); time_scale = 1.0e-9_dp
-      case ("min", "minute", "minutes"); time_scale = 60.0_dp
-      case ("h", "hour", "hours"); time_scale = 3600.0_dp
-      case default; time_scale = 0.0_dp
-      end select
-      if (digits <= 0) return
-      if (digits > 9) time_scale = 0.0_dp
-      time_scale = time_scale*sum([(real(iachar(word(i:i)) - iachar("0"), dp)*10.0_dp**(digits - i), i=1, digits)])
-   end function time_scale
 
 end module gyroakf_io_header

@@ -6,7 +6,7 @@ module gyroakf_io_leave_out
    use gyroakf_io_number, only : is_missing_word
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_rows, only : join_fields, layout_type
-   use gyroakf_io_stamps, only : is_temperature_name, is_time_name
+   use gyroakf_column_class, only : is_temperature_name, is_time_name
    use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, last_visible, split, split_line
    use gyroakf_record, only : add_text, text_type
    use gyroakf_spelling, only : lower

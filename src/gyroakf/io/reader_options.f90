@@ -6,9 +6,10 @@ module gyroakf_io_reader_options
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_element, only : element_type, parse_element
-   use gyroakf_io_header, only : largest_rate, smallest_rate, time_scale
+   use gyroakf_io_header, only : largest_rate, smallest_rate
    use gyroakf_io_number, only : number, parse_number
    use gyroakf_spelling, only : lower
+   use gyroakf_units, only : time_scale
    implicit none (type, external)
    private
    public :: reader_options, check_options

@@ -1,174 +1,17 @@
 ! SPDX-License-Identifier: MIT
-!> Time columns: which names mean one, and what their unit is.
+!> Time columns: fractions of a second in a column of their own, and the unit.
 module gyroakf_io_stamps
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_io_header, only : time_scale
-   use gyroakf_record, only : add_text, text_type
+   use gyroakf_column_class, only : split_name
+   use gyroakf_record, only : text_type
    use gyroakf_spelling, only : lower
+   use gyroakf_units, only : time_scale
    implicit none (type, external)
    private
-   public :: fraction_of, is_time_name, is_temperature_name, is_counter_name, may_hold_time
-   public :: named_scale, infer_scale, unwrap_days
+   public :: fraction_of, named_scale, infer_scale, unwrap_days
 
 contains
-
-   !> True for the names that mean a time: t, time_ms, Timestamp [us], TimeUS, SampleTimeFine,
-   !> gps_tow_s, epoch, Elapsed Time, UTC.
-   !>
-   !> One of its words, parted by signs or by capitals, means a time, and none that it is a
-   !> duration, an error or a state. `T` is a temperature, unless its unit is that of a time.
-   pure logical function is_time_name(name, unit)
-      !> Without brackets
-      character(*), intent(in) :: name
-      !> What stood in brackets; "" (also if absent) where nothing did
-      character(*), intent(in), optional :: unit
-      character(7), parameter :: times(17) = [character(7) :: "time", "times", "stamp", "stamps", &
-         "tstamp", "ts", "tow", "itow", "gpst", "epoch", "epoc", "utc", "unix", "clock", "elapsed", &
-         "zeit", "uhrzeit"]
-      character(12), parameter :: units(12) = [character(12) :: "sec", "secs", "seconds", "millis", &
-         "milliseconds", "micros", &
-         "microseconds", "nanos", "nanoseconds", "usec", "msec", "nsec"]
-      character(8), parameter :: others(21) = [character(8) :: "delta", "dt", "diff", "step", &
-         "interval", "period", "constant", "sync", "status", "valid", "quality", "accuracy", "error", &
-         "err", "offset", "drift", "bias", "exposure", "latency", "delay", "per"]
-      type(text_type), allocatable :: word(:)
-      logical :: known_unit
-      integer :: i
-
-      is_time_name = .false.
-      known_unit = .false.
-      if (present(unit)) then
-         if (is_temperature_unit(unit)) return
-         known_unit = time_scale(lower(unit)) > 0.0_dp
-      end if
-      call split_name(name, word)
-      if (size(word) == 0) return
-      if (word(1)%text == "t") then
-         is_time_name = size(word) == 1 .and. (name /= "T" .or. known_unit)
-         if (size(word) == 2) is_time_name = time_scale(word(2)%text) > 0.0_dp
-         return
-      end if
-      is_time_name = any(units == word(1)%text)
-      do i = 1, size(word)
-         associate (text => word(i)%text)
-            if (any(others == text(:min(len(text), 8)))) then
-               is_time_name = .false.
-               return
-            end if
-            is_time_name = is_time_name .or. any(times == text) .or. ends_with(text, "time") .or. &
-                           ends_with(text, "stamp") .or. index(text, "timestamp") == 1
-         end associate
-      end do
-   end function is_time_name
-
-   !> False for the names of what rises evenly too, but is no time: angles, rates, positions.
-   pure logical function may_hold_time(name)
-      !> Without brackets
-      character(*), intent(in) :: name
-      character(4), parameter :: beginnings(24) = [character(4) :: "gyr", "acc", "mag", "rate", "ang", &
-         "yaw", "roll", "pitc", "head", "azim", "lat", "lon", "alt", "pos", "vel", "quat", "pres", &
-         "baro", "omeg", "phi", "psi", "thet", "volt", "enco"]
-      character(2), parameter :: axes(9) = ["gx", "gy", "gz", "wx", "wy", "wz", "ax", "ay", "az"]
-      type(text_type), allocatable :: word(:)
-      integer :: i, k
-
-      call split_name(name, word)
-      may_hold_time = .true.
-      do i = 1, size(word)
-         if (any(axes == word(i)%text)) may_hold_time = .false.
-         do k = 1, size(beginnings)
-            if (index(word(i)%text, trim(beginnings(k))) == 1) may_hold_time = .false.
-         end do
-      end do
-   end function may_hold_time
-
-   !> The words of a name in lower case: "TimeUS", "time_us" and "timeus" are "time" and "us".
-   pure subroutine split_name(name, word)
-      character(*), intent(in) :: name
-      type(text_type), allocatable, intent(out) :: word(:)
-      character(4), parameter :: endings(4) = [character(4) :: "us", "ms", "ns", "fine"]
-      character(:), allocatable :: text, ending
-      integer :: i, k
-
-      allocate (word(0))
-      text = ""
-      do i = 1, len(name) + 1
-         if (begins_word(name, i)) then
-            do k = 1, size(endings)
-               ending = trim(endings(k))
-               if (.not. (ends_with(text, "time"//ending) .or. ends_with(text, "stamp"//ending))) cycle
-               call add_text(word, text(:len(text) - len(ending)))
-               text = ending
-            end do
-            if (len(text) > 0) call add_text(word, text)
-            text = ""
-         end if
-         if (i > len(name)) exit
-         if (scan(name(i:i), "_-. /:"//achar(9)) == 0) text = text//lower(name(i:i))
-      end do
-   end subroutine split_name
-
-   !> True where a word ends before a character: at a sign, at a capital behind a small letter, and
-   !> at the last capital before one.
-   pure logical function begins_word(name, i)
-      character(*), intent(in) :: name
-      integer, intent(in) :: i
-      character(*), parameter :: capitals = "ABCDEFGHIJKLMNOPQRSTUVWXYZ", small = "abcdefghijklmnopqrstuvwxyz"
-
-      begins_word = i > len(name)
-      if (begins_word) return
-      begins_word = scan(name(i:i), "_-. /:"//achar(9)) > 0
-      if (begins_word .or. i == 1 .or. scan(name(i:i), capitals) == 0) return
-      begins_word = scan(name(i - 1:i - 1), small) > 0
-      if (begins_word .or. i == len(name)) return
-      begins_word = scan(name(i - 1:i - 1), capitals) > 0 .and. scan(name(i + 1:i + 1), small) > 0
-   end function begins_word
-
-   !> True for a temperature: temp, Temperature, gyro_temp, tempC, T, or a unit that is one.
-   pure logical function is_temperature_name(name, unit)
-      !> Without brackets, and what stood in them
-      character(*), intent(in) :: name, unit
-      type(text_type), allocatable :: word(:)
-      integer :: i
-
-      is_temperature_name = is_temperature_unit(unit)
-      if (name == "T") is_temperature_name = .not. time_scale(lower(unit)) > 0.0_dp
-      call split_name(name, word)
-      do i = 1, size(word)
-         associate (text => word(i)%text)
-            if (index(text, "temperature") > 0) is_temperature_name = .true.
-            if (index(text, "temp") == 1 .and. verify(text(min(5, len(text) + 1):), "0123456789cfk") == 0) then
-               is_temperature_name = .true.
-            end if
-         end associate
-      end do
-   end function is_temperature_name
-
-   !> True for a unit of temperature.
-   pure logical function is_temperature_unit(unit)
-      character(*), intent(in) :: unit
-
-      is_temperature_unit = any(lower(unit) == [character(8) :: "degc", "deg c", "c", "celsius", &
-         "kelvin", "k", "degf", &
-         char(194)//char(176)//"c", char(194)//char(176)//" c"])
-   end function is_temperature_unit
-
-   !> True for a name that means a count of rows: counter, count, seq, index, sample, frame,
-   !> packet_id, ...
-   pure logical function is_counter_name(name)
-      !> Without brackets
-      character(*), intent(in) :: name
-      character(8), parameter :: counters(19) = [character(8) :: "counter", "count", "cnt", "seq", &
-         "sequence", "index", "idx", "sample", "samples", "frame", "packet", "row", "line", "nr", "no", &
-         "number", "id", "n", "#"]
-      type(text_type), allocatable :: word(:)
-
-      call split_name(name, word)
-      is_counter_name = .false.
-      if (size(word) > 0) is_counter_name = any(counters == word(size(word))%text)
-      if (size(word) == 1) is_counter_name = is_counter_name .or. ends_with(word(1)%text, "counter")
-   end function is_counter_name
 
    !> The column of the nanoseconds or microseconds that belong to a column of whole seconds, by
    !> their names: `stamp.secs` and `stamp.nsecs`, `sec` and `nanosec`, `tv_sec` and `tv_usec`.
@@ -202,14 +45,6 @@ contains
          return
       end do
    end subroutine fraction_of
-
-   !> True where the text ends so.
-   pure logical function ends_with(text, tail)
-      character(*), intent(in) :: text, tail
-
-      ends_with = .false.
-      if (len(text) >= len(tail)) ends_with = text(len(text) - len(tail) + 1:) == tail
-   end function ends_with
 
    !> Seconds in the unit that the name says by its brackets or its end; 0 where it says none.
    !> Xsens' SampleTimeFine counts in 100 us.

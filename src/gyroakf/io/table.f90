@@ -2,19 +2,21 @@
 !> A table of numbers in text: header, names, rows. What the numbers mean is the reader's business.
 module gyroakf_io_table
    use gyroakf_kinds, only : int8, int64
+   use gyroakf_column_class, only : is_time_name
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_columns, only : choose_columns, column_names_type, most_columns, find_column, label_of, read_names
+   use gyroakf_io_columns, only : choose_columns, column_names_type, drop_empty_names, find_column, label_of, &
+      most_columns, refuse_equal_names
    use gyroakf_io_commas, only : settle_commas
    use gyroakf_io_comment_names, only : suppose_names
    use gyroakf_io_header, only : header_type, read_comment
-   use gyroakf_io_heading, only : keep_heading, only_words, take_units
+   use gyroakf_io_heading, only : begins_with_names, has_labels, is_title, only_words, take_heading
    use gyroakf_io_leave_out, only : find_texts, leave_out
    use gyroakf_io_lines, only : line_end, line_map_type, next_line, lines_type, map_row, more_lines
    use gyroakf_io_place, only : integer_text, place_error
    use gyroakf_io_rows, only : excerpt, join_fields, layout_type
    use gyroakf_io_date, only : stamp_kind
    use gyroakf_io_stamp_columns, only : ambiguous_date, date_advice, find_joined, find_kinds, pair_stamps
-   use gyroakf_io_stamps, only : fraction_of, is_time_name
+   use gyroakf_io_stamps, only : fraction_of
    use gyroakf_io_store, only : store_type
    use gyroakf_io_text, only : begins_with_semicolon, bytes_text, fields_type, first_visible, is_comment, split, split_line
    use gyroakf_record, only : add_text, text_type
@@ -126,7 +128,7 @@ contains
       type(table_type), intent(inout) :: table
       type(error_type), allocatable, intent(out) :: error
       integer(int64) :: last
-      logical :: taken
+      character(:), allocatable :: word
 
       do
          call more_lines(lines, error)
@@ -137,20 +139,19 @@ contains
             continue
          else if (lacks_first(lines, last, table)) then
             return
-         else if (is_comment(lines%bytes, lines%at, last)) then
+         else if (is_comment(lines%bytes, lines%at, last) .and. .not. begins_with_names(lines, last)) then
             call read_comment(lines%bytes, lines%at, last, lines%number, table%header, table%warnings)
             call suppose_names(lines%bytes, lines%at, last, lines%number, table%supposed)
          else if (first_visible(lines%bytes, lines%at, last) <= last) then
-            if (.not. only_words(lines, last)) return
-            if (lower(bytes_text(lines%bytes, lines%at, min(last, lines%at + 3))) == "sep=") then
-               continue
-            else if (.not. table%names%known) then
-               call read_names(lines%bytes, lines%at, last, lines%number, table%names)
-               call keep_heading(lines, last, table%layout)
-               table%layout%semicolons = any(lines%bytes(lines%at:last) == iachar(";"))
-            else
-               call take_units(lines, last, table%names, taken)
-               if (.not. taken) return
+            if (table%names%known .and. has_labels(lines%bytes, lines%at, last)) then
+               return
+            else if (only_words(lines, last)) then
+               word = lower(bytes_text(lines%bytes, lines%at, min(last, lines%at + 3)))
+               if (word /= "sep=") call take_heading(lines, last, table%names, table%layout)
+            else if (table%names%known) then
+               return
+            else if (.not. is_title(lines, last)) then
+               return
             end if
          end if
          call next_line(lines)
@@ -207,6 +208,12 @@ contains
          call split_line(lines%bytes, lines%at, last, split%tabs, fields)
          call join_fields(lines%bytes, table%layout, fields)
       end if
+      if (named > 0) then
+         call drop_empty_names(fields%count - merge(1, 0, fields%trailing), table%names)
+         named = size(table%names%name)
+      end if
+      call refuse_equal_names(by_number(options), table%name, table%names, error)
+      if (allocated(error)) return
       if (named > 0 .and. .not. fits_names(fields, named)) then
          call split_line(lines%bytes, lines%at, last, split%mixed, fields)
          call place_error(error, table%name, lines%number, lines%bytes, lines%at, last, &
@@ -252,6 +259,14 @@ contains
       call place_error(error, table%name, lines%number, lines%bytes, lines%at, last, fields%first(column), "'"// &
          excerpt(lines%bytes, fields%first(column), fields%last(column))//"' may have the day or the month first", date_advice)
    end subroutine refuse_ambiguous_dates
+
+   !> True where the columns that are wanted are given by their numbers.
+   pure logical function by_number(options)
+      type(table_options), intent(in) :: options
+
+      by_number = allocated(options%columns)
+      if (by_number) by_number = verify(options%columns, "0123456789, ") == 0
+   end function by_number
 
    !> True where the line has a field for every name.
    pure logical function fits_names(fields, named)
