@@ -89,6 +89,8 @@ module gyroakf_app_option
       option_type("--channels", "N", "count", reading, "input", "columns of raw numbers, interleaved (default 1)"), &
       option_type("--skip", "N", "natural", reading, "input", &
                   "leave out the first N lines of a text, or the first N bytes before raw numbers"), &
+      option_type("--where", "COLUMN=VALUE", "text", reading, "input", "read only the rows that hold VALUE in that column, "// &
+                  "as of one of several sensors in a file"), &
       option_type("--from", "S", "real", reading, "input", "begin S seconds after the first sample"), &
       option_type("--to", "S", "positive", reading, "input", "end S seconds after the first sample"), &
       option_type("--decimal-comma", "", "flag", reading, "input", "every comma in the file is a decimal comma, as in 1,5; "// &

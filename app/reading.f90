@@ -52,6 +52,7 @@ contains
       type(reader_options) :: reader
 
       reader = config%reader
+      reader%survey = .true.
       call find_bound(reader)
       call read_within(config, reader, record, error, progress)
    end subroutine read_and_look

@@ -46,6 +46,7 @@ contains
       case ("--format"); call set_format(reader, option, value%text, error)
       case ("--channels"); reader%channels = value%count
       case ("--skip"); reader%skip = value%count
+      case ("--where"); reader%where = value%text
       case ("--from"); reader%from = value%number
          if (value%number < 0) call value_error(option, "'"//value%text//"' is before the first sample", error)
       case ("--to"); reader%to = value%number

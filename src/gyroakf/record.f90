@@ -7,7 +7,7 @@ module gyroakf_record
    use gyroakf_units, only : unit_type
    implicit none (type, external)
    private
-   public :: record_type, audit_type, text_type, add_text, sample_count, view_channel
+   public :: record_type, audit_type, column_type, text_type, add_text, sample_count, view_channel
 
    !> A string of its own length, for lists
    type :: text_type
@@ -71,6 +71,20 @@ module gyroakf_record
       real(dp) :: largest_shift = 0.0_dp, white_noise = 1.0_dp
    end type audit_type
 
+   !> A column of the file
+   type :: column_type
+      !> Name and unit as the file has them; "" where it has none
+      character(:), allocatable :: name, unit
+      !> As in "angular rate"
+      character(:), allocatable :: class
+      !> The channel that it became, 0 for none
+      integer :: channel = 0
+      !> True where it is the time, or a part of it
+      logical :: is_time = .false.
+      !> Range and smallest step as the file has them; NaN where they were not asked for, or the column is not read
+      real(dp) :: minimum = 0.0_dp, maximum = 0.0_dp, step = 0.0_dp
+   end type column_type
+
    !> A recording
    type :: record_type
       !> The file's name, "-" for standard input
@@ -85,6 +99,8 @@ module gyroakf_record
       integer(int8), allocatable :: present(:, :)
       !> Names: [channel]
       type(text_type), allocatable :: channel(:)
+      !> All columns of the file: [column]
+      type(column_type), allocatable :: column(:)
       !> s; 1 (per sample) where `rate_known` is false
       real(dp) :: sample_interval = 1.0_dp
       !> True where somebody gave the rate or the stamps show it

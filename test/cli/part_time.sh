@@ -69,11 +69,11 @@ awk 'BEGIN { print "no,stamped,gx"; for (i = 0; i < 900; i++) printf "%d,%.0f,%.
 good "a time by its behavior" inspect rollover.csv
 plain "taken for the time" "column 'stamped' rises evenly from row to row and is taken for the time"
 plain "its rollover" "starts again after 4294.967296 s in 1 place and is continued; the first is in line 99"
-plain "a counter before it" "column 'no' holds a counter and is left out"
+plain "a counter before it" "columns not analyzed: 1 no (counter)"
 plain "its rate" "Rate 100 Hz (from the time stamps)"
 awk 'BEGIN { print "T,gx"; for (i = 0; i < 300; i++) printf "%.2f,%.6f\n", 20 + i%7/10, sin(i*i) }' >warmth.csv
 good "T is a temperature" inspect warmth.csv
-plain "left out" "column 'T' holds a temperature and is left out"
+plain "left out" "columns not analyzed: 1 T (temperature)"
 awk 'BEGIN { print "when,gx"; for (i = 0; i < 301; i++) printf "%d,%.6f\n", int(i/2)*200, sin(i*i) }' >ticks.csv
 good "equal stamps" inspect ticks.csv --time-unit 100us
 plain "and a unit" "Rate 100 Hz (from the time stamps)"
@@ -99,11 +99,11 @@ plain "the option is named" "--wrap 65536 undoes it"
 good "wrapping undone" inspect counter.txt --input angle --scale 0.01 --wrap 65536 --json -
 holds "one rate" '"samples": 1999' out
 good "wrapping undone, as text" inspect counter.txt --input angle --scale 0.01 --wrap 65536
-plain "the rate is even" "column1 700 700 0"
+plain "the rate is even" "1 - unknown deg/s 700 700 0 analyzed"
 bad "a wrong value of --wrap" 1 "is neither auto, none nor a positive number" inspect counter.txt --input angle --wrap never
 awk 'BEGIN { print "t,gx,temp [degC]"; for (i = 0; i < 100; i++) print i*0.1 "," sin(i*i) "," 20 + i*0.01 }' >warm.csv
 good "a temperature" inspect warm.csv
-plain "left out" "column 'temp' holds a temperature and is left out; --column reads it"
+plain "left out" "columns not analyzed: 3 temp (temperature); --column reads them"
 good "a temperature that is wanted" inspect warm.csv --column temp
 
 # samples placed by their stamps

@@ -4,6 +4,7 @@
 !> One unit for all is the usual case; a file with gyroscopes and accelerometers has several.
 module gyroakf_io_channel_units
    use gyroakf_kinds, only : int64
+   use gyroakf_column_class, only : class_names, find_unit, unit_fits
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_table, only : table_type
@@ -25,7 +26,7 @@ contains
       type(table_type), intent(in) :: table
       !> Its channels are named; `unit`, `channel_unit`, `unit_source` are filled
       type(record_type), intent(inout) :: record
-      !> invalid_argument: an unknown unit, too many or too few, one of an angle where a rate is read, or the reverse
+      !> invalid_argument: an unknown unit, one that no channel can have, too many or too few, one of an angle where a rate is read, or the reverse
       type(error_type), allocatable, intent(out) :: error
       type(unit_type), allocatable :: unit(:)
       integer :: j
@@ -35,10 +36,15 @@ contains
       record%unit_source = "header"
       if (given /= "") then
          record%unit_source = "option"
-         call units_of_option(given, record, unit, error)
+         call units_of_header(table, record, unit)
+         if (all(unit%quantity == quantity%unknown)) call units_of_names(input, table, unit)
+         do j = 1, size(unit)
+            if ((input == "rate") .eqv. is_integral(unit(j))) unit(j) = unit_type()
+         end do
+         call units_of_option(given, table, record, unit, error)
       else
          call units_of_header(table, record, unit)
-         if (all(unit%quantity == quantity%unknown)) call units_of_names(table, unit)
+         if (all(unit%quantity == quantity%unknown)) call units_of_names(input, table, unit)
          do j = 1, size(unit)
             if (input == "rate" .and. unit(j)%quantity == quantity%velocity) unit(j) = unit_type()
          end do
@@ -53,22 +59,32 @@ contains
       if (record%unit_source /= "none") call keep_units(unit, record)
    end subroutine set_units
 
-   !> One for all channels, or one for each.
-   subroutine units_of_option(given, record, unit, error)
+   !> One for all channels whose quantity it may be, or one for each.
+   subroutine units_of_option(given, table, record, unit, error)
       character(*), intent(in) :: given
+      type(table_type), intent(in) :: table
       type(record_type), intent(in) :: record
       type(unit_type), intent(inout) :: unit(:)
       type(error_type), allocatable, intent(out) :: error
       type(unit_type), allocatable :: list(:)
       character(:), allocatable :: names
+      logical :: reached
       integer :: j
 
       call parse_units(given, list, error)
       if (allocated(error)) return
       if (size(list) == 1 .or. size(list) == size(unit)) then
+         reached = .false.
          do j = 1, size(unit)
-            unit(j) = list(min(j, size(list)))
+            if (unit_fits(table%class(table%chosen(j)), list(min(j, size(list))))) then
+               unit(j) = list(min(j, size(list)))
+               reached = .true.
+            else if (size(list) > 1) then
+               call refuse_unit(list(j), table, j, record, error)
+               return
+            end if
          end do
+         if (.not. reached) call refuse_unit(list(1), table, 1, record, error)
          return
       end if
       names = ""
@@ -81,6 +97,19 @@ contains
                        "): give one unit for all of them, or one for each")
    end subroutine units_of_option
 
+   !> The error for a unit of another quantity than the column's.
+   subroutine refuse_unit(unit, table, j, record, error)
+      type(unit_type), intent(in) :: unit
+      type(table_type), intent(in) :: table
+      integer, intent(in) :: j
+      type(record_type), intent(in) :: record
+      type(error_type), allocatable, intent(out) :: error
+
+      call fatal_error(error, status%invalid_argument, "the unit "//unit%name//" does not fit '"//record%channel(j)%text// &
+         "', by its name or unit in the file a column of class "//trim(class_names(table%class(table%chosen(j))))// &
+         ": give --column or another --unit")
+   end subroutine refuse_unit
+
    !> The header's unit, or its list of units: one for each column of the file, with or without the time's.
    subroutine units_of_header(table, record, unit)
       type(table_type), intent(in) :: table
@@ -89,13 +118,14 @@ contains
       type(error_type), allocatable :: failed
       integer :: j, column, listed
 
-      if (.not. allocated(table%header%units)) then
+      listed = 0
+      if (allocated(table%header%units)) listed = size(table%header%units)
+      if (listed == 0) then
          do j = 1, size(unit)
-            unit(j) = table%header%unit
+            if (unit_fits(table%class(table%chosen(j)), table%header%unit)) unit(j) = table%header%unit
          end do
          return
       end if
-      listed = size(table%header%units)
       if (listed /= table%layout%columns .and. (listed /= table%layout%columns - 1 .or. table%time == 0)) then
          call add_text(record%warnings, "the header lists "//integer_text(int(listed, int64))//" units, the file has "// &
                        integer_text(int(table%layout%columns, int64))//" columns; they are ignored")
@@ -109,17 +139,20 @@ contains
       end do
    end subroutine units_of_header
 
-   !> The units that stand in brackets behind the names of the columns.
-   subroutine units_of_names(table, unit)
+   !> The units that stand in brackets behind the names of the columns, or at the end of the names.
+   subroutine units_of_names(input, table, unit)
+      character(*), intent(in) :: input
       type(table_type), intent(in) :: table
       type(unit_type), intent(inout) :: unit(:)
-      type(error_type), allocatable :: failed
       integer :: j
 
       if (.not. table%names%known) return
       do j = 1, size(unit)
-         call parse_unit(table%names%unit(table%chosen(j))%text, unit(j), failed)
-         if (allocated(failed)) unit(j) = unit_type()
+         associate (column => table%chosen(j))
+            call find_unit(table%names%name(column)%text, table%names%unit(column)%text, unit(j))
+            if (.not. unit_fits(table%class(column), unit(j))) unit(j) = unit_type()
+            if (len(table%names%unit(column)%text) == 0 .and. ((input == "rate") .eqv. is_integral(unit(j)))) unit(j) = unit_type()
+         end associate
       end do
    end subroutine units_of_names
 

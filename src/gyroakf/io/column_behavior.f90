@@ -4,8 +4,9 @@ module gyroakf_io_column_behavior
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_columns, only : label_of
+   use gyroakf_io_leave_out, only : analyzed_columns
    use gyroakf_io_place, only : integer_text
-   use gyroakf_column_class, only : is_counter_name, is_temperature_name, may_hold_time
+   use gyroakf_column_class, only : column_class, may_hold_time
    use gyroakf_io_store, only : store_type
    use gyroakf_io_table, only : table_type
    use gyroakf_record, only : add_text, text_type
@@ -31,73 +32,56 @@ module gyroakf_io_column_behavior
 
 contains
 
-   !> Takes the first column that behaves like a time for the time where there is none, and leaves
-   !> counters out; both is said.
-   subroutine find_time_and_counters(table, time_known, keep, warnings)
-      !> Its rows are read, its columns were not asked for; `time` may be set
+   !> Takes the first column that behaves like a time for the time where there is none, and finds counters by what they do.
+   subroutine find_time_and_counters(table, time_known, angles, keep, warnings)
+      !> Its rows are read, its columns were not asked for; `time` and `class` may be set
       type(table_type), intent(inout) :: table
       !> The time column was given, or is not wanted
       logical, intent(in) :: time_known
+      !> The values are angles or increments
+      logical, intent(in) :: angles
       !> Columns that are channels: [chosen column]
       logical, intent(out) :: keep(:)
       type(text_type), allocatable, intent(inout) :: warnings(:)
       integer :: kind(size(keep)), j
-      logical :: named
+      logical :: may(size(keep))
 
-      keep(:) = .true.
-      named = table%names%known
+      kind(:) = behavior%other
+      may(:) = .true.
       do j = 1, size(keep)
-         kind(j) = behavior_of(table%store, j, counter_name(table, j))
+         if (table%names%known) may(j) = may_hold_time(table%names%name(table%chosen(j))%text)
+         if (table%names%known) may(j) = may(j) .or. table%names%name(table%chosen(j))%text == "T"
+         if (may(j) .and. .not. angles) kind(j) = behavior_of(table%store, j, table%class(table%chosen(j)) == column_class%counter)
       end do
       do j = 1, size(keep)
          if (table%time > 0 .or. time_known) exit
-         if (kind(j) /= behavior%time .or. count(keep) < 2) cycle
-         if (named) then
-            if (.not. may_hold_time(table%names%name(table%chosen(j))%text)) cycle
-         end if
+         if (kind(j) /= behavior%time .or. size(keep) < 2) cycle
          table%time = table%chosen(j)
-         keep(j) = .false.
+         table%class(table%time) = column_class%time
          call add_text(warnings, label_of(table%names, table%time)//" rises evenly from row to row "// &
-                       "and is taken for the time; --time-column none reads it as a channel")
+                       "and is taken for the time; --time-column none forbids it")
       end do
-      do j = 1, size(keep)
-         if (.not. keep(j) .or. count(keep) < 2) cycle
-         associate (column => table%chosen(j))
+      associate (class => table%class)
+         do j = 1, size(keep)
             if (kind(j) == behavior%counter) then
-               keep(j) = .false.
-               call add_text(warnings, label_of(table%names, column)//" holds a counter and is left "// &
-                             "out; --column reads it, --time-column "// &
-                             integer_text(int(column, int64))//" takes it for the time")
-            else if (named .and. kind(j) /= behavior%time) then
-               keep(j) = .not. is_temperature_name(table%names%name(column)%text, &
-                                                   table%names%unit(column)%text)
-               if (.not. keep(j)) then
-                  call add_text(warnings, label_of(table%names, column)//" holds a temperature "// &
-                                "and is left out; --column reads it")
-               end if
+               class(table%chosen(j)) = column_class%counter
+            else if (class(table%chosen(j)) == column_class%counter .and. .not. angles) then
+               class(table%chosen(j)) = column_class%unknown
             end if
-         end associate
-      end do
+         end do
+         keep(:) = .false.
+         keep(pack([(j, j=1, size(keep))], table%chosen /= table%time)) = &
+            analyzed_columns(pack(class(table%chosen), table%chosen /= table%time), angles)
+      end associate
+      if (.not. any(keep)) keep(:) = table%chosen /= table%time
       if (kind(1) /= behavior%rising .and. kind(1) /= behavior%time) return
-      if (.not. keep(1) .or. count(keep) < 2) return
-      if (named) then
-         if (.not. may_hold_time(table%names%name(table%chosen(1))%text)) return
-      end if
+      if (.not. keep(1) .or. count(keep) < 2 .or. .not. may(1)) return
       call add_text(warnings, label_of(table%names, table%chosen(1))// &
                     " rises from row to row and looks like "// &
                     trim(merge("a further time", "time          ", table%time > 0))// &
                     "; it is read as a channel, --time-column "// &
                     integer_text(int(table%chosen(1), int64))//" takes it for the time")
    end subroutine find_time_and_counters
-
-   !> True where the name says so.
-   pure logical function counter_name(table, j)
-      type(table_type), intent(in) :: table
-      integer, intent(in) :: j
-
-      counter_name = table%names%known
-      if (counter_name) counter_name = is_counter_name(table%names%name(table%chosen(j))%text)
-   end function counter_name
 
    !> What a column does; a column that falls otherwise than by starting again is left after a few
    !> rows.

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> What the rows of a table look like, and what may be wrong with one.
 module gyroakf_io_layout
-   use gyroakf_kinds, only : int64, int8
+   use gyroakf_kinds, only : dp, int64, int8
    implicit none (type, external)
    private
    public :: layout_type, problem_type
@@ -28,6 +28,11 @@ module gyroakf_io_layout
       !> The line of the names, from its first visible byte to the last: where it is met again it is no row; unallocated where
       !> there is none
       integer(int8), allocatable :: heading(:)
+      !> Only rows are read that hold this in this column, 0 for all rows
+      integer :: where_column = 0
+      integer(int8), allocatable :: where_value(:)
+      !> The value as a number, NaN where it is none
+      real(dp) :: where_number = 0.0_dp
       !> Semicolons part the columns: a line that begins with one may be a row whose first field is empty
       logical :: semicolons = .false.
    end type layout_type

@@ -1,23 +1,23 @@
 ! SPDX-License-Identifier: MIT
-!> Columns that are no rates: text, temperatures, further times. They are left out unless they were asked for, and it is said.
+!> Which columns are analyzed: gyroscopes, then accelerometers. The others are listed.
 module gyroakf_io_leave_out
    use gyroakf_kinds, only : int8, int64
-   use gyroakf_io_columns, only : column_names_type, label_of
+   use gyroakf_io_columns, only : column_names_type
    use gyroakf_io_number, only : is_missing_word
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_rows, only : join_fields, layout_type
-   use gyroakf_column_class, only : is_temperature_name, is_time_name
+   use gyroakf_column_class, only : class_of, class_names, column_class
    use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, last_visible, split, split_line
    use gyroakf_record, only : add_text, text_type
    use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
-   public :: find_texts, leave_out, list_number_columns
+   public :: find_texts, classes_of, analyzed_columns, in_order, list_left_out, list_number_columns
 
    !> So many lines at the start are looked at for text
    integer, parameter :: looked_at = 64
    !> So many columns are named in a warning
-   integer, parameter :: most_named = 12
+   integer, parameter :: most_named = 12, most_listed = 40
 
 contains
 
@@ -72,61 +72,94 @@ contains
       if (is_text) is_text = .not. is_missing_word(word)
    end function is_text
 
-   !> Takes out of the chosen columns what is no rate, and says so; nothing is left out where nothing would be left.
-   subroutine leave_out(names, texts, time, fraction, chosen, warnings)
+   !> What each column of a file measures.
+   pure function classes_of(names, units, texts, columns) result(class)
       !> Of the file
       type(column_names_type), intent(in) :: names
+      !> Of the header's key `units`: [column], or of another size
+      type(text_type), intent(in) :: units(:)
       !> Of [[find_texts]]: [column], or of size 0
       logical, intent(in) :: texts(:)
-      !> The columns of the time and of its fractions of a second, 0 where there are none
-      integer, intent(in) :: time, fraction
-      !> Some columns; afterwards those that stay
-      integer, allocatable, intent(inout) :: chosen(:)
-      !> What was left out
-      type(text_type), allocatable, intent(inout) :: warnings(:)
-      logical, dimension(size(chosen)) :: text, warm, other_time, part
-      integer :: i
+      integer, intent(in) :: columns
+      integer :: class(columns), j
+      character(:), allocatable :: name, unit
 
-      do i = 1, size(chosen)
-         text(i) = .false.
-         if (size(texts) > 0) text(i) = texts(chosen(i))
-         part(i) = chosen(i) == fraction
-         warm(i) = .false.
-         other_time(i) = .false.
-         if (.not. names%known .or. text(i) .or. part(i)) cycle
-         associate (name => names%name(chosen(i))%text, unit => names%unit(chosen(i))%text)
-            other_time(i) = time > 0 .and. is_time_name(name, unit)
-            warm(i) = is_temperature_name(name, unit) .and. .not. other_time(i) .and. (time > 0 .or. name /= "T")
-         end associate
+      do j = 1, columns
+         name = ""
+         unit = ""
+         if (names%known) name = names%name(j)%text
+         if (names%known) unit = names%unit(j)%text
+         if (len(unit) == 0 .and. size(units) == columns) unit = units(j)%text
+         class(j) = class_of(name, unit)
+         if (size(texts) == columns) class(j) = merge(column_class%text, class(j), texts(j))
       end do
-      if (all(text .or. warm .or. other_time .or. part)) return
-      call say(names, pack(chosen, text), "text", "", warnings)
-      call say(names, pack(chosen, warm), "a temperature", "; --column reads it", warnings)
-      call say(names, pack(chosen, other_time), "a further time", "; --time-column takes it for the time", warnings)
-      chosen = pack(chosen, .not. (text .or. warm .or. other_time .or. part))
-   end subroutine leave_out
+   end function classes_of
 
-   !> One warning for all columns of a kind.
-   subroutine say(names, columns, what, advice, warnings)
+   !> Which columns are analyzed: gyroscopes and accelerometers, else what may be one, else all numbers.
+   pure function analyzed_columns(class, angles) result(analyzed)
+      !> Of some columns
+      integer, intent(in) :: class(:)
+      !> True where they hold angles or increments
+      logical, intent(in) :: angles
+      logical :: analyzed(size(class))
+
+      if (angles) then
+         analyzed = class == column_class%rate .or. class == column_class%acceleration .or. class == column_class%angle &
+                    .or. class == column_class%unknown .or. class == column_class%other .or. class == column_class%position
+      else if (any(class == column_class%rate)) then
+         analyzed = class == column_class%rate .or. class == column_class%acceleration
+      else
+         analyzed = class == column_class%unknown .or. class == column_class%acceleration
+      end if
+      if (.not. any(analyzed)) analyzed = class /= column_class%text .and. class /= column_class%time .and. &
+                                          class /= column_class%temperature .and. class /= column_class%counter
+      if (.not. any(analyzed)) analyzed = class /= column_class%text .and. class /= column_class%time
+      if (.not. any(analyzed)) analyzed = class /= column_class%text
+   end function analyzed_columns
+
+   !> The columns of the record in their order: gyroscopes, then accelerometers, then the others.
+   pure function in_order(class) result(order)
+      !> Of some columns
+      integer, intent(in) :: class(:)
+      integer :: order(size(class)), i
+
+      order = [pack([(i, i=1, size(class))], class == column_class%rate), &
+               pack([(i, i=1, size(class))], class == column_class%acceleration), &
+               pack([(i, i=1, size(class))], class /= column_class%rate .and. class /= column_class%acceleration)]
+   end function in_order
+
+   !> One sentence on the columns that are not analyzed: "columns not analyzed: 8 mag_x, 9 mag_y (magnetic field); 11 temp (temperature)".
+   subroutine list_left_out(names, class, left, warnings)
+      !> Of the file
       type(column_names_type), intent(in) :: names
-      integer, intent(in) :: columns(:)
-      character(*), intent(in) :: what, advice
+      !> [column]
+      integer, intent(in) :: class(:)
+      !> Columns that are neither analyzed nor the time: [column]
+      logical, intent(in) :: left(:)
       type(text_type), allocatable, intent(inout) :: warnings(:)
       character(:), allocatable :: list
-      integer :: i
+      integer :: j, before, named
 
-      if (size(columns) == 0) return
-      if (size(columns) == 1) then
-         call add_text(warnings, label_of(names, columns(1))//" holds "//what//" and is left out"//advice)
-         return
-      end if
+      if (.not. any(left)) return
       list = ""
-      do i = 1, min(size(columns), most_named)
-         list = list//", "//label_of(names, columns(i))
+      before = 0
+      named = 0
+      do j = 1, size(class)
+         if (.not. left(j)) cycle
+         named = named + 1
+         if (named > most_listed) exit
+         if (before > 0) then
+            if (class(before) /= class(j)) list = list//" ("//trim(class_names(class(before)))//");"
+            if (class(before) == class(j)) list = list//","
+         end if
+         list = list//" "//integer_text(int(j, int64))
+         if (names%known) list = list//" "//names%name(j)%text
+         before = j
       end do
-      if (size(columns) > most_named) list = list//", ..."
-      call add_text(warnings, integer_text(size(columns, kind=int64))//" columns hold "//what//" and are left out: "//list(3:))
-   end subroutine say
+      list = trim(list)//" ("//trim(class_names(class(before)))//")"
+      if (named > most_listed) list = list//" and more"
+      call add_text(warnings, "columns not analyzed:"//list//"; --column reads them")
+   end subroutine list_left_out
 
    !> The columns that hold numbers in a line, as a list for --column: "4,6,8"; "" where there are none.
    subroutine list_number_columns(bytes, first, last, list)

@@ -13,12 +13,14 @@ module gyroakf_io_reader
    use gyroakf_io_column_behavior, only : find_time_and_counters
    use gyroakf_io_columns, only : label_of, name_of
    use gyroakf_io_findings, only : tell
+   use gyroakf_io_leave_out, only : list_left_out
    use gyroakf_io_lines, only : line_of
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_shape, only : cut, largest_value, make_rates, mark_missing, refuse_tiny, warn_of_wraps, wrap_of
    use gyroakf_io_store, only : take_columns
    use gyroakf_io_recording, only : close_recording, hold_rows, open_recording, reader_options, recording_type, &
       say_too_large
+   use gyroakf_io_survey, only : survey_columns
    use gyroakf_io_table, only : table_type
    use gyroakf_io_time_base, only : place_samples, use_stamps
    use gyroakf_progress, only : progress_type, tell_progress
@@ -111,20 +113,24 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer :: j, failed, time_slot
       integer, allocatable :: slots(:)
-      logical, allocatable :: keep(:)
-      logical :: looks
+      logical, allocatable :: keep(:), blank(:), left(:)
+      logical :: angles
 
       allocate (keep(size(table%chosen)))
       keep(:) = .true.
-      looks = .not. table%asked
-      if (looks .and. allocated(options%input)) looks = options%input /= "angle"
-      if (looks) then
-         call find_time_and_counters(table, allocated(options%time_column), keep, record%warnings)
-      end if
+      angles = .false.
+      if (allocated(options%input)) angles = options%input /= "rate"
+      if (.not. table%asked) call find_time_and_counters(table, allocated(options%time_column), angles, keep, record%warnings)
       time_slot = 0
       if (table%time > 0) time_slot = table%layout%slot(table%time)
+      blank = keep
       call find_numbers(table, keep, record, error)
       if (allocated(error)) return
+      blank(:) = blank .and. .not. keep
+      call survey_columns(table, keep, options%survey, record)
+      left = [(record%column(j)%channel == 0 .and. .not. record%column(j)%is_time, j=1, size(record%column))]
+      left(pack(table%chosen, blank)) = .false.
+      if (.not. table%asked) call list_left_out(table%names, table%class, left, record%warnings)
       slots = pack([(j, j=1, size(keep))], keep)
       call take_columns(table%store, time_slot, slots, record%value, stamps, failed)
       if (failed /= 0) then

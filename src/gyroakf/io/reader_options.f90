@@ -32,6 +32,8 @@ module gyroakf_io_reader_options
       !> Of numbers in the time column: "s", "ms", "us", "ns", "min", "h", perhaps behind a whole number, as in "100us";
       !> unallocated: by its name, else by its values
       character(:), allocatable :: time_unit
+      !> COLUMN=VALUE: rows that hold something else in that column are not read; unallocated: all rows
+      character(:), allocatable :: where
       !> How samples get their place: "index" (also where unallocated) at the mean rate, lost ones filled in; "nearest" on the slot
       !> of the grid nearest to their stamp; "linear" interpolated onto the grid
       character(:), allocatable :: resample
@@ -42,6 +44,8 @@ module gyroakf_io_reader_options
       !> "auto" (also where unallocated), "text", "csv", "npy", or raw numbers: "f32", "f64", "i8", "i16", "i32", "i64", "u8", ...,
       !> with "be" behind it where they are big endian
       character(:), allocatable :: format
+      !> Columns that are not analyzed are read for [[record_type:column]], too
+      logical :: survey = .false.
       !> Lines that cannot be read count as missing samples instead of being an error
       logical :: bad_lines_missing = .false.
       !> The part from <= time < to is kept; s from the start
@@ -91,6 +95,11 @@ contains
          call fatal_error(error, status%invalid_argument, "the number of lines to skip must not be negative")
       else if (options%channels < 0) then
          call fatal_error(error, status%invalid_argument, "the number of channels must not be negative")
+      end if
+      if (allocated(error)) return
+      if (allocated(options%where)) then
+         if (index(options%where, "=") < 2) call fatal_error(error, status%invalid_argument, "'"//options%where// &
+            "' is no COLUMN=VALUE")
       end if
       if (allocated(error)) return
       if (allocated(options%time_unit)) then

@@ -67,7 +67,10 @@ contains
       if (allocated(options%columns)) recording%wanted%columns = options%columns
       if (allocated(options%time_column)) recording%wanted%time_column = options%time_column
       recording%wanted%bad_lines_missing = options%bad_lines_missing
+      if (allocated(options%where)) recording%wanted%where = options%where
       recording%wanted%skip = options%skip
+      if (allocated(options%input)) recording%wanted%angles = options%input /= "rate"
+      recording%wanted%survey = options%survey
       recording%wanted%decimal_comma = options%decimal_comma
       recording%wanted%bytes => options%bytes
       call begin_rows(path, recording, error)
@@ -170,6 +173,8 @@ contains
 
       if (kind /= "binary" .and. recording%options%channels > 0) then
          call fatal_error(error, status%invalid_argument, recording%path//": --channels is for raw numbers, and this is "//kind)
+      else if (kind /= "text" .and. allocated(recording%options%where)) then
+         call fatal_error(error, status%invalid_argument, recording%path//": --where is for text, and this is "//kind)
       else if (kind == "npy" .and. recording%options%skip > 0) then
          call fatal_error(error, status%invalid_argument, recording%path// &
             ": --skip is for text (lines) and raw numbers (bytes), "// &

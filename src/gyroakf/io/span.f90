@@ -7,6 +7,7 @@ module gyroakf_io_span
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_lines, only : line_map_type, map_row
+   use gyroakf_io_selection, only : is_wanted
    use gyroakf_io_rows, only : layout_type, parse_rows, problem_type, read_row
    use gyroakf_io_text, only : begins_with_semicolon, fields_type, first_visible, is_comment, last_visible
    implicit none (type, external)
@@ -50,7 +51,7 @@ contains
       logical, intent(in) :: bad_lines_missing
       !> `first` and `last` tell the lines; the rest is filled
       type(span_type), intent(inout) :: span
-      integer(int64) :: at, before
+      integer(int64) :: at, before, feed
       logical :: odd
 
       span%rows = 0
@@ -67,12 +68,39 @@ contains
          call provide_room(layout, at, span)
          if (span%no_memory) return
          before = span%rows
-         call parse_rows(bytes, at, span%last, layout, span%value, span%rows, odd)
+         if (layout%where_column > 0) then
+            call skip_unwanted(bytes, at, feed, layout, span)
+            if (at > span%last) exit
+            call parse_rows(bytes, at, feed, layout, span%value, span%rows, odd)
+         else
+            call parse_rows(bytes, at, span%last, layout, span%value, span%rows, odd)
+         end if
          span%lines = span%lines + span%rows - before
          if (odd) call take_odd_line(bytes, at, layout, bad_lines_missing, span)
          if (span%problem_at > 0) return
       end do
    end subroutine read_span
+
+   !> Moves to the next row that `layout%where_column` selects, and finds its end.
+   subroutine skip_unwanted(bytes, at, feed, layout, span)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      !> First byte of a line; afterwards that of the row, behind the span where there is none
+      integer(int64), intent(inout) :: at
+      integer(int64), intent(out) :: feed
+      type(layout_type), intent(in) :: layout
+      type(span_type), intent(inout) :: span
+
+      do while (at <= span%last)
+         feed = at
+         do while (bytes(feed) /= line_feed)
+            feed = feed + 1
+         end do
+         if (is_wanted(bytes, at, feed - 1, layout)) return
+         span%lines = span%lines + 1
+         call map_row(span%map, span%rows + 1, span%lines + 1)
+         at = feed + 1
+      end do
+   end subroutine skip_unwanted
 
    !> Room for one row more at least: a guess by the length of the lines at first, then by the rows so far.
    pure subroutine provide_room(layout, at, span)

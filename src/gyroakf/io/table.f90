@@ -2,7 +2,7 @@
 !> A table of numbers in text: header, names, rows. What the numbers mean is the reader's business.
 module gyroakf_io_table
    use gyroakf_kinds, only : int8, int64
-   use gyroakf_column_class, only : is_time_name
+   use gyroakf_column_class, only : column_class, is_time_name
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_columns, only : choose_columns, column_names_type, drop_empty_names, find_column, label_of, &
       most_columns, refuse_equal_names
@@ -10,7 +10,7 @@ module gyroakf_io_table
    use gyroakf_io_comment_names, only : suppose_names
    use gyroakf_io_header, only : header_type, read_comment
    use gyroakf_io_heading, only : begins_with_names, has_labels, is_title, only_words, take_heading
-   use gyroakf_io_leave_out, only : find_texts, leave_out
+   use gyroakf_io_leave_out, only : analyzed_columns, classes_of, find_texts, in_order
    use gyroakf_io_lines, only : line_end, line_map_type, next_line, lines_type, map_row, more_lines
    use gyroakf_io_place, only : integer_text, place_error
    use gyroakf_io_rows, only : excerpt, join_fields, layout_type
@@ -18,6 +18,7 @@ module gyroakf_io_table
    use gyroakf_io_stamp_columns, only : ambiguous_date, date_advice, find_joined, find_kinds, pair_stamps
    use gyroakf_io_stamps, only : fraction_of
    use gyroakf_io_store, only : store_type
+   use gyroakf_io_selection, only : find_interleaved, is_wanted, set_condition
    use gyroakf_io_text, only : begins_with_semicolon, bytes_text, fields_type, first_visible, is_comment, split, split_line
    use gyroakf_record, only : add_text, text_type
    use gyroakf_spelling, only : lower
@@ -37,6 +38,12 @@ module gyroakf_io_table
       integer(int64) :: skip = 0
       !> Every comma is a decimal comma
       logical :: decimal_comma = .false.
+      !> COLUMN=VALUE of the rows that are read; unallocated: all
+      character(:), allocatable :: where
+      !> The values are angles or increments
+      logical :: angles = .false.
+      !> Columns that are not analyzed are read, too
+      logical :: survey = .false.
       !> Where associated they are the content, and the path is a name for messages
       integer(int8), pointer, contiguous :: bytes(:) => null()
    end type table_options
@@ -56,6 +63,8 @@ module gyroakf_io_table
       !> The columns that hold the record, in the order wanted; and the one that holds the time, 0 where there is none
       integer, allocatable :: chosen(:)
       integer :: time = 0
+      !> What each column measures, one of the components of column_class: [column]
+      integer, allocatable :: class(:)
       !> True where the columns were asked for
       logical :: asked = .false.
       !> The rows that are at hand
@@ -148,6 +157,8 @@ contains
             else if (only_words(lines, last)) then
                word = lower(bytes_text(lines%bytes, lines%at, min(last, lines%at + 3)))
                if (word /= "sep=") call take_heading(lines, last, table%names, table%layout)
+            else if (skipped_by_where(lines, last, options, table)) then
+               continue
             else if (table%names%known) then
                return
             else if (.not. is_title(lines, last)) then
@@ -156,10 +167,28 @@ contains
          end if
          call next_line(lines)
       end do
+      if (table%layout%where_column > 0) then
+         call fatal_error(error, status%invalid_argument, table%name//": no row agrees with "//options%where)
+         return
+      end if
       call fatal_error(error, status%parse, table%name//":"//integer_text(max(1_int64, lines%number - 1))// &
                        ":1: the file holds no line of numbers"//new_line("a")// &
                        "give one row of numbers per sample; lines that begin with # % ; // are comments")
    end subroutine read_preamble
+
+   !> True for a row that `options%where` leaves out, where its column is known.
+   logical function skipped_by_where(lines, last, options, table)
+      type(lines_type), intent(in) :: lines
+      integer(int64), intent(in) :: last
+      type(table_options), intent(in) :: options
+      type(table_type), intent(inout) :: table
+      type(error_type), allocatable :: failed
+
+      skipped_by_where = .false.
+      if (.not. allocated(options%where)) return
+      call set_condition(options%where, table%names, most_columns, table%layout, failed)
+      if (.not. allocated(failed)) skipped_by_where = .not. is_wanted(lines%bytes, lines%at, last, table%layout)
+   end function skipped_by_where
 
    !> True for a row below names between semicolons whose first field is empty: not a comment.
    logical function lacks_first(lines, last, table)
@@ -225,10 +254,16 @@ contains
       table%layout%columns = merge(named, fields%count, named > 0)
       table%layout%semicolons = any(lines%bytes(lines%at:fields%last(fields%count)) == iachar(";"))
       table%layout%last_optional = fields%trailing
+      if (allocated(options%where)) then
+         call set_condition(options%where, table%names, table%layout%columns, table%layout, error)
+         if (allocated(error)) return
+      end if
       call find_kinds(lines%bytes, fields, table%layout%columns, table%layout)
       call find_texts(lines%bytes, lines%at, lines%last, table%layout, texts)
       call choose(options, texts, table, fraction, nano, error)
       if (allocated(error)) return
+      if (.not. allocated(options%where)) call find_interleaved(lines%bytes, lines%at, lines%last, table%layout, table%names, &
+         table%time, table%class, table%warnings)
       call pair_stamps(lines%bytes, fields, table%time, table%chosen, fraction, nano, table%layout, partner)
       call set_slots(partner, table)
    end subroutine lay_out
@@ -330,16 +365,17 @@ contains
       fraction = 0
       nano = .true.
       if (table%time > 0 .and. table%names%known) call fraction_of(table%names%name, table%time, fraction, nano)
+      if (.not. allocated(table%header%units)) allocate (table%header%units(0))
+      table%class = classes_of(table%names, table%header%units, texts, n)
+      if (fraction > 0) table%class(fraction) = column_class%time
       table%asked = allocated(options%columns)
       if (table%asked) then
          call choose_columns(options%columns, table%names, n, table%chosen, error)
          if (.not. allocated(error)) call refuse_stamps(table, error)
       else
-         allocate (table%chosen(count([(i /= table%time .and. .not. is_stamp(table%layout, i), i=1, n)])))
-         table%chosen(:) = pack([(i, i=1, n)], [(i /= table%time .and. .not. is_stamp(table%layout, i), i=1, n)])
+         call choose_by_class(options, fraction, table)
       end if
       if (allocated(error)) return
-      if (.not. table%asked) call leave_out(table%names, texts, table%time, fraction, table%chosen, table%warnings)
       if (size(table%chosen) == 0 .and. table%time == 0) then
          call fatal_error(error, status%parse, table%name//":"//integer_text(table%names%line)// &
                           ":1: every column holds dates or times of day"//new_line("a")//"a record needs a column of numbers")
@@ -349,6 +385,32 @@ contains
                           new_line("a")//"--time-column none takes it for the record")
       end if
    end subroutine choose
+
+   !> The columns that are kept where none was asked for: those that are analyzed; and where the time is not known, what may be it
+   !> or a counter.
+   subroutine choose_by_class(options, fraction, table)
+      type(table_options), intent(in) :: options
+      integer, intent(in) :: fraction
+      type(table_type), intent(inout) :: table
+      logical :: number(table%layout%columns), kept(table%layout%columns)
+      integer :: i
+
+      number = [(i /= table%time .and. i /= fraction .and. .not. is_stamp(table%layout, i), i=1, size(number))]
+      kept(:) = .false.
+      kept(pack([(i, i=1, size(kept))], number)) = analyzed_columns(pack(table%class, number), options%angles)
+      associate (class => table%class)
+         if (options%survey) then
+            kept = number .and. class /= column_class%text .and. class /= column_class%time
+         else if (table%time == 0 .and. .not. allocated(options%time_column)) then
+            kept = kept .or. (number .and. (class == column_class%unknown .or. class == column_class%counter))
+            if (table%names%known) kept = kept .or. (number .and. [(table%names%name(i)%text == "T", i=1, size(kept))])
+         else if (.not. any(class == column_class%rate)) then
+            kept = kept .or. (number .and. class == column_class%counter)
+         end if
+         table%chosen = pack([(i, i=1, size(kept))], kept)
+         table%chosen = table%chosen(in_order(class(table%chosen)))
+      end associate
+   end subroutine choose_by_class
 
    !> The column without a name for a time that holds dates or times of day: a date and time together before others.
    pure integer function first_stamps(layout)

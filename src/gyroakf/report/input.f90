@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> What was read and what was assumed about it.
 module gyroakf_report_input
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : record_type, sample_count
    use gyroakf_units, only : quantity
@@ -23,7 +24,7 @@ contains
 
       call put_title(writer, "gyroakf "//release_string//": what the file holds")
       call put_input(writer, record)
-      call put_ranges(writer, record)
+      call put_columns(writer, record)
    end subroutine report_inspect
 
    !> File, samples, rate, unit, what is missing, warnings.
@@ -151,36 +152,64 @@ contains
       if (len(text) > 0) call put_item(writer, "Clock", text(3:))
    end subroutine put_missing
 
-   !> Range and quantisation step of each channel.
-   subroutine put_ranges(writer, record)
+   !> All columns of the file: class, unit, range and smallest step in that unit, and what is done with them.
+   subroutine put_columns(writer, record)
       !> The report
       type(writer_type), intent(inout) :: writer
       !> What was read
       type(record_type), intent(in) :: record
+      character(*), parameter :: titles(8) = [character(8) :: "column", "name", "class", "unit", "minimum", "maximum", "step", &
+                                              "use"]
       type(table_type) :: table
-      logical :: mixed
-      integer :: i, n
+      real(dp) :: range(3)
+      integer :: i, c
 
-      n = size(record%value, 2)
-      if (.not. allocated(record%audit%minimum)) return
-      mixed = allocated(record%channel_unit)
-      if (mixed) call put_heading(writer, "Channels, each in its unit", "-")
-      if (.not. mixed) call put_heading(writer, "Channels, in "//unit_name(record), "-")
-      call new_table(table, n + 1, merge(5, 4, mixed))
-      call set_cell(table, 1, 1, "channel")
-      call set_cell(table, 1, 2, "minimum")
-      call set_cell(table, 1, 3, "maximum")
-      call set_cell(table, 1, 4, "smallest step")
-      if (mixed) call set_cell(table, 1, 5, "unit")
-      do i = 1, n
-         call set_cell(table, i + 1, 1, record%channel(i)%text)
-         call set_cell(table, i + 1, 2, number(record%audit%minimum(i), 7))
-         call set_cell(table, i + 1, 3, number(record%audit%maximum(i), 7))
-         call set_cell(table, i + 1, 4, number(record%audit%quantisation(i), 4))
-         if (mixed) call set_cell(table, i + 1, 5, text_or(record%channel_unit(i)%name, "not known"))
+      if (.not. allocated(record%column)) return
+      call put_heading(writer, "Columns", "-")
+      call new_table(table, size(record%column) + 1, size(titles), left=4)
+      do i = 1, size(titles)
+         call set_cell(table, 1, i, trim(titles(i)))
       end do
-      call put_table(writer, table, 1, verbatim=.true.)
-   end subroutine put_ranges
+      do i = 1, size(record%column)
+         associate (column => record%column(i))
+            c = column%channel
+            call set_cell(table, i + 1, 1, count_text(int(i, int64)))
+            call set_cell(table, i + 1, 2, text_or(column%name, "-"))
+            call set_cell(table, i + 1, 3, column%class)
+            call set_cell(table, i + 1, 4, text_or(column%unit, "-"))
+            if (c > 0) call set_cell(table, i + 1, 4, text_or(channel_unit_name(record, c), text_or(column%unit, "-")))
+            range = [column%minimum, column%maximum, column%step]
+            if (c > 0) range = [record%audit%minimum(c), record%audit%maximum(c), record%audit%quantisation(c)]
+            call set_cell(table, i + 1, 5, known_number(range(1), 6))
+            call set_cell(table, i + 1, 6, known_number(range(2), 6))
+            call set_cell(table, i + 1, 7, known_number(range(3), 4))
+            call set_cell(table, i + 1, 8, "not analyzed")
+            if (column%is_time) call set_cell(table, i + 1, 8, "time")
+            if (c > 0) call set_cell(table, i + 1, 8, "analyzed")
+         end associate
+      end do
+      call put_table(writer, table, 4, verbatim=.true.)
+   end subroutine put_columns
+
+   !> A number, "-" where it is not known.
+   pure function known_number(x, digits) result(text)
+      real(dp), intent(in) :: x
+      integer, intent(in) :: digits
+      character(:), allocatable :: text
+
+      text = "-"
+      if (.not. ieee_is_nan(x)) text = number(x, digits)
+   end function known_number
+
+   !> The unit of a channel; "" where it is not known.
+   pure function channel_unit_name(record, channel) result(name)
+      type(record_type), intent(in) :: record
+      integer, intent(in) :: channel
+      character(:), allocatable :: name
+
+      name = text_or(record%unit%name, "")
+      if (allocated(record%channel_unit)) name = text_or(record%channel_unit(channel)%name, "")
+   end function channel_unit_name
 
    !> Somebody gave a unit.
    pure logical function has_unit(record)

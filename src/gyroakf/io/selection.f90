@@ -1,0 +1,161 @@
+! SPDX-License-Identifier: MIT
+!> Rows of several sensors in one table: found by a column that alternates, selected by its value.
+module gyroakf_io_selection
+   use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_column_class, only : column_class
+   use gyroakf_error, only : error_type
+   use gyroakf_io_columns, only : column_names_type, find_column, label_of
+   use gyroakf_io_layout, only : layout_type
+   use gyroakf_io_number, only : number, parse_number, scan_number
+   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_rows, only : join_fields
+   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, split, split_line
+   use gyroakf_record, only : add_text, text_type
+   implicit none (type, external)
+   private
+   public :: find_interleaved, is_wanted, set_condition
+
+   !> Rows at the start that are looked at, and the most sensors in them
+   integer, parameter :: most_rows = 64, most_sensors = 8
+
+contains
+
+   !> True for a row whose field in the column of the layout is the value that is wanted, as text or as a number. Thread-safe.
+   pure logical function is_wanted(bytes, first, last, layout)
+      !> Holds the line at first:last
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      !> With `where_column` and `where_value`
+      type(layout_type), intent(in) :: layout
+      type(fields_type) :: fields
+      integer(int64) :: p
+      real(dp) :: x
+      integer :: found
+
+      call split_line(bytes, first, last, split%mixed, fields)
+      call join_fields(bytes, layout, fields)
+      is_wanted = .false.
+      if (fields%count < layout%where_column) return
+      associate (from => fields%first(layout%where_column), to => fields%last(layout%where_column))
+         if (to - from + 1 == size(layout%where_value)) is_wanted = all(bytes(from:to) == layout%where_value)
+         if (is_wanted .or. to < from .or. .not. layout%where_number <= huge(x)) return
+         p = from
+         call scan_number(bytes, p, x, found)
+         is_wanted = found == number%ok .and. p == to + 1 .and. abs(x - layout%where_number) <= 0.0_dp
+      end associate
+   end function is_wanted
+
+   !> Takes in COLUMN=VALUE.
+   subroutine set_condition(text, names, columns, layout, error)
+      character(*), intent(in) :: text
+      !> Of the file, and how many columns it has
+      type(column_names_type), intent(in) :: names
+      integer, intent(in) :: columns
+      !> `where_column`, `where_value` and `where_number` are set
+      type(layout_type), intent(inout) :: layout
+      !> Allocated where there is no such column: invalid_argument
+      type(error_type), allocatable, intent(out) :: error
+      integer :: mark, i, found
+
+      mark = index(text, "=", back=.true.)
+      call find_column(text(:mark - 1), names, columns, layout%where_column, error)
+      layout%where_value = [(int(iachar(text(i:i)), int8), i=mark + 1, len(text))]
+      layout%where_number = huge(1.0_dp)
+      call parse_number(text(mark + 1:), layout%where_number, found)
+      if (found /= number%ok) layout%where_number = ieee_value(1.0_dp, ieee_quiet_nan)
+   end subroutine set_condition
+
+   !> Looks at the first rows for a column that alternates between few values while the time stamps repeat, and says so.
+   subroutine find_interleaved(bytes, first, last, layout, names, time, class, warnings)
+      !> Holds rows from first on, up to the line feed at last
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      type(layout_type), intent(in) :: layout
+      type(column_names_type), intent(in) :: names
+      !> The column of the time, 0 for none
+      integer, intent(in) :: time
+      !> [column]
+      integer, intent(in) :: class(:)
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      type(text_type) :: field(most_rows, layout%columns)
+      integer :: rows, j, sensors
+
+      if (time == 0) return
+      call first_rows(bytes, first, last, layout, field, rows)
+      if (rows < 8) return
+      do j = 1, layout%columns
+         if (j == time .or. class(j) == column_class%rate .or. class(j) == column_class%acceleration) cycle
+         sensors = alternating(field(:rows, j), field(:rows, time))
+         if (sensors == 0) cycle
+         call add_text(warnings, label_of(names, j)//" alternates between "//integer_text(int(sensors, int64))// &
+                       " values while the time stamps repeat: "//integer_text(int(sensors, int64))//" sensors in one table; "// &
+                       "--where "//selector(names, j)//"="//field(1, j)%text//" selects one")
+         return
+      end do
+   end subroutine find_interleaved
+
+   !> A column for --where: its name, or its number where it has none or one with a blank.
+   pure function selector(names, column) result(text)
+      type(column_names_type), intent(in) :: names
+      integer, intent(in) :: column
+      character(:), allocatable :: text
+
+      text = ""
+      if (names%known) text = names%name(column)%text
+      if (len(text) == 0 .or. scan(text, " =()[]$*?#;&|<>'""") > 0) text = integer_text(int(column, int64))
+   end function selector
+
+   !> The fields of the first rows.
+   subroutine first_rows(bytes, first, last, layout, field, rows)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      type(layout_type), intent(in) :: layout
+      type(text_type), intent(inout) :: field(:, :)
+      integer, intent(out) :: rows
+      type(fields_type) :: fields
+      integer(int64) :: at, to
+      integer :: j
+
+      rows = 0
+      at = first
+      do while (at <= last .and. rows < size(field, 1))
+         to = at
+         do while (bytes(to) /= 10)
+            to = to + 1
+         end do
+         if (.not. is_comment(bytes, at, to - 1) .and. first_visible(bytes, at, to - 1) < to) then
+            call split_line(bytes, at, to - 1, split%mixed, fields)
+            call join_fields(bytes, layout, fields)
+            if (fields%count < layout%columns) return
+            rows = rows + 1
+            do j = 1, layout%columns
+               field(rows, j)%text = bytes_text(bytes, fields%first(j), fields%last(j))
+            end do
+         end if
+         at = to + 1
+      end do
+   end subroutine first_rows
+
+   !> The number of values that a column goes through again and again while the stamps repeat in most rows; 0 where it does not.
+   pure integer function alternating(field, stamp) result(period)
+      !> [row]
+      type(text_type), intent(in) :: field(:), stamp(:)
+      integer :: i, equal, n
+
+      n = size(field)
+      equal = 0
+      period = 0
+      do i = 2, n
+         if (stamp(i)%text /= stamp(i - 1)%text) cycle
+         if (field(i)%text == field(i - 1)%text) return
+         equal = equal + 1
+      end do
+      if (4*equal < n) return
+      do period = 2, min(most_sensors, n/3)
+         if (10*count([(field(i)%text == field(i - period)%text, i=period + 1, n)]) >= 9*(n - period)) exit
+      end do
+      if (period > min(most_sensors, n/3)) period = 0
+   end function alternating
+
+end module gyroakf_io_selection
