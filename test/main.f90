@@ -96,6 +96,7 @@ program test_main
    use test_tables, only : collect_tables
    use test_text, only : collect_text
    use test_trend, only : collect_trend
+   use test_column_class, only : collect_column_class
    use test_columns_writer, only : collect_columns_writer
    use test_conventions, only : collect_conventions
    use test_kalibr, only : collect_kalibr
@@ -200,6 +201,7 @@ program test_main
    call add("chart", collect_chart)
    call add("text", collect_text)
    call add("trend", collect_trend)
+   call add("column_class", collect_column_class)
    call add("columns_writer", collect_columns_writer)
    call add("conventions", collect_conventions)
    call add("kalibr", collect_kalibr)

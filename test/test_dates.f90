@@ -4,7 +4,7 @@ module test_dates
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_io_calendar, only : day_number, day_text
+   use gyroakf_io_calendar, only : day_number
    use gyroakf_io_date, only : is_day_first, kind_of_field, scan_stamp, stamp_kind
    use gyroakf_io_reader, only : reader_options, read_record
    use gyroakf_io_stamp_columns, only : decimal_fields, seconds_comma
@@ -31,7 +31,6 @@ contains
          new_unittest("nanoseconds", test_nanoseconds), &
          new_unittest("refused", test_refused), &
          new_unittest("day-first", test_day_first), &
-         new_unittest("text", test_day_text), &
          new_unittest("midnight", test_midnight), &
          new_unittest("columns", test_columns), &
          new_unittest("odd-rows", test_odd_rows), &
@@ -172,20 +171,6 @@ contains
       end do
       call expect_error(error, "time,gx"//nl//"05/01/2026 12:00:00,1"//nl, "may have the day or the month first")
    end subroutine test_day_first
-
-   subroutine test_day_text(error)
-      type(error_type), allocatable, intent(out) :: error
-      character(26) :: text
-
-      call day_text(day_number(2024, 2, 29), 86399.25_dp, text)
-      call check(error, text, "2024-02-29 23:59:59.250000")
-      if (allocated(error)) return
-      call day_text(day_number(2024, 2, 29), 86400.0_dp, text)
-      call check(error, text, "2024-03-01 00:00:00.000000")
-      if (allocated(error)) return
-      call day_text(day_number(2026, 1, 1), -0.5_dp, text)
-      call check(error, text, "2025-12-31 23:59:59.500000")
-   end subroutine test_day_text
 
    !> Two midnights, a stamp out of order at one of them, and a second block.
    subroutine test_midnight(error)

@@ -114,7 +114,8 @@ contains
       turns = has_word(word, speeds) .and. (has_word(word, turning) .or. is_angle(word))
       turns = turns .or. has_beginning(word, ["gyr   ", "omega ", "angvel"]) .or. any(rate_axes == joined)
       turns = turns .or. has_word(word, ["rate   ", "rates  ", "rotrate"]) .or. has_word(word, rate_axes(:12))
-      turns = turns .or. ends_with(joined, "rotation")
+      turns = turns .or. ends_with(joined, "rotation") .or. (is_angle(word) .and. ends_with(joined, "speed"))
+      turns = turns .or. (is_angle(word) .and. ends_with(joined, "rate"))
       accelerates = has_beginning(word, ["acc     ", "lacc    ", "gravity ", "specific"]) .or. any(acceleration_axes == joined)
       accelerates = accelerates .or. has_word(word, acceleration_axes(:6)) .or. has_word(word, ["force ", "gforce", "xl    "])
       if (has_beginning(word, ["quat   ", "orienta", "rotvec "]) .or. any(quaternion_axes == joined)) then

@@ -26,7 +26,8 @@ contains
       type(table_type), intent(in) :: table
       !> Its channels are named; `unit`, `channel_unit`, `unit_source` are filled
       type(record_type), intent(inout) :: record
-      !> invalid_argument: an unknown unit, one that no channel can have, too many or too few, one of an angle where a rate is read, or the reverse
+      !> invalid_argument: an unknown unit, one of another quantity than the channels', too many or too few,
+      !> one of an angle where a rate is read, or the reverse
       type(error_type), allocatable, intent(out) :: error
       type(unit_type), allocatable :: unit(:)
       integer :: j

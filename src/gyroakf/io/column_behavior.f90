@@ -33,13 +33,13 @@ module gyroakf_io_column_behavior
 contains
 
    !> Takes the first column that behaves like a time for the time where there is none, and finds counters by what they do.
-   subroutine find_time_and_counters(table, time_known, angles, keep, warnings)
+   subroutine find_time_and_counters(table, time_known, input, keep, warnings)
       !> Its rows are read, its columns were not asked for; `time` and `class` may be set
       type(table_type), intent(inout) :: table
       !> The time column was given, or is not wanted
       logical, intent(in) :: time_known
-      !> The values are angles or increments
-      logical, intent(in) :: angles
+      !> "rate", "increment" or "angle": angles may rise evenly and count, and are not looked at
+      character(*), intent(in) :: input
       !> Columns that are channels: [chosen column]
       logical, intent(out) :: keep(:)
       type(text_type), allocatable, intent(inout) :: warnings(:)
@@ -51,7 +51,8 @@ contains
       do j = 1, size(keep)
          if (table%names%known) may(j) = may_hold_time(table%names%name(table%chosen(j))%text)
          if (table%names%known) may(j) = may(j) .or. table%names%name(table%chosen(j))%text == "T"
-         if (may(j) .and. .not. angles) kind(j) = behavior_of(table%store, j, table%class(table%chosen(j)) == column_class%counter)
+         if (.not. may(j) .or. input == "angle") cycle
+         kind(j) = behavior_of(table%store, j, table%class(table%chosen(j)) == column_class%counter)
       end do
       do j = 1, size(keep)
          if (table%time > 0 .or. time_known) exit
@@ -65,13 +66,13 @@ contains
          do j = 1, size(keep)
             if (kind(j) == behavior%counter) then
                class(table%chosen(j)) = column_class%counter
-            else if (class(table%chosen(j)) == column_class%counter .and. .not. angles) then
+            else if (class(table%chosen(j)) == column_class%counter .and. input /= "angle") then
                class(table%chosen(j)) = column_class%unknown
             end if
          end do
          keep(:) = .false.
          keep(pack([(j, j=1, size(keep))], table%chosen /= table%time)) = &
-            analyzed_columns(pack(class(table%chosen), table%chosen /= table%time), angles)
+            analyzed_columns(pack(class(table%chosen), table%chosen /= table%time), input /= "rate")
       end associate
       if (.not. any(keep)) keep(:) = table%chosen /= table%time
       if (kind(1) /= behavior%rising .and. kind(1) /= behavior%time) return

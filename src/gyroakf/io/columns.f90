@@ -180,10 +180,13 @@ contains
       integer(int64), intent(in) :: first, last
 
       names_way = split%mixed
-      if (any(bytes(first:last) == comma .or. bytes(first:last) == semicolon .or. bytes(first:last) == tab)) names_way = split%names
+      associate (line => bytes(first:last))
+         if (any(line == comma .or. line == semicolon .or. line == tab)) names_way = split%names
+      end associate
    end function names_way
 
-   !> "gx [deg/s]" as name and unit; what stands in brackets at the end belongs to the name where it is no unit: "gyro[0]".
+   !> "gx [deg/s]" as name and unit; what stands in brackets at the end belongs to the name where it
+   !> is no unit: "gyro[0]".
    pure subroutine take_name(word, name, unit)
       character(*), intent(in) :: word
       character(:), allocatable, intent(inout) :: name, unit

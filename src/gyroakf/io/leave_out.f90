@@ -128,7 +128,7 @@ contains
                pack([(i, i=1, size(class))], class /= column_class%rate .and. class /= column_class%acceleration)]
    end function in_order
 
-   !> One sentence on the columns that are not analyzed: "columns not analyzed: 8 mag_x, 9 mag_y (magnetic field); 11 temp (temperature)".
+   !> One sentence on the columns that are not analyzed, with numbers and names, and what they measure.
    subroutine list_left_out(names, class, left, warnings)
       !> Of the file
       type(column_names_type), intent(in) :: names

@@ -114,13 +114,13 @@ contains
       integer :: j, failed, time_slot
       integer, allocatable :: slots(:)
       logical, allocatable :: keep(:), blank(:), left(:)
-      logical :: angles
+      character(:), allocatable :: input
 
       allocate (keep(size(table%chosen)))
       keep(:) = .true.
-      angles = .false.
-      if (allocated(options%input)) angles = options%input /= "rate"
-      if (.not. table%asked) call find_time_and_counters(table, allocated(options%time_column), angles, keep, record%warnings)
+      input = "rate"
+      if (allocated(options%input)) input = options%input
+      if (.not. table%asked) call find_time_and_counters(table, allocated(options%time_column), input, keep, record%warnings)
       time_slot = 0
       if (table%time > 0) time_slot = table%layout%slot(table%time)
       blank = keep

@@ -18,6 +18,8 @@ module gyroakf_io_selection
 
    !> Rows at the start that are looked at, and the most sensors in them
    integer, parameter :: most_rows = 64, most_sensors = 8
+   !> Tables of more columns are not looked at
+   integer, parameter :: most_columns = 256
 
 contains
 
@@ -78,10 +80,11 @@ contains
       !> [column]
       integer, intent(in) :: class(:)
       type(text_type), allocatable, intent(inout) :: warnings(:)
-      type(text_type) :: field(most_rows, layout%columns)
+      type(text_type), allocatable :: field(:, :)
       integer :: rows, j, sensors
 
-      if (time == 0) return
+      if (time == 0 .or. layout%columns > most_columns) return
+      allocate (field(most_rows, layout%columns))
       call first_rows(bytes, first, last, layout, field, rows)
       if (rows < 8) return
       do j = 1, layout%columns
