@@ -66,7 +66,7 @@ module gyroakf_column_class
 contains
 
    !> The class of a column.
-   pure integer function class_of(name, unit) result(class)
+   pure integer function class_of(name, unit) result(found)
       !> As the file names it, without its unit, and the unit; "" where there is none
       character(*), intent(in) :: name, unit
       type(text_type), allocatable :: word(:)
@@ -76,41 +76,41 @@ contains
       call split_name(name, word)
       joined = joined_name(word)
       call find_unit(name, unit, known)
-      class = column_class%unknown
+      found = column_class%unknown
       if (is_temperature_unit(unit)) then
-         class = column_class%temperature
+         found = column_class%temperature
       else if (is_time_name(name, unit)) then
-         class = column_class%time
+         found = column_class%time
       else if (has_word(word, flags) .or. has_beginning(word, ["clip", "satu"])) then
-         class = column_class%flag
+         found = column_class%flag
       else if (is_counter_name(name)) then
-         class = column_class%counter
+         found = column_class%counter
       else if (is_temperature_name(name, unit)) then
-         class = column_class%temperature
+         found = column_class%temperature
       else if (has_word(word, statistics)) then
-         class = column_class%other
+         found = column_class%other
       else if (any(magnetic_units == lower(unit)) .or. is_magnetic(word, joined)) then
-         class = column_class%magnetic
+         found = column_class%magnetic
       else if (known%quantity == quantity%angular_rate) then
-         class = column_class%rate
+         found = column_class%rate
       else if (known%quantity == quantity%acceleration) then
-         class = column_class%acceleration
+         found = column_class%acceleration
       else
-         class = class_of_words(word, joined)
-         if (class == column_class%unknown .and. known%quantity == quantity%angle) class = column_class%angle
-         if (class == column_class%unknown .and. known%quantity == quantity%velocity) class = column_class%position
+         found = class_of_words(word, joined)
+         if (found == column_class%unknown .and. known%quantity == quantity%angle) found = column_class%angle
+         if (found == column_class%unknown .and. known%quantity == quantity%velocity) found = column_class%position
       end if
    end function class_of
 
    !> The class by words alone.
-   pure integer function class_of_words(word, joined) result(class)
+   pure integer function class_of_words(word, joined) result(found)
       type(text_type), intent(in) :: word(:)
       character(*), intent(in) :: joined
       character(8), parameter :: turning(5) = [character(8) :: "angular", "ang", "rotation", "rot", "body"]
       character(8), parameter :: speeds(6) = [character(8) :: "velocity", "vel", "rate", "rates", "speed", "omega"]
       logical :: turns, accelerates
 
-      class = column_class%unknown
+      found = column_class%unknown
       turns = has_word(word, speeds) .and. (has_word(word, turning) .or. is_angle(word))
       turns = turns .or. has_beginning(word, ["gyr   ", "omega ", "angvel"]) .or. any(rate_axes == joined)
       turns = turns .or. has_word(word, ["rate   ", "rates  ", "rotrate"]) .or. has_word(word, rate_axes(:12))
@@ -119,24 +119,24 @@ contains
       accelerates = has_beginning(word, ["acc     ", "lacc    ", "gravity ", "specific"]) .or. any(acceleration_axes == joined)
       accelerates = accelerates .or. has_word(word, acceleration_axes(:6)) .or. has_word(word, ["force ", "gforce", "xl    "])
       if (has_beginning(word, ["quat   ", "orienta", "rotvec "]) .or. any(quaternion_axes == joined)) then
-         class = column_class%quaternion
+         found = column_class%quaternion
       else if (has_word(word, quaternion_axes) .or. (has_word(word, turning) .and. has_word(word, ["vector"]))) then
-         class = column_class%quaternion
+         found = column_class%quaternion
       else if (accelerates .and. has_word(word, ["angular"])) then
-         class = column_class%other
+         found = column_class%other
       else if (turns .and. .not. (accelerates .and. has_word(word, ["rate"]))) then
-         class = column_class%rate
+         found = column_class%rate
       else if (accelerates) then
-         class = column_class%acceleration
+         found = column_class%acceleration
       else if (is_angle(word)) then
-         class = column_class%angle
+         found = column_class%angle
       else if (has_beginning(word, [character(4) :: "lat", "lon", "lng", "alti", "heig", "posi", "velo", "spee", "gps", &
                                     "gnss", "ecef", "loca", "hdop", "nort", "east"]) &
                .or. has_word(word, [character(4) :: "alt", "pos", "vel", "vn", "ve", "vd", "vx", "vy", "vz", "sats"])) then
-         class = column_class%position
+         found = column_class%position
       else if (has_beginning(word, [character(4) :: "pres", "baro", "humi", "ligh", "lux", "prox", "volt", "batt", "curr", &
                                     "soun", "enco"])) then
-         class = column_class%other
+         found = column_class%other
       end if
    end function class_of_words
 
@@ -335,6 +335,7 @@ contains
       call split_name(name, word)
       is_counter_name = .false.
       if (size(word) > 0) is_counter_name = any(counters == word(size(word))%text)
+      if (size(word) > 1) is_counter_name = is_counter_name .and. word(size(word))%text /= "n"
       if (size(word) == 1) is_counter_name = is_counter_name .or. ends_with(word(1)%text, "counter")
    end function is_counter_name
 
