@@ -324,6 +324,11 @@ contains
       call make_record(record, .true.)
       call make_result(record, result)
       call begin_text(writer)
+      allocate (record%column(1))
+      record%column(1)%name = "gx"
+      record%column(1)%class = "angular rate"
+      record%column(1)%unit = ""
+      record%column(1)%channel = 1
       call report_inspect(writer, record)
       call write_report(writer, "allan", record, pipeline_options(), result)
       call write_report(writer, "tests", record, pipeline_options(), result)
@@ -332,7 +337,7 @@ contains
       call end_text(writer, text)
       call check(error, longest_line(text) <= report_width)
       if (allocated(error)) return
-      call check(error, index(text, "  gx          0.25        3           0.25"//lf) > 0)
+      call check(error, index(text, "  1       gx    angular rate") > 0 .and. index(text, "analyzed"//lf) > 0)
       if (allocated(error)) return
       call check(error, index(text, "  0.2       0.02    0.018    0.022   11     11    0.02"//lf) > 0)
       if (allocated(error)) return

@@ -8,13 +8,13 @@
 # numbers KEY PAGE: those that a page has under a key that ends in .0, .1, ...
 numbers() { grep -oE "data-key=\"$1\.[0-9]+\" data-value=\"[^\"]*\"" "$2" | sed 's/.*data-value="\([^"]*\)"/\1/' | tr '\n' ' '; }
 
-good "a page" 'p <i>&.txt' --rate 5 --unit deg/s --out page.d --plot none --quiet
+good "a page" 'p <i>&.txt' --column 1,2 --rate 5 --unit deg/s --out page.d --plot none --quiet
 is "it begins" "$(head -n 1 page.d/report.html)" "<!DOCTYPE html>"
 is "it ends" "$(tail -n 1 page.d/report.html)" "</html>"
 is "names are escaped" "$(grep -cE '<(b|i)>' page.d/report.html)" 0
 holds "a name as it is" '<h3>Channel &lt;b&gt;&amp;&quot;\&#39;</h3>' page.d/report.html
 holds "a path as it is" '<h2>p &lt;i&gt;&amp;.txt</h2>' page.d/report.html
-holds "the command line" "gyroakf &#39;p &lt;i&gt;&amp;.txt&#39; --rate 5 --unit deg/s --out page.d --plot none --quiet" page.d/report.html
+holds "the command line" "gyroakf &#39;p &lt;i&gt;&amp;.txt&#39; --column 1,2 --rate 5 --unit deg/s --out page.d --plot none --quiet" page.d/report.html
 is "no figures" "$(grep -c '<svg' page.d/report.html)" 0
 holds "why" "as --plot none asks for" page.d/report.html
 is "nothing from outside" "$(grep -cE 'https?://|@import' page.d/report.html)" 0

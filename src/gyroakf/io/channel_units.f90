@@ -125,6 +125,7 @@ contains
          do j = 1, size(unit)
             if (unit_fits(table%class(table%chosen(j)), table%header%unit)) unit(j) = table%header%unit
          end do
+         if (all(unit%quantity == quantity%unknown)) unit(:) = table%header%unit
          return
       end if
       if (listed /= table%layout%columns .and. (listed /= table%layout%columns - 1 .or. table%time == 0)) then
