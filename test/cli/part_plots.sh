@@ -40,7 +40,7 @@ good "an Allan analysis alone" allan plot.txt --out allan.d --plot pdf --quiet
 is "its figures" "$(cd allan.d/plots && ls *.pdf | tr '\n' ' ')" "allan.pdf before_after.pdf "
 paste -d ' ' plot.txt plot.txt | grep -v '#' >plot_two.txt
 { echo 'g"x gX'; cat plot_two.txt; } >plot_named.txt
-good "several channels" run plot_named.txt --rate 5 --unit deg/s --out "it's.d" --plot png --quiet
+good "several channels" run plot_named.txt --column 1,2 --rate 5 --unit deg/s --out "it's.d" --plot png --quiet
 is "a figure each" "$(ls "it's.d/plots" | grep -c '^allan-g.*png$')" 2
 good "several files" allan plot.txt plot_long.txt --out many.d --plot svg --quiet
 is "a figure of each file" "$(find many.d -name allan.svg | wc -l)" 2

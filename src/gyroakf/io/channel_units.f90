@@ -4,7 +4,7 @@
 !> One unit for all is the usual case; a file with gyroscopes and accelerometers has several.
 module gyroakf_io_channel_units
    use gyroakf_kinds, only : int64
-   use gyroakf_column_class, only : class_names, find_unit, unit_fits
+   use gyroakf_column_class, only : class_names, column_class, find_unit, unit_fits
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_table, only : table_type
@@ -60,6 +60,15 @@ contains
       if (record%unit_source /= "none") call keep_units(unit, record)
    end subroutine set_units
 
+   !> Class of the column that a channel was; unknown where it was an array of the caller.
+   pure integer function class_of_channel(table, j)
+      type(table_type), intent(in) :: table
+      integer, intent(in) :: j
+
+      class_of_channel = column_class%unknown
+      if (allocated(table%class)) class_of_channel = table%class(table%chosen(j))
+   end function class_of_channel
+
    !> One for all channels whose quantity it may be, or one for each.
    subroutine units_of_option(given, table, record, unit, error)
       character(*), intent(in) :: given
@@ -77,7 +86,7 @@ contains
       if (size(list) == 1 .or. size(list) == size(unit)) then
          reached = .false.
          do j = 1, size(unit)
-            if (unit_fits(table%class(table%chosen(j)), list(min(j, size(list))))) then
+            if (unit_fits(class_of_channel(table, j), list(min(j, size(list))))) then
                unit(j) = list(min(j, size(list)))
                reached = .true.
             else if (size(list) > 1) then
@@ -107,7 +116,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       call fatal_error(error, status%invalid_argument, "the unit "//unit%name//" does not fit '"//record%channel(j)%text// &
-         "', by its name or unit in the file a column of class "//trim(class_names(table%class(table%chosen(j))))// &
+         "', by its name or unit in the file a column of class "//trim(class_names(class_of_channel(table, j)))// &
          ": give --column or another --unit")
    end subroutine refuse_unit
 
@@ -123,7 +132,7 @@ contains
       if (allocated(table%header%units)) listed = size(table%header%units)
       if (listed == 0) then
          do j = 1, size(unit)
-            if (unit_fits(table%class(table%chosen(j)), table%header%unit)) unit(j) = table%header%unit
+            if (unit_fits(class_of_channel(table, j), table%header%unit)) unit(j) = table%header%unit
          end do
          if (all(unit%quantity == quantity%unknown)) unit(:) = table%header%unit
          return
