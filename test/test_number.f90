@@ -6,9 +6,8 @@ module test_number
       ieee_set_halting_mode, ieee_underflow
    use testdrive, only : new_unittest, unittest_type, error_type, check, test_failed
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_io_power, only : power
    use gyroakf_io_quick_number, only : quick_number, quick_type
-   use gyroakf_io_wide_power, only : int128, least_power, wide_power
+   use gyroakf_io_wide_power, only : int128, least_power, power, wide_power
    use gyroakf_io_number, only : scan_number, parse_number, is_missing_word, number, digits_ahead
    implicit none (type, external)
    private

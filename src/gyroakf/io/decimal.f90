@@ -4,7 +4,7 @@ module gyroakf_io_decimal
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_is_nan
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_shortest, only : shortest_digits
-   use gyroakf_io_wide_power, only : int128, least_power, most_power, power_scale, ten, wide_power
+   use gyroakf_io_wide_power, only : ten
    implicit none (type, external)
    private
    public :: format_real, real_length, real_to_text, longest_real
@@ -54,7 +54,6 @@ contains
       integer, intent(out) :: length
       integer(int64) :: whole
       integer :: exponent, wanted
-      logical :: sure
 
       if (ieee_is_nan(value)) then
          text(:3) = "nan"
@@ -74,8 +73,7 @@ contains
          length = length + 1
       else if (digits > 0) then
          wanted = min(digits, 17)
-         call significant_digits(abs(value), wanted, whole, exponent, sure)
-         if (.not. sure) call library_digits(abs(value), wanted, whole, exponent)
+         call significant_digits(abs(value), wanted, whole, exponent)
          call lay_out(whole*ten(17 - wanted), exponent, wanted, text, length)
       else
          call shortest_digits(abs(value), whole, exponent)
@@ -92,40 +90,27 @@ contains
       if (whole >= ten(count_digits)) count_digits = count_digits + 1
    end function count_digits
 
-   !> whole has the number of digits and whole * 10^(exponent - digits + 1) is next to the value; not sure at a tie and where
-   !> the value is subnormal.
-   pure subroutine significant_digits(value, digits, whole, exponent, sure)
+   !> whole has the number of digits and whole * 10^(exponent - digits + 1) is next to the value: up to 15 digits are those of
+   !> the shortest number that reads back, rounded, except where that is a tie.
+   pure subroutine significant_digits(value, digits, whole, exponent)
       real(dp), intent(in) :: value
       integer, intent(in) :: digits
       integer(int64), intent(out) :: whole
       integer, intent(out) :: exponent
-      logical, intent(out) :: sure
-      integer(int128), parameter :: low63 = 2_int128**63 - 1
-      integer(int64) :: bits
-      integer(int128) :: power, factor, scaled, rest, half
-      integer :: biased, try, shift, k
+      integer(int64) :: rest
+      integer :: excess
 
-      whole = 0
-      sure = .false.
-      bits = transfer(value, bits)
-      biased = int(shiftr(bits, 52))
-      exponent = shifta((biased - 1023)*1262611, 22)
-      if (biased == 0) return
-      factor = shiftl(ior(iand(bits, shiftl(1_int64, 52) - 1), shiftl(1_int64, 52)), 9)
-      do try = 1, 2
-         k = digits - 1 - exponent
-         if (k < least_power .or. k > most_power) return
-         call wide_power(k, power)
-         scaled = shiftr(power, 63)*factor + shiftr(iand(power, low63)*factor, 63)
-         shift = 1021 - biased - power_scale(k)
-         whole = int(shiftr(scaled, shift), int64)
-         if (whole < ten(digits)) exit
-         exponent = exponent + 1
-      end do
-      half = shiftl(1_int128, shift - 1)
-      rest = iand(scaled, 2*half - 1)
-      sure = rest + 2 <= half .or. rest > half
-      if (rest > half) whole = whole + 1
+      call shortest_digits(value, whole, exponent)
+      excess = count_digits(whole) - digits
+      exponent = exponent + count_digits(whole) - 1
+      rest = 0
+      if (excess > 0) rest = mod(whole, ten(excess))
+      if (digits > 15 .or. value < tiny(value) .or. (excess > 0 .and. 2*rest == ten(max(excess, 0)))) then
+         call library_digits(value, digits, whole, exponent)
+         return
+      end if
+      whole = whole*ten(max(-excess, 0))/ten(max(excess, 0))
+      if (2*rest > ten(max(excess, 0))) whole = whole + 1
       if (whole < ten(digits)) return
       whole = whole/10
       exponent = exponent + 1

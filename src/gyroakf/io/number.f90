@@ -7,22 +7,62 @@
 !>    (W. D. Clinger, How to read floating point numbers accurately, 1990);
 !> 2. m times the first 63 bits of 10^q, a lower bound; where the upper bound rounds to the same number, that is the number
 !>    ([[gyroakf_io_quick_number]]);
-!> 3. the C library's `strtod_l` with the C locale: unusual forms, ties, subnormals, very many digits
-!>    ([[gyroakf_io_library_number]]).
+!> 3. the C library's `strtod_l` with the C locale: unusual forms, ties, subnormals, very many digits ([[scan_any]]).
 module gyroakf_io_number
+   use, intrinsic :: iso_c_binding, only : c_char, c_double, c_int, c_null_char, c_null_ptr, c_ptr
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
+   use, intrinsic :: ieee_exceptions, only : ieee_flag_type, ieee_get_flag, ieee_get_halting_mode, ieee_overflow, ieee_set_flag, &
+      ieee_set_halting_mode, ieee_underflow
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_io_library_number, only : number, scan_any
-   use gyroakf_io_quick_number, only : digits_ahead, quick_number, quick_type, skip_digits
+   use gyroakf_io_quick_number, only : digits_ahead, quick_number, quick_type
    implicit none (type, external)
    private
-   public :: scan_number, skip_digits, parse_number, is_missing_word, is_missing_field, number, digits_ahead
+   public :: scan_number, scan_any, parse_number, is_missing_word, is_missing_field, number, digits_ahead
+
+   !> What scanning found, reached as `number%ok`
+   type :: number_enum
+      !> A number
+      integer :: ok = 0
+      !> Something else
+      integer :: none = 1
+      !> A number beyond the largest double
+      integer :: overflow = 2
+   end type number_enum
+
+   !> All outcomes
+   type(number_enum), parameter :: number = number_enum()
+
+   interface
+      pure function c_strtod_l(text, end, locale) result(value) bind(C, name="strtod_l")
+         import :: c_char, c_double, c_ptr
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: text(*)
+         type(c_ptr), intent(in), value :: end, locale
+         real(c_double) :: value
+      end function c_strtod_l
+
+      !> With a null base the categories outside of the mask are those of the C locale
+      pure function c_newlocale(mask, name, base) result(locale) bind(C, name="newlocale")
+         import :: c_char, c_int, c_ptr
+         implicit none (type, external)
+         integer(c_int), intent(in), value :: mask
+         character(kind=c_char), intent(in) :: name(*)
+         type(c_ptr), intent(in), value :: base
+         type(c_ptr) :: locale
+      end function c_newlocale
+
+      pure subroutine c_freelocale(locale) bind(C, name="freelocale")
+         import :: c_ptr
+         implicit none (type, external)
+         type(c_ptr), intent(in), value :: locale
+      end subroutine c_freelocale
+   end interface
 
 contains
 
    !> The number that begins at a byte: `[+-] digits [. digits] [e|E|d|D [+-] digits]`, one digit at least.
    !>
-   !> Whether what follows may follow is the caller's business. Thread-safe; no allocation but for a number of more than
-   !> 120 characters.
+   !> Whether what follows may follow is the caller's business. Thread-safe.
    pure subroutine scan_number(bytes, at, value, found)
       !> The text; [[gyroakf_io_quick_number:digits_ahead]] more bytes than the text, the first of them no digit
       integer(int8), intent(in), contiguous :: bytes(:)
@@ -43,6 +83,91 @@ contains
          call scan_any(bytes, at, value, found)
       end if
    end subroutine scan_number
+
+   !> The same without the usual forms being tried first.
+   pure subroutine scan_any(bytes, at, value, found)
+      !> As those of [[scan_number]]
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(inout) :: at
+      real(dp), intent(out) :: value
+      integer, intent(out) :: found
+      integer(int64) :: next
+
+      value = 0.0_dp
+      found = number%none
+      next = number_end(bytes, at)
+      if (next == at) return
+      found = number%ok
+      call library_value(bytes(at:next - 1), value)
+      if (.not. ieee_is_finite(value)) then
+         found = number%overflow
+         value = sign(huge(value), value)
+      end if
+      at = next
+   end subroutine scan_any
+
+   !> The byte after the number that begins at a byte; that byte itself where there is none.
+   pure integer(int64) function number_end(bytes, at) result(next)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: at
+      integer(int64) :: first, last, digits
+
+      next = at
+      first = at + merge(1, 0, is_sign(bytes(at)))
+      last = digits_end(bytes, first)
+      digits = last - first
+      if (bytes(last) == iachar(".")) then
+         first = last + 1
+         last = digits_end(bytes, first)
+         digits = digits + last - first
+      end if
+      if (digits == 0) return
+      if (any(bytes(last) == iachar(["D", "E", "d", "e"]))) then
+         first = last + merge(2, 1, is_sign(bytes(last + 1)))
+         last = digits_end(bytes, first)
+         if (last == first) return
+      end if
+      next = last
+   end function number_end
+
+   pure logical function is_sign(byte)
+      integer(int8), intent(in) :: byte
+
+      is_sign = byte == iachar("+") .or. byte == iachar("-")
+   end function is_sign
+
+   !> The byte after the digits that begin at a byte.
+   pure integer(int64) function digits_end(bytes, first) result(next)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first
+
+      next = first
+      do while (bytes(next) >= 48 .and. bytes(next) <= 57)
+         next = next + 1
+      end do
+   end function digits_end
+
+   !> The number that bytes are, infinite on overflow; a host that traps overflow or underflow is not disturbed.
+   pure subroutine library_value(bytes, value)
+      integer(int8), intent(in) :: bytes(:)
+      real(dp), intent(out) :: value
+      type(ieee_flag_type), parameter :: flags(2) = [ieee_overflow, ieee_underflow]
+      character(kind=c_char) :: text(size(bytes, kind=int64) + 1)
+      logical :: halting(2), raised(2)
+      type(c_ptr) :: locale
+
+      text(:size(bytes, kind=int64)) = achar(bytes)
+      where (text == "d" .or. text == "D") text = "e"
+      text(size(text, kind=int64)) = c_null_char
+      call ieee_get_halting_mode(flags, halting)
+      call ieee_get_flag(flags, raised)
+      call ieee_set_halting_mode(flags, .false.)
+      locale = c_newlocale(2_c_int, "C"//c_null_char, c_null_ptr)
+      value = c_strtod_l(text, c_null_ptr, locale)
+      call c_freelocale(locale)
+      call ieee_set_flag(flags, raised)
+      call ieee_set_halting_mode(flags, halting)
+   end subroutine library_value
 
    !> The number that a text is; blanks around it are allowed.
    pure subroutine parse_number(text, value, found)

@@ -7,8 +7,7 @@
 !> allocated, and no branch depends on a sign or on the value of a digit.
 module gyroakf_io_quick_number
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_io_power, only : power
-   use gyroakf_io_wide_power, only : int128, ten
+   use gyroakf_io_wide_power, only : int128, power, ten
    implicit none (type, external)
    private
    public :: quick_type, quick_number, skip_digits, digits_ahead

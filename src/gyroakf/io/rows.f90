@@ -5,10 +5,9 @@
 module gyroakf_io_rows
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_io_library_number, only : number, scan_any
    use gyroakf_io_date, only : scan_stamp, stamp_kind
    use gyroakf_io_layout, only : layout_type, problem_type
-   use gyroakf_io_number, only : is_missing_field
+   use gyroakf_io_number, only : is_missing_field, number, scan_any
    use gyroakf_io_quick_number, only : quick_number, quick_type, skip_digits
    use gyroakf_io_row, only : join_fields, read_row
    use gyroakf_io_row_problem, only : excerpt

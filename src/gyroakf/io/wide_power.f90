@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Powers of ten to 126 bits, exactly truncated: what numbers are written with, and read with where 63 bits are not enough.
+!> Powers of ten to 126 bits, exactly truncated: what numbers are written with; and to 63 bits, what most are read with.
 !>
 !> 10^k is the product of one of 36 powers 10^(18 a), held truncated to 186 bits, and of an exact one below 10^18. The
 !> product differs from the true power by less than 2^-60 of the last of 126 bits; that these are the exact ones for every k
@@ -8,7 +8,7 @@ module gyroakf_io_wide_power
    use gyroakf_kinds, only : int64
    implicit none (type, external)
    private
-   public :: wide_power, power_scale, ten, word, int128, least_power, most_power
+   public :: wide_power, power_scale, power, ten, int128, least_power, most_power
 
    !> Integers for products of two 64-bit numbers
    integer, parameter :: int128 = selected_int_kind(38)
@@ -64,25 +64,35 @@ module gyroakf_io_wide_power
 
    integer(int64), parameter :: low62 = 2_int64**62 - 1
 
+   integer :: a, b
+
+   !> 10^0 to 10^17, with the highest bit moved to the place of 2^61
+   integer(int64), parameter :: fine(0:17) = [(shiftl(ten(b), leadz(ten(b)) - 2), b=0, 17)]
+
+   !> 10^(18 a + b): the first 124 bits of 10^(18 a), of which the last 62 count for their upper half only, times 10^b
+   integer(int128), parameter :: product(-306:305) = &
+      [((int(word(1, a), int128)*fine(b) + shiftr(int(word(2, a), int128)*fine(b), 62), b=0, 17), a=-17, 16)]
+
+   !> 10^-306 to 10^305: 10^k is between power and power + 1, times 2^(floor(log2(10^k)) - 62); power is in [2^62, 2^63)
+   integer(int64), parameter :: power(-306:305) = [(int(shiftr(product(a), 65 - leadz(product(a))), int64), a=-306, 305)]
+
 contains
 
-   !> The first 126 bits of 10^k: it is between power and power + 1, times 2^[[power_scale]]; power is in [2^125, 2^126).
-   pure subroutine wide_power(k, power)
+   !> The first 126 bits of 10^k: it is between bits and bits + 1, times 2^[[power_scale]]; bits is in [2^125, 2^126).
+   pure subroutine wide_power(k, bits)
       !> least_power to most_power
       integer, intent(in) :: k
-      !> The bits
-      integer(int128), intent(out) :: power
+      integer(int128), intent(out) :: bits
       integer(int128) :: factor, low, middle, high
-      integer :: coarse, fine, shift
+      integer :: coarse, shift
 
       coarse = (k + 360)/18 - 20
-      fine = k - 18*coarse
-      factor = shiftl(ten(fine), leadz(ten(fine)) - 2)
+      factor = fine(k - 18*coarse)
       low = word(3, coarse)*factor
       middle = word(2, coarse)*factor + shiftr(low, 62)
       high = word(1, coarse)*factor + shiftr(middle, 62)
       shift = merge(2, 3, shiftr(high, 123) > 0)
-      power = ior(shiftl(high, shift), shiftr(iand(middle, int(low62, int128)), 62 - shift))
+      bits = ior(shiftl(high, shift), shiftr(iand(middle, int(low62, int128)), 62 - shift))
    end subroutine wide_power
 
    !> The exponent of two that belongs to [[wide_power]]: floor(log2(10^k)) - 125.
