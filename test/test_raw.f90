@@ -53,7 +53,7 @@ contains
          call parse_element(trim(word(i)), element, known)
          call check(error, known, trim(word(i)))
          if (allocated(error)) return
-         call check(error, element_word(element), trim(told(i)))
+         call check(error, trim(element_word(element)), trim(told(i)))
          if (allocated(error)) return
       end do
       call check(error, element_name(element), "int64")

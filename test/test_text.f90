@@ -2,13 +2,13 @@
 !> Lines taken apart, decimal commas, foreign content, messages with a caret.
 module test_text
    use testdrive, only : new_unittest, unittest_type, error_type, check
-   use gyroakf_kinds, only : int8, int64
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : gyro_error => error_type
    use gyroakf_io_format, only : content_type, decimal_comma, recognise
-   use gyroakf_io_place, only : make_place_message
+   use gyroakf_io_place, only : place_error
    use gyroakf_column_class, only : is_counter_name, is_temperature_name, is_time_name
    use gyroakf_io_stamps, only : infer_scale, named_scale
    use gyroakf_io_text, only : bytes_text, fields_type, is_comment, split, split_line
-   use gyroakf_kinds, only : dp
    implicit none (type, external)
    private
    public :: collect_text
@@ -159,39 +159,41 @@ contains
 
    subroutine test_caret(error)
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: message
+      type(gyro_error), allocatable :: placed
 
-      call make_place_message("a.txt", 7_int64, bytes_of("1"//tab//"x2 3"), 1_int64, 6_int64, 3_int64, "bad", "mend it", message)
-      call check(error, message, &
+      call place_error(placed, "a.txt", 7_int64, bytes_of("1"//tab//"x2 3"), 1_int64, 6_int64, 3_int64, "bad", "mend it")
+      call check(error, placed%message, &
                  "a.txt:7:3: bad"//nl//"1 x2 3"//nl//"  ^"//nl//"mend it")
       if (allocated(error)) return
-      call make_place_message("a", 1_int64, bytes_of("1 2"), 1_int64, 3_int64, 4_int64, "short", "do", message)
-      call check(error, message, &
+      call place_error(placed, "a", 1_int64, bytes_of("1 2"), 1_int64, 3_int64, 4_int64, "short", "do")
+      call check(error, placed%message, &
                  "a:1:4: short"//nl//"1 2"//nl//"   ^"//nl//"do")
    end subroutine test_caret
 
    subroutine test_caret_utf8(error)
       type(error_type), allocatable, intent(out) :: error
       character(*), parameter :: degree = char(194)//char(176)
-      character(:), allocatable :: message
+      type(gyro_error), allocatable :: placed
 
-      call make_place_message("a", 1_int64, bytes_of("5"//degree//" x"), 1_int64, 5_int64, 5_int64, "bad", "do", message)
-      call check(error, message, &
+      call place_error(placed, "a", 1_int64, bytes_of("5"//degree//" x"), 1_int64, 5_int64, 5_int64, "bad", "do")
+      call check(error, placed%message, &
                  "a:1:4: bad"//nl//"5"//degree//" x"//nl//"   ^"//nl//"do")
       if (allocated(error)) return
-      call make_place_message("a", 1_int64, bytes_of(char(176)//" x"//achar(7)), 1_int64, 4_int64, 3_int64, "bad", "do", message)
-      call check(error, message, &
+      call place_error(placed, "a", 1_int64, bytes_of(char(176)//" x"//achar(7)), 1_int64, 4_int64, 3_int64, "bad", "do")
+      call check(error, placed%message, &
                  "a:1:3: bad"//nl//"? x?"//nl//"  ^"//nl//"do")
    end subroutine test_caret_utf8
 
    subroutine test_caret_long(error)
       type(error_type), allocatable, intent(out) :: error
+      type(gyro_error), allocatable :: placed
       character(:), allocatable :: line, message, shown, caret
       integer :: first, second, third
 
       line = repeat("0123456789", 50)
       line(251:251) = "x"
-      call make_place_message("a", 1_int64, bytes_of(line), 1_int64, 500_int64, 251_int64, "bad", "do", message)
+      call place_error(placed, "a", 1_int64, bytes_of(line), 1_int64, 500_int64, 251_int64, "bad", "do")
+      message = placed%message
       first = index(message, nl)
       second = first + index(message(first + 1:), nl)
       third = second + index(message(second + 1:), nl)

@@ -48,10 +48,8 @@ contains
       if (present(rate_hz)) given = rate_hz
       n = size(t, kind=int64)
       audit%has_stamps = n > 0
-      allocate (audit%line_of_first(3))
-      audit%line_of_first = 0
-      allocate (gaps%before(16))
-      allocate (gaps%length(16))
+      allocate (audit%line_of_first(3), source=0_int64)
+      allocate (gaps%before(16), gaps%length(16))
       if (n < 2) return
       call find_cadence(t, whole)
       call count_steps(t, whole%step, audit)
@@ -61,8 +59,15 @@ contains
       call audit_stretches(t, whole, change(:changes), given, audit, gaps)
       audit%gaps = gaps%count + gaps%jumps
       audit%jumps = gaps%jumps
-      call note_changes(change(:changes), steps, audit)
-      call note_first_gap(gaps, audit)
+      audit%rate_changes = changes
+      if (changes > 0) then
+         audit%line_of_change = change(1)
+         audit%rate_before = 1.0_dp/steps(1)
+         audit%rate_after = 1.0_dp/steps(2)
+      end if
+      audit%line_of_first(3) = gaps%first_jump
+      if (gaps%count > 0) audit%line_of_first(3) = gaps%before(1)
+      if (gaps%count > 0 .and. gaps%first_jump > 0) audit%line_of_first(3) = min(gaps%before(1), gaps%first_jump)
       lost = sum(gaps%length(:gaps%count))
       if (t(n) > t(1)) audit%stamp_rate = real(n - 1 + lost, dp)/(t(n) - t(1))
       call measure_jitter(t, gaps, audit)
@@ -120,8 +125,7 @@ contains
       type(audit_type), intent(inout) :: audit
       real(dp) :: step
 
-      allocate (gaps%before(16))
-      allocate (gaps%length(16))
+      allocate (gaps%before(16), gaps%length(16))
       if (cadence%step <= 0.0_dp) return
       if (cadence%regular) then
          call find_regular(t(:n), cadence%step, gaps)
@@ -191,29 +195,6 @@ contains
       audit%beats = audit%beats + gaps%count
       gaps%count = 0
    end subroutine explain_losses
-
-   !> The rates before and behind the first change.
-   subroutine note_changes(change, steps, audit)
-      integer(int64), intent(in) :: change(:)
-      real(dp), intent(in) :: steps(:)
-      type(audit_type), intent(inout) :: audit
-
-      audit%rate_changes = size(change, kind=int64)
-      if (size(change) == 0) return
-      audit%line_of_change = change(1)
-      audit%rate_before = 1.0_dp/steps(1)
-      audit%rate_after = 1.0_dp/steps(2)
-   end subroutine note_changes
-
-   !> Where the first samples are lost.
-   subroutine note_first_gap(gaps, audit)
-      type(gap_type), intent(in) :: gaps
-      type(audit_type), intent(inout) :: audit
-
-      audit%line_of_first(3) = gaps%first_jump
-      if (gaps%count > 0) audit%line_of_first(3) = gaps%before(1)
-      if (gaps%count > 0 .and. gaps%first_jump > 0) audit%line_of_first(3) = min(gaps%before(1), gaps%first_jump)
-   end subroutine note_first_gap
 
    !> Counts duplicates, rollovers and backward steps; a clock that starts again is continued, one
    !> that was set back by more than ten samples otherwise goes on by one sample.

@@ -13,7 +13,6 @@ module gyroakf_io_binary
    use gyroakf_io_store, only : add_chunk, chunk_rows, count_rows
    use gyroakf_io_system, only : read_at
    use gyroakf_io_table, only : table_type
-   use gyroakf_large_pages, only : prefer_large_pages
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_record, only : add_text
    implicit none (type, external)
@@ -28,7 +27,7 @@ module gyroakf_io_binary
       integer(int64) :: columns = 1
       !> Rows, -1 where the end of a pipe tells
       integer(int64) :: rows = -1
-      !> Column after column instead of row after row
+      !> Several columns, column after column instead of row after row
       logical :: by_columns = .false.
       !> The first byte of the numbers, from 0
       integer(int64) :: first = 0
@@ -75,18 +74,15 @@ contains
          held = count_rows(table%store)
          if (held >= most) return
          rows = max(chunk_rows, most - held)
-         if (binary%descriptor < 0 .and. .not. one_piece(binary)) then
+         if (binary%descriptor < 0 .and. .not. binary%by_columns) then
             rows = max(1_int64, min(chunk_rows, part_rows/table%layout%stored))
          end if
          if (table%layout%stored > size(table%chosen) .and. binary%descriptor >= 0) rows = min(rows, part_rows)
          if (binary%rows >= 0) rows = min(rows, binary%rows - binary%row)
-         if (one_piece(binary) .and. binary%descriptor < 0) then
-            if (rows < binary%rows) then
-               call fatal_error(error, status%no_memory, table%name// &
-                  ": columns that come one after the other through a pipe have "// &
-                                "to be held as a whole"//new_line("a")//"give the file by its name")
-               return
-            end if
+         if (binary%by_columns .and. binary%descriptor < 0 .and. rows < binary%rows) then
+            call fatal_error(error, status%no_memory, table%name//": columns that come one after the other through a pipe have "// &
+                             "to be held as a whole"//new_line("a")//"give the file by its name")
+            return
          end if
          call add_chunk(table%store, rows, table%layout%stored, failed)
          if (failed /= 0) then
@@ -97,13 +93,6 @@ contains
       end do
    end subroutine read_binary_rows
 
-   !> True where the columns come one after the other.
-   pure logical function one_piece(binary)
-      type(binary_type), intent(in) :: binary
-
-      one_piece = binary%by_columns .and. binary%columns > 1
-   end function one_piece
-
    !> Fills the last chunk.
    subroutine fill_chunk(binary, source, table, error, progress)
       type(binary_type), intent(inout) :: binary
@@ -112,12 +101,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: got, rows, slice
-      integer :: j
 
       associate (chunk => table%store%chunk(table%store%count))
-         do j = 1, size(chunk%value, 2)
-            call prefer_large_pages(chunk%value(:, j))
-         end do
          rows = size(chunk%value, 1, kind=int64)
          slice = rows
          if (present(progress)) slice = max(chunk_rows, slice_values/size(chunk%value, 2))
@@ -140,7 +125,8 @@ contains
          end do
       end associate
       if (binary%rows >= 0) then
-         if (table%whole) call ends_early(binary, table%name, error)
+         if (table%whole) call fatal_error(error, status%parse, table%name//": the file ends after "//integer_text(binary%row)// &
+            " of "//integer_text(binary%rows)//" rows"//new_line("a")//"it was cut off, or it changed while it was read")
          table%whole = binary%row == binary%rows
       end if
       if (table%whole .and. .not. allocated(error)) call finish(binary, source, table, error)
@@ -153,16 +139,6 @@ contains
       place_of = binary%first + binary%row*binary%columns*binary%element%bytes
    end function place_of
 
-   !> The file has fewer rows than its size or its header said.
-   subroutine ends_early(binary, name, error)
-      type(binary_type), intent(in) :: binary
-      character(*), intent(in) :: name
-      type(error_type), allocatable, intent(out) :: error
-
-      call fatal_error(error, status%parse, name//": the file ends after "//integer_text(binary%row)//" of "// &
-                       integer_text(binary%rows)//" rows"//new_line("a")//"it was cut off, or it changed while it was read")
-   end subroutine ends_early
-
    !> After the last row: a pipe has to be empty, rounded integers are told.
    subroutine finish(binary, source, table, error)
       type(binary_type), intent(inout) :: binary
@@ -174,7 +150,7 @@ contains
 
       if (table%rows == 0) then
          call fatal_error(error, status%parse, table%name//": the file is empty"//new_line("a")// &
-            "check what should have written it")
+                          "check what should have written it")
          return
       end if
       if (binary%rounded > 0) call add_text(table%warnings, integer_text(binary%rounded)//" of the "// &
@@ -182,11 +158,9 @@ contains
       if (binary%descriptor >= 0 .or. binary%rows < 0) return
       call take_bytes(binary, source, more, got, error)
       if (allocated(error) .or. got == 0) return
-      call fatal_error(error, status%parse, table%name//": byte "// &
-                       integer_text(binary%first + binary%rows*binary%columns*binary%element%bytes)// &
-                          ": bytes follow the array of "// &
-                       integer_text(binary%rows)//" rows that the header promises"//new_line("a")// &
-                       "give a file that holds one array")
+      call fatal_error(error, status%parse, table%name//": byte "//integer_text(place_of(binary))// &
+                       ": bytes follow the array of "//integer_text(binary%rows)//" rows that the header promises"// &
+                       new_line("a")//"give a file that holds one array")
    end subroutine finish
 
    !> Reads rows by position into value(:, :), whose rows are to be filled.
@@ -202,31 +176,26 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer, allocatable :: column(:)
       logical :: failed, refused
-      integer(int64) :: block_rows, blocks, k, from, to, rounded, missing, start, short, j
-      integer :: tasks
+      integer(int64) :: block_rows, blocks, k, from, to, rounded, missing, short
+      integer :: tasks, piece
 
       call stored_columns(table, column)
-      tasks = merge(size(column), 1, one_piece(binary))
+      tasks = merge(size(column), 1, binary%by_columns)
       block_rows = block_bytes/binary%element%bytes
       if (tasks == 1) block_rows = block_rows/binary%columns
-      if (is_native(binary%element) .and. (one_piece(binary) .or. binary%columns == 1)) block_rows = 4*block_rows
+      if (is_native(binary%element) .and. (binary%by_columns .or. binary%columns == 1)) block_rows = 4*block_rows
       block_rows = max(1_int64, block_rows)
       blocks = (rows + block_rows - 1)/block_rows
       missing = 0
       rounded = 0
       refused = .false.
-      !$omp parallel do schedule(dynamic) private(from, to, start, j, short, failed) reduction(+:rounded) &
+      !$omp parallel do schedule(dynamic) private(from, to, piece, short, failed) reduction(+:rounded) &
       !$omp& reduction(max:missing) reduction(.or.:refused) if (rows*size(column)*8 > worth_threads)
       do k = 0, blocks*tasks - 1
          from = before + 1 + modulo(k, blocks)*block_rows
          to = min(before + rows, from + block_rows - 1)
-         start = binary%row + from - before - 1
-         j = 1 + k/blocks
-         if (one_piece(binary) .or. (binary%columns == 1 .and. size(column) == 1)) then
-            call read_column(binary, column(j), start, value(from:to, j), rounded, short, failed)
-         else
-            call read_interleaved(binary, column, start, from, to, value, rounded, short, failed)
-         end if
+         piece = merge(1 + int(k/blocks), 0, binary%by_columns)
+         call read_part(binary, column, piece, binary%row + from - before - 1, from, to, value, rounded, short, failed)
          refused = refused .or. failed
          if (short > 0) missing = max(missing, before + rows - (to - short))
       end do
@@ -249,75 +218,59 @@ contains
       end do
    end subroutine stored_columns
 
-   !> Reads a part of a column whose numbers follow each other.
-   subroutine read_column(binary, column, start, value, rounded, short, failed)
+   !> Reads some rows; numbers that need no conversion go straight into their place.
+   subroutine read_part(binary, column, piece, start, from, to, value, rounded, short, failed)
       type(binary_type), intent(in) :: binary
-      integer, intent(in) :: column
-      !> Rows of the file before value(1)
-      integer(int64), intent(in) :: start
-      real(dp), intent(inout), contiguous, target :: value(:)
+      integer, intent(in) :: column(:)
+      !> The stored column that is read where the columns come one after the other, 0: all
+      integer, intent(in) :: piece
+      !> Rows of the file before these, and where they go
+      integer(int64), intent(in) :: start, from, to
+      real(dp), intent(inout), contiguous, target :: value(:, :)
       integer(int64), intent(inout) :: rounded
       !> Rows at the end that are not there
       integer(int64), intent(out) :: short
       !> The system refused
       logical, intent(out) :: failed
       integer(int64), allocatable, target :: room(:)
-      integer(int64) :: offset, got, n
+      integer(int64) :: row_bytes, offset, got, n
 
-      n = size(value, kind=int64)
-      offset = binary%first + ((column - 1)*max(binary%rows, 0_int64) + start)*binary%element%bytes
-      if (is_native(binary%element)) then
-         call read_at(binary%descriptor, offset, c_loc(value), 8*n, got, failed)
+      n = to - from + 1
+      row_bytes = binary%element%bytes
+      offset = binary%first
+      if (piece > 0) offset = offset + (column(max(piece, 1)) - 1)*max(binary%rows, 0_int64)*row_bytes
+      if (piece == 0) row_bytes = row_bytes*binary%columns
+      offset = offset + start*row_bytes
+      if (is_native(binary%element) .and. row_bytes == 8) then
+         call read_at(binary%descriptor, offset, c_loc(value(from, max(piece, 1))), 8*n, got, failed)
          got = got/8
-         call drop_infinite(value(:got))
+         call drop_infinite(value(from:from + got - 1, max(piece, 1)))
       else
-         allocate (room((n*binary%element%bytes + 7)/8))
-         call read_at(binary%descriptor, offset, c_loc(room), n*binary%element%bytes, got, failed)
-         got = got/binary%element%bytes
-         call swap_elements(c_loc(room), got, binary%element)
-         call convert_elements(c_loc(room), binary%element, 1_int64, 1_int64, value(:got), rounded)
+         allocate (room((n*row_bytes + 7)/8))
+         call read_at(binary%descriptor, offset, c_loc(room), n*row_bytes, got, failed)
+         got = got/row_bytes
+         call spread_rows(binary, c_loc(room), column, piece, from, from + got - 1, value, rounded)
       end if
       short = n - got
-   end subroutine read_column
-
-   !> Reads rows, all columns of a row together, into value(from:to, :).
-   subroutine read_interleaved(binary, column, start, from, to, value, rounded, short, failed)
-      type(binary_type), intent(in) :: binary
-      integer, intent(in) :: column(:)
-      !> Rows of the file before these
-      integer(int64), intent(in) :: start, from, to
-      real(dp), intent(inout), contiguous :: value(:, :)
-      integer(int64), intent(inout) :: rounded
-      !> Rows at the end that are not there
-      integer(int64), intent(out) :: short
-      !> The system refused
-      logical, intent(out) :: failed
-      integer(int64), allocatable, target :: room(:)
-      integer(int64) :: row_bytes, got, n
-
-      row_bytes = binary%columns*binary%element%bytes
-      n = to - from + 1
-      allocate (room((n*row_bytes + 7)/8))
-      call read_at(binary%descriptor, binary%first + start*row_bytes, c_loc(room), n*row_bytes, got, failed)
-      got = got/row_bytes
-      call spread_rows(binary, c_loc(room), column, from, from + got - 1, value, rounded)
-      short = n - got
-   end subroutine read_interleaved
+   end subroutine read_part
 
    !> Converts rows that are at hand.
-   subroutine spread_rows(binary, address, column, from, to, value, rounded)
+   subroutine spread_rows(binary, address, column, piece, from, to, value, rounded)
       type(binary_type), intent(in) :: binary
       type(c_ptr), intent(in) :: address
-      integer, intent(in) :: column(:)
+      integer, intent(in) :: column(:), piece
       !> Where they go
       integer(int64), intent(in) :: from, to
       real(dp), intent(inout), contiguous :: value(:, :)
       integer(int64), intent(inout) :: rounded
+      integer(int64) :: width
       integer :: j
 
-      call swap_elements(address, (to - from + 1)*binary%columns, binary%element)
-      do j = 1, size(column)
-         call convert_elements(address, binary%element, int(column(j), int64), binary%columns, value(from:to, j), rounded)
+      width = merge(1_int64, binary%columns, piece > 0)
+      call swap_elements(address, (to - from + 1)*width, binary%element)
+      do j = max(piece, 1), merge(piece, size(column), piece > 0)
+         call convert_elements(address, binary%element, merge(1_int64, int(column(j), int64), piece > 0), width, &
+                               value(from:to, j), rounded)
       end do
    end subroutine spread_rows
 
@@ -334,20 +287,20 @@ contains
       integer(int64), allocatable, target :: room(:)
       integer(int8), pointer, contiguous :: bytes(:)
       integer(int64) :: rows, row_bytes, block_rows, n, came
-      integer :: j, failed
+      integer :: j, piece, failed
 
       rows = size(value, 1, kind=int64)
       call stored_columns(table, column)
       got = 0
       row_bytes = binary%element%bytes
-      if (.not. one_piece(binary)) row_bytes = row_bytes*binary%columns
+      if (.not. binary%by_columns) row_bytes = row_bytes*binary%columns
       block_rows = max(1_int64, block_bytes/row_bytes)
       allocate (room((block_rows*row_bytes + 7)/8), stat=failed)
       if (failed /= 0) then
          call fatal_error(error, status%no_memory, table%name//": no memory for a row of "//integer_text(row_bytes)//" bytes")
          return
       end if
-      do j = 1, merge(int(binary%columns), 1, one_piece(binary))
+      do j = 1, merge(int(binary%columns), 1, binary%by_columns)
          got = 0
          do while (got < rows)
             n = min(block_rows, rows - got)
@@ -356,12 +309,9 @@ contains
             if (allocated(error)) return
             if (modulo(came, row_bytes) /= 0) call rest_of_row(binary, table, got, came, row_bytes, error)
             if (allocated(error)) return
-            if (.not. one_piece(binary)) then
-               call spread_rows(binary, c_loc(room), column, got + 1, got + came/row_bytes, value, binary%rounded)
-            else if (table%layout%slot(j) > 0) then
-               call swap_elements(c_loc(room), came/row_bytes, binary%element)
-               call convert_elements(c_loc(room), binary%element, 1_int64, 1_int64, &
-                                     value(got + 1:got + came/row_bytes, table%layout%slot(j)), binary%rounded)
+            piece = merge(table%layout%slot(j), 0, binary%by_columns)
+            if (piece > 0 .or. .not. binary%by_columns) then
+               call spread_rows(binary, c_loc(room), column, piece, got + 1, got + came/row_bytes, value, binary%rounded)
             end if
             got = got + came/row_bytes
             if (came < n*row_bytes) exit
@@ -382,7 +332,7 @@ contains
       call fatal_error(error, status%parse, table%name//": byte "//integer_text(binary%first + rows*row_bytes)//": "// &
                        integer_text(modulo(came, row_bytes))//" bytes are left after "//integer_text(rows)//" rows of "// &
                        integer_text(row_bytes)//" bytes"//new_line("a")// &
-                          "check type, --channels and --skip, or whether the file was cut off")
+                       "check type, --channels and --skip, or whether the file was cut off")
    end subroutine rest_of_row
 
    !> The next bytes of a source, those read ahead first.

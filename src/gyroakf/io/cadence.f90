@@ -8,6 +8,8 @@
 !> maxima of about the same height the lowest counts (the others are its harmonics).
 module gyroakf_io_cadence
    use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : error_type
+   use gyroakf_sort, only : sort_values
    implicit none (type, external)
    private
    public :: cadence_type, find_cadence, find_step, sort, median_of
@@ -258,26 +260,12 @@ contains
    end function median_of
 
    !> Sorts a short list.
-   pure subroutine sort(x)
+   subroutine sort(x)
       !> Ascending afterwards
-      real(dp), intent(inout) :: x(:)
-      integer :: gap, i, j
-      real(dp) :: held
+      real(dp), intent(inout), contiguous :: x(:)
+      type(error_type), allocatable :: failed
 
-      gap = size(x)/2
-      do while (gap > 0)
-         do i = gap + 1, size(x)
-            held = x(i)
-            j = i
-            do while (j > gap)
-               if (x(j - gap) <= held) exit
-               x(j) = x(j - gap)
-               j = j - gap
-            end do
-            x(j) = held
-         end do
-         gap = gap/2
-      end do
+      call sort_values(x, failed)
    end subroutine sort
 
 end module gyroakf_io_cadence

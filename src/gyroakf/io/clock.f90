@@ -8,6 +8,7 @@ module gyroakf_io_clock
    use gyroakf_io_date, only : stamp_kind
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_reader_options, only : reader_options
+   use gyroakf_io_row_problem, only : kind_of
    use gyroakf_io_stamps, only : infer_scale, named_scale
    use gyroakf_io_table, only : table_type
    use gyroakf_record, only : add_text, record_type
@@ -39,7 +40,7 @@ contains
       integer :: kind
 
       scale = 0.0_dp
-      kind = time_kind(table)
+      kind = kind_of(table%layout, table%time)
       if (kind /= stamp_kind%number .and. kind /= stamp_kind%long) then
          scale = 1.0_dp
       else if (allocated(options%time_unit)) then
@@ -61,21 +62,12 @@ contains
       if (i <= size(stamps, kind=int64)) origin = stamps(i)
    end subroutine find_scale
 
-   !> What the time column holds.
-   pure integer function time_kind(table)
-      !> Of any format
-      type(table_type), intent(in) :: table
-
-      time_kind = stamp_kind%number
-      if (table%time > 0 .and. allocated(table%layout%kind)) time_kind = abs(table%layout%kind(table%time))
-   end function time_kind
-
    !> True where the time is a time of day, without a date, which begins again at midnight.
    pure logical function is_clock(table)
-      !> Of any format
+      !> With a time column
       type(table_type), intent(in) :: table
 
-      is_clock = time_kind(table) == stamp_kind%clock
+      is_clock = kind_of(table%layout, table%time) == stamp_kind%clock
       if (is_clock) is_clock = count(table%layout%slot == table%layout%slot(table%time)) == 1
    end function is_clock
 
@@ -137,10 +129,8 @@ contains
       record%rate_known = rate > 0.0_dp
       if (record%rate_known) record%sample_interval = 1.0_dp/rate
       if (record%rate_known) return
-      if (allocated(options%input)) then
-         if (options%input /= "rate") call fatal_error(error, status%invalid_argument, "--input "//options%input// &
-            " needs the rate, and "//table%name//" does not tell it: give --rate HZ or --dt S, or --time-column")
-      end if
+      if (options%input /= "rate") call fatal_error(error, status%invalid_argument, "--input "//options%input// &
+         " needs the rate, and "//table%name//" does not tell it: give --rate HZ or --dt S, or --time-column")
       if (options%from > 0.0_dp .or. options%to < huge(1.0_dp)) call fatal_error(error, status%invalid_argument, &
          "--from and --to need the rate, and "//table%name//" does not tell it: give --rate HZ or --dt S, or --time-column")
    end subroutine set_rate

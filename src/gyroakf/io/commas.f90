@@ -8,7 +8,7 @@ module gyroakf_io_commas
    use gyroakf_io_lines, only : lines_type
    use gyroakf_io_place, only : place_error
    use gyroakf_io_stamp_columns, only : comma_mode, decimal_fields, make_points, seconds_comma
-   use gyroakf_io_text, only : fields_type, first_visible, is_comment, split, split_line
+   use gyroakf_io_text, only : fields_type, first_visible, is_comment, line_feed_from, split, split_line
    use gyroakf_record, only : add_text, text_type
    implicit none (type, external)
    private
@@ -72,10 +72,7 @@ contains
       likely = 0
       do i = 0, looked_at - 1
          if (at > lines%last) exit
-         last = at
-         do while (lines%bytes(last) /= 10)
-            last = last + 1
-         end do
+         last = line_feed_from(lines%bytes, at)
          if (.not. is_comment(lines%bytes, at, last - 1) .and. first_visible(lines%bytes, at, last - 1) < last) then
             fields = decimal_fields(lines%bytes, at, last - 1)
             if (expected == 0) expected = fields

@@ -10,10 +10,10 @@
 !> first stamp a double still tells 15 ps apart.
 module gyroakf_io_date
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_io_calendar, only : day_number, month_days
+   use gyroakf_io_wide_power, only : ten
    implicit none (type, external)
    private
-   public :: stamp_kind, scan_stamp, kind_of_field, stamp_origin, is_day_first
+   public :: stamp_kind, scan_stamp, kind_of_field, stamp_origin, is_day_first, is_digit, day_number
 
    !> What a column holds, reached as `stamp_kind%clock`
    type :: stamp_kind_enum
@@ -38,12 +38,6 @@ module gyroakf_io_date
    integer(int8), parameter :: blank = 32, quote = 34, apostrophe = 39, plus = 43, comma = 44, minus = 45, point = 46, &
                                slash = 47, zero = 48, nine = 57, colon = 58
    integer(int64), parameter :: day_seconds = 86400
-   !> 10*m + 9 does not overflow up to here
-   integer(int64), parameter :: most = 922337203685477579_int64
-   integer(int64), parameter :: ten_power(0:18) = [1_int64, 10_int64, 100_int64, 1000_int64, 10000_int64, 100000_int64, &
-      1000000_int64, 10000000_int64, 100000000_int64, 1000000000_int64, 10000000000_int64, 100000000000_int64, &
-      1000000000000_int64, 10000000000000_int64, 100000000000000_int64, 1000000000000000_int64, 10000000000000000_int64, &
-      100000000000000000_int64, 1000000000000000000_int64]
 
 contains
 
@@ -105,7 +99,8 @@ contains
       integer(int64), intent(inout) :: p
       integer(int64), intent(out) :: day
       logical, intent(out) :: found
-      integer :: part(3), digits(3), i, first
+      integer(int64) :: part(3)
+      integer :: digits(3), i, first
       integer(int8) :: parts
 
       day = 0
@@ -123,8 +118,8 @@ contains
       if (first == 3 .and. parts /= point) return
       if (digits(first) /= 4 .or. digits(2) > 2 .or. digits(4 - first) > 2) return
       if (part(2) < 1 .or. part(2) > 12 .or. part(4 - first) < 1) return
-      if (part(4 - first) > month_days(part(first), part(2))) return
-      day = day_number(part(first), part(2), part(4 - first))
+      if (part(4 - first) > month_days(int(part(first)), int(part(2)))) return
+      day = day_number(int(part(first)), int(part(2)), int(part(4 - first)))
       found = .true.
    end subroutine scan_day
 
@@ -133,16 +128,24 @@ contains
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: p
       integer, intent(in) :: most_digits
-      integer, intent(out) :: value, digits
+      integer(int64), intent(out) :: value
+      integer, intent(out) :: digits
 
       value = 0
       digits = 0
-      do while (bytes(p) >= zero .and. bytes(p) <= nine .and. digits < most_digits)
+      do while (is_digit(bytes(p)) .and. digits < most_digits)
          value = 10*value + (bytes(p) - zero)
          digits = digits + 1
          p = p + 1
       end do
    end subroutine scan_digits
+
+   !> True for 0 to 9.
+   pure logical function is_digit(byte)
+      integer(int8), intent(in) :: byte
+
+      is_digit = byte >= zero .and. byte <= nine
+   end function is_digit
 
    !> The time behind a date: after a T or blanks; none is midnight. A number behind blanks is no time.
    pure subroutine scan_time_behind(bytes, p, quoted, whole, part, found)
@@ -165,7 +168,7 @@ contains
          q = q + 1
       end do
       if (q == p) return
-      if (.not. (bytes(q + 1) == colon .or. (bytes(q + 1) >= zero .and. bytes(q + 1) <= nine))) return
+      if (.not. (bytes(q + 1) == colon .or. is_digit(bytes(q + 1)))) return
       if (.not. (bytes(q + 1) == colon .or. bytes(q + 2) == colon)) return
       p = q
       call scan_clock(bytes, p, quoted, whole, part, found)
@@ -181,7 +184,8 @@ contains
       integer(int64), intent(out) :: whole
       real(dp), intent(out) :: part
       logical, intent(out) :: found
-      integer :: hour, minute, second, digits
+      integer(int64) :: hour, minute, second
+      integer :: digits
 
       whole = 0
       part = 0.0_dp
@@ -198,7 +202,7 @@ contains
          if (digits /= 2 .or. second > 60) return
          if (bytes(p) == point .or. (quoted .and. bytes(p) == comma)) call scan_decimals(bytes, p, part)
       end if
-      whole = int(3600*hour + 60*minute + second, int64)
+      whole = 3600*hour + 60*minute + second
       call scan_zone(bytes, p, whole, found)
    end subroutine scan_clock
 
@@ -211,16 +215,11 @@ contains
       integer :: digits
 
       p = p + 1
-      value = 0
-      digits = 0
-      do while (bytes(p) >= zero .and. bytes(p) <= nine)
-         if (digits < 18) then
-            value = 10*value + (bytes(p) - zero)
-            digits = digits + 1
-         end if
+      call scan_digits(bytes, p, 18, value, digits)
+      do while (is_digit(bytes(p)))
          p = p + 1
       end do
-      part = real(value, dp)/real(ten_power(digits), dp)
+      part = real(value, dp)/real(ten(digits), dp)
    end subroutine scan_decimals
 
    !> `Z` or the hours and minutes that the clock is ahead of universal time; none leaves the time as it is.
@@ -228,7 +227,8 @@ contains
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: p, whole
       logical, intent(out) :: found
-      integer :: hour, minute, digits, ahead
+      integer(int64) :: hour, minute
+      integer :: digits, ahead
 
       found = .true.
       if (bytes(p) == iachar("Z") .or. bytes(p) == iachar("z")) p = p + 1
@@ -238,19 +238,15 @@ contains
       call scan_digits(bytes, p, 2, hour, digits)
       found = digits == 2 .and. hour <= 15
       minute = 0
-      if (bytes(p) == colon) then
-         p = p + 1
+      if (bytes(p) == colon .or. is_digit(bytes(p))) then
+         if (bytes(p) == colon) p = p + 1
          call scan_digits(bytes, p, 2, minute, digits)
-         found = found .and. digits == 2
-      else if (bytes(p) >= zero .and. bytes(p) <= nine) then
-         call scan_digits(bytes, p, 2, minute, digits)
-         found = found .and. digits == 2
       end if
-      found = found .and. minute <= 59
-      whole = whole - ahead*int(3600*hour + 60*minute, int64)
+      found = found .and. digits == 2 .and. minute <= 59
+      whole = whole - ahead*(3600*hour + 60*minute)
    end subroutine scan_zone
 
-   !> A number without an exponent, at most 18 digits before its point.
+   !> A number without an exponent, at most 18 digits before its point, or 19 up to 4.6e18.
    pure subroutine scan_long(bytes, p, origin, whole, part, found)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: p
@@ -261,21 +257,18 @@ contains
       logical :: below
       integer :: digits
 
-      whole = 0
       part = 0.0_dp
       below = bytes(p) == minus
       if (below .or. bytes(p) == plus) p = p + 1
-      digits = 0
-      do while (bytes(p) >= zero .and. bytes(p) <= nine)
-         if (whole > most) exit
+      call scan_digits(bytes, p, 18, whole, digits)
+      if (is_digit(bytes(p)) .and. whole < 461168601842738789_int64) then
          whole = 10*whole + (bytes(p) - zero)
-         digits = digits + 1
          p = p + 1
-      end do
-      found = digits > 0 .and. whole <= most*5
+      end if
+      found = digits > 0
       if (.not. found) return
       if (bytes(p) == point) call scan_decimals(bytes, p, part)
-      found = .not. ((bytes(p) >= zero .and. bytes(p) <= nine) .or. bytes(p) == iachar("e") .or. bytes(p) == iachar("E"))
+      found = .not. (is_digit(bytes(p)) .or. bytes(p) == iachar("e") .or. bytes(p) == iachar("E"))
       if (below) then
          whole = -whole
          part = -part
@@ -296,7 +289,7 @@ contains
 
       kind = stamp_kind%number
       if (last < first) return
-      if (bytes(first) < zero .or. bytes(first) > nine) return
+      if (.not. is_digit(bytes(first))) return
       from = first
       if (first > 1) then
          if (bytes(first - 1) == quote .or. bytes(first - 1) == apostrophe) from = first - 1
@@ -343,7 +336,8 @@ contains
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       integer(int64) :: p
-      integer :: value, digits(3), i
+      integer(int64) :: value
+      integer :: digits(3), i
 
       is_day_first = .false.
       p = first
@@ -358,5 +352,25 @@ contains
       is_day_first = digits(1) <= 2 .and. digits(2) <= 2 .and. (digits(3) == 4 .or. digits(3) == 2) .and. &
                      (p == last + 1 .or. bytes(p) == iachar("T") .or. bytes(p) == blank)
    end function is_day_first
+
+   !> Days from 1970-01-01 in the Gregorian calendar: years that begin in March have the leap day at their end.
+   pure integer(int64) function day_number(year, month, day)
+      !> Year 0 to 9999, month 1 to 12, day 1 to 31
+      integer, intent(in) :: year, month, day
+      integer(int64) :: y
+
+      y = year - merge(1, 0, month < 3) + 400
+      day_number = 365*y + y/4 - y/100 + y/400 + (153*modulo(month - 3, 12) + 2)/5 + day - 1 - 719468 - 146097
+   end function day_number
+
+   !> Days of a month.
+   pure integer function month_days(year, month)
+      !> Year 0 to 9999, month 1 to 12
+      integer, intent(in) :: year, month
+      integer, parameter :: days(12) = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31]
+
+      month_days = days(month)
+      if (month == 2 .and. modulo(year, 4) == 0 .and. (modulo(year, 100) /= 0 .or. modulo(year, 400) == 0)) month_days = 29
+   end function month_days
 
 end module gyroakf_io_date

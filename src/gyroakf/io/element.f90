@@ -58,24 +58,16 @@ contains
       end select
    end subroutine parse_element
 
-   !> The length of [[element_word]].
-   pure integer function word_length(element)
-      type(element_type), intent(in) :: element
-
-      word_length = len(element%kind) + merge(1, 2, element%bytes == 1)
-      if (element%bytes > 1) word_length = word_length + 2
-   end function word_length
-
-   !> The word for it: "i16le"; without an order where it is one byte.
+   !> The word for it, filled with blanks: "i16le"; without an order where it is one byte.
    pure function element_word(element) result(word)
       !> Any
       type(element_type), intent(in) :: element
-      character(word_length(element)) :: word
+      character(5) :: word
       character(2) :: bits
 
       write (bits, "(i0)") 8*element%bytes
       word = element%kind//trim(bits)
-      if (element%bytes > 1) word(len(word) - 1:) = merge("be", "le", element%big_endian)
+      if (element%bytes > 1) word(4:) = merge("be", "le", element%big_endian)
    end function element_word
 
    !> Its name, filled with blanks: "float32", "uint8", "bool"; big endian is said.
@@ -116,7 +108,7 @@ contains
       type(element_type), intent(in) :: element
       integer(int16), pointer, contiguous :: two(:)
       integer(int32), pointer, contiguous :: four(:)
-      integer(int64), pointer, contiguous :: eight(:)
+      integer(int32), pointer, contiguous :: halves(:, :)
       integer(int64) :: i
 
       if (element%big_endian .eqv. host_big_endian()) return
@@ -132,25 +124,14 @@ contains
             four(i) = swapped(four(i))
          end do
       case (8)
-         call c_f_pointer(address, eight, [count])
+         call c_f_pointer(address, halves, [2_int64, count])
          do i = 1, count
-            eight(i) = ior(shiftl(iand(int(swapped(int_low(eight(i))), int64), int(z"FFFFFFFF", int64)), 32), &
-                           iand(int(swapped(int_low(shiftr(eight(i), 32))), int64), int(z"FFFFFFFF", int64)))
+            halves(:, i) = swapped(halves(2:1:-1, i))
          end do
       case default
          continue
       end select
    end subroutine swap_elements
-
-   !> The lower half of the bits.
-   elemental integer(int32) function int_low(x)
-      integer(int64), intent(in) :: x
-      integer(int64) :: low
-
-      low = iand(x, int(z"FFFFFFFF", int64))
-      if (low > int(huge(1_int32), int64)) low = low - 4294967296_int64
-      int_low = int(low, int32)
-   end function int_low
 
    !> Four bytes in reverse order.
    elemental integer(int32) function swapped(x)
@@ -180,74 +161,30 @@ contains
 
       last = first + (size(value, kind=int64) - 1)*step
       if (size(value) == 0) return
-      select case (element%bytes)
-      case (1)
-         call c_f_pointer(address, one, [last])
-         call from_one(one, element%kind, first, step, value)
-      case (2)
-         call c_f_pointer(address, two, [last])
-         call from_two(two, element%kind, first, step, value)
-      case (4)
-         call c_f_pointer(address, four, [last])
-         call from_four(four, element%kind, first, step, value)
-      case default
-         call c_f_pointer(address, eight, [last])
-         call from_eight(eight, element%kind, first, step, value, rounded)
+      call c_f_pointer(address, one, [last])
+      call c_f_pointer(address, two, [last])
+      call c_f_pointer(address, four, [last])
+      call c_f_pointer(address, eight, [last])
+      select case (element%kind//achar(48 + element%bytes))
+      case ("i1"); value(:) = real(one(first::step), dp)
+      case ("u1"); value(:) = real(iand(int(one(first::step), int32), 255_int32), dp)
+      case ("b1"); value(:) = merge(0.0_dp, 1.0_dp, one(first::step) == 0_int8)
+      case ("i2"); value(:) = real(two(first::step), dp)
+      case ("u2"); value(:) = real(iand(int(two(first::step), int32), 65535_int32), dp)
+      case ("f2"); value(:) = half(int(two(first::step), int32))
+      case ("i4"); value(:) = real(four(first::step), dp)
+      case ("u4"); value(:) = real(iand(int(four(first::step), int64), int(z"FFFFFFFF", int64)), dp)
+      case ("f4"); value(:) = single(four(first::step))
+      case ("i8"); value(:) = real(eight(first::step), dp)
+         rounded = rounded + count(eight(first::step) > exact .or. eight(first::step) < -exact, kind=int64)
+      case ("u8"); value(:) = unsigned(eight(first::step))
+         rounded = rounded + count(eight(first::step) > exact .or. eight(first::step) < 0, kind=int64)
+      case default; value(:) = double(eight(first::step))
       end select
    end subroutine convert_elements
 
-   !> Bytes.
-   pure subroutine from_one(stored, kind, first, step, value)
-      integer(int8), intent(in), contiguous :: stored(:)
-      character(1), intent(in) :: kind
-      integer(int64), intent(in) :: first, step
-      real(dp), intent(inout), contiguous :: value(:)
-      integer(int64) :: i, n
-
-      n = size(value, kind=int64)
-      select case (kind)
-      case ("i")
-         do i = 1, n
-            value(i) = real(stored(first + (i - 1)*step), dp)
-         end do
-      case ("u")
-         do i = 1, n
-            value(i) = real(iand(int(stored(first + (i - 1)*step), int32), 255_int32), dp)
-         end do
-      case default
-         do i = 1, n
-            value(i) = merge(0.0_dp, 1.0_dp, stored(first + (i - 1)*step) == 0_int8)
-         end do
-      end select
-   end subroutine from_one
-
-   !> Two bytes: integers, or half precision (1 sign, 5 exponent, 10 fraction).
-   pure subroutine from_two(stored, kind, first, step, value)
-      integer(int16), intent(in), contiguous :: stored(:)
-      character(1), intent(in) :: kind
-      integer(int64), intent(in) :: first, step
-      real(dp), intent(inout), contiguous :: value(:)
-      integer(int64) :: i, n
-
-      n = size(value, kind=int64)
-      select case (kind)
-      case ("i")
-         do i = 1, n
-            value(i) = real(stored(first + (i - 1)*step), dp)
-         end do
-      case ("u")
-         do i = 1, n
-            value(i) = real(iand(int(stored(first + (i - 1)*step), int32), 65535_int32), dp)
-         end do
-      case default
-         do i = 1, n
-            value(i) = half(int(stored(first + (i - 1)*step), int32))
-         end do
-      end select
-   end subroutine from_two
-
-   !> The value of a number in half precision.
-   pure real(dp) function half(bits)
+   !> Half precision: 1 bit for the sign, 5 for the exponent, 10 for the fraction.
+   elemental real(dp) function half(bits)
       integer(int32), intent(in) :: bits
       integer(int32) :: exponent, fraction
 
@@ -262,81 +199,44 @@ contains
       if (btest(bits, 15)) half = -half
    end function half
 
-   !> Four bytes: integers, or single precision.
-   pure subroutine from_four(stored, kind, first, step, value)
-      integer(int32), intent(in), contiguous :: stored(:)
-      character(1), intent(in) :: kind
-      integer(int64), intent(in) :: first, step
-      real(dp), intent(inout), contiguous :: value(:)
-      integer(int64) :: i, n
-      integer(int32) :: bits
-      real(dp) :: nan
+   !> Single precision.
+   elemental real(dp) function single(bits)
+      integer(int32), intent(in) :: bits
 
-      n = size(value, kind=int64)
-      nan = ieee_value(nan, ieee_quiet_nan)
-      select case (kind)
-      case ("i")
-         do i = 1, n
-            value(i) = real(stored(first + (i - 1)*step), dp)
-         end do
-      case ("u")
-         do i = 1, n
-            value(i) = real(iand(int(stored(first + (i - 1)*step), int64), int(z"FFFFFFFF", int64)), dp)
-         end do
-      case default
-         do i = 1, n
-            bits = stored(first + (i - 1)*step)
-            if (iand(bits, infinite_32) == infinite_32) then
-               value(i) = nan
-            else
-               value(i) = real(transfer(bits, 1.0_real32), dp)
-            end if
-         end do
-      end select
-   end subroutine from_four
+      if (iand(bits, infinite_32) == infinite_32) then
+         single = ieee_value(single, ieee_quiet_nan)
+      else
+         single = real(transfer(bits, 1.0_real32), dp)
+      end if
+   end function single
 
-   !> Eight bytes: integers, which may lose digits, or double precision.
-   pure subroutine from_eight(stored, kind, first, step, value, rounded)
-      integer(int64), intent(in), contiguous :: stored(:)
-      character(1), intent(in) :: kind
-      integer(int64), intent(in) :: first, step
-      real(dp), intent(inout), contiguous :: value(:)
-      integer(int64), intent(inout) :: rounded
-      integer(int64) :: i, n, bits
-      real(dp) :: nan
+   !> Double precision.
+   elemental real(dp) function double(bits)
+      integer(int64), intent(in) :: bits
 
-      n = size(value, kind=int64)
-      nan = ieee_value(nan, ieee_quiet_nan)
-      do i = 1, n
-         bits = stored(first + (i - 1)*step)
-         select case (kind)
-         case ("i")
-            value(i) = real(bits, dp)
-            if (bits > exact .or. bits < -exact) rounded = rounded + 1
-         case ("u")
-            value(i) = real(bits, dp)
-            if (bits < 0) value(i) = 2.0_dp*real(ior(shiftr(bits, 1), iand(bits, 1_int64)), dp)
-            if (bits > exact .or. bits < 0) rounded = rounded + 1
-         case default
-            if (iand(bits, infinite_64) == infinite_64) then
-               value(i) = nan
-            else
-               value(i) = transfer(bits, 1.0_dp)
-            end if
-         end select
-      end do
-   end subroutine from_eight
+      if (iand(bits, infinite_64) == infinite_64) then
+         double = ieee_value(double, ieee_quiet_nan)
+      else
+         double = transfer(bits, double)
+      end if
+   end function double
+
+   !> An integer of 64 bits without a sign; the last bit of a large one makes it odd, so that it is rounded right.
+   elemental real(dp) function unsigned(bits)
+      integer(int64), intent(in) :: bits
+
+      unsigned = real(bits, dp)
+      if (bits < 0) unsigned = 2.0_dp*real(ior(shiftr(bits, 1), iand(bits, 1_int64)), dp)
+   end function unsigned
 
    !> What was read in place: infinities and NaN of any kind become a quiet NaN.
    pure subroutine drop_infinite(value)
       !> As read
       real(dp), intent(inout), contiguous :: value(:)
       integer(int64) :: i
-      real(dp) :: nan
 
-      nan = ieee_value(nan, ieee_quiet_nan)
       do i = 1, size(value, kind=int64)
-         if (iand(transfer(value(i), 1_int64), infinite_64) == infinite_64) value(i) = nan
+         value(i) = double(transfer(value(i), i))
       end do
    end subroutine drop_infinite
 

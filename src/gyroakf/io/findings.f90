@@ -3,7 +3,6 @@
 module gyroakf_io_findings
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_decimal, only : format_real
-   use gyroakf_io_lines, only : line_of
    use gyroakf_io_place, only : integer_text, integer_length
    use gyroakf_io_table, only : table_type
    use gyroakf_record, only : add_text, record_type
@@ -23,14 +22,13 @@ contains
 
       count = [record%audit%duplicates, record%audit%backward_steps, record%audit%gaps]
       do k = 1, 3
-         if (record%audit%line_of_first(k) > 0) record%audit%line_of_first(k) = line_of(table%map, record%audit%line_of_first(k))
          if (count(k) > 0) call add_text(record%warnings, "the time column shows "//integer_text(count(k))//" "//trim(what(k))// &
             trim(merge("s", " ", count(k) > 1))//"; the first is in line "//integer_text(record%audit%line_of_first(k)))
       end do
       if (record%audit%jumps > 0) call add_text(record%warnings, "a jump of the time stamps is too long to be filled with "// &
          "missing samples; the parts before and after it are joined: analyse them apart with --from and --to")
       call explain_rates(record)
-      call tell_odd(table, record)
+      call tell_odd(record)
       if (record%audit%jitter_max > 1.0_dp*record%sample_interval .and. record%rate_known .and. .not. placed(record)) then
          call add_text(record%warnings, "the time stamps are up to "//format_real(record%audit%jitter_max, 3)// &
                        " s away from an even grid; the samples are taken as evenly spaced at the mean rate: "// &
@@ -73,16 +71,10 @@ contains
    end function placed
 
    !> Repeated rows, bursts, a rate that changes.
-   subroutine tell_odd(table, record)
-      type(table_type), intent(in) :: table
+   subroutine tell_odd(record)
       type(record_type), intent(inout) :: record
 
       associate (audit => record%audit)
-         if (audit%line_of_repeat > 0) audit%line_of_repeat = line_of(table%map, audit%line_of_repeat)
-         if (audit%line_of_untimed > 0) audit%line_of_untimed = line_of(table%map, audit%line_of_untimed)
-         if (audit%line_of_rollover > 0) audit%line_of_rollover = line_of(table%map, audit%line_of_rollover)
-         if (audit%line_of_burst > 0) audit%line_of_burst = line_of(table%map, audit%line_of_burst)
-         if (audit%line_of_change > 0) audit%line_of_change = line_of(table%map, audit%line_of_change)
          if (audit%repeated > 0) call add_text(record%warnings, counted(audit%repeated, "row")//" with stamp and values of the "// &
             "row above: left out; the first is in line "//integer_text(audit%line_of_repeat))
          if (audit%untimed > 0 .and. audit%has_stamps) call add_text(record%warnings, counted(audit%untimed, "row")// &

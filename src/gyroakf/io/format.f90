@@ -7,7 +7,7 @@ module gyroakf_io_format
    use gyroakf_io_element, only : element_type, parse_element
    use gyroakf_io_magic, only : find_magic, magics, name_file
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_text, only : bytes_text, first_visible, last_visible
+   use gyroakf_io_text, only : first_visible, last_visible
    use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
@@ -31,8 +31,7 @@ module gyroakf_io_format
       integer(int64) :: at = 1
    end type content_type
 
-   character(*), &
-      parameter :: binary_advice = "say what it holds: --format f64, f32, i16, i32, u8, ..., with be behind it for "// &
+   character(*), parameter :: binary_advice = "say what it holds: --format f64, f32, i16, i32, u8, ..., with be behind it for "// &
       "big endian; --channels N for interleaved columns, --skip N for a header of N bytes"
 
    integer(int8), parameter :: tab = 9, blank = 32, quote = 34, apostrophe = 39, comma = 44, point = 46, semicolon = 59
@@ -105,11 +104,11 @@ contains
       character(*), intent(in) :: name
       !> What it is
       type(content_type), intent(out) :: content
-      integer(int64) :: i, controls, nulls, count
+      logical :: control(size(bytes, kind=int64))
+      integer(int64) :: controls, nulls
       integer :: found
       logical :: by_name
 
-      count = size(bytes, kind=int64)
       content%kind = "text"
       call find_ending(name, content%ending)
       call parse_element(content%ending, content%element, by_name)
@@ -126,17 +125,11 @@ contains
          content%kind = merge("text  ", "binary", all(is_plain(bytes)))
          return
       end if
-      controls = 0
-      nulls = 0
-      do i = 1, count
-         if (bytes(i) < 0 .or. bytes(i) > 31) cycle
-         if (bytes(i) >= 9 .and. bytes(i) <= 13) cycle
-         if (controls == 0) content%at = i
-         controls = controls + 1
-         if (bytes(i) == 0) nulls = nulls + 1
-      end do
-      if (nulls == 0 .and. 20*controls <= count) return
-      if (nulls == 0) content%at = min(content%at, count)
+      control(:) = bytes >= 0 .and. bytes <= 31 .and. (bytes < 9 .or. bytes > 13)
+      controls = count(control, kind=int64)
+      nulls = count(bytes == 0, kind=int64)
+      if (controls > 0) content%at = findloc(control, .true., dim=1, kind=int64)
+      if (nulls == 0 .and. 20*controls <= size(bytes, kind=int64)) return
       content%kind = "foreign"
       content%what = "binary"
       content%advice = binary_advice
@@ -167,17 +160,13 @@ contains
       character(*), intent(in) :: name
       integer(int64), intent(in) :: nulls
       type(content_type), intent(inout) :: content
-      integer(int64) :: count, even, digits
+      integer(int64) :: even, digits, others
 
-      count = size(bytes, kind=int64)
-      digits = 0
-      even = 0
-      if (count > 1) then
-         even = nulls_at(bytes, 1_int64)
-         digits = digits_in(bytes)
-      end if
-      if (any(bytes < 0) .or. 4*digits < count - nulls) return
-      if (5*nulls > 2*count .and. (20*even < nulls .or. 20*(nulls - even) < nulls)) then
+      even = count(bytes(1::2) == 0, kind=int64)
+      digits = count(bytes >= 43 .and. bytes <= 57, kind=int64)        ! signs, points and separators, too
+      others = size(bytes, kind=int64) - nulls
+      if (any(bytes < 0) .or. 4*digits < others) return
+      if (3*nulls > 2*others .and. (20*even < nulls .or. 20*(nulls - even) < nulls)) then
          content%what = "text in UTF-16 without a byte-order mark"
          call name_file("turn it into UTF-8: iconv -f UTF-16"//merge("LE", "BE", 20*even < nulls)// &
                         " -t UTF-8 FILE | gyroakf run -", name, content%advice)
@@ -186,28 +175,5 @@ contains
          call name_file("leave them out: tr -d '\000' < FILE | gyroakf run -", name, content%advice)
       end if
    end subroutine explain_nulls
-
-   !> Zeros at every second byte.
-   pure integer(int64) function nulls_at(bytes, first)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first
-      integer(int64) :: i
-
-      nulls_at = 0
-      do i = first, size(bytes, kind=int64), 2
-         if (bytes(i) == 0) nulls_at = nulls_at + 1
-      end do
-   end function nulls_at
-
-   !> Digits, signs, points, separators and line ends: what tables of numbers consist of.
-   pure integer(int64) function digits_in(bytes)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64) :: i
-
-      digits_in = 0
-      do i = 1, size(bytes, kind=int64)
-         if (bytes(i) >= 43 .and. bytes(i) <= 57) digits_in = digits_in + 1
-      end do
-   end function digits_in
 
 end module gyroakf_io_format

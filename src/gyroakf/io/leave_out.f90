@@ -7,7 +7,7 @@ module gyroakf_io_leave_out
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_rows, only : join_fields, layout_type
    use gyroakf_column_class, only : class_of, class_names, column_class
-   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, last_visible, split, split_line
+   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, last_visible, line_feed_from, split, split_line
    use gyroakf_record, only : add_text, text_type
    use gyroakf_spelling, only : lower
    implicit none (type, external)
@@ -39,10 +39,7 @@ contains
       at = first
       do i = 1, looked_at
          if (at > last .or. .not. any(texts)) return
-         to = at
-         do while (bytes(to) /= 10)
-            to = to + 1
-         end do
+         to = line_feed_from(bytes, at)
          if (.not. is_comment(bytes, at, to - 1) .and. first_visible(bytes, at, to - 1) < to) then
             call split_line(bytes, at, to - 1, split%mixed, fields)
             call join_fields(bytes, layout, fields)

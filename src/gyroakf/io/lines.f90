@@ -5,6 +5,7 @@ module gyroakf_io_lines
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_number, only : digits_ahead
    use gyroakf_io_place, only : integer_text
+   use gyroakf_io_text, only : line_feed_from
    use gyroakf_io_source, only : close_source, has_places, open_source, read_block, source_left, source_type
    implicit none (type, external)
    private
@@ -249,11 +250,7 @@ contains
       !> With a whole line at hand
       type(lines_type), intent(in) :: lines
 
-      line_end = lines%at
-      do while (lines%bytes(line_end) /= line_feed)
-         line_end = line_end + 1
-      end do
-      line_end = line_end - 1
+      line_end = line_feed_from(lines%bytes, lines%at) - 1
       if (line_end < lines%at) return
       if (lines%bytes(line_end) == carriage_return) line_end = line_end - 1
    end function line_end
@@ -263,10 +260,7 @@ contains
       !> With a whole line at hand
       type(lines_type), intent(inout) :: lines
 
-      do while (lines%bytes(lines%at) /= line_feed)
-         lines%at = lines%at + 1
-      end do
-      lines%at = lines%at + 1
+      lines%at = line_feed_from(lines%bytes, lines%at) + 1
       lines%number = lines%number + 1
    end subroutine next_line
 
@@ -284,7 +278,6 @@ contains
       type(line_map_type), intent(inout) :: map
       !> Both from 1, rising from call to call
       integer(int64), intent(in) :: row, line
-      integer(int64), allocatable :: longer(:)
 
       if (.not. allocated(map%row)) allocate (map%row(16), map%line(16))
       if (map%count > 0) then
@@ -292,12 +285,8 @@ contains
          if (map%row(map%count) == row) map%count = map%count - 1
       end if
       if (map%count == size(map%row)) then
-         allocate (longer(2*map%count))
-         longer(:map%count) = map%row
-         call move_alloc(longer, map%row)
-         allocate (longer(2*map%count))
-         longer(:map%count) = map%line
-         call move_alloc(longer, map%line)
+         map%row = [map%row, map%row]
+         map%line = [map%line, map%line]
       end if
       map%count = map%count + 1
       map%row(map%count) = row

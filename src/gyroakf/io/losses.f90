@@ -30,7 +30,8 @@ module gyroakf_io_losses
    end type gap_type
 
    !> Samples of a block; blocks of the longest window; positions looked at for the scatter
-   integer, parameter :: block_rows = 16, most_blocks = 64, looked_at = 2001
+   integer, parameter :: block_rows = 16, most_blocks = 64
+   integer(int64), parameter :: looked_at = 2001
    !> A rise has to last so many samples
    integer(int64), parameter :: lasting = 2048
 
@@ -95,31 +96,25 @@ contains
       real(dp), intent(out) :: scatter
       !> s
       real(dp), intent(out) :: step
-      real(dp) :: rise(looked_at), middle, found, usual
-      integer(int64) :: blocks, b, places
-      integer :: k, m, w
+      real(dp) :: middle, found, usual
+      real(dp), allocatable :: rise(:)
+      integer(int64), allocatable :: b(:)
+      integer(int64) :: blocks
+      integer :: k, w
 
       blocks = size(level, kind=int64)
       scatter = huge(1.0_dp)
       window = 1
       step = rough
-      m = int(min(int(looked_at, int64), blocks - 4))
-      do k = 1, m
-         b = 1 + (int(k - 1, int64)*(blocks - 5))/max(m - 1, 1)
-         rise(k) = level(b + 4) - level(b)
-      end do
-      usual = middle_mean(rise(:m))/(4*block_rows)
+      b = spread_over(blocks - 4)
+      usual = middle_mean(level(b + 4) - level(b))/(4*block_rows)
       if (usual <= 0.0_dp) usual = rough
       w = 1
       do while (w <= most_blocks .and. 4*w + 4 <= blocks)
-         places = blocks - 2*w
-         m = int(min(int(looked_at, int64), places))
-         do k = 1, m
-            b = w + 1 + (int(k - 1, int64)*(places - 1))/max(m - 1, 1)
-            rise(k) = mean_of(level, b + 1, b + w) - mean_of(level, b - w, b - 1)
-         end do
-         middle = middle_mean(rise(:m))
-         found = spread_of(abs(rise(:m) - middle))/usual
+         b = w + spread_over(blocks - 2*w)
+         rise = [(mean_of(level, b(k) + 1, b(k) + w) - mean_of(level, b(k) - w, b(k) - 1), k=1, size(b))]
+         middle = middle_mean(rise)
+         found = spread_of(abs(rise - middle))/usual
          if (found < 0.8_dp*scatter) then
             scatter = found
             window = w
@@ -129,6 +124,14 @@ contains
          w = 2*w
       end do
    end subroutine choose_window
+
+   !> Places from 1 to `last`, evenly spread: so many that they tell a scatter.
+   pure function spread_over(last) result(place)
+      integer(int64), intent(in) :: last
+      integer(int64) :: place(min(looked_at, last)), k
+
+      place(:) = [(1 + ((k - 1)*(last - 1))/max(size(place) - 1, 1), k=1, size(place, kind=int64))]
+   end function spread_over
 
    !> Mean of the middle three fifths: samples that are delivered together make rises of few different sizes, and a median jumps
    !> from one to the other.
@@ -182,18 +185,13 @@ contains
    real(dp) function usual_longest(t, step)
       real(dp), intent(in), contiguous :: t(:)
       real(dp), intent(in) :: step
-      real(dp) :: seen(looked_at)
-      integer(int64) :: b, i, blocks
-      integer :: k, m
+      real(dp), allocatable :: seen(:)
+      integer(int64), allocatable :: i(:)
+      integer :: k
 
-      blocks = size(t, kind=int64)/block_rows
-      m = int(min(int(looked_at, int64), blocks))
-      do k = 1, m
-         b = 1 + (int(k - 1, int64)*(blocks - 1))/max(m - 1, 1)
-         i = (b - 1)*block_rows
-         seen(k) = maxval(t(i + 2:i + block_rows) - t(i + 1:i + block_rows - 1))/step
-      end do
-      usual_longest = median_of(seen(:m))
+      i = (spread_over(size(t, kind=int64)/block_rows) - 1)*block_rows
+      seen = [(maxval(t(i(k) + 2:i(k) + block_rows) - t(i(k) + 1:i(k) + block_rows - 1))/step, k=1, size(i))]
+      usual_longest = median_of(seen)
    end function usual_longest
 
    !> Where samples come in bursts, deliveries are late for seconds and minutes too: a loss has to be more than what usually
@@ -202,30 +200,28 @@ contains
       real(dp), intent(in), contiguous :: t(:), level(:)
       type(cadence_type), intent(in) :: cadence
       real(dp), intent(in) :: step
-      real(dp) :: seen(looked_at), lag(block_rows), height, middle
-      integer(int64) :: b, far, places, blocks, i
-      integer :: k, m
+      real(dp) :: lag(block_rows), height, middle
+      real(dp), allocatable :: seen(:)
+      integer(int64), allocatable :: b(:)
+      integer(int64) :: far, blocks, i
+      integer :: k
 
       burst_bound = 0.0_dp
       blocks = size(level, kind=int64)
-      m = int(min(int(looked_at, int64), blocks))
-      do k = 1, m
-         b = 1 + (int(k - 1, int64)*(blocks - 1))/max(m - 1, 1)
-         i = (b - 1)*block_rows
+      b = spread_over(blocks)
+      allocate (seen(size(b)))
+      do k = 1, size(b)
+         i = (b(k) - 1)*block_rows
          lag = (t(i + 1:i + block_rows) - t(i + 1))/step - [(real(i, dp), i=1, block_rows)]
          seen(k) = maxval(lag) - minval(lag)
       end do
-      height = median_of(seen(:m))
+      height = median_of(seen)
       if (height < 2.0_dp + cadence%resolution/step) return
       far = min(lasting/block_rows, blocks/4)
-      places = blocks - far
-      m = int(min(int(looked_at, int64), places))
-      do k = 1, m
-         b = 1 + (int(k - 1, int64)*(places - 1))/max(m - 1, 1)
-         seen(k) = level(b + far) - level(b)
-      end do
-      middle = median_of(seen(:m))
-      burst_bound = max(height, 3.0_dp*1.4826_dp*median_of(abs(seen(:m) - middle)))
+      b = spread_over(blocks - far)
+      seen = level(b + far) - level(b)
+      middle = median_of(seen)
+      burst_bound = max(height, 3.0_dp*1.4826_dp*median_of(abs(seen - middle)))
    end function burst_bound
 
    !> One pass over the blocks: the highest rises, at least two windows apart, are taken out of the level.
@@ -359,16 +355,10 @@ contains
       type(gap_type), intent(inout) :: gaps
       !> Where, and how many samples
       integer(int64), intent(in) :: before, length
-      integer(int64), allocatable :: longer(:)
 
-      if (.not. allocated(gaps%before)) allocate (gaps%before(16), gaps%length(16))
       if (gaps%count == size(gaps%before)) then
-         allocate (longer(2*gaps%count))
-         longer(:gaps%count) = gaps%before
-         call move_alloc(longer, gaps%before)
-         allocate (longer(2*gaps%count))
-         longer(:gaps%count) = gaps%length
-         call move_alloc(longer, gaps%length)
+         gaps%before = [gaps%before, gaps%before]
+         gaps%length = [gaps%length, gaps%length]
       end if
       gaps%count = gaps%count + 1
       gaps%before(gaps%count) = before

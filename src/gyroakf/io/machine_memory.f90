@@ -40,44 +40,36 @@ contains
       character(*), intent(in) :: path
       !> With its colon
       character(*), intent(in) :: key
-      character(256) :: line
+
+      bytes = number_behind(path, key)
+      if (bytes >= 0.0_dp) bytes = 1024.0_dp*bytes
+   end function memory_of
+
+   !> The number behind a word that begins a line of a file, -1 where there is none ("max", "unlimited").
+   real(dp) function number_behind(path, word) result(value)
+      character(*), intent(in) :: path, word
+      character(1024) :: line
       integer :: unit, failed
 
-      bytes = -1.0_dp
+      value = -1.0_dp
       open (newunit=unit, file=path, status="old", action="read", iostat=failed)
       if (failed /= 0) return
       do
          read (unit, "(a)", iostat=failed) line
          if (failed /= 0) exit
-         if (index(line, key) /= 1) cycle
-         bytes = number_in(line(len(key) + 1:))
-         if (bytes >= 0.0_dp) bytes = 1024.0_dp*bytes
+         if (index(line, word) /= 1) cycle
+         read (line(len(word) + 1:), *, iostat=failed) value
+         if (failed /= 0) value = -1.0_dp
          exit
       end do
       close (unit)
-   end function memory_of
+   end function number_behind
 
    !> What `ulimit -v` leaves of the address space, -1 where it is unlimited.
    real(dp) function address_space() result(bytes)
-      real(dp) :: used
-      character(256) :: line
-      character(*), parameter :: key = "Max address space"
-      integer :: unit, failed
 
-      bytes = -1.0_dp
-      open (newunit=unit, file="/proc/self/limits", status="old", action="read", iostat=failed)
-      if (failed /= 0) return
-      do
-         read (unit, "(a)", iostat=failed) line
-         if (failed /= 0) exit
-         if (index(line, key) /= 1) cycle
-         bytes = number_in(line(len(key) + 1:))
-         exit
-      end do
-      close (unit)
-      if (bytes < 0.0_dp) return
-      used = memory_of("/proc/self/status", "VmSize:")
-      bytes = max(0.0_dp, bytes - max(0.0_dp, used))
+      bytes = number_behind("/proc/self/limits", "Max address space")
+      if (bytes >= 0.0_dp) bytes = max(0.0_dp, bytes - max(0.0_dp, memory_of("/proc/self/status", "VmSize:")))
    end function address_space
 
    !> The least limit of the control groups of this process, of both versions, -1 where there is none.
@@ -114,48 +106,18 @@ contains
       character(*), intent(in) :: directory
       !> Of the files
       character(*), intent(in) :: name
-      real(dp) :: least, limit
+      real(dp) :: least
       integer :: last
 
       least = no_limit
       last = len(directory)
       do while (last > 0)
          if (directory(last:last) == "/") last = last - 1
-         limit = first_number(root//directory(:last)//"/"//name)
-         call lower(least, limit)
+         call lower(least, number_behind(root//directory(:last)//"/"//name, ""))
          last = index(directory(:last), "/", back=.true.)
       end do
       bytes = -1.0_dp
       if (least < no_limit) bytes = least
    end function least_limit
-
-   !> The number that a file begins with, -1 where there is none.
-   real(dp) function first_number(path) result(value)
-      character(*), intent(in) :: path
-      character(64) :: line
-      integer :: unit, failed
-
-      value = -1.0_dp
-      open (newunit=unit, file=path, status="old", action="read", iostat=failed)
-      if (failed /= 0) return
-      read (unit, "(a)", iostat=failed) line
-      if (failed == 0) value = number_in(line)
-      close (unit)
-   end function first_number
-
-   !> The number that a text begins with, -1 where it begins with something else ("max", "unlimited").
-   pure real(dp) function number_in(text) result(value)
-      character(*), intent(in) :: text
-      integer :: first, last, failed
-
-      value = -1.0_dp
-      first = verify(text, " "//achar(9))
-      if (first == 0) return
-      last = verify(text(first:), "0123456789")
-      last = merge(len(text), first + last - 2, last == 0)
-      if (last < first) return
-      read (text(first:last), *, iostat=failed) value
-      if (failed /= 0) value = -1.0_dp
-   end function number_in
 
 end module gyroakf_io_machine_memory

@@ -61,9 +61,8 @@ contains
 
       shape = "("//integer_text(rows)//","
       if (columns > 0) shape = shape//" "//integer_text(columns)
-      text = "{'descr': '"//merge(">", "<", host_big_endian())//"f8', 'fortran_order': "//trim(merge("True ", "False", &
-         by_columns))// &
-             ", 'shape': "//shape//"), }"
+      text = "{'descr': '"//merge(">", "<", host_big_endian())//"f8', 'fortran_order': "// &
+             trim(merge("True ", "False", by_columns))//", 'shape': "//shape//"), }"
       length = len(text) + 1
       length = length + modulo(-(length + len(npy_magic) + 4), npy_alignment)
       text = text//repeat(" ", length - len(text) - 1)//achar(10)
@@ -81,40 +80,37 @@ contains
       !> Allocated on failure: parse, not_supported (a type that holds no plain numbers, more than two dimensions)
       type(error_type), allocatable, intent(out) :: error
       type(cursor_type) :: cursor
-      integer(int64) :: length, start
+      integer(int64) :: length, start, count
       integer :: version, i
 
       cursor%name = name
-      if (size(bytes) < 10) then
-         call short(name, size(bytes, kind=int64), error)
-         return
+      count = size(bytes, kind=int64)
+      start = 10
+      header%first = start
+      if (count >= start) then
+         version = unsigned(bytes(7))
+         if (version < 1 .or. version > 3 .or. bytes(8) /= 0) then
+            call fatal_error(error, status%not_supported, name//": byte 6: version "//integer_text(int(version, int64))//"."// &
+                             integer_text(int(unsigned(bytes(8)), int64))//" of NumPy's format is not known; known are "// &
+                             "1.0, 2.0, 3.0"//new_line("a")//"save it anew with numpy.save")
+            return
+         end if
+         start = merge(10, 12, version == 1)
+         length = 0
+         do i = merge(int(start), 0, count >= start), 9, -1
+            length = 256*length + unsigned(bytes(i))
+         end do
+         if (length > most_header) then
+            call fatal_error(error, status%parse, name//": byte 8: the header's length "//integer_text(length)// &
+                             " is not that of a plain array"//new_line("a")// &
+                             "save the columns with numpy.save as an array of numbers")
+            return
+         end if
+         header%first = start + length
       end if
-      version = unsigned(bytes(7))
-      if (version < 1 .or. version > 3 .or. bytes(8) /= 0) then
-         call fatal_error(error, status%not_supported, name//": byte 6: version "//integer_text(int(version, int64))//"."// &
-                          integer_text(int(unsigned(bytes(8)), int64))// &
-                             " of NumPy's format is not known; known are 1.0, 2.0, 3.0"// &
-                          new_line("a")//"save it anew with numpy.save")
-         return
-      end if
-      start = merge(10, 12, version == 1)
-      if (size(bytes) < start) then
-         call short(name, size(bytes, kind=int64), error)
-         return
-      end if
-      length = 0
-      do i = int(start), 9, -1
-         length = 256*length + unsigned(bytes(i))
-      end do
-      if (length > most_header) then
-         call fatal_error(error, status%parse, name//": byte 8: the header's length "//integer_text(length)// &
-            " is not that of a "// &
-                          "plain array"//new_line("a")//"save the columns with numpy.save as an array of numbers")
-         return
-      end if
-      header%first = start + length
-      if (header%first > size(bytes, kind=int64)) then
-         call short(name, size(bytes, kind=int64), error)
+      if (header%first > count) then
+         call fatal_error(error, status%parse, name//": byte "//integer_text(count)// &
+                          ": the file ends within the header of NumPy's format"//new_line("a")//"it was cut off: copy it again")
          return
       end if
       cursor%text = bytes_text(bytes, start + 1, header%first)
@@ -129,17 +125,6 @@ contains
       unsigned = iand(int(byte), 255)
    end function unsigned
 
-   !> The message for a file that ends within its header.
-   subroutine short(name, bytes, error)
-      character(*), intent(in) :: name
-      integer(int64), intent(in) :: bytes
-      type(error_type), allocatable, intent(out) :: error
-
-      call fatal_error(error, status%parse, name//": byte "//integer_text(bytes)// &
-         ": the file ends within the header of NumPy's "// &
-                       "format"//new_line("a")//"it was cut off: copy it again")
-   end subroutine short
-
    !> {'descr': ..., 'fortran_order': ..., 'shape': ...}: the three keys in any order, each once.
    subroutine read_dictionary(cursor, header, error)
       type(cursor_type), intent(inout) :: cursor
@@ -147,6 +132,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: key
       logical :: seen(3)
+      integer :: k
 
       seen = .false.
       call expect(cursor, "{", error)
@@ -155,16 +141,20 @@ contains
          call read_string(cursor, key, error)
          if (.not. allocated(error)) call expect(cursor, ":", error)
          if (allocated(error)) return
-         select case (key)
-         case ("descr"); call take_key(cursor, seen(1), error)
-            if (.not. allocated(error)) call read_descr(cursor, header%element, error)
-         case ("fortran_order"); call take_key(cursor, seen(2), error)
-            if (.not. allocated(error)) call read_order(cursor, header%by_columns, error)
-         case ("shape"); call take_key(cursor, seen(3), error)
-            if (.not. allocated(error)) call read_shape(cursor, header, error)
-         case default; call refuse(cursor, "'"//shown(key)//"' is none of descr, fortran_order, shape", error)
-         end select
+         k = findloc([character(13) :: "descr", "fortran_order", "shape"] == key, .true., dim=1)
+         if (k == 0) then
+            call refuse(cursor, "'"//shown(key)//"' is none of descr, fortran_order, shape", error)
+         else if (seen(k)) then
+            call refuse(cursor, "a key stands twice", error)
+         else if (k == 1) then
+            call read_descr(cursor, header%element, error)
+         else if (k == 2) then
+            call read_order(cursor, header%by_columns, error)
+         else
+            call read_shape(cursor, header, error)
+         end if
          if (allocated(error)) return
+         seen(k) = .true.
          if (ahead(cursor) /= ",") exit
          cursor%at = cursor%at + 1
       end do
@@ -176,16 +166,6 @@ contains
          call refuse(cursor, "more follows", error)
       end if
    end subroutine read_dictionary
-
-   !> A key may stand once only.
-   subroutine take_key(cursor, seen, error)
-      type(cursor_type), intent(in) :: cursor
-      logical, intent(inout) :: seen
-      type(error_type), allocatable, intent(out) :: error
-
-      if (seen) call refuse(cursor, "a key stands twice", error)
-      seen = .true.
-   end subroutine take_key
 
    !> The next character that is not blank, "" at the end.
    function ahead(cursor) result(next)
@@ -288,8 +268,7 @@ contains
       type(cursor_type), intent(inout) :: cursor
       type(element_type), intent(out) :: element
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: descr
-      character(*), parameter :: float = "save numbers: numpy.save(file, array.astype('f8'))"
+      character(:), allocatable :: descr, what, advice
 
       if (ahead(cursor) == "[") then
          call unsuitable(cursor, "the array's type is structured", "save the fields as columns: "// &
@@ -298,35 +277,34 @@ contains
       end if
       call read_string(cursor, descr, error)
       if (allocated(error)) return
-      descr = descr//"   "
+      descr = descr//" "
       element%big_endian = host_big_endian()
       if (descr(1:1) == "<") element%big_endian = .false.
       if (descr(1:1) == ">") element%big_endian = .true.
       if (scan(descr(1:1), "<>=|") > 0) descr = descr(2:)
       descr = trim(descr)
       select case (descr)
-      case ("f2", "f4", "f8", "i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "b1", "?", "b", "B")
+      case ("f2", "f4", "f8", "i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "b1")
          element%kind = descr(1:1)
+         element%bytes = iachar(descr(2:2)) - 48
+      case ("?", "b", "B")
+         element%kind = merge("i", merge("u", "b", descr == "B"), descr == "b")
          element%bytes = 1
-         if (len(descr) > 1) element%bytes = iachar(descr(2:2)) - 48
-         if (descr == "?") element%kind = "b"
-         if (descr == "b") element%kind = "i"
-         if (descr == "B") element%kind = "u"
       case default
+         advice = "save numbers: numpy.save(file, array.astype('f8'))"
          select case (descr(:min(1, len(descr))))
-         case ("f", "g")
-            call unsuitable(cursor, "the array's type '"//shown(descr)// &
-               "' is a long double, which differs from machine to machine", &
-                            float, error)
-         case ("c"); call unsuitable(cursor, "the array's type '"//shown(descr)//"' is complex", &
-                                     "save array.real and array.imag as columns", error)
-         case ("O"); call unsuitable(cursor, "the array's type is object: Python objects, no plain numbers", float, error)
-         case ("S", "U", "a"); call unsuitable(cursor, "the array's type '"//shown(descr)//"' is text", float, error)
-         case ("V"); call unsuitable(cursor, "the array's type '"//shown(descr)//"' is structured or raw", float, error)
-         case ("M", "m"); call unsuitable(cursor, "the array's type '"//shown(descr)//"' is a date or a time", &
-                                          "save seconds: (array - array[0])/numpy.timedelta64(1, 's')", error)
-         case default; call unsuitable(cursor, "the array's type '"//shown(descr)//"' is not known", float, error)
+         case ("f", "g"); what = " is a long double, which differs from machine to machine"
+         case ("c"); what = " is complex"
+            advice = "save array.real and array.imag as columns"
+         case ("O"); what = " is object: Python objects, no plain numbers"
+         case ("S", "U", "a"); what = " is text"
+         case ("V"); what = " is structured or raw"
+         case ("M", "m"); what = " is a date or a time"
+            advice = "save seconds: (array - array[0])/numpy.timedelta64(1, 's')"
+         case default; what = " is not known"
          end select
+         if (descr(:min(1, len(descr))) /= "O") what = " '"//shown(descr)//"'"//what
+         call unsuitable(cursor, "the array's type"//what, advice, error)
       end select
    end subroutine read_descr
 

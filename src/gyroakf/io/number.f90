@@ -15,6 +15,8 @@ module gyroakf_io_number
       ieee_set_halting_mode, ieee_underflow
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_quick_number, only : digits_ahead, quick_number, quick_type
+   use gyroakf_io_text, only : bytes_text
+   use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
    public :: scan_number, scan_any, parse_number, is_missing_word, is_missing_field, number, digits_ahead
@@ -202,19 +204,12 @@ contains
       character(*), intent(in) :: word
       character(9), parameter :: known(9) = [character(9) :: &
          "nan", "na", "n/a", "null", "none", "inf", "infinity", "nan(ind)", "nan(snan)"]
-      character(len(word)) :: low
-      integer :: i, first
+      integer :: first
 
       is_missing_word = .false.
       if (len(word) == 0 .or. len(word) > 10) return
-      do i = 1, len(word)
-         low(i:i) = word(i:i)
-         if (word(i:i) >= "A" .and. word(i:i) <= "Z") low(i:i) = achar(iachar(word(i:i)) + 32)
-      end do
-      first = 1
-      if (low(1:1) == "-" .or. low(1:1) == "+") first = 2
-      if (first > len(word)) return
-      is_missing_word = any(known == low(first:))
+      first = merge(2, 1, scan(word(1:1), "+-") > 0)
+      if (first <= len(word)) is_missing_word = any(known == lower(word(first:)))
    end function is_missing_word
 
    !> True for bytes that are such a word.
@@ -222,15 +217,9 @@ contains
       !> Holds it at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
-      character(10) :: word
-      integer(int64) :: i
 
-      is_missing_field = .false.
-      if (last < first .or. last - first >= len(word)) return
-      do i = first, last
-         word(i - first + 1:i - first + 1) = achar(iand(int(bytes(i)), 255))
-      end do
-      is_missing_field = is_missing_word(word(:last - first + 1))
+      is_missing_field = last >= first .and. last - first < 10
+      if (is_missing_field) is_missing_field = is_missing_word(bytes_text(bytes, first, last))
    end function is_missing_field
 
 end module gyroakf_io_number

@@ -100,6 +100,7 @@ contains
       binary%by_columns = header%by_columns
       binary%first = header%first
       call orient(header%rank, header%shape, binary%by_columns, binary%rows, binary%columns, turned)
+      binary%by_columns = binary%by_columns .and. binary%columns > 1
       call check_size(lines%source, header, error)
       if (allocated(error)) return
       call begin_numbers(lines%source%name, binary%columns, options, table, error)

@@ -69,14 +69,9 @@ contains
       class(progress_type), intent(inout), optional :: progress
       type(gap_type) :: gaps
       real(dp), allocatable :: stamps(:)
-      character(:), allocatable :: input, unit
       real(dp) :: wrap
 
       associate (options => recording%options, table => recording%table)
-         input = "rate"
-         if (allocated(options%input)) input = options%input
-         unit = ""
-         if (allocated(options%unit)) unit = options%unit
          record%path = recording%path
          record%format = recording%format
          record%stored_type = recording%stored_type
@@ -88,13 +83,13 @@ contains
          if (.not. allocated(error)) call place_samples(options, table, stamps, gaps, record, error)
          if (.not. allocated(error)) call mark_missing(record, largest_value/max(1.0_dp, abs(options%scale)), error, &
             & progress=progress)
-         if (.not. allocated(error)) call set_units(unit, input, table, record, error)
+         if (.not. allocated(error)) call set_units(options%unit, options%input, table, record, error)
          wrap = wrap_of(options, table)
-         if (.not. allocated(error) .and. input == "angle" .and. wrap <= 0.0_dp) then
+         if (.not. allocated(error) .and. options%input == "angle" .and. wrap <= 0.0_dp) then
             if (.not. allocated(options%wrap)) call warn_of_wraps(record)
          end if
          if (.not. allocated(error)) call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
-         if (.not. allocated(error)) call make_rates(record, input, options%scale, error, wrap)
+         if (.not. allocated(error)) call make_rates(record, options%input, options%scale, error, wrap)
          if (.not. allocated(error) .and. .not. record%audit%stamp_rate > 0.0_dp) then
             call cut(record, options%from, options%to, error)
          end if
@@ -114,13 +109,10 @@ contains
       integer :: j, failed, time_slot
       integer, allocatable :: slots(:)
       logical, allocatable :: keep(:), blank(:), left(:)
-      character(:), allocatable :: input
 
-      allocate (keep(size(table%chosen)))
-      keep(:) = .true.
-      input = "rate"
-      if (allocated(options%input)) input = options%input
-      if (.not. table%asked) call find_time_and_counters(table, allocated(options%time_column), input, keep, record%warnings)
+      allocate (keep(size(table%chosen)), source=.true.)
+      if (.not. table%asked) call find_time_and_counters(table, allocated(options%time_column), options%input, keep, &
+                                                            record%warnings)
       time_slot = 0
       if (table%time > 0) time_slot = table%layout%slot(table%time)
       blank = keep

@@ -64,12 +64,16 @@ contains
       recording%format = "text"
       recording%stored_type = ""
       recording%options = options
+      if (.not. allocated(options%input)) recording%options%input = "rate"
+      if (.not. allocated(options%unit)) recording%options%unit = ""
+      if (.not. allocated(options%resample)) recording%options%resample = "index"
+      if (.not. allocated(options%format)) recording%options%format = "auto"
       if (allocated(options%columns)) recording%wanted%columns = options%columns
       if (allocated(options%time_column)) recording%wanted%time_column = options%time_column
       recording%wanted%bad_lines_missing = options%bad_lines_missing
       if (allocated(options%where)) recording%wanted%where = options%where
       recording%wanted%skip = options%skip
-      if (allocated(options%input)) recording%wanted%angles = options%input /= "rate"
+      recording%wanted%angles = recording%options%input /= "rate"
       recording%wanted%survey = options%survey
       recording%wanted%decimal_comma = options%decimal_comma
       recording%wanted%bytes => options%bytes
@@ -83,19 +87,16 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(content_type) :: content
       type(element_type) :: element
-      character(:), allocatable :: asked
       logical :: raw
 
-      asked = "auto"
-      if (allocated(recording%options%format)) asked = recording%options%format
-      call parse_element(asked, element, raw)
+      call parse_element(recording%options%format, element, raw)
       if (raw) then
          call begin_numbers_only(path, element, recording, error)
          return
       end if
       call open_lines(recording%lines, path, error, recording%options%bytes)
       if (allocated(error)) return
-      call find_content(recording%lines, asked, content, error)
+      call find_content(recording%lines, recording%options%format, content, error)
       if (.not. allocated(error)) call check_use(content%kind, recording, error)
       if (allocated(error)) return
       select case (content%kind)
@@ -106,7 +107,7 @@ contains
       case ("binary")
          call close_lines(recording%lines)
          call begin_numbers_only(path, content%element, recording, error)
-         if (.not. allocated(error)) call add_text(recording%table%warnings, "read as "//element_word(content%element)// &
+         if (.not. allocated(error)) call add_text(recording%table%warnings, "read as "//trim(element_word(content%element))// &
             ", "//integer_text(recording%binary%columns)//" column"//trim(merge("s", " ", recording%binary%columns > 1))// &
             ", as the name ."//content%ending//" says; --format and --channels say it")
       case default
@@ -129,7 +130,7 @@ contains
       if (allocated(error)) return
       call begin_raw(recording%lines%source, path, recording%wanted, max(1_int64, recording%options%channels), element, &
                      recording%binary, recording%table, error)
-      call note_format(element_word(element), element, recording)
+      call note_format(trim(element_word(element)), element, recording)
       recording%expected_rows = max(0_int64, recording%binary%rows)
    end subroutine begin_numbers_only
 
@@ -149,10 +150,8 @@ contains
          end if
          call recognise(lines%bytes(:lines%filled), name, content)
          if (content%kind == "foreign") then
-            call fatal_error(error, status%parse, name//":"// &
-                             integer_text(1 + count(lines%bytes(:content%at) == 10, kind=int64))// &
-                                ":1: the content is not text but "// &
-                             content%what//new_line("a")//content%advice)
+            call fatal_error(error, status%parse, name//":"//integer_text(1 + count(lines%bytes(:content%at) == 10, kind=int64))// &
+                             ":1: the content is not text but "//content%what//new_line("a")//content%advice)
             return
          end if
          if (asked == "auto" .or. asked == content%kind .or. (asked == "csv" .and. content%kind == "text")) return
@@ -177,8 +176,7 @@ contains
          call fatal_error(error, status%invalid_argument, recording%path//": --where is for text, and this is "//kind)
       else if (kind == "npy" .and. recording%options%skip > 0) then
          call fatal_error(error, status%invalid_argument, recording%path// &
-            ": --skip is for text (lines) and raw numbers (bytes), "// &
-                          "and this is "//kind)
+                          ": --skip is for text (lines) and raw numbers (bytes), and this is "//kind)
       end if
    end subroutine check_use
 

@@ -10,7 +10,7 @@ module gyroakf_io_selection
    use gyroakf_io_number, only : number, parse_number, scan_number
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_rows, only : join_fields
-   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, split, split_line
+   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, line_feed_from, split, split_line
    use gyroakf_record, only : add_text, text_type
    implicit none (type, external)
    private
@@ -123,10 +123,7 @@ contains
       rows = 0
       at = first
       do while (at <= last .and. rows < size(field, 1))
-         to = at
-         do while (bytes(to) /= 10)
-            to = to + 1
-         end do
+         to = line_feed_from(bytes, at)
          if (.not. is_comment(bytes, at, to - 1) .and. first_visible(bytes, at, to - 1) < to) then
             call split_line(bytes, at, to - 1, split%mixed, fields)
             call join_fields(bytes, layout, fields)

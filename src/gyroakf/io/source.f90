@@ -6,10 +6,10 @@
 !> error. Anything that may deliver in pieces (`-`, FIFOs, devices) is read by `read`, again and again until it says that there
 !> is no more. Reads that a signal interrupts are taken up again.
 module gyroakf_io_source
-   use, intrinsic :: iso_c_binding, only : c_associated, c_int, c_loc, c_long, c_null_char, c_ptr, c_short, c_size_t
+   use, intrinsic :: iso_c_binding, only : c_int, c_loc, c_long, c_null_char, c_short, c_size_t
    use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_system, only : c_close, c_closedir, c_open, c_opendir, c_poll, c_read, poll_type, read_at
+   use gyroakf_io_system, only : c_close, c_open, c_poll, c_read, poll_type, read_at
    implicit none (type, external)
    private
    public :: source_type, open_source, read_block, read_piece, source_left, has_places, close_source, is_directory
@@ -33,16 +33,13 @@ module gyroakf_io_source
 
 contains
 
-   !> True where the path is a directory that may be listed.
+   !> True where the path is a directory.
    logical function is_directory(path)
       !> Any path
       character(*), intent(in) :: path
-      type(c_ptr) :: directory
-      integer(c_int) :: ignored
 
-      directory = c_opendir(path//c_null_char)
-      is_directory = c_associated(directory)
-      if (is_directory) ignored = c_closedir(directory)
+      inquire (file=path//"/.", exist=is_directory)
+      is_directory = is_directory .and. len(path) > 0
    end function is_directory
 
    !> Opens a source.

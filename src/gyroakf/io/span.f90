@@ -9,7 +9,7 @@ module gyroakf_io_span
    use gyroakf_io_lines, only : line_map_type, map_row
    use gyroakf_io_selection, only : is_wanted
    use gyroakf_io_rows, only : layout_type, parse_rows, problem_type, read_row
-   use gyroakf_io_text, only : begins_with_semicolon, fields_type, first_visible, is_comment, last_visible
+   use gyroakf_io_text, only : begins_with_semicolon, fields_type, first_visible, is_comment, last_visible, line_feed_from
    implicit none (type, external)
    private
    public :: span_type, read_span
@@ -37,7 +37,7 @@ module gyroakf_io_span
       real(dp), allocatable :: row(:)
    end type span_type
 
-   integer(int8), parameter :: line_feed = 10, carriage_return = 13
+   integer(int8), parameter :: carriage_return = 13
 
 contains
 
@@ -91,10 +91,7 @@ contains
       type(span_type), intent(inout) :: span
 
       do while (at <= span%last)
-         feed = at
-         do while (bytes(feed) /= line_feed)
-            feed = feed + 1
-         end do
+         feed = line_feed_from(bytes, at)
          if (is_wanted(bytes, at, feed - 1, layout)) return
          span%lines = span%lines + 1
          call map_row(span%map, span%rows + 1, span%lines + 1)
@@ -138,10 +135,7 @@ contains
       integer(int64) :: feed, last
       logical :: no_row
 
-      feed = at
-      do while (bytes(feed) /= line_feed)
-         feed = feed + 1
-      end do
+      feed = line_feed_from(bytes, at)
       last = feed - 1
       if (last >= at) then
          if (bytes(last) == carriage_return) last = last - 1

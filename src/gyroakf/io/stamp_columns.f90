@@ -5,7 +5,7 @@
 !> them as one column.
 module gyroakf_io_stamp_columns
    use gyroakf_kinds, only : int8, int64
-   use gyroakf_io_date, only : kind_of_field, is_day_first, stamp_kind, stamp_origin
+   use gyroakf_io_date, only : kind_of_field, is_day_first, is_digit, stamp_kind, stamp_origin
    use gyroakf_io_rows, only : join_fields, layout_type
    use gyroakf_io_text, only : fields_type, first_visible, last_visible
    implicit none (type, external)
@@ -254,13 +254,6 @@ contains
       in_zone = is_digit(byte) .or. byte == iachar("Z") .or. byte == iachar("z") .or. byte == iachar("+") .or. &
                 byte == iachar("-") .or. byte == colon
    end function in_zone
-
-   !> True for a digit.
-   pure logical function is_digit(byte)
-      integer(int8), intent(in) :: byte
-
-      is_digit = byte >= 48 .and. byte <= 57
-   end function is_digit
 
    !> Writes points for decimal commas; doing it twice does no harm.
    pure subroutine make_points(bytes, first, last, mode)

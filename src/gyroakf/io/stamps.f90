@@ -131,24 +131,21 @@ contains
    end subroutine infer_scale
 
    !> Lets a time of day go on behind midnight: it falls by more than half a day there.
-   pure subroutine unwrap_days(stamps, before, days)
+   pure subroutine unwrap_days(stamps)
       !> s from midnight, NaN where missing: [n]; afterwards from the first midnight
       real(dp), intent(inout), contiguous :: stamps(:)
-      !> The last stamp before these as it was read, NaN where there is none, and the midnights so
-      !> far; 0 at first
-      real(dp), intent(inout) :: before
-      integer, intent(inout) :: days
       real(dp), parameter :: half_day = 43200.0_dp
       integer(int64) :: i
-      real(dp) :: clock
+      integer :: days
+      real(dp) :: clock, before
 
+      days = 0
+      before = half_day
       do i = 1, size(stamps, kind=int64)
          if (ieee_is_nan(stamps(i))) cycle
          clock = stamps(i)
-         if (.not. ieee_is_nan(before)) then
-            if (clock < before - half_day) days = days + 1
-            if (clock > before + half_day .and. days > 0) days = days - 1
-         end if
+         if (clock < before - half_day) days = days + 1
+         if (clock > before + half_day .and. days > 0) days = days - 1
          before = clock
          stamps(i) = clock + 2*half_day*days
       end do

@@ -5,7 +5,7 @@ module gyroakf_io_system
    use gyroakf_kinds, only : int8, int64
    implicit none (type, external)
    private
-   public :: c_open, c_read, c_pread, c_close, c_poll, poll_type, c_opendir, c_closedir
+   public :: c_open, c_read, c_pread, c_close, c_poll, poll_type
    public :: c_creat, c_write, c_rename, c_rmdir, c_unlink, c_truncate, c_getpid, c_mkdir
    public :: read_at, write_all
 
@@ -61,20 +61,6 @@ module gyroakf_io_system
          integer(c_int), intent(in), value :: milliseconds
          integer(c_int) :: ready
       end function c_poll
-
-      function c_opendir(path) result(directory) bind(C, name="opendir")
-         import :: c_char, c_ptr
-         implicit none (type, external)
-         character(kind=c_char), intent(in) :: path(*)
-         type(c_ptr) :: directory
-      end function c_opendir
-
-      function c_closedir(directory) result(failed) bind(C, name="closedir")
-         import :: c_int, c_ptr
-         implicit none (type, external)
-         type(c_ptr), intent(in), value :: directory
-         integer(c_int) :: failed
-      end function c_closedir
 
       function c_creat(path, mode) result(descriptor) bind(C, name="creat")
          import :: c_char, c_int

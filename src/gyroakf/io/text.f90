@@ -4,7 +4,8 @@ module gyroakf_io_text
    use gyroakf_kinds, only : int8, int64
    implicit none (type, external)
    private
-   public :: fields_type, split, split_line, is_comment, begins_with_semicolon, first_visible, last_visible, bytes_text
+   public :: fields_type, split, split_line, is_comment, begins_with_semicolon
+   public :: first_visible, last_visible, line_feed_from, bytes_text
 
    !> How a line is split, reached as `split%mixed`
    type :: split_enum
@@ -125,18 +126,13 @@ contains
    pure subroutine append(fields, from, to)
       type(fields_type), intent(inout) :: fields
       integer(int64), intent(in) :: from, to
-      integer(int64), allocatable :: longer(:)
       integer :: n
 
       n = fields%count
       if (.not. allocated(fields%first)) allocate (fields%first(16), fields%last(16))
       if (n == size(fields%first)) then
-         allocate (longer(2*n))
-         longer(:n) = fields%first
-         call move_alloc(longer, fields%first)
-         allocate (longer(2*n))
-         longer(:n) = fields%last
-         call move_alloc(longer, fields%last)
+         fields%first = [fields%first, fields%first]
+         fields%last = [fields%last, fields%last]
       end if
       fields%count = n + 1
       fields%first(n + 1) = from
@@ -203,6 +199,18 @@ contains
          last_visible = last_visible - 1
       end do
    end function last_visible
+
+   !> The first line feed from a byte on.
+   pure integer(int64) function line_feed_from(bytes, at) result(feed)
+      !> Has one
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: at
+
+      feed = at
+      do while (bytes(feed) /= 10)
+         feed = feed + 1
+      end do
+   end function line_feed_from
 
    !> Bytes as a character string.
    pure function bytes_text(bytes, first, last) result(text)

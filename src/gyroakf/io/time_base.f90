@@ -2,7 +2,6 @@
 !> The place of every sample in time: stamps in seconds, the span that is asked for, the audit, gaps
 !> or a grid.
 module gyroakf_io_time_base
-   use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_audit, only : audit_stamps, gap_type
@@ -10,6 +9,7 @@ module gyroakf_io_time_base
    use gyroakf_io_columns, only : label_of
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_left_out_rows, only : leave_rows_out, place_with
+   use gyroakf_io_lines, only : line_of
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_resample, only : resample
@@ -35,18 +35,16 @@ contains
       !> no_memory, too_few_samples
       type(error_type), allocatable, intent(out) :: error
       integer(int64), allocatable :: dropped(:)
-      real(dp) :: scale, origin, before, given, rate
+      real(dp) :: scale, origin, given, rate
       integer(int64) :: rows, first
-      integer :: days, k
+      integer :: k
 
       record%audit%bad_lines = table%bad_lines
       if (size(stamps) == 0) then
          call audit_stamps(stamps, record%audit, gaps)
          return
       end if
-      before = ieee_value(before, ieee_quiet_nan)
-      days = 0
-      if (is_clock(table)) call unwrap_days(stamps, before, days)
+      if (is_clock(table)) call unwrap_days(stamps)
       call drop_absurd(stamps)
       rows = size(stamps, kind=int64)
       call leave_rows_out(stamps, record%value, record%audit, dropped, error)
@@ -55,8 +53,7 @@ contains
          call add_text(record%warnings, label_of(table%names, table%time)//" holds no time in "// &
                        integer_text(record%audit%untimed)//" of "//integer_text(rows)// &
                        " rows and is not used: --rate HZ gives the sample rate")
-      end if
-      if (size(stamps) > 0) then
+      else
          call find_scale(options, table, stamps, record, scale, origin)
          stamps = (stamps - origin)*scale
       end if
@@ -66,10 +63,12 @@ contains
       call audit_stamps(stamps, record%audit, gaps, given)
       if (record%audit%stamp_rate <= 0.0_dp) record%audit%stamp_rate = rate
       associate (audit => record%audit)
-         audit%line_of_first = [(place_with(dropped, audit%line_of_first(k), first), k=1, 3)]
-         audit%line_of_rollover = place_with(dropped, audit%line_of_rollover, first)
-         audit%line_of_burst = place_with(dropped, audit%line_of_burst, first)
-         audit%line_of_change = place_with(dropped, audit%line_of_change, first)
+         audit%line_of_first = [(line_of(table%map, place_with(dropped, audit%line_of_first(k), first)), k=1, 3)]
+         audit%line_of_rollover = line_of(table%map, place_with(dropped, audit%line_of_rollover, first))
+         audit%line_of_burst = line_of(table%map, place_with(dropped, audit%line_of_burst, first))
+         audit%line_of_change = line_of(table%map, place_with(dropped, audit%line_of_change, first))
+         audit%line_of_repeat = line_of(table%map, audit%line_of_repeat)
+         audit%line_of_untimed = line_of(table%map, audit%line_of_untimed)
       end associate
    end subroutine use_stamps
 
@@ -115,9 +114,7 @@ contains
          call fatal_error(error, status%too_few_samples, "no sample lies between --from and --to")
       end if
       if (allocated(error)) return
-      if (allocated(options%input)) then
-         if (options%input == "angle") last = min(last + 1, size(t, kind=int64))
-      end if
+      if (options%input == "angle") last = min(last + 1, size(t, kind=int64))
       rate = audit%stamp_rate
       stamps = stamps(first:last) - stamps(first)
       value = value(first:last, :)
@@ -133,23 +130,18 @@ contains
       type(gap_type), intent(in) :: gaps
       type(record_type), intent(inout) :: record
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: way
       real(dp) :: wrap
 
-      way = "index"
-      if (allocated(options%resample)) way = options%resample
-      record%resample = way
-      if (way == "index") then
+      record%resample = options%resample
+      if (options%resample == "index") then
          call fill_gaps(gaps, record, error)
          return
       end if
       call check_resample(options, table, record, error)
       if (allocated(error)) return
       wrap = 0.0_dp
-      if (allocated(options%input)) then
-         if (options%input == "angle") wrap = wrap_of(options, table)
-      end if
-      call resample(stamps, way, wrap, record, error)
+      if (options%input == "angle") wrap = wrap_of(options, table)
+      call resample(stamps, options%resample, wrap, record, error)
    end subroutine place_samples
 
    !> What resampling needs.
@@ -169,7 +161,7 @@ contains
          call fatal_error(error, status%invalid_argument, "--resample "//options%resample//" needs time stamps that rise, "// &
                           "those of "//table%name//" do not")
       end if
-      if (allocated(error) .or. .not. allocated(options%input)) return
+      if (allocated(error)) return
       if (options%resample == "linear" .and. options%input == "increment") call fatal_error(error, status%invalid_argument, &
          "--resample linear between increments would not keep the angle that they add up to: use --resample nearest or index")
    end subroutine check_resample
