@@ -5,8 +5,7 @@ module test_decimal
    use testdrive, only : new_unittest, unittest_type, error_type, check, test_failed
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_number, only : number, parse_number
-   use gyroakf_io_decimal, only : format_real
-   use gyroakf_io_shortest, only : shortest_digits
+   use gyroakf_io_decimal, only : format_real, shortest_digits
    use gyroakf_io_wide_power, only : int128, least_power, most_power, power_scale, wide_power
    implicit none (type, external)
    private

@@ -4,7 +4,7 @@ module test_html
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_io_whole_file, only : read_whole_file
+   use gyroakf_report_html_recording, only : read_whole_file
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_record, only : record_type

@@ -171,7 +171,7 @@ contains
          call check(error, .not. allocated(failed))
          if (allocated(error)) return
          call check(error, &
-            recording%table%integer_bits == bits(k) .and. (recording%table%integer_signed .eqv. word(k)(1:1) == "i"))
+            recording%table%integer_bits == bits(k))
          if (allocated(error)) return
          call next_rows(recording, 1_int64, failed)
          call check(error, .not. allocated(failed) .and. recording%table%whole)

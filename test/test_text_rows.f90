@@ -9,7 +9,8 @@ module test_text_rows
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_io_lines, only : close_lines, line_of, lines_type, open_lines
    use gyroakf_io_store, only : count_rows
-   use gyroakf_io_table, only : begin_table, table_options, table_type
+   use gyroakf_io_reader_options, only : reader_options
+   use gyroakf_io_table, only : begin_table, table_type
    use gyroakf_io_text_rows, only : read_rows
    use scratch_file, only : remove_file, scratch_path, write_bytes
    implicit none (type, external)
@@ -72,7 +73,7 @@ contains
    subroutine begin(lines, path, options, table, failed)
       type(lines_type), intent(out) :: lines
       character(*), intent(in) :: path
-      type(table_options), intent(in) :: options
+      type(reader_options), intent(in) :: options
       type(table_type), intent(out) :: table
       type(gyro_error), allocatable, intent(out) :: failed
 
@@ -87,13 +88,14 @@ contains
       type(table_type), intent(out) :: table
       type(gyro_error), allocatable, intent(out) :: failed
       type(lines_type) :: lines
-      type(table_options) :: options
+      type(reader_options) :: options
       integer :: usual
 
       usual = thread_count()
       call set_thread_count(threads)
       options%bad_lines_missing = index(content, "strict") == 0
       call write_bytes(scratch_path("rows.txt"), content)
+      options%input = "rate"
       call begin(lines, scratch_path("rows.txt"), options, table, failed)
       if (.not. allocated(failed)) call read_rows(lines, options, huge(1_int64), table, failed)
       call close_lines(lines)
@@ -306,12 +308,13 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(table_type) :: table
       type(lines_type) :: lines
-      type(table_options) :: options
+      type(reader_options) :: options
       type(gyro_error), allocatable :: failed
       integer(int64) :: rows
       integer :: calls
 
       call write_bytes(scratch_path("parts.txt"), repeat("1.5"//nl, 1000000))
+      options%input = "rate"
       call begin(lines, scratch_path("parts.txt"), options, table, failed)
       rows = 0
       do calls = 1, 1000
@@ -336,10 +339,11 @@ contains
       type(table_type), intent(out) :: table
       type(gyro_error), allocatable, intent(out) :: failed
       type(lines_type) :: lines
-      type(table_options) :: options
+      type(reader_options) :: options
       integer :: unit
 
       call write_bytes(scratch_path("changed.txt"), before)
+      options%input = "rate"
       call begin(lines, scratch_path("changed.txt"), options, table, failed)
       if (anew) call write_bytes(scratch_path("changed.txt"), after)
       if (.not. anew) then

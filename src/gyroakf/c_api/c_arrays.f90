@@ -6,7 +6,7 @@ module gyroakf_c_api_c_arrays
    use gyroakf_kinds, only : int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : tell_progress
-   use gyroakf_io_arrays, only : finish_record
+   use gyroakf_io_reader, only : finish_record
    use gyroakf_record, only : record_type
    use gyroakf_utf8, only : make_readable
    use gyroakf_c_api_c_progress, only : callback_type

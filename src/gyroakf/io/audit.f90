@@ -9,8 +9,7 @@ module gyroakf_io_audit
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_stats_extremes, only : scan_extremes
-   use gyroakf_io_bursts, only : count_bursts
-   use gyroakf_io_cadence, only : cadence_type, find_cadence
+   use gyroakf_io_cadence, only : cadence_type, count_bursts, find_cadence
    use gyroakf_io_losses, only : add_gap, find_losses, gap_type
    use gyroakf_io_rate_changes, only : find_changes
    use gyroakf_io_regular_losses, only : find_gaps, loss_pattern, pattern
@@ -74,16 +73,14 @@ contains
       call count_bursts(t, whole, audit)
    end subroutine audit_stamps
 
-   !> Finds the losses in each stretch of one rate.
+   !> Finds the losses in each stretch of one rate; jumps that are too long to be filled are taken out of
+   !> the stamps.
    subroutine audit_stretches(t, whole, change, given, audit, gaps)
       real(dp), intent(inout), contiguous :: t(:)
-      !> Of the whole
       type(cadence_type), intent(in) :: whole
       !> First sample of each further rate
       integer(int64), intent(in) :: change(:)
-      !> Hz, 0 for none
       real(dp), intent(in) :: given
-      !> Its beats are counted
       type(audit_type), intent(inout) :: audit
       type(gap_type), intent(inout) :: gaps
       type(cadence_type) :: cadence
@@ -91,6 +88,7 @@ contains
       integer(int64) :: first, last
       integer :: k, g
 
+      allocate (part%before(16), part%length(16))
       do k = 0, size(change)
          first = 1
          last = size(t, kind=int64)
@@ -102,7 +100,17 @@ contains
          else
             call find_cadence(t(first:last), cadence)
          end if
-         call audit_stretch(t(first:), last - first + 1, cadence, given, part, audit)
+         if (cadence%step <= 0.0_dp) cycle
+         part%count = 0
+         part%jumps = 0
+         part%first_jump = 0
+         if (cadence%regular) then
+            call find_regular(t(first:last), cadence%step, part)
+            call explain_losses(t(first:last), cadence, given, part, audit)
+         else
+            call find_losses(t(first:last), cadence, part)
+         end if
+         call join_jumps(t(first:), last - first + 1, cadence%step, part)
          do g = 1, part%count
             call add_gap(gaps, part%before(g) + first - 1, part%length(g))
          end do
@@ -111,38 +119,11 @@ contains
       end do
    end subroutine audit_stretches
 
-   !> The losses in a stretch of one rate; jumps that are too long to be filled are taken out of the
-   !> stamps.
-   subroutine audit_stretch(t, n, cadence, given, gaps, audit)
-      !> From the first sample of the stretch to the last of the record
-      real(dp), intent(inout), contiguous :: t(:)
-      !> Samples of the stretch
-      integer(int64), intent(in) :: n
-      type(cadence_type), intent(in) :: cadence
-      !> Sample rate that was given, Hz, 0 for none
-      real(dp), intent(in) :: given
-      type(gap_type), intent(out) :: gaps
-      type(audit_type), intent(inout) :: audit
-      real(dp) :: step
-
-      allocate (gaps%before(16), gaps%length(16))
-      if (cadence%step <= 0.0_dp) return
-      if (cadence%regular) then
-         call find_regular(t(:n), cadence%step, gaps)
-         call explain_losses(t(:n), cadence, given, gaps, audit)
-      else
-         call find_losses(t(:n), cadence, gaps, step)
-      end if
-      call join_jumps(t, n, cadence%step, gaps)
-   end subroutine audit_stretch
-
    !> The losses among regular stamps; again with the interval that follows from them, where jitter let
    !> it be a little wrong.
    subroutine find_regular(t, interval, gaps)
       real(dp), intent(in), contiguous :: t(:)
-      !> s
       real(dp), intent(in) :: interval
-      !> Empty before
       type(gap_type), intent(inout) :: gaps
       integer, parameter :: max_iterations = 4
       real(dp), parameter :: tolerance = 5.0e-4_dp
@@ -169,11 +150,9 @@ contains
       real(dp), intent(in), contiguous :: t(:)
       type(cadence_type), intent(in) :: cadence
       real(dp), intent(in) :: given
-      !> None where they are a beat
       type(gap_type), intent(inout) :: gaps
-      !> Its beats and the other rate
       type(audit_type), intent(inout) :: audit
-      real(dp) :: step, grid_rate, beat_rate
+      real(dp) :: grid_rate, beat_rate
       integer(int64) :: distance
       integer :: found
       logical :: beat
@@ -183,7 +162,7 @@ contains
       grid_rate = 1.0_dp/cadence%step
       if (found == pattern%comb) then
          gaps%count = 0
-         call find_losses(t, cadence, gaps, step)
+         call find_losses(t, cadence, gaps)
          return
       end if
       beat = found == pattern%beat
@@ -200,7 +179,6 @@ contains
    !> that was set back by more than ten samples otherwise goes on by one sample.
    subroutine count_steps(t, interval, audit)
       real(dp), intent(inout), contiguous :: t(:)
-      !> Usual, s
       real(dp), intent(in) :: interval
       type(audit_type), intent(inout) :: audit
       real(dp) :: step, shift, period
@@ -235,9 +213,7 @@ contains
    !> The period after which a clock starts again, s; 0 where the stamps would not go on within 20
    !> samples.
    pure real(dp) function rollover_of(step, interval) result(period)
-      !> Below 0, s
       real(dp), intent(in) :: step
-      !> Usual, s
       real(dp), intent(in) :: interval
       !> Day, GPS week; 16, 24, 31, 32 bits of us, 100 us and ms
       real(dp), parameter :: periods(*) = [86400.0_dp, 604800.0_dp, 2.0_dp**[16, 24, 31, 32]*1.0e-6_dp, &

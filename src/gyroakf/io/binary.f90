@@ -170,9 +170,7 @@ contains
       real(dp), intent(inout), contiguous :: value(:, :)
       !> Rows of `value` that are filled already, and how many are to be filled
       integer(int64), intent(in) :: before, rows
-      !> Rows that were there
       integer(int64), intent(out) :: got
-      !> Allocated where the system refuses to read: io
       type(error_type), allocatable, intent(out) :: error
       integer, allocatable :: column(:)
       logical :: failed, refused
@@ -230,7 +228,6 @@ contains
       integer(int64), intent(inout) :: rounded
       !> Rows at the end that are not there
       integer(int64), intent(out) :: short
-      !> The system refused
       logical, intent(out) :: failed
       integer(int64), allocatable, target :: room(:)
       integer(int64) :: row_bytes, offset, got, n
@@ -259,7 +256,6 @@ contains
       type(binary_type), intent(in) :: binary
       type(c_ptr), intent(in) :: address
       integer, intent(in) :: column(:), piece
-      !> Where they go
       integer(int64), intent(in) :: from, to
       real(dp), intent(inout), contiguous :: value(:, :)
       integer(int64), intent(inout) :: rounded
@@ -280,7 +276,6 @@ contains
       type(source_type), intent(inout) :: source
       type(table_type), intent(in) :: table
       real(dp), intent(inout), contiguous :: value(:, :)
-      !> Rows that were there
       integer(int64), intent(out) :: got
       type(error_type), allocatable, intent(out) :: error
       integer, allocatable :: column(:)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> The sample interval from time stamps, and the resolution of their clock.
+!> The sample interval from time stamps, the resolution of their clock, and samples that come in bursts.
 !>
 !> All steps are counted in a histogram of 32 bins an octave. Where samples lie on an even grid of
 !> interval \(T\), some of them lost and each with a jitter, the steps \(x\) are whole multiples of
@@ -9,10 +9,11 @@
 module gyroakf_io_cadence
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type
+   use gyroakf_record, only : audit_type
    use gyroakf_sort, only : sort_values
    implicit none (type, external)
    private
-   public :: cadence_type, find_cadence, find_step, sort, median_of
+   public :: cadence_type, find_cadence, find_step, count_bursts, sort, median_of
 
    !> How samples come
    type :: cadence_type
@@ -107,7 +108,6 @@ contains
 
    !> The bin of a step.
    pure integer function bin_of(step)
-      !> s, above 0
       real(dp), intent(in) :: step
       integer(int64), parameter :: lowest = shiftl(1023_int64 - octaves/2, mantissa_bits) - 1
       integer(int64) :: bits
@@ -143,7 +143,6 @@ contains
    pure subroutine choose_step(x, weight, flat, cadence)
       !> Mean step of every bin, s, rising, and how many there are: [bin]
       real(dp), intent(in), contiguous :: x(:), weight(:)
-      !> Steps that are not above 0
       real(dp), intent(in) :: flat
       type(cadence_type), intent(inout) :: cadence
       integer, parameter :: tried = nint((highest_rate - lowest_rate)/rate_distance)
@@ -213,7 +212,6 @@ contains
    !> Time over intervals of the steps between 0.5 and 4.5 intervals.
    pure real(dp) function mean_interval(x, weight, interval)
       real(dp), intent(in), contiguous :: x(:), weight(:)
-      !> As far as it is known, s
       real(dp), intent(in) :: interval
       real(dp) :: time, count_intervals
       integer :: k
@@ -232,7 +230,6 @@ contains
    !> The smallest difference between values, or between them and 0, that is more than rounding; the
    !> value itself where all are the same.
    pure real(dp) function smallest_difference(step, rounding)
-      !> In order
       real(dp), intent(in) :: step(:)
       real(dp), intent(in) :: rounding
       real(dp) :: last
@@ -267,5 +264,44 @@ contains
 
       call sort_values(x, failed)
    end subroutine sort
+
+   !> Counts bursts: three samples or more at once, with less than 0.3 of the usual step between them, behind a long step; more
+   !> of them than a tick of the clock holds.
+   subroutine count_bursts(t, cadence, audit)
+      !> Stamps, s
+      real(dp), intent(in), contiguous :: t(:)
+      !> Of the stamps
+      type(cadence_type), intent(in) :: cadence
+      !> Its bursts; `line_of_burst` is a row
+      type(audit_type), intent(inout) :: audit
+      integer(int64) :: i, n, run, first, least
+      logical :: late
+      real(dp) :: short, long, step
+
+      if (cadence%step <= 0.0_dp) return
+      short = 0.3_dp*cadence%step
+      long = 1.5_dp*cadence%step
+      least = max(2_int64, ceiling(1.5_dp*min(cadence%resolution/cadence%step, 1.0e6_dp), int64))
+      n = size(t, kind=int64)
+      run = 0
+      late = .false.
+      first = 0
+      do i = 2, n + 1
+         step = huge(step)
+         if (i <= n) step = t(i) - t(i - 1)
+         if (abs(step) < short) then
+            run = run + 1
+            cycle
+         end if
+         if (late .and. run >= least) then
+            audit%bursts = audit%bursts + 1
+            audit%longest_burst = max(audit%longest_burst, run + 1)
+            if (audit%line_of_burst == 0) audit%line_of_burst = first
+         end if
+         late = step >= long
+         first = i
+         run = 0
+      end do
+   end subroutine count_bursts
 
 end module gyroakf_io_cadence

@@ -34,22 +34,17 @@ contains
 
       allocate (unit(size(record%channel)))
       record%unit%name = ""
-      record%unit_source = "header"
-      if (given /= "") then
-         record%unit_source = "option"
-         call units_of_header(table, record, unit)
-         if (all(unit%quantity == quantity%unknown)) call units_of_names(input, table, unit)
-         do j = 1, size(unit)
+      record%unit_source = merge("option", "header", given /= "")
+      call units_of_header(table, record, unit)
+      if (all(unit%quantity == quantity%unknown)) call units_of_names(input, table, unit)
+      do j = 1, size(unit)
+         if (given /= "") then
             if ((input == "rate") .eqv. is_integral(unit(j))) unit(j) = unit_type()
-         end do
-         call units_of_option(given, table, record, unit, error)
-      else
-         call units_of_header(table, record, unit)
-         if (all(unit%quantity == quantity%unknown)) call units_of_names(input, table, unit)
-         do j = 1, size(unit)
-            if (input == "rate" .and. unit(j)%quantity == quantity%velocity) unit(j) = unit_type()
-         end do
-      end if
+         else if (input == "rate" .and. unit(j)%quantity == quantity%velocity) then
+            unit(j) = unit_type()
+         end if
+      end do
+      if (given /= "") call units_of_option(given, table, record, unit, error)
       if (allocated(error)) return
       do j = 1, size(unit)
          if (unit(j)%quantity == quantity%unknown) cycle

@@ -66,8 +66,10 @@ contains
             call take_name(word, names%name(count)%text, names%unit(count)%text)
          end if
       end do
-      call shorten(names%name, count)
-      call shorten(names%unit, count)
+      if (count < fields%count) then
+         names%name = names%name(:count)
+         names%unit = names%unit(:count)
+      end if
       call keep_apart(names)
    end subroutine read_names
 
@@ -157,21 +159,6 @@ contains
          end do
       end do
    end function knows
-
-   !> Keeps the first texts of a list.
-   pure subroutine shorten(list, count)
-      type(text_type), allocatable, intent(inout) :: list(:)
-      integer, intent(in) :: count
-      type(text_type), allocatable :: shorter(:)
-      integer :: i
-
-      if (count == size(list)) return
-      allocate (shorter(count))
-      do i = 1, count
-         call move_alloc(list(i)%text, shorter(i)%text)
-      end do
-      call move_alloc(shorter, list)
-   end subroutine shorten
 
    !> How a line of names is split: blanks belong to the names where there are other separators.
    pure integer function names_way(bytes, first, last)

@@ -166,9 +166,7 @@ contains
       type(column_type), intent(in) :: columns(:)
       integer(int64), intent(in) :: first, last
       character(1), intent(in) :: separator
-      !> Filled from the start
       character(*), intent(inout) :: text
-      !> Characters of it
       integer, intent(out) :: used
       integer(int64) :: i
       integer :: j, length

@@ -168,8 +168,7 @@ contains
          q = q + 1
       end do
       if (q == p) return
-      if (.not. (bytes(q + 1) == colon .or. is_digit(bytes(q + 1)))) return
-      if (.not. (bytes(q + 1) == colon .or. bytes(q + 2) == colon)) return
+      if (bytes(q + 1) /= colon .and. .not. (is_digit(bytes(q + 1)) .and. bytes(q + 2) == colon)) return
       p = q
       call scan_clock(bytes, p, quoted, whole, part, found)
    end subroutine scan_time_behind
@@ -180,7 +179,6 @@ contains
       integer(int64), intent(inout) :: p
       !> A comma may stand before the decimals
       logical, intent(in) :: quoted
-      !> s
       integer(int64), intent(out) :: whole
       real(dp), intent(out) :: part
       logical, intent(out) :: found
@@ -365,7 +363,6 @@ contains
 
    !> Days of a month.
    pure integer function month_days(year, month)
-      !> Year 0 to 9999, month 1 to 12
       integer, intent(in) :: year, month
       integer, parameter :: days(12) = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31]
 

@@ -77,9 +77,7 @@ contains
          end select
       end do
       if (commas == 0) return
-      do p = from, to
-         if (bytes(p) == comma) exit
-      end do
+      p = from - 1 + findloc(bytes(from:to), comma, dim=1, kind=int64)
       if (others) at = p
       if (others) return
       if (bytes(p + 1) == 48 .and. is_digit(bytes, p + 2, from, to)) at = p

@@ -63,8 +63,7 @@ contains
       key = lower(bytes_text(bytes, from, last_visible(bytes, from, mark - 1)))
       from = first_visible(bytes, mark + 1, last)
       select case (key)
-      case ("rate_hz"); call read_rate(bytes, from, last, line, header, warnings)
-      case ("dt"); call read_interval(bytes, from, last, line, header, warnings)
+      case ("rate_hz", "dt"); call read_rate(bytes, from, last, key, line, header, warnings)
       case ("unit", "units"); call read_unit(bytes, from, last_visible(bytes, from, last), key, line, header, warnings)
       case ("columns"); if (from <= last) call read_names(bytes, from, last_visible(bytes, from, last), line, header%names)
       case default; continue
@@ -95,42 +94,12 @@ contains
       word = lower(bytes_text(bytes, p, to - 1))
    end subroutine first_number
 
-   !> Key `rate_hz`.
-   subroutine read_rate(bytes, first, last, line, header, warnings)
+   !> Keys `rate_hz` and `dt`, in Hz and seconds unless a unit follows; where an earlier line said another rate, the later counts
+   !> and a warning says so.
+   subroutine read_rate(bytes, first, last, key, line, header, warnings)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last, line
-      type(header_type), intent(inout) :: header
-      type(text_type), allocatable, intent(inout) :: warnings(:)
-      character(:), allocatable :: word
-      real(dp) :: x
-
-      call first_number(bytes, first, last, x, word)
-      if (word == "khz") x = 1.0e3_dp*x
-      if (x >= smallest_rate .and. x <= largest_rate) then
-         call set_rate(x, line, header, warnings)
-      else
-         call warn(bytes, first, last, line, "rate_hz", "is not a positive number", warnings)
-      end if
-   end subroutine read_rate
-
-   !> Takes a rate; where an earlier line said another one, the later counts and a warning says so.
-   subroutine set_rate(rate_hz, line, header, warnings)
-      real(dp), intent(in) :: rate_hz
-      integer(int64), intent(in) :: line
-      type(header_type), intent(inout) :: header
-      type(text_type), allocatable, intent(inout) :: warnings(:)
-
-      if (header%rate_hz > 0.0_dp .and. abs(header%rate_hz - rate_hz) > 1.0e-6_dp*rate_hz) then
-         call add_text(warnings, "line "//integer_text(line)//": the header gives a second rate, "//format_real(rate_hz, 6)// &
-                       " Hz after "//format_real(header%rate_hz, 6)//" Hz; the last counts, --rate HZ overrides it")
-      end if
-      header%rate_hz = rate_hz
-   end subroutine set_rate
-
-   !> Key `dt`, in seconds unless a unit of time follows.
-   subroutine read_interval(bytes, first, last, line, header, warnings)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last, line
+      character(*), intent(in) :: key
       type(header_type), intent(inout) :: header
       type(text_type), allocatable, intent(inout) :: warnings(:)
       character(:), allocatable :: word
@@ -138,13 +107,19 @@ contains
 
       call first_number(bytes, first, last, x, word)
       scale = time_scale(word)
-      if (scale > 0.0_dp) x = x*scale
-      if (x >= 1.0_dp/largest_rate .and. x <= 1.0_dp/smallest_rate) then
-         call set_rate(1.0_dp/x, line, header, warnings)
-      else
-         call warn(bytes, first, last, line, "dt", "is not a positive number", warnings)
+      if (key == "dt" .and. scale > 0.0_dp) x = x*scale
+      if (key == "rate_hz" .and. word == "khz") x = 1.0e3_dp*x
+      if (.not. (x >= smallest_rate .and. x <= largest_rate)) then
+         call warn(bytes, first, last, line, key, "is not a positive number", warnings)
+         return
       end if
-   end subroutine read_interval
+      if (key == "dt") x = 1.0_dp/x
+      if (header%rate_hz > 0.0_dp .and. abs(header%rate_hz - x) > 1.0e-6_dp*x) then
+         call add_text(warnings, "line "//integer_text(line)//": the header gives a second rate, "//format_real(x, 6)// &
+                       " Hz after "//format_real(header%rate_hz, 6)//" Hz; the last counts, --rate HZ overrides it")
+      end if
+      header%rate_hz = x
+   end subroutine read_rate
 
    !> Key `unit`: the whole value, or its first word; where every word is a unit, or the key is
    !> `units`, one for each column.

@@ -54,10 +54,8 @@ contains
 
    !> Keeps some of the rows.
    subroutine keep_rows(keep, t, value, error)
-      !> [row]
       logical, intent(in) :: keep(:)
       real(dp), allocatable, intent(inout) :: t(:), value(:, :)
-      !> no_memory
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: shorter(:, :)
       integer :: j, failed

@@ -130,23 +130,12 @@ contains
          longer(:rest) = lines%bytes(lines%at:lines%filled)
          call move_alloc(longer, lines%bytes)
       else if (lines%at > 1) then
-         call move_down(lines%bytes, lines%at, rest)
+         lines%bytes(:rest) = lines%bytes(lines%at:lines%filled)
       end if
       lines%at = 1
       lines%last = 0
       lines%filled = rest
    end subroutine make_room
-
-   !> Moves bytes to the start; they may overlap.
-   pure subroutine move_down(bytes, from, count)
-      integer(int8), intent(inout), contiguous :: bytes(:)
-      integer(int64), intent(in) :: from, count
-      integer(int64) :: i
-
-      do i = 1, count
-         bytes(i) = bytes(from + i - 1)
-      end do
-   end subroutine move_down
 
    !> Reads behind what is filled.
    subroutine fill(lines, error)

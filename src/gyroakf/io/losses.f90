@@ -13,7 +13,7 @@ module gyroakf_io_losses
    use gyroakf_io_cadence, only : cadence_type, median_of, sort
    implicit none (type, external)
    private
-   public :: gap_type, add_gap, find_losses
+   public :: gap_type, add_gap, find_losses, lasting
 
    !> Samples that were lost, and rows that are no samples
    type :: gap_type
@@ -32,53 +32,43 @@ module gyroakf_io_losses
    !> Samples of a block; blocks of the longest window; positions looked at for the scatter
    integer, parameter :: block_rows = 16, most_blocks = 64
    integer(int64), parameter :: looked_at = 2001
-   !> A rise has to last so many samples
+   !> A rise has to last so many samples, or four times as many as are lost; what is late for less is not lost
    integer(int64), parameter :: lasting = 2048
 
 contains
 
-   !> Finds the losses, and the step that fits the stamps with them.
-   subroutine find_losses(t, cadence, gaps, step)
+   !> Finds the losses.
+   subroutine find_losses(t, cadence, gaps)
       !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
       !> Of the stamps
       type(cadence_type), intent(in) :: cadence
       !> Appended to, in order; none where there are fewer than 12 blocks
       type(gap_type), intent(inout) :: gaps
-      !> s from sample to sample
-      real(dp), intent(out) :: step
       real(dp), allocatable :: level(:)
       integer(int64), allocatable :: lost(:)
-      real(dp) :: scatter, enough, usual
-      integer(int64) :: n, blocks, i, b
+      real(dp) :: step, scatter, enough, usual
+      integer(int64) :: blocks, i, b
       integer :: window, round
       logical :: more
 
-      n = size(t, kind=int64)
-      step = cadence%step
-      blocks = n/block_rows
+      blocks = size(t, kind=int64)/block_rows
       if (blocks < 12) return
       allocate (level(blocks), lost(blocks))
       lost = 0
       do b = 1, blocks
-         level(b) = 0.0_dp
-         do i = (b - 1)*block_rows + 1, b*block_rows
-            level(b) = level(b) + (t(i) - t(1))
-         end do
-         level(b) = level(b)/block_rows
+         i = (b - 1)*block_rows
+         level(b) = sum(t(i + 1:i + block_rows) - t(1))/block_rows
       end do
       call choose_window(level, cadence%step, window, scatter, step)
       if (step <= 0.0_dp) return
-      do b = 1, blocks
-         level(b) = level(b)/step - real(b*block_rows, dp)
-      end do
+      level = level/step - [(real(b*block_rows, dp), b=1, blocks)]
       enough = max(0.75_dp, 5.0_dp*scatter, beat_bound(cadence, step, window), burst_bound(t, cadence, step, level))
       usual = usual_longest(t, step)
       do round = 1, 6
          call find_rises(t, level, step, window, enough, usual, lost, more)
          if (.not. more) exit
       end do
-      call fit_step(level, step)
       do b = 1, blocks
          if (lost(b) > 0) call add_gap(gaps, longest_step(t, b), lost(b))
       end do
@@ -88,13 +78,10 @@ contains
    subroutine choose_window(level, rough, window, scatter, step)
       !> s, means of the blocks
       real(dp), intent(in), contiguous :: level(:)
-      !> s, a first idea of the step
       real(dp), intent(in) :: rough
-      !> Blocks
       integer, intent(out) :: window
       !> Of the difference of two windows, steps
       real(dp), intent(out) :: scatter
-      !> s
       real(dp), intent(out) :: step
       real(dp) :: middle, found, usual
       real(dp), allocatable :: rise(:)
@@ -231,7 +218,6 @@ contains
       real(dp), intent(in) :: step, enough, usual
       integer, intent(in) :: window
       integer(int64), intent(inout) :: lost(:)
-      !> Something was found
       logical, intent(out) :: more
       real(dp), allocatable :: rise(:)
       integer(int64), allocatable :: taken(:)
@@ -327,27 +313,6 @@ contains
          if (t(i) - t(i - 1) > t(longest_step) - t(longest_step - 1)) longest_step = i
       end do
    end function longest_step
-
-   !> The step from the line of least squares through the levels, from which the losses were taken.
-   pure subroutine fit_step(level, step)
-      !> Lag in steps: [block]
-      real(dp), intent(in), contiguous :: level(:)
-      !> s; corrected by the slope
-      real(dp), intent(inout) :: step
-      real(dp) :: x, mean, sxx, sxy
-      integer(int64) :: b, n
-
-      n = size(level, kind=int64)
-      mean = sum(level)/real(n, dp)
-      sxx = 0.0_dp
-      sxy = 0.0_dp
-      do b = 1, n
-         x = real(b, dp) - 0.5_dp*real(n + 1, dp)
-         sxx = sxx + x*x
-         sxy = sxy + x*(level(b) - mean)
-      end do
-      if (sxx > 0.0_dp) step = step*(1.0_dp + sxy/sxx/block_rows)
-   end subroutine fit_step
 
    !> Appends a gap.
    pure subroutine add_gap(gaps, before, length)

@@ -103,7 +103,6 @@ contains
    !> True where these bytes stand there.
    pure logical function begins(bytes, offset, text)
       integer(int8), intent(in), contiguous :: bytes(:)
-      !> From 0
       integer(int64), intent(in) :: offset
       character(*), intent(in) :: text
 

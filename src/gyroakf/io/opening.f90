@@ -8,8 +8,9 @@ module gyroakf_io_opening
    use gyroakf_io_lines, only : lines_type
    use gyroakf_io_npy, only : npy_header_type, read_npy_header
    use gyroakf_io_place, only : integer_text
+   use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_source, only : open_source, source_type
-   use gyroakf_io_table, only : begin_numbers, table_options, table_type
+   use gyroakf_io_table, only : begin_numbers, table_type
    use gyroakf_record, only : add_text
    implicit none (type, external)
    private
@@ -24,7 +25,7 @@ contains
       !> A path; "-" is standard input
       character(*), intent(in) :: path
       !> What is wanted; `skip` counts bytes
-      type(table_options), intent(in) :: options
+      type(reader_options), intent(in) :: options
       !> Numbers of a row
       integer(int64), intent(in) :: channels
       !> How they are stored
@@ -45,7 +46,7 @@ contains
       call begin_numbers(source%name, channels, options, table, error)
       if (allocated(error)) return
       row_bytes = channels*element%bytes
-      call tell_integer(element, table)
+      if (scan(element%kind, "iu") > 0) table%integer_bits = 8*element%bytes
       if (source%length > 0) then
          rest = source%length - options%skip
          if (rest <= 0) then
@@ -64,24 +65,16 @@ contains
             return
          end if
       end if
-      call place_reading(source, binary)
+      if (source%length > 0 .and. .not. associated(source%bytes)) binary%descriptor = source%descriptor
       if (binary%descriptor < 0) call skip_bytes(binary, source, options%skip, error)
    end subroutine begin_raw
-
-   !> A regular file is read by position.
-   pure subroutine place_reading(source, binary)
-      type(source_type), intent(in) :: source
-      type(binary_type), intent(inout) :: binary
-
-      if (source%length > 0 .and. .not. associated(source%bytes)) binary%descriptor = source%descriptor
-   end subroutine place_reading
 
    !> Opens an array of NumPy.
    subroutine begin_npy(lines, options, binary, table, error)
       !> Open, its first block read
       type(lines_type), intent(in) :: lines
       !> What is wanted
-      type(table_options), intent(in) :: options
+      type(reader_options), intent(in) :: options
       !> Reads their source
       type(binary_type), intent(out) :: binary
       !> All but the rows
@@ -101,18 +94,15 @@ contains
       binary%first = header%first
       call orient(header%rank, header%shape, binary%by_columns, binary%rows, binary%columns, turned)
       binary%by_columns = binary%by_columns .and. binary%columns > 1
-      call check_size(lines%source, header, error)
+      call make_shape_text(header, shape)
+      call check_size(lines%source, header, shape, error)
       if (allocated(error)) return
       call begin_numbers(lines%source%name, binary%columns, options, table, error)
       if (allocated(error)) return
-      call tell_integer(header%element, table)
-      call make_shape_text(header, shape)
-      if (turned) call add_text(table%warnings, "the array's shape is "//shape// &
-         ": the longer side is taken for the "// &
-                                "time, its "//integer_text(binary%columns)// &
-                                   " rows for the channels; save array.T to have it "// &
-                                "beyond doubt")
-      call place_reading(lines%source, binary)
+      if (scan(header%element%kind, "iu") > 0) table%integer_bits = 8*header%element%bytes
+      if (turned) call add_text(table%warnings, "the array's shape is "//shape//": the longer side is taken for the time, its "// &
+                                integer_text(binary%columns)//" rows for the channels; save array.T to have it beyond doubt")
+      if (lines%source%length > 0 .and. .not. associated(lines%source%bytes)) binary%descriptor = lines%source%descriptor
       if (binary%descriptor >= 0) return
       if (lines%bytes(header%first) /= 10_int8) then
          call fatal_error(error, status%parse, table%name//": byte "//integer_text(header%first - 1)// &
@@ -147,14 +137,14 @@ contains
    end subroutine orient
 
    !> The file is as long as its header says.
-   subroutine check_size(source, header, error)
+   subroutine check_size(source, header, shape, error)
       type(source_type), intent(in) :: source
       type(npy_header_type), intent(in) :: header
+      character(*), intent(in) :: shape
       type(error_type), allocatable, intent(out) :: error
       integer(int64) :: bytes
-      character(:), allocatable :: promise, shape
+      character(:), allocatable :: promise
 
-      call make_shape_text(header, shape)
       if (any(header%shape < 1)) then
          call fatal_error(error, status%too_few_samples, source%name//": the array is empty, shape "//shape)
          return
@@ -172,10 +162,8 @@ contains
                           promise//" needs "//integer_text(bytes - source%length)//" bytes more"//new_line("a")// &
                           "it was cut off: copy it again")
       else if (source%length > bytes) then
-         call fatal_error(error, status%parse, source%name//": byte "//integer_text(bytes)//": "//promise// &
-            " ends here, and "// &
-                          integer_text(source%length - bytes)//" bytes follow"//new_line("a")// &
-                             "give a file that holds one array")
+         call fatal_error(error, status%parse, source%name//": byte "//integer_text(bytes)//": "//promise//" ends here, and "// &
+                          integer_text(source%length - bytes)//" bytes follow"//new_line("a")//"give a file that holds one array")
       end if
    end subroutine check_size
 
@@ -188,17 +176,5 @@ contains
       if (header%rank > 1) text = text//" "//integer_text(header%shape(2))
       text = text//")"
    end subroutine make_shape_text
-
-   !> Notes the integer type that is stored: counters wrap at its ends.
-   pure subroutine tell_integer(element, table)
-      !> Any
-      type(element_type), intent(in) :: element
-      !> Gets its bits, 0 for other types
-      type(table_type), intent(inout) :: table
-
-      table%integer_bits = 0
-      if (scan(element%kind, "iu") > 0) table%integer_bits = 8*element%bytes
-      table%integer_signed = element%kind == "i"
-   end subroutine tell_integer
 
 end module gyroakf_io_opening

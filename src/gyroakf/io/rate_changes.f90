@@ -140,7 +140,6 @@ contains
       real(dp), intent(in), contiguous :: t(:)
       integer(int64), intent(in) :: first, last
       real(dp), intent(in) :: step
-      !> The step falls there
       logical, intent(in) :: faster
       integer(int64) :: i
       real(dp) :: distance, extreme

@@ -1,15 +1,14 @@
 ! SPDX-License-Identifier: MIT
-!> A recording from a file, from standard input or from a FIFO.
+!> A recording from a file, from standard input, from a FIFO, or of samples that are in memory already.
 !>
 !> What the file says about rate, unit and columns is honoured, an option overrides it, and where nobody says anything
 !> nothing is assumed. Everything that was decided on the way is in the record: `rate_source`, `unit_source`, `warnings`.
 module gyroakf_io_reader
-   use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_is_nan
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_audit, only : audit_values, gap_type
    use gyroakf_io_channel_units, only : set_units
-   use gyroakf_io_clock, only : set_rate
    use gyroakf_io_column_behavior, only : find_time_and_counters
    use gyroakf_io_columns, only : label_of, name_of
    use gyroakf_io_findings, only : tell
@@ -22,12 +21,12 @@ module gyroakf_io_reader
       say_too_large
    use gyroakf_io_survey, only : survey_columns
    use gyroakf_io_table, only : table_type
-   use gyroakf_io_time_base, only : place_samples, use_stamps
+   use gyroakf_io_time_base, only : place_samples, set_rate, use_stamps
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_record, only : add_text, record_type
    implicit none (type, external)
    private
-   public :: reader_options, read_record, complete_record
+   public :: reader_options, read_record, complete_record, finish_record
 
 contains
 
@@ -81,8 +80,7 @@ contains
          if (.not. allocated(error)) call set_rate(options, table, record, error)
          if (.not. allocated(error)) call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
          if (.not. allocated(error)) call place_samples(options, table, stamps, gaps, record, error)
-         if (.not. allocated(error)) call mark_missing(record, largest_value/max(1.0_dp, abs(options%scale)), error, &
-            & progress=progress)
+         if (.not. allocated(error)) call mark_missing(record, largest_value/max(1.0_dp, abs(options%scale)), error, progress)
          if (.not. allocated(error)) call set_units(options%unit, options%input, table, record, error)
          wrap = wrap_of(options, table)
          if (.not. allocated(error) .and. options%input == "angle" .and. wrap <= 0.0_dp) then
@@ -112,7 +110,7 @@ contains
 
       allocate (keep(size(table%chosen)), source=.true.)
       if (.not. table%asked) call find_time_and_counters(table, allocated(options%time_column), options%input, keep, &
-                                                            record%warnings)
+         record%warnings)
       time_slot = 0
       if (table%time > 0) time_slot = table%layout%slot(table%time)
       blank = keep
@@ -139,7 +137,6 @@ contains
    !> Which of the stored columns hold a number at all; blank ones are left out unless they were asked for.
    subroutine find_numbers(table, keep, record, error)
       type(table_type), intent(in) :: table
-      !> [chosen column]
       logical, intent(inout) :: keep(:)
       type(record_type), intent(inout) :: record
       type(error_type), allocatable, intent(out) :: error
@@ -168,5 +165,43 @@ contains
       call fatal_error(error, status%parse, table%name//":"//integer_text(line_of(table%map, 1_int64))// &
                        ":1: no column holds a number"//new_line("a")//"give one row of numbers per sample")
    end subroutine find_numbers
+
+   !> Makes a recording of values and names: marks what is missing, sets rate and units, counts what a reader counts.
+   subroutine finish_record(sample_interval, unit, record, error, progress)
+      !> s, > 0, finite
+      real(dp), intent(in) :: sample_interval
+      !> "deg/s" for all channels, or one for each, separated by commas; "": unknown
+      character(*), intent(in) :: unit
+      !> Its `value` is there, NaN where missing, and the names of its `channel`; the rest is filled
+      type(record_type), intent(inout) :: record
+      !> invalid_argument (the interval, a unit that is unknown or none of a rate), non_finite (a value beyond 1e60), no_memory,
+      !> cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Told how far it is; may cancel
+      class(progress_type), intent(inout), optional :: progress
+      type(table_type) :: nothing
+      logical :: good
+
+      good = ieee_is_finite(sample_interval)
+      if (good) good = sample_interval > 0.0_dp
+      if (.not. good) then
+         call fatal_error(error, status%invalid_argument, "the sample interval must be a finite number above 0")
+         return
+      end if
+      record%path = "<memory>"
+      record%format = "array"
+      record%stored_type = "float64"
+      record%sample_interval = sample_interval
+      record%rate_known = .true.
+      record%rate_source = "option"
+      record%unit%name = ""
+      record%unit_source = "none"
+      if (unit /= "") call set_units(unit, "rate", nothing, record, error)
+      if (.not. allocated(error)) call mark_missing(record, largest_value, error, progress)
+      if (.not. allocated(error)) call audit_values(record%value, record%present, record%audit, error, progress)
+      if (.not. allocated(error)) call refuse_tiny(record, error)
+      if (allocated(error)) return
+      allocate (record%audit%line_of_first(3), source=0_int64)
+   end subroutine finish_record
 
 end module gyroakf_io_reader

@@ -96,39 +96,32 @@ contains
       else if (options%channels < 0) then
          call fatal_error(error, status%invalid_argument, "the number of channels must not be negative")
       end if
-      if (allocated(error)) return
-      if (allocated(options%where)) then
+      if (allocated(options%where) .and. .not. allocated(error)) then
          if (index(options%where, "=") < 2) call fatal_error(error, status%invalid_argument, "'"//options%where// &
             "' is no COLUMN=VALUE")
       end if
-      if (allocated(error)) return
-      if (allocated(options%time_unit)) then
+      if (allocated(options%time_unit) .and. .not. allocated(error)) then
          known = time_scale(lower(options%time_unit)) > 0.0_dp
          if (.not. known) call fatal_error(error, status%invalid_argument, "the unit of time '"//options%time_unit// &
             "' is not known; known are s, ms, us, ns, min, h and multiples such as 100us")
       end if
-      if (allocated(error)) return
-      if (allocated(options%format)) then
+      if (allocated(options%format) .and. .not. allocated(error)) then
          call parse_element(options%format, element, known)
          known = known .or. any(options%format == [character(4) :: "auto", "text", "csv", "npy"])
          if (.not. known) call fatal_error(error, status%not_supported, "the format '"//options%format// &
-            "' is not supported; "// &
-            "known are auto, text, csv, npy, f32, f64, i8, i16, i32, i64, u8, u16, u32, with be for big endian")
+            "' is not supported; known are auto, text, csv, npy, f32, f64, i8, i16, i32, i64, u8, u16, u32, with be for big endian")
       end if
-      if (allocated(error)) return
-      if (allocated(options%resample)) then
+      if (allocated(options%resample) .and. .not. allocated(error)) then
          known = any(options%resample == [character(7) :: "index", "nearest", "linear"])
          if (.not. known) call fatal_error(error, status%not_supported, "to resample by '"//options%resample// &
                                            "' is not supported; known are index, nearest, linear")
       end if
-      if (allocated(error)) return
-      if (allocated(options%input)) then
+      if (allocated(options%input) .and. .not. allocated(error)) then
          known = any(options%input == [character(9) :: "rate", "increment", "angle"])
          if (.not. known) call fatal_error(error, status%invalid_argument, "the input '"//options%input// &
                                            "' is not known; known are rate, increment, angle")
       end if
-      if (allocated(error)) return
-      if (allocated(options%wrap)) then
+      if (allocated(options%wrap) .and. .not. allocated(error)) then
          known = options%wrap == "auto" .or. options%wrap == "none"
          if (.not. known) call parse_number(options%wrap, modulus, found)
          if (.not. known) known = found == number%ok .and. modulus > 0.0_dp

@@ -12,7 +12,7 @@ module gyroakf_io_recording
    use gyroakf_io_opening, only : begin_npy, begin_raw
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_reader_options, only : check_options, reader_options
-   use gyroakf_io_table, only : begin_table, table_options, table_type
+   use gyroakf_io_table, only : begin_table, table_type
    use gyroakf_io_text_rows, only : read_rows
    use gyroakf_record, only : add_text
    implicit none (type, external)
@@ -28,7 +28,6 @@ module gyroakf_io_recording
       !> How its numbers are stored, as in "float32"; "" for text
       character(:), allocatable :: stored_type
       type(reader_options) :: options
-      type(table_options) :: wanted
       type(lines_type) :: lines
       !> Of binary numbers
       type(binary_type) :: binary
@@ -68,15 +67,6 @@ contains
       if (.not. allocated(options%unit)) recording%options%unit = ""
       if (.not. allocated(options%resample)) recording%options%resample = "index"
       if (.not. allocated(options%format)) recording%options%format = "auto"
-      if (allocated(options%columns)) recording%wanted%columns = options%columns
-      if (allocated(options%time_column)) recording%wanted%time_column = options%time_column
-      recording%wanted%bad_lines_missing = options%bad_lines_missing
-      if (allocated(options%where)) recording%wanted%where = options%where
-      recording%wanted%skip = options%skip
-      recording%wanted%angles = recording%options%input /= "rate"
-      recording%wanted%survey = options%survey
-      recording%wanted%decimal_comma = options%decimal_comma
-      recording%wanted%bytes => options%bytes
       call begin_rows(path, recording, error)
    end subroutine open_recording
 
@@ -101,8 +91,9 @@ contains
       if (allocated(error)) return
       select case (content%kind)
       case ("npy")
-         call begin_npy(recording%lines, recording%wanted, recording%binary, recording%table, error)
-         call note_format("npy", recording%binary%element, recording)
+         call begin_npy(recording%lines, recording%options, recording%binary, recording%table, error)
+         recording%format = "npy"
+         recording%stored_type = trim(element_name(recording%binary%element))
          recording%expected_rows = max(0_int64, recording%binary%rows)
       case ("binary")
          call close_lines(recording%lines)
@@ -111,7 +102,7 @@ contains
             ", "//integer_text(recording%binary%columns)//" column"//trim(merge("s", " ", recording%binary%columns > 1))// &
             ", as the name ."//content%ending//" says; --format and --channels say it")
       case default
-         call begin_table(recording%lines, recording%wanted, recording%table, error)
+         call begin_table(recording%lines, recording%options, recording%table, error)
          if (allocated(error)) return
          recording%expected_rows = rows_by_size(recording%lines)
          if (named_otherwise(content%ending)) call add_text(recording%table%warnings, "the name ends in ."//content%ending// &
@@ -128,9 +119,10 @@ contains
 
       call check_use("binary ", recording, error)
       if (allocated(error)) return
-      call begin_raw(recording%lines%source, path, recording%wanted, max(1_int64, recording%options%channels), element, &
+      call begin_raw(recording%lines%source, path, recording%options, max(1_int64, recording%options%channels), element, &
                      recording%binary, recording%table, error)
-      call note_format(trim(element_word(element)), element, recording)
+      recording%format = trim(element_word(element))
+      recording%stored_type = trim(element_name(element))
       recording%expected_rows = max(0_int64, recording%binary%rows)
    end subroutine begin_numbers_only
 
@@ -165,7 +157,6 @@ contains
 
    !> An option that does not apply is not passed over.
    subroutine check_use(kind, recording, error)
-      !> As in [[content_type]]
       character(*), intent(in) :: kind
       type(recording_type), intent(in) :: recording
       type(error_type), allocatable, intent(out) :: error
@@ -188,16 +179,6 @@ contains
       call parse_element(ending, element, named_otherwise)
       named_otherwise = named_otherwise .or. any(ending == [character(4) :: "npy", "npz", "h5", "hdf5", "hdf", "mat", "bin"])
    end function named_otherwise
-
-   !> Notes what a recording turned out to be.
-   subroutine note_format(format, element, recording)
-      character(*), intent(in) :: format
-      type(element_type), intent(in) :: element
-      type(recording_type), intent(inout) :: recording
-
-      recording%format = format
-      recording%stored_type = trim(element_name(element))
-   end subroutine note_format
 
    !> Reads all rows that are asked for, or as many as the memory allows: `table%whole`. None where the file's size alone
    !> exceeds the memory. Without time stamps and with a known rate the rows beyond `options%to` are not read.
@@ -259,7 +240,7 @@ contains
       class(progress_type), intent(inout), optional :: progress
 
       if (recording%format == "text") then
-         call read_rows(recording%lines, recording%wanted, most, recording%table, error, progress)
+         call read_rows(recording%lines, recording%options, most, recording%table, error, progress)
       else
          call read_binary_rows(recording%binary, recording%lines%source, most, recording%table, error, progress)
       end if

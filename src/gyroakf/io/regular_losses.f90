@@ -8,7 +8,7 @@
 module gyroakf_io_regular_losses
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_cadence, only : cadence_type
-   use gyroakf_io_losses, only : add_gap, gap_type
+   use gyroakf_io_losses, only : add_gap, gap_type, lasting
    implicit none (type, external)
    private
    public :: find_gaps, loss_pattern, pattern
@@ -18,9 +18,6 @@ module gyroakf_io_regular_losses
    !> Losses at even distances of so many samples or more are the beat of a clock that counts in
    !> nearly the interval
    integer(int64), parameter :: longest_period = 50
-   !> Late samples are taken for lost ones after so many samples, or four times as many as are
-   !> missing
-   integer(int64), parameter :: lasting = 2048
 
    !> What losses look like, reached as `pattern%beat`
    type :: pattern_enum

@@ -41,7 +41,6 @@ contains
       !> Allocated on failure: invalid_argument, no_memory
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: value(:, :)
-      integer(int64), allocatable :: source(:)
       real(dp) :: length, phase
       integer(int64) :: slots
       integer :: failed
@@ -57,14 +56,12 @@ contains
       if (way == "nearest") phase = usual_phase(t, record%sample_interval)
       slots = count_slots(t, way, record%sample_interval, phase)
       allocate (value(slots, size(record%value, 2)), stat=failed)
-      if (failed == 0 .and. way == "nearest") allocate (source(slots), stat=failed)
       if (failed /= 0) then
          call fatal_error(error, status%no_memory, "no memory to resample onto "//integer_text(slots)//" samples")
          return
       end if
       if (way == "nearest") then
-         call place(t, phase, source, record)
-         call gather(source, record%value, value)
+         call place(t, phase, record, value)
       else
          call interpolate(t, wrap, record, value)
       end if
@@ -77,7 +74,6 @@ contains
    !> the first stamp where they lie everywhere.
    pure real(dp) function usual_phase(t, step) result(phase)
       real(dp), intent(in), contiguous :: t(:)
-      !> s
       real(dp), intent(in) :: step
       real(dp), parameter :: turn = 6.283185307179586_dp
       real(dp) :: angle, along, across
@@ -101,73 +97,46 @@ contains
       real(dp), intent(in), contiguous :: t(:)
       character(*), intent(in) :: way
       real(dp), intent(in) :: step, phase
-      real(dp) :: last
-      integer(int64) :: i
 
-      if (way == "nearest") then
-         slots = 1 + nint(maxval(t)/step - phase, int64) - nint(minval(t)/step - phase, int64)
-         return
-      end if
-      last = t(1)
-      do i = 2, size(t, kind=int64)
-         last = max(last, t(i))
-      end do
-      slots = 1 + int((last - t(1))/step + rounding, int64)
+      slots = 1 + int((maxval(t) - t(1))/step + rounding, int64)
+      if (way == "nearest") slots = 1 + nint(maxval(t)/step - phase, int64) - nint(minval(t)/step - phase, int64)
    end function count_slots
 
-   !> The row of each slot, 0 where there is none; of two in one slot the first stays.
-   subroutine place(t, phase, source, record)
+   !> The values of the slots, NaN where there is none; of two in one slot the first stays.
+   subroutine place(t, phase, record, value)
       real(dp), intent(in), contiguous :: t(:)
-      !> Of the grid, steps
       real(dp), intent(in) :: phase
-      integer(int64), intent(out), contiguous :: source(:)
-      !> Gets the counts
       type(record_type), intent(inout) :: record
+      !> [slot, channel]
+      real(dp), intent(out), contiguous :: value(:, :)
+      logical, allocatable :: filled(:)
       real(dp) :: rate, shift
       integer(int64) :: i, k, first
 
       rate = 1.0_dp/record%sample_interval
       first = nint(minval(t)/record%sample_interval - phase, int64)
-      source = 0
+      allocate (filled(size(value, 1, kind=int64)), source=.false.)
+      value(:, :) = ieee_value(1.0_dp, ieee_quiet_nan)
       shift = 0.0_dp
       do i = 1, size(t, kind=int64)
          k = nint(t(i)/record%sample_interval - phase, int64)
-         if (source(k - first + 1) > 0) then
+         if (filled(k - first + 1)) then
             record%audit%dropped = record%audit%dropped + 1
             cycle
          end if
-         source(k - first + 1) = i
+         filled(k - first + 1) = .true.
+         value(k - first + 1, :) = record%value(i, :)
          shift = max(shift, abs(t(i)*rate - phase - real(k, dp)))
       end do
       record%audit%largest_shift = shift*record%sample_interval
-      record%audit%empty_slots = count(source == 0, kind=int64)
+      record%audit%empty_slots = count(.not. filled, kind=int64)
    end subroutine place
-
-   !> The values of the slots.
-   subroutine gather(source, value, placed)
-      integer(int64), intent(in), contiguous :: source(:)
-      real(dp), intent(in), contiguous :: value(:, :)
-      real(dp), intent(out), contiguous :: placed(:, :)
-      real(dp) :: nan
-      integer(int64) :: k
-      integer :: j
-
-      nan = ieee_value(nan, ieee_quiet_nan)
-      do j = 1, size(value, 2)
-         do k = 1, size(source, kind=int64)
-            placed(k, j) = nan
-            if (source(k) > 0) placed(k, j) = value(source(k), j)
-         end do
-      end do
-   end subroutine gather
 
    !> The values at the instants of the grid; a row whose stamp is not behind the one before is dropped.
    subroutine interpolate(t, wrap, record, value)
       real(dp), intent(in), contiguous :: t(:)
       real(dp), intent(in) :: wrap
-      !> Gets the counts
       type(record_type), intent(inout) :: record
-      !> [slot, channel]
       real(dp), intent(out), contiguous :: value(:, :)
       real(dp) :: step, widest, w, kept
       integer(int64) :: i, before, k, slots

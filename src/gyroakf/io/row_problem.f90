@@ -56,8 +56,8 @@ contains
       end if
       advice = mend//"; --column chooses columns"
       if (index(bytes_text(bytes, first, last), dash) > 0) advice = "the minus sign is not that of ASCII: replace it by '-'"
-      if (has_groups(bytes, first, last)) advice = "commas that group digits are not read: take them out"
-      if (has_label(bytes, first, last)) advice = "numbers behind labels are not read; take the labels out: "// &
+      if (has_groups(bytes_text(bytes, first, last))) advice = "commas that group digits are not read: take them out"
+      if (has_label(bytes_text(bytes, first, last))) advice = "numbers behind labels are not read; take the labels out: "// &
          "sed 's/[A-Za-z_]*[:=]//g' FILE | gyroakf inspect -"
       if (kind_of_field(bytes, first, last) /= stamp_kind%number) advice = "the first row has a number in this column, not a "// &
          "date or a time of day; "//mend
@@ -65,30 +65,22 @@ contains
    end subroutine field_problem
 
    !> True for "gx:0.5" and "x=-1".
-   pure logical function has_label(bytes, first, last)
-      !> The field in first:last
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      character(:), allocatable :: text
+   pure logical function has_label(text)
+      character(*), intent(in) :: text
       integer :: mark
 
-      text = bytes_text(bytes, first, last)
       mark = scan(text, ":=")
       has_label = mark > 1 .and. mark < len(text)
       if (has_label) has_label = verify(text(1:1), "0123456789+-.") > 0 .and. verify(text(mark + 1:), "0123456789+-.eE") == 0
    end function has_label
 
    !> True for "1,234" and "1,234,567.8".
-   pure logical function has_groups(bytes, first, last)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      character(:), allocatable :: text
-      integer :: comma_at, whole
+   pure logical function has_groups(text)
+      character(*), intent(in) :: text
+      integer :: comma_at
 
-      text = bytes_text(bytes, first, last)
       comma_at = index(text, ",", back=.true.)
-      whole = scan(text//".", ".") - 1
-      has_groups = comma_at > 1 .and. whole == comma_at + 3 .and. verify(text, "+-.,0123456789") == 0
+      has_groups = comma_at > 1 .and. scan(text//".", ".") == comma_at + 4 .and. verify(text, "+-.,0123456789") == 0
    end function has_groups
 
    !> How many bytes of a field [[excerpt]] shows: no character is cut.

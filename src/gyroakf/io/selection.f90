@@ -139,7 +139,6 @@ contains
 
    !> The number of values that a column goes through again and again while the stamps repeat in most rows; 0 where it does not.
    pure integer function alternating(field, stamp) result(period)
-      !> [row]
       type(text_type), intent(in) :: field(:), stamp(:)
       integer :: i, equal, n
 

@@ -61,18 +61,16 @@ contains
    end subroutine fill_gaps
 
    !> NaN becomes 0 and a mark in `present`, which exists only where something is missing.
-   subroutine mark_missing(record, largest, error, before, progress)
+   subroutine mark_missing(record, largest, error, progress)
       !> NaN marks what is missing
       type(record_type), intent(inout) :: record
       !> Larger values are an error
       real(dp), intent(in) :: largest
       !> Allocated on failure: no_memory, non_finite, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Samples before these, 0 if absent
-      integer(int64), intent(in), optional :: before
       !> Told before every channel; may cancel
       class(progress_type), intent(inout), optional :: progress
-      integer(int64) :: i, number
+      integer(int64) :: i
       integer :: j, failed
 
       do j = 1, size(record%value, 2)
@@ -82,9 +80,7 @@ contains
          do i = 1, size(record%value, 1, kind=int64)
             if (.not. ieee_is_nan(record%value(i, j))) then
                if (abs(record%value(i, j)) <= largest) cycle
-               number = i
-               if (present(before)) number = i + before
-               call fatal_error(error, status%non_finite, "sample "//integer_text(number)//" of '"//record%channel(j)%text// &
+               call fatal_error(error, status%non_finite, "sample "//integer_text(i)//" of '"//record%channel(j)%text// &
                                 "' is "//format_real(record%value(i, j), 6)//"; at most "//format_real(largest, 3)// &
                                 " can be analysed")
                return
@@ -132,9 +128,9 @@ contains
       real(dp), intent(in) :: scale
       !> Allocated on failure: too_few_samples, no_memory
       type(error_type), allocatable, intent(out) :: error
-      !> Where angles begin again, in units of the file; 0 (also if absent): they do not
-      real(dp), intent(in), optional :: wrap
-      real(dp) :: factor, modulus
+      !> Where angles begin again, in units of the file; 0: they do not
+      real(dp), intent(in) :: wrap
+      real(dp) :: factor
       integer(int64) :: i
       integer :: j
 
@@ -148,9 +144,7 @@ contains
             end do
          end if
       end if
-      modulus = 0.0_dp
-      if (present(wrap)) modulus = wrap
-      if (input == "angle") call difference(record, modulus, error)
+      if (input == "angle") call difference(record, wrap, error)
       if (allocated(error) .or. abs(factor - 1.0_dp) <= 0.0_dp) return
       do j = 1, size(record%value, 2)
          do i = 1, size(record%value, 1, kind=int64)

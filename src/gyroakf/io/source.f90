@@ -12,7 +12,7 @@ module gyroakf_io_source
    use gyroakf_io_system, only : c_close, c_open, c_poll, c_read, poll_type, read_at
    implicit none (type, external)
    private
-   public :: source_type, open_source, read_block, read_piece, source_left, has_places, close_source, is_directory
+   public :: source_type, open_source, read_block, read_piece, source_left, has_places, close_source, is_directory, find_reason
 
    !> An open source of bytes
    type :: source_type
@@ -52,8 +52,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Where associated they are the content, and the path is a name for messages; they have to stay until the source is closed
       integer(int8), pointer, contiguous, intent(in), optional :: bytes(:)
-      character(len(path) + 256) :: reason
-      integer :: failed, unit
+      character(:), allocatable :: reason
       logical :: exists
 
       source%name = path
@@ -80,12 +79,26 @@ contains
       source%length = max(source%length, 0_int64)
       source%descriptor = c_open(path//c_null_char, 0_c_int)
       if (source%descriptor >= 0) return
-      reason = "unknown reason"
-      open (newunit=unit, file=path, access="stream", form="unformatted", action="read", status="old", iostat=failed, iomsg=reason)
-      if (failed == 0) close (unit)
-      call fatal_error(error, status%io, path//": cannot be opened: "//trim(reason(index(reason, ": ", back=.true.) + 2:))// &
-                       new_line("a")//"check the file's permissions")
+      call find_reason(path, "read", reason)
+      call fatal_error(error, status%io, path//": cannot be opened: "//reason//new_line("a")//"check the file's permissions")
    end subroutine open_source
+
+   !> Why a file cannot be opened, in the words of the system.
+   subroutine find_reason(path, action, reason)
+      character(*), intent(in) :: path
+      !> "read" or "write"; what can be written is deleted again
+      character(*), intent(in) :: action
+      character(:), allocatable, intent(out) :: reason
+      character(len(path) + 256) :: message
+      integer :: unit, failed
+
+      message = "unknown reason"
+      open (newunit=unit, file=path, access="stream", form="unformatted", action=action, &
+            status=merge("old    ", "replace", action == "read"), iostat=failed, iomsg=message)
+      if (failed == 0) close (unit, status=merge("keep  ", "delete", action == "read"))
+      if (failed == 0) message = "unknown reason"
+      reason = trim(adjustl(message(index(message, ": ", back=.true.) + 1:)))
+   end subroutine find_reason
 
    !> True where any place can be read at any time: regular files and the caller's bytes.
    pure logical function has_places(source)

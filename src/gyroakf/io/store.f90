@@ -11,7 +11,7 @@ module gyroakf_io_store
    private
    public :: chunk_rows, chunk_type, store_type, next_chunk, add_chunk, count_rows, take_columns
 
-   !> Rows of a chunk where nobody says how many are to come
+   !> Rows of a chunk at least where nobody says how many are to come
    integer(int64), parameter :: chunk_rows = 65536
    !> Values of a chunk: 40 MB, more than 32 MiB, from which on C libraries have no choice
    integer(int64), parameter :: chunk_values = 5000000
@@ -33,7 +33,7 @@ module gyroakf_io_store
 
 contains
 
-   !> Makes the last chunk one that has room for some rows; a chunk behind the last one that still has its memory is used again.
+   !> Makes the last chunk one that has room for some rows.
    subroutine next_chunk(store, columns, failed, rows, expected)
       !> May be fresh
       type(store_type), intent(inout) :: store
@@ -41,24 +41,18 @@ contains
       integer, intent(in) :: columns
       !> Not 0 where memory cannot be had
       integer, intent(out) :: failed
-      !> At least so many, 1 if absent
-      integer(int64), intent(in), optional :: rows
-      !> So many rows are expected from here on, `chunk_rows` if absent; a new chunk has room for them unless it would be
-      !> too large
-      integer(int64), intent(in), optional :: expected
-      integer(int64) :: least, room
+      !> At least so many
+      integer(int64), intent(in) :: rows
+      !> So many rows are expected from here on; a new chunk has room for them unless it would be too large
+      integer(int64), intent(in) :: expected
 
       failed = 0
-      least = 1
-      if (present(rows)) least = rows
-      room = chunk_rows
-      if (present(expected)) room = min(expected, max(1_int64, chunk_values/columns))
       if (store%count > 0) then
          associate (chunk => store%chunk(store%count))
-            if (size(chunk%value, 1, kind=int64) - chunk%rows >= least) return
+            if (size(chunk%value, 1, kind=int64) - chunk%rows >= rows) return
          end associate
       end if
-      call add_chunk(store, max(room, least), columns, failed)
+      call add_chunk(store, max(min(expected, max(1_int64, chunk_values/columns)), rows), columns, failed)
    end subroutine next_chunk
 
    !> Appends an empty chunk of any number of rows.
@@ -76,14 +70,6 @@ contains
       call lengthen(store, failed)
       if (failed /= 0) return
       associate (chunk => store%chunk(store%count + 1))
-         chunk%rows = 0
-         if (allocated(chunk%value)) then
-            if (size(chunk%value, 1, kind=int64) < rows .or. size(chunk%value, 2) /= columns) deallocate (chunk%value)
-         end if
-         if (allocated(chunk%value)) then
-            store%count = store%count + 1
-            return
-         end if
          allocate (chunk%value(rows, columns), stat=failed)
          if (failed /= 0) return
          store%count = store%count + 1

@@ -1,18 +1,18 @@
 ! SPDX-License-Identifier: MIT
 !> A table of numbers in text: header, names, rows. What the numbers mean is the reader's business.
 module gyroakf_io_table
-   use gyroakf_kinds, only : int8, int64
+   use gyroakf_kinds, only : int64
    use gyroakf_column_class, only : column_class, is_time_name
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_columns, only : choose_columns, column_names_type, drop_empty_names, find_column, label_of, &
       most_columns, refuse_equal_names
    use gyroakf_io_commas, only : settle_commas
-   use gyroakf_io_comment_names, only : suppose_names
    use gyroakf_io_header, only : header_type, read_comment
-   use gyroakf_io_heading, only : begins_with_names, has_labels, is_title, only_words, take_heading
+   use gyroakf_io_heading, only : begins_with_names, has_labels, is_title, only_words, suppose_names, take_heading
    use gyroakf_io_leave_out, only : analyzed_columns, classes_of, find_texts, in_order
    use gyroakf_io_lines, only : line_end, line_map_type, next_line, lines_type, map_row, more_lines
    use gyroakf_io_place, only : integer_text, place_error
+   use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_rows, only : excerpt, join_fields, layout_type
    use gyroakf_io_date, only : stamp_kind
    use gyroakf_io_stamp_columns, only : ambiguous_date, date_advice, find_joined, find_kinds, pair_stamps
@@ -24,29 +24,7 @@ module gyroakf_io_table
    use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
-   public :: table_type, table_options, begin_table, begin_numbers
-
-   !> What is wanted of a table
-   type :: table_options
-      !> Comma list; unallocated: all but the time column
-      character(:), allocatable :: columns
-      !> Number or name; "none" forbids; unallocated: by name
-      character(:), allocatable :: time_column
-      !> Lines that cannot be read are missing samples
-      logical :: bad_lines_missing = .false.
-      !> Lines that are left out at the start; bytes where the format is not text
-      integer(int64) :: skip = 0
-      !> Every comma is a decimal comma
-      logical :: decimal_comma = .false.
-      !> COLUMN=VALUE of the rows that are read; unallocated: all
-      character(:), allocatable :: where
-      !> The values are angles or increments
-      logical :: angles = .false.
-      !> Columns that are not analyzed are read, too
-      logical :: survey = .false.
-      !> Where associated they are the content, and the path is a name for messages
-      integer(int8), pointer, contiguous :: bytes(:) => null()
-   end type table_options
+   public :: table_type, begin_table, begin_numbers
 
    !> A table as it was read
    type :: table_type
@@ -80,7 +58,6 @@ module gyroakf_io_table
       integer(int64) :: headings = 0, first_heading = 0
       !> The stored integer type of every value: 8, 16, 32 or 64 bits; 0 for text and floating point
       integer :: integer_bits = 0
-      logical :: integer_signed = .false.
       !> What the user should know
       type(text_type), allocatable :: warnings(:)
    end type table_type
@@ -92,7 +69,7 @@ contains
       !> Open
       type(lines_type), intent(inout) :: lines
       !> What is wanted
-      type(table_options), intent(in) :: options
+      type(reader_options), intent(in) :: options
       !> All but the rows
       type(table_type), intent(out) :: table
       !> Allocated on failure: io, parse, invalid_argument, no_memory
@@ -111,7 +88,7 @@ contains
       !> How many there are
       integer(int64), intent(in) :: columns
       !> What is wanted
-      type(table_options), intent(in) :: options
+      type(reader_options), intent(in) :: options
       !> All but the rows
       type(table_type), intent(out) :: table
       !> Allocated on failure: invalid_argument, parse
@@ -133,7 +110,7 @@ contains
    !> Reads comments and names up to the first line of numbers, which stays at hand.
    subroutine read_preamble(lines, options, table, error)
       type(lines_type), intent(inout) :: lines
-      type(table_options), intent(in) :: options
+      type(reader_options), intent(in) :: options
       type(table_type), intent(inout) :: table
       type(error_type), allocatable, intent(out) :: error
       integer(int64) :: last
@@ -180,7 +157,7 @@ contains
    logical function skipped_by_where(lines, last, options, table)
       type(lines_type), intent(in) :: lines
       integer(int64), intent(in) :: last
-      type(table_options), intent(in) :: options
+      type(reader_options), intent(in) :: options
       type(table_type), intent(inout) :: table
       type(error_type), allocatable :: failed
 
@@ -207,7 +184,7 @@ contains
    !> Decides on the columns from the first line of numbers.
    subroutine lay_out(lines, options, table, error)
       type(lines_type), intent(inout) :: lines
-      type(table_options), intent(in) :: options
+      type(reader_options), intent(in) :: options
       type(table_type), intent(inout) :: table
       type(error_type), allocatable, intent(out) :: error
       type(fields_type) :: fields
@@ -282,7 +259,7 @@ contains
    subroutine refuse_ambiguous_dates(lines, last, options, fields, table, error)
       type(lines_type), intent(in) :: lines
       integer(int64), intent(in) :: last
-      type(table_options), intent(in) :: options
+      type(reader_options), intent(in) :: options
       type(fields_type), intent(in) :: fields
       type(table_type), intent(in) :: table
       type(error_type), allocatable, intent(out) :: error
@@ -297,7 +274,7 @@ contains
 
    !> True where the columns that are wanted are given by their numbers.
    pure logical function by_number(options)
-      type(table_options), intent(in) :: options
+      type(reader_options), intent(in) :: options
 
       by_number = allocated(options%columns)
       if (by_number) by_number = verify(options%columns, "0123456789, ") == 0
@@ -342,7 +319,7 @@ contains
 
    !> The columns that are kept.
    subroutine choose(options, texts, table, fraction, nano, error)
-      type(table_options), intent(in) :: options
+      type(reader_options), intent(in) :: options
       !> Columns of text: [column], or of size 0
       logical, intent(in) :: texts(:)
       type(table_type), intent(inout) :: table
@@ -389,7 +366,7 @@ contains
    !> The columns that are kept where none was asked for: those that are analyzed; and where the time is not known, what may be it
    !> or a counter.
    subroutine choose_by_class(options, fraction, table)
-      type(table_options), intent(in) :: options
+      type(reader_options), intent(in) :: options
       integer, intent(in) :: fraction
       type(table_type), intent(inout) :: table
       logical :: number(table%layout%columns), kept(table%layout%columns)
@@ -397,7 +374,7 @@ contains
 
       number = [(i /= table%time .and. i /= fraction .and. .not. is_stamp(table%layout, i), i=1, size(number))]
       kept(:) = .false.
-      kept(pack([(i, i=1, size(kept))], number)) = analyzed_columns(pack(table%class, number), options%angles)
+      kept(pack([(i, i=1, size(kept))], number)) = analyzed_columns(pack(table%class, number), options%input /= "rate")
       associate (class => table%class)
          if (options%survey) then
             kept = number .and. class /= column_class%text .and. class /= column_class%time

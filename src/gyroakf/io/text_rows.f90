@@ -11,12 +11,13 @@ module gyroakf_io_text_rows
    use gyroakf_io_lines, only : check_length, end_last_line, line_end, lines_type, make_room, map_row, turn_returns
    use gyroakf_io_number, only : digits_ahead
    use gyroakf_io_place, only : integer_text, place_error
+   use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_rows, only : layout_type, problem_type, read_row
    use gyroakf_io_source, only : has_places, read_block, read_piece, source_left
    use gyroakf_io_span, only : read_span, span_type
    use gyroakf_io_stamp_columns, only : make_points
    use gyroakf_io_store, only : count_rows, next_chunk
-   use gyroakf_io_table, only : table_options, table_type
+   use gyroakf_io_table, only : table_type
    use gyroakf_io_text, only : fields_type
    use gyroakf_progress, only : progress_type, tell_progress
    implicit none (type, external)
@@ -51,7 +52,7 @@ contains
       !> Of [[begin_table]]
       type(lines_type), intent(inout) :: lines
       !> What is wanted
-      type(table_options), intent(in) :: options
+      type(reader_options), intent(in) :: options
       !> So many rows in the store are enough
       integer(int64), intent(in) :: most
       !> Its store grows
@@ -148,7 +149,7 @@ contains
    !> Reads the pieces and the whole lines within them.
    subroutine read_pieces(lines, options, table, block)
       type(lines_type), intent(inout) :: lines
-      type(table_options), intent(in) :: options
+      type(reader_options), intent(in) :: options
       type(table_type), intent(in) :: table
       type(block_type), intent(inout) :: block
       integer(int64) :: first, last
@@ -227,7 +228,7 @@ contains
    !> Reads the lines between those that the pieces hold; none is left but what may be the start of a line.
    subroutine read_borders(lines, options, table, block)
       type(lines_type), intent(inout) :: lines
-      type(table_options), intent(in) :: options
+      type(reader_options), intent(in) :: options
       type(table_type), intent(in) :: table
       type(block_type), intent(inout) :: block
       integer(int64) :: at, feed

@@ -1,25 +1,29 @@
 ! SPDX-License-Identifier: MIT
-!> The place of every sample in time: stamps in seconds, the span that is asked for, the audit, gaps
-!> or a grid.
+!> The place of every sample in time: the unit of the stamps, the span that is asked for, the audit, the rate and who said so,
+!> gaps or a grid.
 module gyroakf_io_time_base
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_audit, only : audit_stamps, gap_type
-   use gyroakf_io_clock, only : drop_absurd, find_scale, is_clock
    use gyroakf_io_columns, only : label_of
+   use gyroakf_io_date, only : stamp_kind
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_left_out_rows, only : leave_rows_out, place_with
    use gyroakf_io_lines, only : line_of
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_resample, only : resample
+   use gyroakf_io_row_problem, only : kind_of
    use gyroakf_io_shape, only : fill_gaps, wrap_of
-   use gyroakf_io_stamps, only : unwrap_days
+   use gyroakf_io_stamps, only : infer_scale, named_scale, unwrap_days
    use gyroakf_io_table, only : table_type
    use gyroakf_record, only : add_text, audit_type, record_type
+   use gyroakf_spelling, only : lower
+   use gyroakf_units, only : time_scale
    implicit none (type, external)
    private
-   public :: use_stamps, place_samples
+   public :: use_stamps, set_rate, place_samples
 
 contains
 
@@ -54,7 +58,8 @@ contains
                        integer_text(record%audit%untimed)//" of "//integer_text(rows)// &
                        " rows and is not used: --rate HZ gives the sample rate")
       else
-         call find_scale(options, table, stamps, record, scale, origin)
+         call find_scale(options, table, stamps, record, scale)
+         origin = stamps(1)
          stamps = (stamps - origin)*scale
       end if
       given = merge(options%rate_hz, table%header%rate_hz, options%rate_hz > 0.0_dp)
@@ -75,14 +80,12 @@ contains
    !> Keeps the rows of the span that is asked for, so that what is found is found in it.
    subroutine keep_span(options, given, stamps, value, first, rate, error)
       type(reader_options), intent(in) :: options
-      !> Sample rate that was given, Hz, 0 for none
       real(dp), intent(in) :: given
       real(dp), allocatable, intent(inout) :: stamps(:), value(:, :)
       !> The row of all that the first kept one is
       integer(int64), intent(out) :: first
       !> Of all rows, Hz; 0 where all are kept
       real(dp), intent(out) :: rate
-      !> no_memory, too_few_samples
       type(error_type), allocatable, intent(out) :: error
       type(audit_type) :: audit
       type(gap_type) :: gaps
@@ -137,33 +140,112 @@ contains
          call fill_gaps(gaps, record, error)
          return
       end if
-      call check_resample(options, table, record, error)
-      if (allocated(error)) return
-      wrap = 0.0_dp
-      if (options%input == "angle") wrap = wrap_of(options, table)
-      call resample(stamps, options%resample, wrap, record, error)
-   end subroutine place_samples
-
-   !> What resampling needs.
-   subroutine check_resample(options, table, record, error)
-      !> `resample` is not "index"
-      type(reader_options), intent(in) :: options
-      type(table_type), intent(in) :: table
-      !> Audited
-      type(record_type), intent(in) :: record
-      !> invalid_argument
-      type(error_type), allocatable, intent(out) :: error
-
       if (.not. record%audit%has_stamps) then
          call fatal_error(error, status%invalid_argument, "--resample "//options%resample//" needs time stamps, and "// &
                           table%name//" has none that are known: name their column with --time-column")
       else if (.not. record%audit%stamp_rate > 0.0_dp) then
          call fatal_error(error, status%invalid_argument, "--resample "//options%resample//" needs time stamps that rise, "// &
                           "those of "//table%name//" do not")
+      else if (options%resample == "linear" .and. options%input == "increment") then
+         call fatal_error(error, status%invalid_argument, "--resample linear between increments would not keep the angle "// &
+                          "that they add up to: use --resample nearest or index")
+      else
+         wrap = 0.0_dp
+         if (options%input == "angle") wrap = wrap_of(options, table)
+         call resample(stamps, options%resample, wrap, record, error)
       end if
-      if (allocated(error)) return
-      if (options%resample == "linear" .and. options%input == "increment") call fatal_error(error, status%invalid_argument, &
-         "--resample linear between increments would not keep the angle that they add up to: use --resample nearest or index")
-   end subroutine check_resample
+   end subroutine place_samples
+
+   !> The rate: an option, else the stamps, else the header; stamps that contradict the header by more than 1 % do not count.
+   subroutine set_rate(options, table, record, error)
+      type(reader_options), intent(in) :: options
+      type(table_type), intent(in) :: table
+      type(record_type), intent(inout) :: record
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: rate, stamped
+      logical :: differ
+
+      rate = 0.0_dp
+      record%rate_source = "none"
+      stamped = record%audit%stamp_rate
+      if (options%rate_hz > 0.0_dp) then
+         rate = options%rate_hz
+         record%rate_source = "option"
+      else if (table%header%rate_hz > 0.0_dp) then
+         rate = table%header%rate_hz
+         record%rate_source = "header"
+      end if
+      differ = .false.
+      if (rate > 0.0_dp .and. stamped > 0.0_dp) differ = abs(stamped - rate) > 0.01_dp*rate
+      if (differ) call add_text(record%warnings, "the rate "//format_real(rate, 6)//" Hz of the "//record%rate_source// &
+         " and the time stamps' "//format_real(stamped, 6)//" Hz differ; the "//record%rate_source//"'s is used")
+      if (stamped > 0.0_dp .and. record%rate_source /= "option" .and. .not. differ) then
+         rate = stamped
+         record%rate_source = "timestamps"
+      end if
+      record%rate_known = rate > 0.0_dp
+      if (record%rate_known) record%sample_interval = 1.0_dp/rate
+      if (record%rate_known) return
+      if (options%input /= "rate") call fatal_error(error, status%invalid_argument, "--input "//options%input// &
+         " needs the rate, and "//table%name//" does not tell it: give --rate HZ or --dt S, or --time-column")
+      if (options%from > 0.0_dp .or. options%to < huge(1.0_dp)) call fatal_error(error, status%invalid_argument, &
+         "--from and --to need the rate, and "//table%name//" does not tell it: give --rate HZ or --dt S, or --time-column")
+   end subroutine set_rate
+
+   !> Seconds in the unit of the stamps; a warning says where it is guessed.
+   subroutine find_scale(options, table, stamps, record, scale)
+      type(reader_options), intent(in) :: options
+      type(table_type), intent(in) :: table
+      real(dp), intent(in), contiguous :: stamps(:)
+      type(record_type), intent(inout) :: record
+      real(dp), intent(out) :: scale
+      character(2), parameter :: words(4) = ["s ", "ms", "us", "ns"]
+      character(:), allocatable :: word
+      real(dp) :: given
+      logical :: sure
+      integer :: kind
+
+      scale = 0.0_dp
+      kind = kind_of(table%layout, table%time)
+      if (kind /= stamp_kind%number .and. kind /= stamp_kind%long) then
+         scale = 1.0_dp
+      else if (allocated(options%time_unit)) then
+         scale = time_scale(lower(options%time_unit))
+      else if (table%names%known) then
+         scale = named_scale(table%names%name(table%time)%text, table%names%unit(table%time)%text)
+      end if
+      if (scale <= 0.0_dp) then
+         given = merge(options%rate_hz, table%header%rate_hz, options%rate_hz > 0.0_dp)
+         call infer_scale(stamps, given, scale, sure, real(table%layout%origin, dp))
+         word = trim(words(1 - nint(log10(scale)/3.0_dp)))
+         if (.not. sure) call add_text(record%warnings, "the time in "//label_of(table%names, table%time)// &
+            " names no unit and is taken as "//word//" by its step; --time-unit "//word//" or a name such as time_"//word// &
+            " settles it")
+      end if
+   end subroutine find_scale
+
+   !> True where the time is a time of day, without a date, which begins again at midnight.
+   pure logical function is_clock(table)
+      type(table_type), intent(in) :: table
+
+      is_clock = kind_of(table%layout, table%time) == stamp_kind%clock
+      if (is_clock) is_clock = count(table%layout%slot == table%layout%slot(table%time)) == 1
+   end function is_clock
+
+   !> What is too large for a time, and for products of times, is missing; what is too small for their quotients is 0.
+   pure subroutine drop_absurd(stamps)
+      real(dp), intent(inout), contiguous :: stamps(:)
+      real(dp), parameter :: largest_stamp = 1.0e30_dp, smallest_stamp = 1.0e-30_dp
+      integer(int64) :: i
+
+      do i = 1, size(stamps, kind=int64)
+         if (ieee_is_nan(stamps(i))) cycle
+         if (abs(stamps(i)) > largest_stamp) then
+            stamps(i) = ieee_value(1.0_dp, ieee_quiet_nan)
+         else if (abs(stamps(i)) < smallest_stamp) then
+            stamps(i) = 0.0_dp
+         end if
+      end do
+   end subroutine drop_absurd
 
 end module gyroakf_io_time_base

@@ -10,7 +10,7 @@ module gyroakf_io_writer
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_decimal, only : format_real, longest_real, real_to_text
-   use gyroakf_io_source, only : is_directory
+   use gyroakf_io_source, only : find_reason, is_directory
    use gyroakf_io_system, only : c_close, c_creat, c_getpid, c_mkdir, c_rename, c_truncate, c_unlink, write_all
    implicit none (type, external)
    private
@@ -100,7 +100,7 @@ contains
       end if
       writer%unit = c_creat(writer%aside//c_null_char, int(o'666', c_int))
       if (writer%unit >= 0) return
-      call find_reason(writer%aside, reason)
+      call find_reason(writer%aside, "write", reason)
       call fatal_error(error, status%io, path//": cannot be written: "//reason)
    end subroutine open_writer
 
@@ -114,24 +114,6 @@ contains
       is_special = .false.
       if (exists .and. length <= 0) is_special = c_truncate(path//c_null_char, 0_c_long) /= 0
    end function is_special
-
-   !> Why a file cannot be created, in the words of the system.
-   subroutine find_reason(path, text)
-      character(*), intent(in) :: path
-      character(:), allocatable, intent(out) :: text
-      character(256) :: message
-      integer :: unit, failed
-
-      message = ""
-      open (newunit=unit, file=path, status="replace", action="write", iostat=failed, iomsg=message)
-      text = "unknown reason"
-      if (failed == 0) then
-         close (unit, status="delete")
-      else
-         text = trim(message(index(message, ": ", back=.true.) + 1:))
-      end if
-      text = trim(adjustl(text))
-   end subroutine find_reason
 
    !> Writes a text; a failure is kept for [[commit_writer]].
    subroutine put(writer, text)

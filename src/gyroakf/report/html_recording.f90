@@ -2,9 +2,8 @@
 !> One recording on a page: warnings, what was read, and of each channel what to make of it, its figures, its tables.
 module gyroakf_report_html_recording
    use gyroakf_kinds, only : int64
-   use gyroakf_error, only : error_type
+   use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_record, only : record_type, text_type, view_channel
-   use gyroakf_io_whole_file, only : read_whole_file
    use gyroakf_io_writer, only : writer_type, put, put_line
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_options, pipeline_result_type, stage
    use gyroakf_report_advice, only : put_advice
@@ -18,7 +17,10 @@ module gyroakf_report_html_recording
    use gyroakf_report_text_report, only : put_sections
    implicit none (type, external)
    private
-   public :: drawings_type, put_recording
+   public :: drawings_type, put_recording, read_whole_file
+
+   !> Bytes; what is larger is no text that a page takes in
+   integer(int64), parameter :: most_bytes = 100000000_int64
 
    !> Where the figures are
    type :: drawings_type
@@ -179,6 +181,35 @@ contains
          call html_figure(writer, svg, id//kind//"-", caption_of(kind, result%channel(c)), attributes)
       end do
    end subroutine put_figures
+
+   !> Reads all bytes of a file.
+   subroutine read_whole_file(path, text, error)
+      !> A regular file, 100 MB at most
+      character(*), intent(in) :: path
+      !> Its bytes
+      character(:), allocatable, intent(out) :: text
+      !> io, no_memory
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: bytes
+      integer :: unit, failed
+
+      open (newunit=unit, file=path, access="stream", form="unformatted", status="old", action="read", iostat=failed)
+      if (failed == 0) then
+         inquire (unit=unit, size=bytes)
+         if (bytes < 0 .or. bytes > most_bytes) failed = 1
+         if (failed == 0) then
+            allocate (character(bytes) :: text, stat=failed)
+            if (failed /= 0) then
+               close (unit)
+               call fatal_error(error, status%no_memory, "no memory to read "//path)
+               return
+            end if
+            read (unit, iostat=failed) text
+         end if
+         close (unit)
+      end if
+      if (failed /= 0) call fatal_error(error, status%io, path//": cannot be read")
+   end subroutine read_whole_file
 
    !> What the script needs to read a curve aloud.
    pure subroutine curve_attributes(record, attributes)
