@@ -6,7 +6,7 @@ module test_autocovariance
    use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_stats_autocovariance, only : compute_autocovariance, residual_autocovariance
+   use gyroakf_stats_autocovariance, only : compute_autocovariance
    use series_library, only : reference_series, reference_names
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)
@@ -47,7 +47,6 @@ contains
          & new_unittest("offset_scale", test_offset_scale), &
          & new_unittest("threads", test_threads), &
          & new_unittest("missing", test_missing), &
-         & new_unittest("residuals", test_residuals), &
          & new_unittest("failures", test_failures)]
    end subroutine collect_autocovariance
 
@@ -196,33 +195,6 @@ contains
       direct = dot_product(x(1 + k:), x(:size(x) - k))/m*((n - real(k, dp))/n)
    end function direct
 
-   !> Residuals of a model against residuals that are stored, with and without gaps.
-   subroutine test_residuals(error)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
-      real(dp), parameter :: phi(2) = [1.2_dp, -0.5_dp]
-      real(dp), allocatable :: x(:), e(:), r(:), s(:)
-      integer(int8), allocatable :: valid(:), whole(:)
-      real(dp) :: mean
-      type(gyro_error), allocatable :: problem
-
-      x = 5.0_dp + reference_series("ar2", 6000)
-      e = (x(3:) - 5.0_dp) - phi(1)*(x(2:5999) - 5.0_dp) - phi(2)*(x(:5998) - 5.0_dp)
-      call compute_autocovariance(e, 9, mean, r, problem)
-      call residual_autocovariance(x, 5.0_dp, phi, 9, s, problem)
-      call check(error, maxval(abs(r - s))/r(0), 0.0_dp, thr=tolerance)
-      if (allocated(error)) return
-      allocate (valid(size(x)), source=1_int8)
-      valid(1::50) = 0_int8
-      where (valid == 0_int8) x = -1.0e5_dp
-      whole = valid(3:)*valid(2:5999)*valid(:5998)
-      call compute_autocovariance(e, 9, mean, r, problem, whole)
-      call residual_autocovariance(x, 5.0_dp, phi, 9, s, problem, valid)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
-      call check(error, maxval(abs(r - s))/r(0), 0.0_dp, thr=tolerance)
-   end subroutine test_residuals
-
    !> Each error.
    subroutine test_failures(error)
       !> Failure
@@ -244,10 +216,6 @@ contains
       call check_refused(error, problem, status%invalid_argument)
       if (allocated(error)) return
       call compute_autocovariance(x, 1, mean, r, problem, valid)
-      call check_refused(error, problem, status%too_few_samples)
-      if (allocated(error)) return
-      valid = [1_int8, 0_int8, 1_int8, 0_int8]
-      call residual_autocovariance(x, 0.0_dp, [0.5_dp], 1, r, problem, valid)
       call check_refused(error, problem, status%too_few_samples)
    end subroutine test_failures
 

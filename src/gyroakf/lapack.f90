@@ -8,7 +8,7 @@ module gyroakf_lapack
    use gyroakf_kinds, only : dp
    implicit none (type, external)
    private
-   public :: dpotrf, dpotrs, dposv, dpotri, dgels, dtrtri, dtrtrs, dsyev, dsyrk, dgesv, dgebal, dhseqr, dgeqrf
+   public :: dpotrf, dpotrs, dpotri, dgels, dtrtri, dtrtrs, dsyev, dgesv, dgebal, dhseqr, dgeqrf
 
    interface
 
@@ -32,16 +32,6 @@ module gyroakf_lapack
          real(dp), intent(inout) :: b(ldb, *)
          integer, intent(out) :: info
       end subroutine dpotrs
-
-      !> Solves A X = B, A symmetric positive definite
-      subroutine dposv(uplo, n, nrhs, a, lda, b, ldb, info)
-         import :: dp
-         implicit none (type, external)
-         character(1), intent(in) :: uplo
-         integer, intent(in) :: n, nrhs, lda, ldb
-         real(dp), intent(inout) :: a(lda, *), b(ldb, *)
-         integer, intent(out) :: info
-      end subroutine dposv
 
       !> Inverse of a symmetric positive definite matrix from the factor of dpotrf
       subroutine dpotri(uplo, n, a, lda, info)
@@ -95,16 +85,6 @@ module gyroakf_lapack
          real(dp), intent(out) :: w(*), work(*)
          integer, intent(out) :: info
       end subroutine dsyev
-
-      !> C := alpha A A' + beta C, one triangle of C
-      subroutine dsyrk(uplo, trans, n, k, alpha, a, lda, beta, c, ldc)
-         import :: dp
-         implicit none (type, external)
-         character(1), intent(in) :: uplo, trans
-         integer, intent(in) :: n, k, lda, ldc
-         real(dp), intent(in) :: alpha, beta, a(lda, *)
-         real(dp), intent(inout) :: c(ldc, *)
-      end subroutine dsyrk
 
       !> Solves A X = B by LU factors with partial pivoting
       subroutine dgesv(n, nrhs, a, lda, ipiv, b, ldb, info)

@@ -17,8 +17,7 @@ contains
    !> Autocovariances and moments of the residuals.
    !>
    !> $$e_t = (x_t - m) - \sum_j \phi_j (x_{t-j} - m)$$ for the t whose p predecessors exist and are present. r_k is biased, of
-   !> n - p residuals about their mean, as in [[residual_autocovariance]], which takes two passes. The sums are taken about
-   !> `constant` and moved to the mean.
+   !> n - p residuals about their mean. The sums are taken about `constant` and moved to the mean.
    subroutine analyse_residuals(x, mean, phi, constant, max_lag, r, pairs, moments, error, valid, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)

@@ -14,7 +14,7 @@ module gyroakf_stats_autocovariance
    use gyroakf_stats_residual_block, only : residual_block
    implicit none (type, external)
    private
-   public :: compute_autocovariance, residual_autocovariance, add_lagged_products, series_mean
+   public :: compute_autocovariance, add_lagged_products, series_mean
 
 contains
 
@@ -42,7 +42,7 @@ contains
       integer(int64), allocatable, intent(out), optional :: pairs(:)
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
-      real(dp) :: no_phi(0), shift, rest
+      real(dp) :: shift, rest
       integer(int64) :: count
 
       mean = 0.0_dp
@@ -55,43 +55,9 @@ contains
       else if (.not. ieee_is_finite(mean)) then
          call fatal_error(error, status%non_finite, "the series has a value that is not finite")
       else
-         call covariances(x, shift, no_phi, rest, max_lag, r, error, valid, pairs, progress)
+         call covariances(x, shift, rest, max_lag, r, error, valid, pairs, progress)
       end if
    end subroutine compute_autocovariance
-
-   !> Autocovariances of the residuals of an AR model, without storing the residuals.
-   !>
-   !> $$e_t = (x_t - \bar x) - \sum_j \phi_j (x_{t-j} - \bar x)$$ for the t whose p predecessors exist and
-   !> are present; then r_k as in [[compute_autocovariance]], of the n - p residuals, their mean removed.
-   subroutine residual_autocovariance(x, mean, phi, max_lag, r, error, valid, pairs)
-      !> Series: [n], finite
-      real(dp), intent(in), contiguous :: x(:)
-      !> Mean that the model was fitted with
-      real(dp), intent(in) :: mean
-      !> AR coefficients: [p], p >= 0
-      real(dp), intent(in) :: phi(:)
-      !> Largest lag, 0 .. n-p-1
-      integer, intent(in) :: max_lag
-      !> Autocovariances of the residuals: [0:max_lag]
-      real(dp), allocatable, intent(out) :: r(:)
-      !> invalid_argument, too_few_samples (also where gaps leave no residual), no_memory
-      type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), optional :: valid(:)
-      !> Number of pairs of residuals at each lag: [0:max_lag]
-      integer(int64), allocatable, intent(out), optional :: pairs(:)
-      real(dp) :: residual_mean
-      integer(int64) :: count
-
-      call check_series(x, max_lag + size(phi), error, valid)
-      if (allocated(error)) return
-      call mean_of_residuals(x, mean, phi, residual_mean, count, valid)
-      if (count < 1) then
-         call fatal_error(error, status%too_few_samples, "the gaps leave no residual of the AR model")
-      else
-         call covariances(x, mean, phi, residual_mean, max_lag, r, error, valid, pairs)
-      end if
-   end subroutine residual_autocovariance
 
    !> Refuses a lag or a mask that does not fit the series.
    subroutine check_series(x, max_lag, error, valid)
@@ -133,7 +99,6 @@ contains
       integer(int64), intent(out) :: count
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      real(dp) :: no_phi(0)
       integer(int64) :: i
 
       shift = 0.0_dp
@@ -144,17 +109,14 @@ contains
          shift = x(i)
          exit
       end do
-      call mean_of_residuals(x, shift, no_phi, rest, count, valid)
+      call mean_about(x, shift, rest, count, valid)
    end subroutine series_mean
 
-   !> Mean of x - centre, or of the residuals where phi has coefficients.
-   subroutine mean_of_residuals(x, centre, phi, mean, count, valid)
+   !> Mean of x - centre.
+   subroutine mean_about(x, centre, mean, count, valid)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
-      !> Subtracted first
       real(dp), intent(in) :: centre
-      !> AR coefficients: [p]
-      real(dp), intent(in) :: phi(:)
       !> Mean, 0 where there is none
       real(dp), intent(out) :: mean
       !> How many there are
@@ -162,7 +124,7 @@ contains
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
       real(dp) :: total(chunk_count(size(x, kind=int64))), number(chunk_count(size(x, kind=int64)))
-      real(dp) :: e(block_length), flag(block_length)
+      real(dp) :: e(block_length), flag(block_length), no_phi(0)
       integer(int64) :: n, first, length
       integer :: chunk
 
@@ -173,7 +135,7 @@ contains
          number(chunk) = 0.0_dp
          do first = chunk_first(n, chunk), chunk_last(n, chunk), block_length
             length = min(block_length, chunk_last(n, chunk) - first + 1)
-            call residual_block(x, centre, phi, 0.0_dp, first, e(:length), flag(:length), valid)
+            call residual_block(x, centre, no_phi, 0.0_dp, first, e(:length), flag(:length), valid)
             total(chunk) = total(chunk) + sum_of(e(:length))
             number(chunk) = number(chunk) + sum_of(flag(:length))
          end do
@@ -182,7 +144,7 @@ contains
       count = nint(sum(number), int64)
       mean = 0.0_dp
       if (count > 0) mean = sum(total)/real(count, dp)
-   end subroutine mean_of_residuals
+   end subroutine mean_about
 
    !> Sum of a block.
    pure real(dp) function sum_of(values) result(total)
@@ -198,14 +160,12 @@ contains
    end function sum_of
 
    !> The pass over the series: lagged sums of every chunk, added in order, and divided.
-   subroutine covariances(x, centre, phi, offset, max_lag, r, error, valid, pairs, progress)
+   subroutine covariances(x, centre, offset, max_lag, r, error, valid, pairs, progress)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> Subtracted from every sample first: near the mean of the series
       real(dp), intent(in) :: centre
-      !> AR coefficients: [p]; none for the series itself
-      real(dp), intent(in) :: phi(:)
-      !> Subtracted last: mean of the residuals
+      !> Subtracted last
       real(dp), intent(in) :: offset
       !> Largest lag
       integer, intent(in) :: max_lag
@@ -220,12 +180,11 @@ contains
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: partial(:, :), number(:, :)
-      real(dp) :: used, m
+      real(dp) :: m
       integer(int64) :: n
       integer :: chunk, chunks, k, stat
 
       n = size(x, kind=int64)
-      used = real(n - size(phi), dp)
       chunks = chunk_count(n)
       allocate (r(0:max_lag), stat=stat)
       if (stat == 0) allocate (partial(0:max_lag, chunks), stat=stat)
@@ -235,7 +194,7 @@ contains
          return
       end if
       if (present(pairs)) allocate (pairs(0:max_lag))
-      call sum_chunks(x, centre, phi, offset, max_lag, partial, number, stat, error, valid, progress)
+      call sum_chunks(x, centre, offset, max_lag, partial, number, stat, error, valid, progress)
       if (allocated(error)) return
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the buffers of the lagged sums")
@@ -243,22 +202,21 @@ contains
       end if
       do k = 0, max_lag
          r(k) = 0.0_dp
-         m = used - real(k, dp)
+         m = real(n - k, dp)
          if (present(valid)) m = sum(number(k, :))
          do chunk = 1, chunks
             r(k) = r(k) + partial(k, chunk)
          end do
-         if (m > 0.0_dp) r(k) = r(k)*((used - real(k, dp))/m)/used
+         if (m > 0.0_dp) r(k) = r(k)*(real(n - k, dp)/m)/real(n, dp)
          if (present(pairs)) pairs(k) = nint(m, int64)
       end do
    end subroutine covariances
 
    !> Lagged sums of every chunk.
-   subroutine sum_chunks(x, centre, phi, offset, max_lag, partial, number, stat, error, valid, progress)
+   subroutine sum_chunks(x, centre, offset, max_lag, partial, number, stat, error, valid, progress)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
-      !> Subtracted first, AR coefficients, subtracted last
-      real(dp), intent(in) :: centre, phi(:), offset
+      real(dp), intent(in) :: centre, offset
       !> Largest lag
       integer, intent(in) :: max_lag
       !> Sums of products: [0:max_lag, chunk]
@@ -274,6 +232,7 @@ contains
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: e(:), flag(:)
+      real(dp) :: no_phi(0)
       integer(int64) :: n, first, step
       integer :: chunk, bad, length, from, group
 
@@ -296,7 +255,7 @@ contains
             if (present(valid)) number(:, chunk) = 0.0_dp
             do first = chunk_first(n, chunk), chunk_last(n, chunk), step
                length = int(min(step, chunk_last(n, chunk) - first + 1))
-               call residual_block(x, centre, phi, offset, first - max_lag, e(:length), flag(:length), valid)
+               call residual_block(x, centre, no_phi, offset, first - max_lag, e(:length), flag(:length), valid)
                call add_lagged_products(e(1:), e, length, max_lag, partial(:, chunk))
                if (present(valid)) call add_lagged_products(flag(1:), flag, length, max_lag, number(:, chunk))
             end do
