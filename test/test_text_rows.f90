@@ -8,7 +8,7 @@ module test_text_rows
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_io_lines, only : close_lines, line_of, lines_type, open_lines
-   use gyroakf_io_store, only : count_rows
+   use gyroakf_io_store, only : count_rows, store_type
    use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_table, only : begin_table, table_type
    use gyroakf_io_text_rows, only : read_rows
@@ -321,7 +321,7 @@ contains
          call read_rows(lines, options, 1000_int64, table, failed)
          if (allocated(failed) .or. count_rows(table%store) == 0) exit
          rows = rows + count_rows(table%store)
-         table%store%count = 0
+         table%store = store_type()
       end do
       call close_lines(lines)
       call remove_file(scratch_path("parts.txt"))
