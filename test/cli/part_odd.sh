@@ -27,7 +27,7 @@ minus sign ; odd.txt:1:1: '−1.5' is not a number ; \342\210\2221.5\n2\n
 too large ; odd.txt:2:1: the number '1e400' is too large ; 1\n1e400\n
 a word among numbers ; odd.txt:3:3: 'x' is not a number ; 1 2\n3 4\n5 x\n
 a page of the web ; odd.txt:1:1: the file holds no line of numbers ; <html><body>404 Not Found</body></html>\n
-JSON ; odd.txt:1:1: '{"gx":' is not a number ; {"gx": [1, 2, 3]}\n
+JSON ; odd.txt:1:1: an array of 5 values in one row ; {"gx": [1, 2, 3, 4, 5]}\n
 LINES
 
 # as many samples as expected, whatever the lines look like: name ; samples ; content

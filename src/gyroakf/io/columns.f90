@@ -13,7 +13,7 @@ module gyroakf_io_columns
    implicit none (type, external)
    private
    public :: column_names_type, read_names, join_names, drop_empty_names, take_brackets_off, refuse_equal_names
-   public :: names_way, name_of, label_of, find_column, choose_columns, most_columns
+   public :: names_way, take_name, name_of, label_of, find_column, choose_columns, most_columns
 
    !> A file with more of them has lost its line ends
    integer, parameter :: most_columns = 65536
@@ -101,9 +101,11 @@ contains
       character(:), allocatable :: group, unit
       integer :: i
 
-      if (knows(above) .and. (.not. knows(names) .or. 2*known_classes(above) > size(above%name) + known_classes(names))) then
+      if (knows(above) .and. (.not. knows(names) .or. 2*known_classes(above) >= size(above%name) + known_classes(names))) then
          names%name = above%name
          names%unit = above%unit
+         return
+      else if (count([(len(above%name(i)%text) > 0, i=1, size(above%name))]) < 2 .and. len(above%name(1)%text) > 0) then
          return
       else if (.not. knows(names) .or. any([(len(above%name(i)%text) == 0, i=2, size(above%name))])) then
          group = ""
@@ -128,7 +130,8 @@ contains
       known_classes = count([(class_of(names%name(i)%text, names%unit(i)%text) /= column_class%unknown, i=1, size(names%name))])
    end function known_classes
 
-   !> Takes off the empty names of a line that begins or ends with a separator where the rows do not.
+   !> Takes off the empty names of a line that begins or ends with a separator where the rows do not, and that of comments at the end,
+   !> which rows may not have (LabVIEW).
    pure subroutine drop_empty_names(columns, names)
       !> Of the first row
       integer, intent(in) :: columns
@@ -138,7 +141,7 @@ contains
       if (.not. names%known) return
       first = 1
       last = size(names%name)
-      if (last > columns .and. len(names%name(last)%text) == 0) last = last - 1
+      if (last > columns .and. any(["        ", "Comment ", "Comments"] == names%name(last)%text)) last = last - 1
       if (last > columns .and. len(names%name(1)%text) == 0) first = 2
       if (last - first + 1 == columns .and. columns > 0) then
          names%name = names%name(first:last)
@@ -175,7 +178,9 @@ contains
    !> "gx [deg/s]" as name and unit; what stands in brackets at the end belongs to the name where it
    !> is no unit: "gyro[0]".
    pure subroutine take_name(word, name, unit)
+      !> As the file has it
       character(*), intent(in) :: word
+      !> The unit is "" where there is none
       character(:), allocatable, intent(inout) :: name, unit
       character(:), allocatable :: text
       integer :: bracket, depth

@@ -5,14 +5,19 @@ module gyroakf_io_heading
    use gyroakf_kinds, only : int8, int64
    use gyroakf_column_class, only : is_time_name, is_unit
    use gyroakf_io_columns, only : column_names_type, join_names, names_way, read_names, take_brackets_off
+   use gyroakf_io_leave_out, only : is_text
    use gyroakf_io_lines, only : lines_type
-   use gyroakf_io_number, only : is_missing_word
+   use gyroakf_io_marks, only : find_marks, marks_type, strip_line
+   use gyroakf_io_number, only : is_missing_field, is_missing_word
    use gyroakf_io_rows, only : layout_type
    use gyroakf_io_text, only : begins_with_semicolon, bytes_text, fields_type, first_visible, is_comment, &
       last_visible, split, split_line
    implicit none (type, external)
    private
-   public :: only_words, has_labels, is_title, begins_with_names, take_heading, suppose_names
+   public :: only_words, find_pattern, is_setting, begins_with_names, suppose_names, suppose_record_names, take_heading
+
+   !> So many lines below one that may be a setting are looked at
+   integer, parameter :: most_ahead = 256
 
 contains
 
@@ -57,41 +62,101 @@ contains
       end do
    end function count_words
 
-   !> True where a label stands before a number: "gx:1", "gx=-2".
-   pure logical function has_labels(bytes, first, last)
-      !> Holds the line at first:last
+   !> What the fields of a line hold without its marks: "n" a number, right or wrong, "t" a word, "-" a word for a missing number.
+   subroutine find_pattern(bytes, first, last, pattern, marks)
+      !> Holds the line at first:last, without its end
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
-      integer(int64) :: i
+      !> A character for each field
+      character(:), allocatable, intent(out) :: pattern
+      type(marks_type), intent(out) :: marks
+      type(fields_type) :: fields
+      integer(int8) :: line(last - first + 1)
+      logical :: same
+      integer :: j
 
-      has_labels = .false.
-      do i = first + 1, last - 1
-         if (bytes(i) /= iachar(":") .and. bytes(i) /= iachar("=")) cycle
-         has_labels = has_labels .or. begins_like_number(bytes, i + 1)
+      line(:) = bytes(first:last)
+      call find_marks(bytes, first, last, marks)
+      call strip_line(line, 1_int64, size(line, kind=int64), marks%skeleton, same)
+      call split_line(line, 1_int64, size(line, kind=int64), split%mixed, fields)
+      pattern = repeat("n", fields%count - merge(1, 0, fields%trailing))
+      do j = 1, len(pattern)
+         if (fields%last(j) < fields%first(j)) then
+            pattern(j:j) = " "
+         else if (is_missing_field(line, fields%first(j), fields%last(j))) then
+            pattern(j:j) = "-"
+         end if
+         if (is_text(line, fields%first(j), fields%last(j))) pattern(j:j) = "t"
       end do
-   end function has_labels
+   end subroutine find_pattern
 
-   !> True for a line above the names: it begins with a word, and the next line that is not empty holds words only.
-   logical function is_title(lines, last)
+   !> True for a line above the table that holds a setting: words among numbers, or a label, unlike the lines that follow.
+   !>
+   !> It is a row where they all have the same number of fields, labels and words in the same places, or where one behind others has
+   !> and begins with the same word: records of several kinds. So is what begins with a number and has as many fields as the next line.
+   logical function is_setting(lines, last, pattern, marks)
+      !> At the line
       type(lines_type), intent(in) :: lines
+      !> Its last byte
       integer(int64), intent(in) :: last
+      !> Of the line
+      character(*), intent(in) :: pattern
+      type(marks_type), intent(in) :: marks
+      character(:), allocatable :: other
+      type(marks_type) :: other_marks
       integer(int64) :: at, to
+      integer :: i
 
-      at = first_visible(lines%bytes, lines%at, last)
-      is_title = .not. begins_like_number(lines%bytes, at)
+      is_setting = index(pattern, "t") > 0 .and. index(pattern, "n") == 0
+      if (is_setting .or. (index(pattern, "t") == 0 .and. marks%labels == 0)) return
       at = last + 1
-      do while (is_title .and. at < lines%last)
+      do i = 1, most_ahead
+         do while (lines%bytes(at) /= 10)
+            at = at + 1
+         end do
+         at = at + 1
+         if (at > lines%last) return
          to = at
          do while (lines%bytes(to) /= 10)
             to = to + 1
          end do
-         if (first_visible(lines%bytes, at, to - 1) < to) exit
-         at = to + 1
+         if (first_visible(lines%bytes, at, to - 1) == to .or. is_comment(lines%bytes, at, to - 1)) cycle
+         call find_pattern(lines%bytes, at, to - 1, other, other_marks)
+         if (len(other) == 0) cycle
+         if (other_marks%skeleton /= marks%skeleton .or. .not. alike(pattern, other)) then
+            is_setting = .true.
+            if (len(pattern) == len(other) .and. pattern(1:1) /= "t" .and. marks%labels == 0) exit
+         else if (is_setting .and. (pattern(1:1) /= "t" .or. begin_alike(lines%bytes, lines%at, at))) then
+            exit
+         end if
       end do
-      if (is_title) is_title = at < lines%last
-      if (is_title) is_title = .not. is_comment(lines%bytes, at, to - 1) .and. count_words(lines%bytes, at, to - 1) > 1 &
-                              .and. .not. has_labels(lines%bytes, at, to - 1)
-   end function is_title
+      if (i <= most_ahead) is_setting = .false.
+   end function is_setting
+
+   !> True for lines whose first words are equal.
+   pure logical function begin_alike(bytes, first, second)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, second
+      character(*), parameter :: ends = " ,;:="//achar(9)//achar(10)//achar(13)
+      integer(int64) :: i
+
+      i = 0
+      do while (bytes(first + i) == bytes(second + i) .and. scan(achar(iand(int(bytes(first + i)), 255)), ends) == 0)
+         i = i + 1
+      end do
+      begin_alike = bytes(first + i) == bytes(second + i)
+   end function begin_alike
+
+   !> True for patterns of rows of one table: equal but for what is missing.
+   pure logical function alike(pattern, other)
+      character(*), intent(in) :: pattern, other
+      integer :: j
+
+      alike = len(pattern) == len(other)
+      do j = 1, merge(len(pattern), 0, alike)
+         alike = alike .and. (pattern(j:j) == other(j:j) .or. scan(pattern(j:j)//other(j:j), "- ") > 0)
+      end do
+   end function alike
 
    !> True for a line that begins with a semicolon and holds names between semicolons: the first column has none.
    logical function begins_with_names(lines, last)
@@ -103,35 +168,38 @@ contains
       if (begins_with_names) begins_with_names = only_words(lines, last)
    end function begins_with_names
 
-   !> True for a byte that a name does not begin with, and for the minus sign of mathematics (U+2212): what begins so is a number,
+   !> True for a byte that a name does not begin with, perhaps behind brackets, and for the minus sign of mathematics (U+2212): what begins so is a number,
    !> right or wrong.
-   pure logical function begins_like_number(bytes, at)
+   pure recursive logical function begins_like_number(bytes, at) result(begins)
       !> Holds it, and a byte more
       integer(int8), intent(in), contiguous :: bytes(:)
       !> Its first byte
       integer(int64), intent(in) :: at
 
-      begins_like_number = (bytes(at) >= 48 .and. bytes(at) <= 57) .or. bytes(at) == 43 .or. bytes(at) == 45
-      if (bytes(at) == 46) begins_like_number = bytes(at + 1) >= 48 .and. bytes(at + 1) <= 57
-      if (bytes(at) == -30_int8) begins_like_number = bytes(at + 1) == -120_int8 .and. bytes(at + 2) == -110_int8
+      begins = (bytes(at) >= 48 .and. bytes(at) <= 57) .or. bytes(at) == 43 .or. bytes(at) == 45
+      if (bytes(at) == 46) begins = bytes(at + 1) >= 48 .and. bytes(at + 1) <= 57
+      if (bytes(at) == -30_int8) begins = bytes(at + 1) == -120_int8 .and. bytes(at + 2) == -110_int8
+      if (any(bytes(at) == [40_int8, 60_int8, 91_int8])) begins = begins_like_number(bytes, at + 1) .and. bytes(at + 2) /= 93
    end function begins_like_number
 
    !> Takes in a line of words: names, units below them, or names below a title or below groups of columns.
-   subroutine take_heading(lines, last, names, layout)
+   subroutine take_heading(lines, last, behind_setting, names, layout)
       type(lines_type), intent(in) :: lines
       integer(int64), intent(in) :: last
+      !> True where a setting stands between the names so far and this line
+      logical, intent(in) :: behind_setting
       type(column_names_type), intent(inout) :: names
       type(layout_type), intent(inout) :: layout
       type(column_names_type) :: above
       logical :: taken
 
       taken = .false.
-      if (names%known) call take_units(lines, last, names, taken)
+      if (names%known .and. .not. behind_setting) call take_units(lines, last, names, taken)
       if (taken) return
       above = names
       call read_names(lines%bytes, lines%at, last, lines%number, names)
       if (above%known .and. names%known) then
-         if (size(above%name) == size(names%name)) call join_names(above, names)
+         if (size(above%name) == size(names%name) .and. .not. behind_setting) call join_names(above, names)
       end if
       call keep_heading(lines, last, layout)
       layout%semicolons = any(lines%bytes(lines%at:last) == iachar(";"))
@@ -196,5 +264,31 @@ contains
       end do
       supposed = names
    end subroutine suppose_names
+
+   !> Takes the words behind the name of a record for the names of its fields: `FMT, 134, 51, IMU, QBfff, TimeUS,I,GyrX,GyrY,GyrZ`.
+   subroutine suppose_record_names(bytes, fields, line, record, supposed)
+      !> Holds the fields
+      integer(int8), intent(in), contiguous :: bytes(:)
+      type(fields_type), intent(in) :: fields
+      !> Number of the line
+      integer(int64), intent(in) :: line
+      !> The name of the record
+      integer(int8), intent(in), contiguous :: record(:)
+      !> As many names as words; left alone where there are none behind the name, or numbers among them
+      type(column_names_type), intent(inout) :: supposed
+      type(column_names_type) :: names
+      integer :: j
+
+      do j = 1, fields%count - 2
+         if (fields%last(j) - fields%first(j) + 1 /= size(record)) cycle
+         if (all(bytes(fields%first(j):fields%last(j)) == record)) exit
+      end do
+      if (j > fields%count - 2) return
+      call read_names(bytes, fields%first(j + 1), fields%last(fields%count), line, names)
+      do j = 1, size(names%name)
+         if (verify(names%name(j)%text(:min(1, len(names%name(j)%text))), "+-.0123456789") == 0) return
+      end do
+      supposed = names
+   end subroutine suppose_record_names
 
 end module gyroakf_io_heading

@@ -33,6 +33,11 @@ module gyroakf_io_layout
       integer(int8), allocatable :: where_value(:)
       !> The value as a number, NaN where it is none
       real(dp) :: where_number = 0.0_dp
+      !> Other rows are wrong: a column of words tells records of several kinds apart
+      logical :: strict = .false.
+      !> Rows hold labels or brackets, see [[gyroakf_io_marks]]; only those of the first row are read, others are wrong, or left out
+      logical :: marked = .false., where_label = .false.
+      integer(int64) :: skeleton = 0
       !> Semicolons part the columns: a line that begins with one may be a row whose first field is empty
       logical :: semicolons = .false.
    end type layout_type

@@ -5,14 +5,15 @@ module gyroakf_io_leave_out
    use gyroakf_io_columns, only : column_names_type
    use gyroakf_io_number, only : is_missing_word
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_rows, only : join_fields, layout_type
+   use gyroakf_io_layout, only : layout_type
+   use gyroakf_io_row, only : agrees, join_fields
    use gyroakf_column_class, only : class_of, class_names, column_class
    use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, last_visible, line_feed_from, split, split_line
    use gyroakf_record, only : add_text, text_type
    use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
-   public :: find_texts, classes_of, analyzed_columns, in_order, list_left_out, list_number_columns
+   public :: find_texts, is_text, classes_of, analyzed_columns, in_order, list_left_out, list_number_columns
 
    !> So many lines at the start are looked at for text
    integer, parameter :: looked_at = 64
@@ -21,7 +22,7 @@ module gyroakf_io_leave_out
 
 contains
 
-   !> Which columns hold words in all of the first lines.
+   !> Which columns hold words in all of the first rows.
    pure subroutine find_texts(bytes, first, last, layout, texts)
       !> Holds lines from first on, up to the line feed at last
       integer(int8), intent(in), contiguous :: bytes(:)
@@ -33,6 +34,7 @@ contains
       type(fields_type) :: fields
       integer(int64) :: at, to
       integer :: i, j
+      logical :: wanted
 
       allocate (texts(layout%columns))
       texts(:) = .true.
@@ -43,8 +45,9 @@ contains
          if (.not. is_comment(bytes, at, to - 1) .and. first_visible(bytes, at, to - 1) < to) then
             call split_line(bytes, at, to - 1, split%mixed, fields)
             call join_fields(bytes, layout, fields)
-            if (fields%count < layout%columns) texts(:) = .false.
-            do j = 1, merge(layout%columns, 0, any(texts))
+            wanted = fields%count >= layout%columns
+            if (layout%where_column > 0) wanted = wanted .and. agrees(bytes, fields, layout)
+            do j = 1, merge(layout%columns, 0, wanted)
                texts(j) = texts(j) .and. is_text(bytes, fields%first(j), fields%last(j))
             end do
          end if
@@ -54,9 +57,10 @@ contains
 
    !> True for a word that can be no number, not even a wrong one; what holds a number behind a colon is not.
    pure logical function is_text(bytes, first, last)
+      !> Holds the field at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
-      character(*), parameter :: beginnings = "abcdefghijklmnopqrstuvwxyz_=:|>"
+      character(*), parameter :: beginnings = "abcdefghijklmnopqrstuvwxyz_=:|>$"
       character(:), allocatable :: word
       integer :: mark
 

@@ -7,11 +7,11 @@ module gyroakf_io_row
    use gyroakf_io_format, only : comma_advice, comma_found, decimal_comma
    use gyroakf_io_layout, only : layout_type, problem_type
    use gyroakf_io_number, only : is_missing_field, number, scan_number
-   use gyroakf_io_row_problem, only : count_problem, field_problem, kind_of, mend, set_problem
+   use gyroakf_io_row_problem, only : count_problem, excerpt, field_problem, kind_of, mend, set_problem
    use gyroakf_io_text, only : fields_type, split, split_line
    implicit none (type, external)
    private
-   public :: read_row, join_fields
+   public :: read_row, join_fields, agrees
 
    integer(int8), parameter :: tab = 9
 
@@ -36,6 +36,7 @@ contains
       logical, intent(in) :: explain
       integer(int64) :: comma_at
       integer :: j, slot
+      logical :: other
 
       row = ieee_value(1.0_dp, ieee_quiet_nan)
       call split_row(bytes, first, last, split%mixed, layout, fields)
@@ -43,9 +44,16 @@ contains
          call split_row(bytes, first, last, split%tabs, layout, fields)
          if (.not. fits(layout, fields)) call split_row(bytes, first, last, split%mixed, layout, fields)
       end if
-      problem%found = fields%open_quote /= 0 .or. .not. fits(layout, fields)
+      other = layout%strict
+      if (other) other = .not. agrees(bytes, fields, layout)
+      problem%found = fields%open_quote /= 0 .or. other .or. .not. fits(layout, fields)
       if (problem%found .and. .not. explain) return
-      if (fields%open_quote /= 0) then
+      if (other .and. fields%count >= layout%where_column) then
+         j = layout%where_column
+         call set_problem(problem, fields%first(j), "'"//excerpt(bytes, fields%first(j), fields%last(j))// &
+                          "' is a record of another kind than '"// &
+                          excerpt(layout%where_value, 1_int64, size(layout%where_value, kind=int64))//"' above", "read one kind")
+      else if (fields%open_quote /= 0) then
          call set_problem(problem, fields%open_quote, "a quote that is not closed", mend)
       else if (problem%found) then
          comma_at = decimal_comma(bytes, first, last)
@@ -95,6 +103,28 @@ contains
          fields%last(i) = fields%last(i + 1)
       end do
    end subroutine join_fields
+
+   !> True for a row whose field in the column of the layout's condition is the value of it, as text or as a number.
+   pure logical function agrees(bytes, fields, layout)
+      !> Holds the fields
+      integer(int8), intent(in), contiguous :: bytes(:)
+      type(fields_type), intent(in) :: fields
+      !> With `where_column` and `where_value`
+      type(layout_type), intent(in) :: layout
+      integer(int64) :: p
+      real(dp) :: x
+      integer :: found
+
+      agrees = .false.
+      if (fields%count < layout%where_column) return
+      associate (from => fields%first(layout%where_column), to => fields%last(layout%where_column))
+         if (to - from + 1 == size(layout%where_value)) agrees = all(bytes(from:to) == layout%where_value)
+         if (agrees .or. to < from .or. .not. layout%where_number <= huge(x)) return
+         p = from
+         call scan_number(bytes, p, x, found)
+         agrees = found == number%ok .and. p == to + 1 .and. abs(x - layout%where_number) <= 0.0_dp
+      end associate
+   end function agrees
 
    !> True where the line has the columns of the file.
    pure logical function fits(layout, fields)

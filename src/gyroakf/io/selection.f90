@@ -3,18 +3,18 @@
 module gyroakf_io_selection
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_column_class, only : column_class
+   use gyroakf_column_class, only : class_of, column_class
    use gyroakf_error, only : error_type
    use gyroakf_io_columns, only : column_names_type, find_column, label_of
    use gyroakf_io_layout, only : layout_type
-   use gyroakf_io_number, only : number, parse_number, scan_number
+   use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_rows, only : join_fields
+   use gyroakf_io_rows, only : agrees, join_fields
    use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, line_feed_from, split, split_line
    use gyroakf_record, only : add_text, text_type
    implicit none (type, external)
    private
-   public :: find_interleaved, is_wanted, set_condition
+   public :: find_interleaved, find_kinds_of_records, is_wanted, set_condition
 
    !> Rows at the start that are looked at, and the most sensors in them
    integer, parameter :: most_rows = 64, most_sensors = 8
@@ -31,21 +31,10 @@ contains
       !> With `where_column` and `where_value`
       type(layout_type), intent(in) :: layout
       type(fields_type) :: fields
-      integer(int64) :: p
-      real(dp) :: x
-      integer :: found
 
       call split_line(bytes, first, last, split%mixed, fields)
       call join_fields(bytes, layout, fields)
-      is_wanted = .false.
-      if (fields%count < layout%where_column) return
-      associate (from => fields%first(layout%where_column), to => fields%last(layout%where_column))
-         if (to - from + 1 == size(layout%where_value)) is_wanted = all(bytes(from:to) == layout%where_value)
-         if (is_wanted .or. to < from .or. .not. layout%where_number <= huge(x)) return
-         p = from
-         call scan_number(bytes, p, x, found)
-         is_wanted = found == number%ok .and. p == to + 1 .and. abs(x - layout%where_number) <= 0.0_dp
-      end associate
+      is_wanted = agrees(bytes, fields, layout)
    end function is_wanted
 
    !> Takes in COLUMN=VALUE.
@@ -97,6 +86,36 @@ contains
          return
       end do
    end subroutine find_interleaved
+
+   !> Looks at the first rows for a column of words that repeat: rows that hold another word than the first row are wrong then.
+   subroutine find_kinds_of_records(bytes, first, last, names, texts, layout)
+      !> Holds rows from first on, up to the line feed at last
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      type(column_names_type), intent(in) :: names
+      !> Columns of words: [column]
+      logical, intent(in) :: texts(:)
+      !> `where_column`, `where_value` and `strict` are set
+      type(layout_type), intent(inout) :: layout
+      type(text_type), allocatable :: field(:, :)
+      type(error_type), allocatable :: failed
+      integer :: rows, i, j, k, words
+
+      if (layout%columns > most_columns .or. .not. any(texts)) return
+      allocate (field(most_rows, layout%columns))
+      call first_rows(bytes, first, last, layout, field, rows)
+      do j = 1, layout%columns
+         if (.not. texts(j)) cycle
+         if (names%known) then
+            if (.not. any(class_of(names%name(j)%text, "") == [column_class%unknown, column_class%counter])) cycle
+         end if
+         words = count([(.not. any([(field(i, j)%text == field(k, j)%text, k=1, i - 1)]), i=1, rows)])
+         if (2*words > rows) cycle
+         call set_condition(integer_text(int(j, int64))//"="//field(1, j)%text, column_names_type(), layout%columns, layout, failed)
+         layout%strict = .not. allocated(failed)
+         return
+      end do
+   end subroutine find_kinds_of_records
 
    !> A column for --where: its name, or its number where it has none or one with a blank.
    pure function selector(names, column) result(text)

@@ -69,9 +69,9 @@ contains
          if (span%no_memory) return
          before = span%rows
          if (layout%where_column > 0) then
-            call skip_unwanted(bytes, at, feed, layout, span)
+            call skip_unwanted(bytes, at, feed, layout, span, odd)
             if (at > span%last) exit
-            call parse_rows(bytes, at, feed, layout, span%value, span%rows, odd)
+            if (.not. odd) call parse_rows(bytes, at, feed, layout, span%value, span%rows, odd)
          else
             call parse_rows(bytes, at, span%last, layout, span%value, span%rows, odd)
          end if
@@ -82,17 +82,21 @@ contains
    end subroutine read_span
 
    !> Moves to the next row that `layout%where_column` selects, and finds its end.
-   subroutine skip_unwanted(bytes, at, feed, layout, span)
+   subroutine skip_unwanted(bytes, at, feed, layout, span, odd)
       integer(int8), intent(in), contiguous :: bytes(:)
       !> First byte of a line; afterwards that of the row, behind the span where there is none
       integer(int64), intent(inout) :: at
       integer(int64), intent(out) :: feed
       type(layout_type), intent(in) :: layout
       type(span_type), intent(inout) :: span
+      !> True for a line that is wrong, or none, where other rows are
+      logical, intent(out) :: odd
 
+      odd = .false.
       do while (at <= span%last)
          feed = line_feed_from(bytes, at)
-         if (is_wanted(bytes, at, feed - 1, layout)) return
+         odd = .not. is_wanted(bytes, at, feed - 1, layout)
+         if (layout%strict .or. .not. odd) return
          span%lines = span%lines + 1
          call map_row(span%map, span%rows + 1, span%lines + 1)
          at = feed + 1

@@ -8,9 +8,11 @@ module gyroakf_io_table
       most_columns, refuse_equal_names
    use gyroakf_io_commas, only : settle_commas
    use gyroakf_io_header, only : header_type, read_comment
-   use gyroakf_io_heading, only : begins_with_names, has_labels, is_title, only_words, suppose_names, take_heading
+   use gyroakf_io_heading, only : begins_with_names, find_pattern, is_setting, only_words, suppose_names, &
+      & suppose_record_names, take_heading
    use gyroakf_io_leave_out, only : analyzed_columns, classes_of, find_texts, in_order
    use gyroakf_io_lines, only : line_end, line_map_type, next_line, lines_type, map_row, more_lines
+   use gyroakf_io_marks, only : find_marks, marks_type, name_fields, strip_line, strip_lines
    use gyroakf_io_place, only : integer_text, place_error
    use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_rows, only : excerpt, join_fields, layout_type
@@ -18,7 +20,7 @@ module gyroakf_io_table
    use gyroakf_io_stamp_columns, only : ambiguous_date, date_advice, find_joined, find_kinds, pair_stamps
    use gyroakf_io_stamps, only : fraction_of
    use gyroakf_io_store, only : store_type
-   use gyroakf_io_selection, only : find_interleaved, is_wanted, set_condition
+   use gyroakf_io_selection, only : find_interleaved, find_kinds_of_records, is_wanted, set_condition
    use gyroakf_io_text, only : begins_with_semicolon, bytes_text, fields_type, first_visible, is_comment, split, split_line
    use gyroakf_record, only : add_text, text_type
    use gyroakf_spelling, only : lower
@@ -74,10 +76,14 @@ contains
       type(table_type), intent(out) :: table
       !> Allocated on failure: io, parse, invalid_argument, no_memory
       type(error_type), allocatable, intent(out) :: error
+      integer(int8), allocatable :: as_read(:)
 
       table%name = lines%source%name
       call read_preamble(lines, options, table, error)
-      if (.not. allocated(error)) call lay_out(lines, options, table, error)
+      if (allocated(error)) return
+      as_read = lines%bytes
+      call lay_out(lines, options, table, error)
+      if (table%layout%marked) call move_alloc(as_read, lines%bytes)
       if (.not. allocated(error)) call map_row(table%map, 1_int64, lines%number)
    end subroutine begin_table
 
@@ -113,9 +119,11 @@ contains
       type(reader_options), intent(in) :: options
       type(table_type), intent(inout) :: table
       type(error_type), allocatable, intent(out) :: error
-      integer(int64) :: last
-      character(:), allocatable :: word
+      integer(int64) :: last, setting
+      character(:), allocatable :: word, pattern
+      type(marks_type) :: marks
 
+      setting = 0
       do
          call more_lines(lines, error)
          if (allocated(error)) return
@@ -129,16 +137,19 @@ contains
             call read_comment(lines%bytes, lines%at, last, lines%number, table%header, table%warnings)
             call suppose_names(lines%bytes, lines%at, last, lines%number, table%supposed)
          else if (first_visible(lines%bytes, lines%at, last) <= last) then
-            if (table%names%known .and. has_labels(lines%bytes, lines%at, last)) then
-               return
-            else if (only_words(lines, last)) then
+            call find_pattern(lines%bytes, lines%at, last, pattern, marks)
+            if (len_trim(pattern) == 0 .and. .not. named(table%names, len(pattern))) then
+               continue
+            else if (marks%labels == 0 .and. only_words(lines, last)) then
                word = lower(bytes_text(lines%bytes, lines%at, min(last, lines%at + 3)))
-               if (word /= "sep=") call take_heading(lines, last, table%names, table%layout)
+               if (word /= "sep=" .and. .not. names_wanted(options, table)) &
+                  call take_heading(lines, last, table%names%line < setting, table%names, table%layout)
             else if (skipped_by_where(lines, last, options, table)) then
                continue
-            else if (table%names%known) then
-               return
-            else if (.not. is_title(lines, last)) then
+            else if (.not. allocated(options%where) .and. is_setting(lines, last, pattern, marks)) then
+               setting = lines%number
+            else
+               call check_names(len(pattern), setting, table, error)
                return
             end if
          end if
@@ -153,18 +164,86 @@ contains
                        "give one row of numbers per sample; lines that begin with # % ; // are comments")
    end subroutine read_preamble
 
-   !> True for a row that `options%where` leaves out, where its column is known.
-   logical function skipped_by_where(lines, last, options, table)
+   !> True where there is a name for every column.
+   pure logical function named(names, columns)
+      type(column_names_type), intent(in) :: names
+      integer, intent(in) :: columns
+
+      named = names%known
+      if (named) named = size(names%name) == columns
+   end function named
+
+   !> A setting between names and rows: words above it are no names, unless there are as many of them as columns, which is an error.
+   subroutine check_names(columns, setting, table, error)
+      !> Of the first row
+      integer, intent(in) :: columns
+      !> The last line of settings, 0 where there is none
+      integer(int64), intent(in) :: setting
+      type(table_type), intent(inout) :: table
+      type(error_type), allocatable, intent(out) :: error
+
+      if (setting == 0) return
+      call add_text(table%warnings, "what stands above the table up to line "//integer_text(setting)//" is taken for settings")
+      if (.not. table%names%known .or. table%names%line > setting) return
+      if (named(table%names, columns)) call fatal_error(error, status%parse, table%name//":"//integer_text(setting)// &
+         ":1: the line is neither a row nor names, and stands between both"//new_line("a")//"mend the line")
+      table%names%known = .false.
+   end subroutine check_names
+
+   !> True where the names so far are those of the rows that `options%where` selects: "IMU,t,gx".
+   logical function names_wanted(options, table)
+      type(table_options), intent(in) :: options
+      type(table_type), intent(inout) :: table
+      type(error_type), allocatable :: failed
+
+      names_wanted = .false.
+      if (.not. allocated(options%where) .or. .not. table%names%known) return
+      call set_condition(options%where, table%names, size(table%names%name), table%layout, failed)
+      if (.not. allocated(failed)) names_wanted = begins_as(table%names%name(table%layout%where_column)%text, table%layout, "")
+   end function names_wanted
+
+   !> True for the value of the layout's condition, perhaps with some signs behind it.
+   pure logical function begins_as(text, layout, signs)
+      character(*), intent(in) :: text, signs
+      type(layout_type), intent(in) :: layout
+      character(:), allocatable :: value
+
+      value = bytes_text(layout%where_value, 1_int64, size(layout%where_value, kind=int64))
+      begins_as = text == value .or. (text == value//signs .and. len(signs) > 0)
+   end function begins_as
+
+   !> True for a row that `options%where` leaves out, where its column is known; a row whose label is the value is not left out.
+   logical function skipped_by_where(lines, last, options, table) result(skipped)
       type(lines_type), intent(in) :: lines
       integer(int64), intent(in) :: last
       type(reader_options), intent(in) :: options
       type(table_type), intent(inout) :: table
       type(error_type), allocatable :: failed
+      type(column_names_type) :: names
+      type(fields_type) :: fields
+      type(marks_type) :: marks
+      integer(int8) :: line(last)
+      integer :: array
+      logical :: same
 
-      skipped_by_where = .false.
+      skipped = .false.
       if (.not. allocated(options%where)) return
-      call set_condition(options%where, table%names, most_columns, table%layout, failed)
-      if (.not. allocated(failed)) skipped_by_where = .not. is_wanted(lines%bytes, lines%at, last, table%layout)
+      line(:) = lines%bytes(:last)
+      names = table%names
+      call find_marks(line, lines%at, last, marks)
+      call strip_line(line, lines%at, last, marks%skeleton, same)
+      call split_line(line, lines%at, last, split%mixed, fields)
+      if (marks%labels > 0) call name_fields(lines%bytes, lines%at, last, fields, names, array)
+      call set_condition(options%where, names, most_columns, table%layout, failed)
+      if (allocated(failed)) return
+      skipped = .not. is_wanted(line, lines%at, last, table%layout)
+      if (skipped .and. marks%labels > 0 .and. names%known) then
+         if (table%layout%where_column <= size(names%name)) &
+            table%layout%where_label = begins_as(names%name(table%layout%where_column)%text, table%layout, "[0]")
+         skipped = .not. table%layout%where_label
+      else if (skipped) then
+         call suppose_record_names(line, fields, lines%number, table%layout%where_value, table%supposed)
+      end if
    end function skipped_by_where
 
    !> True for a row below names between semicolons whose first field is empty: not a comment.
@@ -194,6 +273,8 @@ contains
       logical :: nano
 
       last = line_end(lines)
+      call take_marks(lines, last, table, error)
+      if (allocated(error)) return
       call settle_commas(lines, last, options%decimal_comma, table%names, table%layout%commas, table%warnings, error)
       if (allocated(error)) return
       call split_line(lines%bytes, lines%at, last, split%mixed, fields)
@@ -234,9 +315,12 @@ contains
       if (allocated(options%where)) then
          call set_condition(options%where, table%names, table%layout%columns, table%layout, error)
          if (allocated(error)) return
+         if (table%layout%where_label) table%layout%where_column = 0
       end if
       call find_kinds(lines%bytes, fields, table%layout%columns, table%layout)
       call find_texts(lines%bytes, lines%at, lines%last, table%layout, texts)
+      if (.not. allocated(options%where)) call find_kinds_of_records(lines%bytes, lines%at, lines%last, table%names, texts, &
+         table%layout)
       call choose(options, texts, table, fraction, nano, error)
       if (allocated(error)) return
       if (.not. allocated(options%where)) call find_interleaved(lines%bytes, lines%at, lines%last, table%layout, table%names, &
@@ -244,6 +328,36 @@ contains
       call pair_stamps(lines%bytes, fields, table%time, table%chosen, fraction, nano, table%layout, partner)
       call set_slots(partner, table)
    end subroutine lay_out
+
+   !> Labels and brackets of the first row become blanks, as in all rows; the labels, or the names of cells with arrays, name the
+   !> fields. They stay where the names are as many as the fields without that.
+   subroutine take_marks(lines, last, table, error)
+      type(lines_type), intent(inout) :: lines
+      integer(int64), intent(in) :: last
+      type(table_type), intent(inout) :: table
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8), allocatable :: raw(:)
+      type(marks_type) :: marks
+      type(fields_type) :: fields
+      integer :: array
+
+      call find_marks(lines%bytes, lines%at, last, marks)
+      if (marks%labels + marks%brackets == 0) return
+      call split_line(lines%bytes, lines%at, last, split%mixed, fields)
+      if (table%names%known) then
+         if (fits_names(fields, size(table%names%name)) .and. marks%brackets == 0) return
+      end if
+      table%layout%marked = .true.
+      table%layout%skeleton = marks%skeleton
+      raw = lines%bytes(:last)
+      call strip_lines(lines%bytes, lines%at, lines%last, table%layout)
+      call split_line(lines%bytes, lines%at, last, split%mixed, fields)
+      call name_fields(raw, lines%at, last, fields, table%names, array)
+      if (table%names%line == 0) table%names%line = lines%number
+      if (.not. any(array == [0, 2, 3, 4, 6, 9])) call place_error(error, table%name, lines%number, raw, lines%at, last, &
+         lines%at, "an array of "//integer_text(int(array, int64))//" values in one row: axes, or successive samples?", &
+         "write one row of numbers per sample")
+   end subroutine take_marks
 
    !> How many names the columns have, wherever they stand.
    pure integer function names_at_hand(table)
@@ -304,7 +418,7 @@ contains
       end if
    end subroutine take_header_names
 
-   !> Takes the words of a comment for names where their number is right, and says so.
+   !> Takes the words of a comment, or of the definition of a record, for names where their number is right, and says so.
    subroutine take_supposed_names(fields, table, named)
       type(fields_type), intent(in) :: fields
       type(table_type), intent(inout) :: table
@@ -313,8 +427,7 @@ contains
       if (.not. fits_names(fields, size(table%supposed%name))) return
       table%names = table%supposed
       named = size(table%names%name)
-      call add_text(table%warnings, "the names of the columns are taken from the comment in line "// &
-                    integer_text(table%names%line))
+      call add_text(table%warnings, "the names of the columns are taken from line "//integer_text(table%names%line))
    end subroutine take_supposed_names
 
    !> The columns that are kept.

@@ -9,6 +9,7 @@ module gyroakf_io_text_rows
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_leave_out, only : list_number_columns
    use gyroakf_io_lines, only : check_length, end_last_line, line_end, lines_type, make_room, map_row, turn_returns
+   use gyroakf_io_marks, only : strip_lines
    use gyroakf_io_number, only : digits_ahead
    use gyroakf_io_place, only : integer_text, place_error
    use gyroakf_io_reader_options, only : reader_options
@@ -171,13 +172,14 @@ contains
       !$omp end parallel do
    end subroutine read_pieces
 
-   !> Reads the lines of a span, decimal commas becoming points.
+   !> Reads the lines of a span, labels and brackets becoming blanks, decimal commas points.
    subroutine read_lines(bytes, layout, bad_lines_missing, span)
       integer(int8), intent(inout), contiguous :: bytes(:)
       type(layout_type), intent(in) :: layout
       logical, intent(in) :: bad_lines_missing
       type(span_type), intent(inout) :: span
 
+      if (layout%marked) call strip_lines(bytes, span%first, span%last, layout)
       if (layout%commas /= 0 .and. span%last >= span%first) call make_points(bytes, span%first, span%last, layout%commas)
       call read_span(bytes, layout, bad_lines_missing, span)
    end subroutine read_lines

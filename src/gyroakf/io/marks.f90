@@ -1,0 +1,362 @@
+! SPDX-License-Identifier: MIT
+!> Labels, brackets and checksums in rows: `gx=1.2, gy=-3`, `{"gx": 1.2}`, `0.01,"[1, 2, 3]"`, `$IMU,1,2*5A`.
+!>
+!> They become blanks in the rows where they are those of the first row, which leaves numbers between separators.
+module gyroakf_io_marks
+   use gyroakf_kinds, only : int8, int64
+   use gyroakf_column_class, only : is_unit
+   use gyroakf_io_columns, only : column_names_type, take_name
+   use gyroakf_io_layout, only : layout_type
+   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_text, only : bytes_text, fields_type, last_visible
+   use gyroakf_record, only : add_text, text_type
+   implicit none (type, external)
+   private
+   public :: marks_type, find_marks, strip_line, strip_lines, name_fields
+
+   !> The marks of a line
+   type :: marks_type
+      integer :: labels = 0, brackets = 0, values = 0
+      !> Made of the labels, and of the places of the brackets among the values
+      integer(int64) :: skeleton = 0
+   end type marks_type
+
+   character(*), parameter :: opening = "[({<", closing = "])}>", quotes = """'", separators = " ,;"//achar(9)//achar(13)
+   integer(int8), parameter :: blank = 32
+
+contains
+
+   !> The marks of a line.
+   pure subroutine find_marks(bytes, first, last, marks)
+      !> Holds the line at first:last, without its end
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      type(marks_type), intent(out) :: marks
+      integer(int8) :: line(last - first + 1)
+
+      line(:) = bytes(first:last)
+      call walk(line, 1_int64, size(line, kind=int64), .false., marks)
+   end subroutine find_marks
+
+   !> Writes blanks for the marks of a line where they are those of the first row, or where the line holds nothing else.
+   pure subroutine strip_line(bytes, first, last, skeleton, same)
+      !> Holds the line at first:last, without its end
+      integer(int8), intent(inout), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      !> Of the first row
+      integer(int64), intent(in) :: skeleton
+      !> False where the marks are others
+      logical, intent(out) :: same
+      type(marks_type) :: marks
+
+      call walk(bytes, first, last, .false., marks)
+      same = marks%skeleton == skeleton .or. marks%values + marks%labels == 0
+      if (same) call walk(bytes, first, last, .true., marks)
+   end subroutine strip_line
+
+   !> The same for lines; others become blank where only rows with the labels of the first are wanted.
+   pure subroutine strip_lines(bytes, first, last, layout)
+      !> Holds lines at first:last, a line feed at last
+      integer(int8), intent(inout), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      type(layout_type), intent(in) :: layout
+      integer(int64) :: at, feed
+      logical :: same
+
+      at = first
+      do while (at <= last)
+         feed = at
+         do while (bytes(feed) /= 10)
+            feed = feed + 1
+         end do
+         call strip_line(bytes, at, feed - 1, layout%skeleton, same)
+         if (layout%where_label .and. .not. same) bytes(at:feed - 1) = blank
+         at = feed + 1
+      end do
+   end subroutine strip_lines
+
+   !> Goes through a line; writes blanks for its marks or leaves them.
+   pure subroutine walk(bytes, first, last, erase, marks)
+      integer(int8), intent(inout), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      logical, intent(in) :: erase
+      type(marks_type), intent(out) :: marks
+      integer(int64) :: p, to, pending
+      character(1) :: sign
+      logical :: fresh
+
+      p = first
+      fresh = .true.
+      pending = 0
+      do while (p <= last)
+         sign = achar(iand(int(bytes(p)), 255))
+         to = p
+         if ((fresh .and. is_in(sign, opening)) .or. (is_in(sign, closing) .and. .not. is_arrow(bytes, p, first))) then
+            if (marks%values > 0) pending = mixed(pending, int(iachar(sign) + 256*marks%values, int64))
+            marks%brackets = marks%brackets + 1
+            if (erase) bytes(p) = blank
+            if (is_in(sign, closing) .and. p < last) then
+               if (is_in(achar(iand(int(bytes(p + 1)), 255)), quotes)) to = p + 1
+               if (erase) bytes(to) = blank
+            end if
+            fresh = .true.
+         else if (is_in(sign, separators)) then
+            fresh = .true.
+         else if (fresh .and. opens_quoted(bytes, p, last)) then
+            if (erase) bytes(p) = blank
+         else if (fresh) then
+            marks%skeleton = mixed(marks%skeleton, pending)
+            pending = 0
+            to = label_end(bytes, p, last)
+            fresh = to > 0
+            if (fresh) then
+               marks%labels = marks%labels + 1
+               call mix_label(bytes(p:to), marks%skeleton)
+               if (erase) bytes(p:to) = blank
+            else
+               to = p
+               marks%values = marks%values + 1
+               if (is_in(sign, quotes)) to = closing_quote(bytes, p, last)
+            end if
+         else if (sign == "*" .and. p == last_visible(bytes, first, last) - 2 .and. any(bytes(first) == [33_int8, 36_int8])) then
+            marks%brackets = marks%brackets + 1
+            if (erase) bytes(p:last) = blank
+            to = last
+         end if
+         p = to + 1
+      end do
+   end subroutine walk
+
+   !> True for a character of a set; quick, as no text is built.
+   pure logical function is_in(sign, set)
+      character(1), intent(in) :: sign
+      character(*), intent(in) :: set
+
+      is_in = index(set, sign) > 0
+   end function is_in
+
+   !> True for the ">" of "->" and for one that begins a line.
+   pure logical function is_arrow(bytes, p, first)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: p, first
+
+      is_arrow = bytes(p) == iachar(">")
+      if (is_arrow .and. p > first) is_arrow = bytes(p - 1) == iachar("-")
+   end function is_arrow
+
+   !> True for a quote before a bracket.
+   pure logical function opens_quoted(bytes, p, last)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: p, last
+
+      opens_quoted = p < last
+      if (opens_quoted) opens_quoted = is_in(achar(iand(int(bytes(p)), 255)), quotes) .and. &
+                                       is_in(achar(iand(int(bytes(p + 1)), 255)), opening)
+   end function opens_quoted
+
+   !> The quote that closes the one at p, the last byte of the line where there is none.
+   pure integer(int64) function closing_quote(bytes, p, last) result(to)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: p, last
+
+      do to = p + 1, last - 1
+         if (bytes(to) == bytes(p)) exit
+      end do
+      to = min(to, last)
+   end function closing_quote
+
+   !> The colon or equals sign that ends a label at p: a word, or some between blanks, before a value; 0 where there is none.
+   pure integer(int64) function label_end(bytes, p, last) result(mark)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: p, last
+      character(*), parameter :: letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_>$"
+      integer(int64) :: from
+      integer :: depth
+      character(1) :: sign
+
+      mark = 0
+      from = p
+      if (is_in(achar(iand(int(bytes(p)), 255)), quotes)) from = closing_quote(bytes, p, last)
+      if (from == p .and. bytes(p) > 0 .and. .not. is_in(achar(int(bytes(p))), letters)) return
+      depth = 0
+      do from = merge(from, from + 1, from == p), last
+         sign = achar(iand(int(bytes(from)), 255))
+         if (sign == ":" .or. sign == "=") exit
+         if (is_in(sign, ",;{}<"//quotes//achar(9))) return
+         if (is_in(sign, "([")) depth = depth + 1
+         if (is_in(sign, ")]")) depth = depth - 1
+         if (depth < 0) return
+      end do
+      if (from >= last .or. depth /= 0) return
+      sign = achar(iand(int(bytes(from + 1)), 255))
+      if (.not. is_in(sign, "0123456789+-.nN "//quotes//opening//achar(9)) .or. last_visible(bytes, from + 1, last) == from) return
+      if (is_in(sign, "0123456789") .and. any(bytes(min(from + 2, last):min(from + 3, last)) == iachar(":"))) return
+      mark = from
+   end function label_end
+
+   !> Takes a label into a skeleton, without its blanks.
+   pure subroutine mix_label(label, skeleton)
+      integer(int8), intent(in), contiguous :: label(:)
+      integer(int64), intent(inout) :: skeleton
+      integer :: i
+
+      do i = 1, size(label)
+         if (label(i) /= blank) skeleton = mixed(skeleton, int(label(i), int64))
+      end do
+   end subroutine mix_label
+
+   !> Another number for every sequence of numbers, nearly.
+   pure integer(int64) function mixed(skeleton, value)
+      integer(int64), intent(in) :: skeleton, value
+
+      mixed = skeleton
+      if (value /= 0) mixed = ieor(modulo(skeleton, 2_int64**40)*4194319_int64, value) + 1
+   end function mixed
+
+   !> Names the fields of a stripped line by the labels before them, or by the names of the cells that hold arrays: "gyro[0]".
+   subroutine name_fields(bytes, first, last, fields, names, array)
+      !> Holds the line at first:last with its marks
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      !> Of the line without them
+      type(fields_type), intent(in) :: fields
+      !> Those of the cells; afterwards of the fields, unless their number is another one
+      type(column_names_type), intent(inout) :: names
+      !> Values of the longest array in a cell, 0 where there is none
+      integer, intent(out) :: array
+      type(column_names_type) :: named
+      type(text_type), allocatable :: labels(:)
+      character(:), allocatable :: gap, group
+      integer :: cell(fields%count), depth(fields%count), lowest(fields%count), j, n, start, base
+      logical :: labeled
+
+      n = fields%count - merge(1, 0, fields%trailing)
+      array = 0
+      if (n == 0) return
+      allocate (named%name(n), named%unit(n))
+      call find_depths(bytes, first, fields, depth, lowest)
+      gap = bytes_text(bytes, first, fields%first(1) - 1)
+      j = scan(gap, ":=", back=.true.)
+      base = min(minval(depth(:n)), minval(lowest(2:n)))
+      if (j > 0) base = min(base, depth(1) - count([(is_in(gap(j:j), opening(:3)), j=j + 1, len(gap))]))
+      cell(1) = 1
+      do j = 2, n
+         cell(j) = cell(j - 1) + merge(1, 0, min(depth(j), lowest(j)) <= base)
+      end do
+      if (maxval(cell(:n)) < n) array = maxval([(count(cell(:n) == j), j=1, maxval(cell(:n)))])
+      group = ""
+      start = 0
+      labeled = .false.
+      do j = 1, n
+         named%name(j)%text = ""
+         named%unit(j)%text = ""
+         gap = bytes_text(bytes, merge(first, fields%last(max(1, j - 1)) + 1, j == 1), fields%first(j) - 1)
+         call find_labels(gap, labels)
+         if (j > 1) then
+            if (depth(j) < depth(j - 1)) group = ""
+         end if
+         if (names%known) then
+            if (maxval(cell(:n)) /= size(names%name)) return
+            if (count(cell(:n) == cell(j)) > 1) then
+               named%name(j)%text = names%name(cell(j))%text//"["//integer_text(int(count(cell(:j) == cell(j)) - 1, int64))//"]"
+            else
+               named%name(j)%text = names%name(cell(j))%text
+            end if
+            named%unit(j)%text = names%unit(cell(j))%text
+         else if (size(labels) > 0) then
+            labeled = .true.
+            start = j
+            if (size(labels) > 1) group = labels(size(labels) - 1)%text
+            call take_label(labels(size(labels))%text, group, depth(j) > base, j, named)
+         else if (start > 0) then
+            if (depth(j) == depth(start) .and. (cell(j) == cell(start) .or. depth(j) == base)) then
+               call take_follower(bytes_text(bytes, fields%first(j), fields%last(j)), start, j, named)
+            end if
+         end if
+      end do
+      named%known = names%known .or. labeled
+      named%line = names%line
+      if (named%known) names = named
+   end subroutine name_fields
+
+   !> How deep in brackets each field stands, and the least depth between it and the field before.
+   pure subroutine find_depths(bytes, first, fields, depth, lowest)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first
+      type(fields_type), intent(in) :: fields
+      integer, intent(out) :: depth(:), lowest(:)
+      integer(int64) :: p
+      integer :: j, level
+
+      p = first
+      level = 0
+      do j = 1, fields%count
+         lowest(j) = level
+         do p = p, fields%first(j) - 1
+            if (is_in(achar(iand(int(bytes(p)), 255)), opening(:3))) level = level + 1
+            if (is_in(achar(iand(int(bytes(p)), 255)), closing(:3))) level = level - 1
+            lowest(j) = min(lowest(j), level)
+         end do
+         depth(j) = level
+         p = fields%last(j) + 1
+      end do
+   end subroutine find_depths
+
+   !> The labels before a field.
+   pure subroutine find_labels(gap, labels)
+      character(*), intent(in) :: gap
+      type(text_type), allocatable, intent(out) :: labels(:)
+      integer :: from, mark, start, finish
+
+      allocate (labels(0))
+      from = 1
+      do
+         mark = scan(gap(from:), ":=") + from - 1
+         if (mark < from) return
+         start = verify(gap(from:mark), separators//opening//closing//quotes) + from - 1
+         finish = verify(gap(:mark - 1), separators//quotes, back=.true.)
+         if (start >= from .and. finish >= start) call add_text(labels, gap(start:finish))
+         from = mark + 1
+      end do
+   end subroutine find_labels
+
+   !> A label as name and unit of field j; a unit that stands before it is that of field j - 1.
+   pure subroutine take_label(label, group, within, j, named)
+      character(*), intent(in) :: label, group
+      !> True in brackets
+      logical, intent(in) :: within
+      integer, intent(in) :: j
+      type(column_names_type), intent(inout) :: named
+      integer :: at
+
+      at = index(label, " ")
+      if (j > 1 .and. at > 0) then
+         if (is_unit(label(:at - 1))) named%unit(j - 1)%text = label(:at - 1)
+         if (.not. is_unit(label(:at - 1))) at = 0
+      else
+         at = 0
+      end if
+      call take_name(trim(adjustl(label(at + 1:))), named%name(j)%text, named%unit(j)%text)
+      if (len(group) > 0 .and. (within .or. scan(named%name(j)%text//"  ", "xyzXYZ") == len(named%name(j)%text))) &
+         named%name(j)%text = group//" "//named%name(j)%text
+   end subroutine take_label
+
+   !> Names a field behind one with a label: the next of an array, or its unit.
+   pure subroutine take_follower(word, start, j, named)
+      character(*), intent(in) :: word
+      integer, intent(in) :: start, j
+      type(column_names_type), intent(inout) :: named
+      character(:), allocatable :: base
+
+      if (j == start + 1 .and. is_unit(word)) then
+         named%unit(start)%text = word
+         return
+      end if
+      base = named%name(start)%text
+      if (j > start + 1) base = base(:index(base, "[", back=.true.) - 1)
+      if (j == start + 1) named%name(start)%text = base//"[0]"
+      named%name(j)%text = base//"["//integer_text(int(j - start, int64))//"]"
+      named%unit(j)%text = named%unit(start)%text
+   end subroutine take_follower
+
+end module gyroakf_io_marks
