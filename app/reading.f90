@@ -13,6 +13,7 @@ module gyroakf_app_reading
    use gyroakf_record, only : record_type
    use gyroakf_report_kalibr, only : check_kalibr
    use gyroakf_app_config, only : analysis_config, cli_config, inspect_config, new_config, reading_config
+   use gyroakf_app_remedy, only : add_remedies
    use gyroakf_app_truth, only : read_truth
    use gyroakf_app_words, only : shell_word
    implicit none (type, external)
@@ -108,8 +109,9 @@ contains
       call open_recording(config%path, reader, recording, error)
       if (.not. allocated(error)) call hold_rows(recording, error, progress)
       call close_recording(recording)
-      if (allocated(error)) return
-      if (recording%table%whole) then
+      if (allocated(error)) then
+         if (error%code == status%parse) call add_remedies(recording, error)
+      else if (recording%table%whole) then
          call complete_record(recording, record, error, progress)
       else
          call say_too_large(recording, text)

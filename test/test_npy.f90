@@ -319,6 +319,8 @@ contains
       if (allocated(error)) return
       call check_refusal(error, npy(dictionary("<f8", .false., "(1, 1, 1)"), "12345678"), "3 dimensions")
       if (allocated(error)) return
+      call check_refusal(error, npy(dictionary("<f8", .false., "(2, 3, 4, 1)"), "12345678"), ", 2, 0).reshape(4, -1))")
+      if (allocated(error)) return
       call check_refusal(error, npy(dictionary("<f8", .false., "(0,)"), ""), "empty")
       if (allocated(error)) return
       call check_refusal(error, npy(dictionary("<f8", .false., "(3, 0)"), ""), "empty")

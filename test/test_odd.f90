@@ -164,7 +164,7 @@ contains
       call parse(content, options, record, message)
       call check(error, index(message, "odd:1:1: every column holds dates or times of day"), 1, more=message)
       if (allocated(error)) return
-      call said(error, content, "odd:1:1: there is no column besides the time in column 'when'", "takes it for the record")
+      call said(error, content, "odd:1:1: there is no column besides the time in column 'when'", "besides it")
    end subroutine test_only_dates
 
    !> Time stamps so close that the rate would overflow.

@@ -481,9 +481,6 @@ contains
       if (allocated(error)) return
       call check(error, warned(record) == "columns not analyzed: 2 (text); --column reads them|", &
                  warned(record))
-      if (allocated(error)) return
-      call check(error, index(shown("1 2 ERR"//nl//"1 2 3"//nl, reader_options(), record), "numbers stand in 1,2 here: "// &
-                              "--column 1,2") > 0, "advice about the columns")
    end subroutine test_left_out
 
    !> Files that were put behind one another repeat the names; other words are still an error.

@@ -12,7 +12,7 @@ module test_reader_errors
    public :: collect_reader_errors
 
    character(1), parameter :: nl = new_line("a")
-   character(*), parameter :: mend = "mend the line, or let such lines count as missing samples with --bad-lines missing"
+   character(*), parameter :: mend = "mend the line"
 
 contains
 

@@ -383,10 +383,10 @@ contains
       type(table_type) :: table
       type(gyro_error), allocatable :: failed
 
-      call read_changed(repeat("1.5"//nl, 300000), repeat("1.5"//nl, 200000), .true., table, failed)
+      call read_changed(repeat("1.5"//nl, 600000), repeat("1.5"//nl, 400000), .true., table, failed)
       call check_refused(error, failed, status%io)
       if (allocated(error)) return
-      call check(error, index(failed%message, ": the file became shorter while it was read: 800000 of 1200000 bytes") > 0)
+      call check(error, index(failed%message, ": the file became shorter while it was read: 1600000 of 2400000 bytes") > 0)
    end subroutine test_shrinking
 
 end module test_text_rows

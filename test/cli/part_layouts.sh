@@ -10,13 +10,27 @@ channels() { sed -nE 's/.*"channels": \["([^]]*(\[[^]]*\][^]]*)*)"\], "missing".
 # white: N of the document in joined, in units of the input
 white() { sed -nE 's/.*"input": \{ "Q": \{[^}]*\}, "N": \{ "value": ([0-9.e+-]+).*/\1/p' joined; }
 
+# remedies NAME COMMAND: each option and each command that the message in err names is typed in a shell, and works; none is named elsewhere
+remedies() {
+   is "options in the message of $1" "$(grep -v '^options that read it: ' err | grep -cE -- '(^|[^-[:alnum:]])--[a-z]')" 0
+   sed -n 's/^options that read it: //p' err | sed 's/; /\n/g' | sed "s|^|gyroakf $2 |" >typed
+   grep -oE "(tr|iconv) -.* \\| gyroakf .*" err >>typed
+   if python3 -c 'import numpy' 2>err.numpy; then grep -oE 'python3 -c "[^"]*"' err >>typed; fi
+   while IFS= read -r remedy; do
+      if PATH=$work:$PATH bash -c "$remedy" >out 2>err; then pass; else fail "remedy of $1: $remedy: $(head -c 300 err)"; fi
+   done <typed
+}
+ln -s "$gyroakf" gyroakf
+
 while IFS= read -r line; do
    case $line in '#'* | '') continue ;; esac
    IFS='|' read -r file options expected rate unit n <<<"$(sed -E 's/ *; */|/g; s/ *$//' <<<"$line")"
    read -ra options <<<"$options"
    cp "$layouts/$file" .
    case $expected in
-   error:*) bad "layout $line" 2 "${expected#error: }" inspect "$file" "${options[@]}" ;;
+   error:*)
+      bad "layout $line" 2 "${expected#error: }" inspect "$file" "${options[@]}"
+      remedies "$line" "inspect $file ${options[*]@Q}" ;;
    *)
       good "layout $line" inspect "$file" "${options[@]}" --json -
       tr -s '\n ' ' ' <out >joined

@@ -65,8 +65,8 @@ bad "in a list, too" 2 "does not fit 'acc_x'" allan imu.csv --column gyro_x,acc_
 
 # two sensors in one table
 awk 'BEGIN { print "TimeUS,I,GyrX"; for (i = 0; i < 600; i++) printf "%d,%d,%.5f\n", int(i/2)*2500, i%2, sin(i*i) + i%2*100 }' >two.csv
-good "two sensors" inspect two.csv
-plain "are told" "column 'I' alternates between 2 values while the time stamps repeat: 2 sensors in one table; --where I=0 selects one"
+bad "two sensors" 2 "column 'I' alternates between 2 values while the time stamps repeat: 2 sensors in one table" inspect two.csv
+holds "are named" "options that read it: --where I=0; --where I=1" err
 good "one of them" inspect two.csv --where I=1 --json one.json
 plain "its rate" "Rate 400 Hz (from the time stamps)"
 plain "its samples" "300 in 1 channel: GyrX"

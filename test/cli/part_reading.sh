@@ -133,4 +133,4 @@ printf 'gx:1,gy:2\ngx:3,gy:4\n' >labelled.txt
 good "labels before numbers" inspect labelled.txt --json -
 holds "their names" '"channels": ["gx", "gy"]' out
 printf '1 2 x\n3 4 5\n' >words.txt
-bad "columns of numbers are named" 2 "numbers stand in 1,2 here: --column 1,2" inspect words.txt
+bad "columns of numbers are named" 2 "options that read it: --column 1,2" inspect words.txt

@@ -18,7 +18,7 @@ good "dates and numbers with decimal commas" inspect german.csv --unit deg/s
 plain "rate from them" "Rate 100 Hz (from the time stamps)"
 plain "commas are said" "the commas between digits are read as decimal commas"
 tail -n +2 german.csv | cut -d';' -f2 >single.txt
-bad "a decimal comma alone" 2 "or say --decimal-comma" inspect single.txt
+bad "a decimal comma alone" 2 "options that read it: --decimal-comma" inspect single.txt
 sed -i '/^0,[1-9]/d' single.txt
 good "a decimal comma, forced" inspect single.txt --decimal-comma --json -
 holds "one channel" '"channels": ["column1"]' out

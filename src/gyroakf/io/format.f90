@@ -15,7 +15,7 @@ module gyroakf_io_format
 
    !> The message for a decimal comma
    character(*), parameter :: comma_found = "this looks like a decimal comma, and a comma separates columns"
-   character(*), parameter :: comma_advice = "write decimal points, as with tr , . < FILE, or say --decimal-comma"
+   character(*), parameter :: comma_advice = "write decimal points"
 
    !> What a file holds
    type :: content_type

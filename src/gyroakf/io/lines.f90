@@ -13,7 +13,7 @@ module gyroakf_io_lines
    public :: line_end, next_line, close_lines, line_map_type, map_row, line_of
 
    !> Bytes of the first block
-   integer(int64), parameter :: block_size = 524288
+   integer(int64), parameter :: block_size = 1048576
    !> Bytes of a line; a source without line ends (a device, a pipe) shall not fill the memory
    integer(int64), parameter :: longest_line = 1073741824
    !> Bytes that are read at once where a file has grown
@@ -40,6 +40,8 @@ module gyroakf_io_lines
       logical :: ended = .false.
       !> True where lines end with a carriage return alone
       logical :: only_returns = .false.
+      !> The first block as it was read, whole lines of it
+      integer(int8), allocatable :: head(:)
    end type lines_type
 
    !> Rows whose line does not follow from the row before
@@ -80,6 +82,7 @@ contains
       lines%only_returns = any(lines%bytes(:lines%filled - 1) == carriage_return) &
                            .and. .not. any(lines%bytes(:lines%filled - 1) == line_feed)
       call find_last(lines, lines%at)
+      lines%head = lines%bytes(:lines%last)
    end subroutine open_lines
 
    !> Makes sure that at least one whole line is at hand; there is none (at > last) at the end of the source only.

@@ -233,10 +233,12 @@ contains
       type(cursor_type), intent(inout) :: cursor
       type(npy_header_type), intent(inout) :: header
       type(error_type), allocatable, intent(out) :: error
-      integer(int64) :: length
-      integer :: digits, i
+      integer(int64) :: length, longest
+      integer :: digits, i, axis
 
       header%rank = 0
+      longest = -1
+      axis = 0
       call expect(cursor, "(", error)
       do while (.not. allocated(error))
          if (ahead(cursor) == ")") exit
@@ -251,6 +253,8 @@ contains
          end do
          header%rank = header%rank + 1
          if (header%rank <= 2) header%shape(header%rank) = length
+         if (length > longest) axis = header%rank - 1
+         longest = max(longest, length)
          cursor%at = cursor%at + digits
          if (ahead(cursor) == "L") cursor%at = cursor%at + 1
          if (ahead(cursor) /= ",") exit
@@ -260,7 +264,9 @@ contains
       if (allocated(error)) return
       if (header%rank == 0) call unsuitable(cursor, "the array is a single number, shape ()", "save the whole series", error)
       if (header%rank > 2) call unsuitable(cursor, "the array has "//integer_text(int(header%rank, int64))//" dimensions", &
-         "save it with one column for each channel: numpy.save(file, array.reshape(len(array), -1))", error)
+         "one row for each sample, where the longest axis is the time: python3 -c ""import numpy; numpy.save('rows.npy', "// &
+         "numpy.moveaxis(numpy.load('"//cursor%name//"'), "//integer_text(int(axis, int64))//", 0).reshape("// &
+         integer_text(longest)//", -1))""", error)
    end subroutine read_shape
 
    !> '<f8': order, kind, bytes; a list is a structured type.

@@ -155,7 +155,7 @@ contains
          if (holds(j)) cycle
          if (table%asked .or. size(holds) == 1) then
             call fatal_error(error, status%parse, table%name//":"//integer_text(line_of(table%map, 1_int64))//":1: "// &
-                             label_of(table%names, table%chosen(j))//" holds no number"//new_line("a")//"choose another --column")
+                             label_of(table%names, table%chosen(j))//" holds no number"//new_line("a")//"choose another column")
             return
          end if
          call add_text(record%warnings, label_of(table%names, table%chosen(j))//" holds no number and is left out")

@@ -13,7 +13,7 @@ module gyroakf_io_row_problem
 
    !> The minus sign of mathematics, in UTF-8
    character(*), parameter :: dash = char(226)//char(136)//char(146)
-   character(*), parameter :: mend = "mend the line, or let such lines count as missing samples with --bad-lines missing"
+   character(*), parameter :: mend = "mend the line"
    integer(int8), parameter :: carriage_return = 13
 
 contains
@@ -54,11 +54,10 @@ contains
          call set_problem(problem, first, "the number '"//excerpt(bytes, first, last)//"' is too large (at most 1.8e308)", mend)
          return
       end if
-      advice = mend//"; --column chooses columns"
+      advice = mend
       if (index(bytes_text(bytes, first, last), dash) > 0) advice = "the minus sign is not that of ASCII: replace it by '-'"
       if (has_groups(bytes_text(bytes, first, last))) advice = "commas that group digits are not read: take them out"
-      if (has_label(bytes_text(bytes, first, last))) advice = "numbers behind labels are not read; take the labels out: "// &
-         "sed 's/[A-Za-z_]*[:=]//g' FILE | gyroakf inspect -"
+      if (has_label(bytes_text(bytes, first, last))) advice = "the labels are not those of the first row; "//mend
       if (kind_of_field(bytes, first, last) /= stamp_kind%number) advice = "the first row has a number in this column, not a "// &
          "date or a time of day; "//mend
       call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not a number", advice)
@@ -118,7 +117,7 @@ contains
 
       advice = mend
       if (any(bytes(first:last) == carriage_return)) advice = "a carriage return stands within the line: make all line "// &
-                                                              "ends the same, as with tr '\r' '\n'"
+                                                              "ends the same"
       at = last + 1
       if (fields%count > layout%columns) at = fields%first(layout%columns + 1)
       call set_problem(problem, at, integer_text(int(fields%count, int64))//trim(merge(" column ", " columns", fields%count == 1)) &

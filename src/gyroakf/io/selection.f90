@@ -9,7 +9,7 @@ module gyroakf_io_selection
    use gyroakf_io_layout, only : layout_type
    use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_rows, only : agrees, join_fields
+   use gyroakf_io_row, only : agrees, join_fields
    use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, line_feed_from, split, split_line
    use gyroakf_record, only : add_text, text_type
    implicit none (type, external)
@@ -58,7 +58,7 @@ contains
    end subroutine set_condition
 
    !> Looks at the first rows for a column that alternates between few values while the time stamps repeat, and says so.
-   subroutine find_interleaved(bytes, first, last, layout, names, time, class, warnings)
+   subroutine find_interleaved(bytes, first, last, layout, names, time, class, kinds, what)
       !> Holds rows from first on, up to the line feed at last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
@@ -68,9 +68,11 @@ contains
       integer, intent(in) :: time
       !> [column]
       integer, intent(in) :: class(:)
-      type(text_type), allocatable, intent(inout) :: warnings(:)
+      !> COLUMN=VALUE of each sensor, and the message; unallocated where there is one sensor
+      type(text_type), allocatable, intent(out) :: kinds(:)
+      character(:), allocatable, intent(out) :: what
       type(text_type), allocatable :: field(:, :)
-      integer :: rows, j, sensors
+      integer :: rows, j, k, sensors
 
       if (time == 0 .or. layout%columns > most_columns) return
       allocate (field(most_rows, layout%columns))
@@ -80,9 +82,11 @@ contains
          if (j == time .or. class(j) == column_class%rate .or. class(j) == column_class%acceleration) cycle
          sensors = alternating(field(:rows, j), field(:rows, time))
          if (sensors == 0) cycle
-         call add_text(warnings, label_of(names, j)//" alternates between "//integer_text(int(sensors, int64))// &
-                       " values while the time stamps repeat: "//integer_text(int(sensors, int64))//" sensors in one table; "// &
-                       "--where "//selector(names, j)//"="//field(1, j)%text//" selects one")
+         what = label_of(names, j)//" alternates between "//integer_text(int(sensors, int64))// &
+                " values while the time stamps repeat: "//integer_text(int(sensors, int64))//" sensors in one table"
+         do k = 1, sensors
+            call add_text(kinds, selector(names, j)//"="//field(k, j)%text)
+         end do
          return
       end do
    end subroutine find_interleaved

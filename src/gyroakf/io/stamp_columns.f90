@@ -27,8 +27,7 @@ module gyroakf_io_stamp_columns
    type(comma_mode_enum), parameter :: comma_mode = comma_mode_enum()
 
    !> What to do about a date that may be either
-   character(*), parameter :: date_advice = "write the year first, as in 2026-05-01; --column and --time-column leave the "// &
-                                            "column out"
+   character(*), parameter :: date_advice = "write the year first, as in 2026-05-01, or leave the column out"
 
    integer(int8), parameter :: tab = 9, blank = 32, quote = 34, apostrophe = 39, comma = 44, point = 46, semicolon = 59, colon = 58
 

@@ -10,7 +10,7 @@ module gyroakf_io_table
    use gyroakf_io_header, only : header_type, read_comment
    use gyroakf_io_heading, only : begins_with_names, find_pattern, is_setting, only_words, suppose_names, &
       & suppose_record_names, take_heading
-   use gyroakf_io_leave_out, only : analyzed_columns, classes_of, find_texts, in_order
+   use gyroakf_io_leave_out, only : analyzed_columns, classes_of, find_texts, in_order, list_number_columns
    use gyroakf_io_lines, only : line_end, line_map_type, next_line, lines_type, map_row, more_lines
    use gyroakf_io_marks, only : find_marks, marks_type, name_fields, strip_line, strip_lines
    use gyroakf_io_place, only : integer_text, place_error
@@ -60,6 +60,9 @@ module gyroakf_io_table
       integer(int64) :: headings = 0, first_heading = 0
       !> The stored integer type of every value: 8, 16, 32 or 64 bits; 0 for text and floating point
       integer :: integer_bits = 0
+      !> Where it cannot be read: columns of numbers as a list, and COLUMN=VALUE of several sensors; unallocated where there are none
+      character(:), allocatable :: numbers
+      type(text_type), allocatable :: kinds(:)
       !> What the user should know
       type(text_type), allocatable :: warnings(:)
    end type table_type
@@ -192,7 +195,7 @@ contains
 
    !> True where the names so far are those of the rows that `options%where` selects: "IMU,t,gx".
    logical function names_wanted(options, table)
-      type(table_options), intent(in) :: options
+      type(reader_options), intent(in) :: options
       type(table_type), intent(inout) :: table
       type(error_type), allocatable :: failed
 
@@ -269,6 +272,7 @@ contains
       type(fields_type) :: fields
       integer(int64) :: last
       integer :: named, partner, fraction
+      character(:), allocatable :: word
       logical, allocatable :: texts(:)
       logical :: nano
 
@@ -299,7 +303,7 @@ contains
          call drop_empty_names(fields%count - merge(1, 0, fields%trailing), table%names)
          named = size(table%names%name)
       end if
-      call refuse_equal_names(by_number(options), table%name, table%names, error)
+      call refuse_equal_names(by_number(options), table%name, table%names, table%numbers, error)
       if (allocated(error)) return
       if (named > 0 .and. .not. fits_names(fields, named)) then
          call split_line(lines%bytes, lines%at, last, split%mixed, fields)
@@ -323,8 +327,13 @@ contains
          table%layout)
       call choose(options, texts, table, fraction, nano, error)
       if (allocated(error)) return
-      if (.not. allocated(options%where)) call find_interleaved(lines%bytes, lines%at, lines%last, table%layout, table%names, &
-         table%time, table%class, table%warnings)
+      if (.not. allocated(options%where)) then
+         call find_interleaved(lines%bytes, lines%at, lines%last, table%layout, table%names, table%time, table%class, table%kinds, &
+                               word)
+         if (allocated(table%kinds)) call place_error(error, table%name, lines%number, lines%bytes, lines%at, last, lines%at, &
+                                                      word, "read one of them")
+         if (allocated(error)) return
+      end if
       call pair_stamps(lines%bytes, fields, table%time, table%chosen, fraction, nano, table%layout, partner)
       call set_slots(partner, table)
    end subroutine lay_out
@@ -375,13 +384,14 @@ contains
       integer(int64), intent(in) :: last
       type(reader_options), intent(in) :: options
       type(fields_type), intent(in) :: fields
-      type(table_type), intent(in) :: table
+      type(table_type), intent(inout) :: table
       type(error_type), allocatable, intent(out) :: error
       integer :: column
 
       if (allocated(options%columns) .or. allocated(options%time_column)) return
       column = ambiguous_date(lines%bytes, fields)
       if (column == 0) return
+      call list_number_columns(lines%bytes, lines%at, last, table%numbers)
       call place_error(error, table%name, lines%number, lines%bytes, lines%at, last, fields%first(column), "'"// &
          excerpt(lines%bytes, fields%first(column), fields%last(column))//"' may have the day or the month first", date_advice)
    end subroutine refuse_ambiguous_dates
@@ -472,7 +482,7 @@ contains
       else if (size(table%chosen) == 0) then
          call fatal_error(error, status%parse, table%name//":"//integer_text(table%names%line)// &
                           ":1: there is no column besides the time in "//label_of(table%names, table%time)// &
-                          new_line("a")//"--time-column none takes it for the record")
+                          new_line("a")//"a record needs a column of numbers besides it")
       end if
    end subroutine choose
 
@@ -531,7 +541,7 @@ contains
       do i = 1, size(table%chosen)
          if (.not. is_stamp(table%layout, table%chosen(i))) cycle
          call fatal_error(error, status%invalid_argument, label_of(table%names, table%chosen(i))// &
-                          " holds dates or times of day, not values; --time-column takes it for the time")
+                          " holds dates or times of day, not values")
          return
       end do
    end subroutine refuse_stamps

@@ -341,7 +341,7 @@ contains
    !> The message for a line that cannot be read, which is that with the number `lines%number`.
    subroutine explain_problem(lines, table, at, error)
       type(lines_type), intent(inout) :: lines
-      type(table_type), intent(in) :: table
+      type(table_type), intent(inout) :: table
       integer(int64), intent(in) :: at
       type(error_type), allocatable, intent(out) :: error
       type(fields_type) :: fields
@@ -353,20 +353,8 @@ contains
       lines%at = at
       last = line_end(lines)
       call read_row(lines%bytes, at, last, table%layout, fields, row, problem, .true.)
-      if (table%rows == 0) call advise_columns(lines%bytes, at, last, problem)
+      if (table%rows == 0) call list_number_columns(lines%bytes, at, last, table%numbers)
       call place_error(error, table%name, lines%number, lines%bytes, at, last, problem%at, problem%what, problem%advice)
    end subroutine explain_problem
-
-   !> The first row of a file tells which columns can be read.
-   subroutine advise_columns(bytes, first, last, problem)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      type(problem_type), intent(inout) :: problem
-      character(:), allocatable :: list
-
-      if (index(problem%advice, "--column chooses") == 0) return
-      call list_number_columns(bytes, first, last, list)
-      if (len(list) > 0) problem%advice = problem%advice//", numbers stand in "//list//" here: --column "//list
-   end subroutine advise_columns
 
 end module gyroakf_io_text_rows

@@ -1,0 +1,179 @@
+! SPDX-License-Identifier: MIT
+!> Options that read a recording which cannot be read as it is: each is tried on the first megabyte before it is named.
+module gyroakf_app_remedy
+   use gyroakf_kinds, only : int8, int64
+   use gyroakf_error, only : error_type
+   use gyroakf_io_columns, only : column_names_type
+   use gyroakf_io_heading, only : find_pattern
+   use gyroakf_io_marks, only : marks_type, name_fields, strip_line
+   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_reader, only : read_record, reader_options
+   use gyroakf_io_recording, only : recording_type
+   use gyroakf_io_text, only : bytes_text, fields_type, is_comment, split, split_line
+   use gyroakf_record, only : add_text, record_type, text_type
+   use gyroakf_app_words, only : shell_word
+   implicit none (type, external)
+   private
+   public :: add_remedies
+
+   !> So many lines are searched for kinds of records, and so many kinds are tried
+   integer, parameter :: most_lines = 4000, most_kinds = 4
+
+   !> A line of the file
+   type :: line_type
+      integer(int64) :: first = 1, last = 0
+      character(:), allocatable :: pattern
+      !> COLUMN=VALUE, where a word or a label tells what kind of record it is; unallocated: nothing does
+      character(:), allocatable :: kind
+   end type line_type
+
+contains
+
+   !> Adds a line "options that read it: --where 1=IMU; --where 1=GPS" to the message, where there are any.
+   subroutine add_remedies(recording, error)
+      !> Could not be read
+      type(recording_type), intent(in) :: recording
+      !> Why
+      type(error_type), intent(inout) :: error
+      type(line_type), allocatable :: line(:)
+      type(text_type), allocatable :: kinds(:)
+      integer(int8), allocatable, target :: head(:)
+      character(:), allocatable :: list, columns
+      integer :: i
+
+      if (.not. allocated(recording%lines%head)) return
+      allocate (head, source=recording%lines%head)
+      call take_lines(head, line)
+      list = ""
+      call list_kinds(line, recording%table%kinds, kinds)
+      do i = 1, size(kinds)
+         call try("where", kinds(i)%text)
+      end do
+      if (recording%table%rows < 16) call try("skip", integer_text(lines_above(line)))
+      columns = ""
+      if (allocated(recording%table%numbers)) columns = recording%table%numbers
+      if (len(columns) > 0) call try("column", columns)
+      if (index(error%message, "decimal comma") > 0) call try("decimal-comma", "")
+      if (recording%table%rows > 0 .and. len(list) == 0) call try("bad-lines", "missing")
+      if (allocated(recording%table%chosen)) then
+         if (size(recording%table%chosen) == 0) call try("time-column", "none")
+      end if
+      if (len(list) > 0) error%message = error%message//new_line("a")//"options that read it: "//list(3:)
+
+   contains
+
+      !> Reads the head with an option more; names the option where that succeeds and few lines are bad.
+      subroutine try(name, value)
+         character(*), intent(in) :: name, value
+         type(reader_options) :: options
+         type(record_type) :: record
+         type(error_type), allocatable :: failed
+
+         options = recording%options
+         select case (name)
+         case ("where"); options%where = value
+         case ("skip"); read (value, *) options%skip
+         case ("column"); options%columns = value
+         case ("time-column"); options%time_column = value
+         case ("decimal-comma"); options%decimal_comma = .true.
+         case default; options%bad_lines_missing = .true.
+         end select
+         options%bytes => head
+         call read_record(recording%path, options, record, failed)
+         if (allocated(failed)) return
+         if (size(record%value, 1) < 2 .or. 8*record%audit%bad_lines > size(record%value, 1)) return
+         list = list//"; --"//name
+         if (len(value) > 0) list = list//" "//shell_word(value)
+      end subroutine try
+   end subroutine add_remedies
+
+   !> The lines of a text, with their patterns and kinds.
+   subroutine take_lines(bytes, line)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      type(line_type), allocatable, intent(out) :: line(:)
+      type(marks_type) :: marks
+      integer(int64) :: at, feed
+      integer :: i
+
+      allocate (line(min(most_lines, count(bytes == 10))))
+      at = 1
+      do i = 1, size(line)
+         feed = at - 1 + findloc(bytes(at:), 10_int8, dim=1)
+         line(i)%first = at
+         line(i)%last = feed - 1
+         line(i)%pattern = ""
+         if (.not. is_comment(bytes, at, feed - 1)) then
+            call find_pattern(bytes, at, feed - 1, line(i)%pattern, marks)
+            call find_kind(bytes, marks, line(i))
+         end if
+         at = feed + 1
+      end do
+   end subroutine take_lines
+
+   !> What tells the kind of a record: the label before several values, or the first word.
+   subroutine find_kind(bytes, marks, line)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      type(marks_type), intent(in) :: marks
+      type(line_type), intent(inout) :: line
+      integer(int8) :: plain(line%last)
+      type(column_names_type) :: names
+      type(fields_type) :: fields
+      integer :: array, word
+      logical :: same
+
+      plain(:) = bytes(:line%last)
+      call strip_line(plain, line%first, line%last, marks%skeleton, same)
+      call split_line(plain, line%first, line%last, split%mixed, fields)
+      word = index(line%pattern, "t")
+      if (marks%labels == 1 .and. word == 0 .and. len(line%pattern) > 1) then
+         call name_fields(bytes, line%first, line%last, fields, names, array)
+         if (names%known) line%kind = "1="//names%name(1)%text(:index(names%name(1)%text//"[", "[") - 1)
+      else if (word > 0 .and. index(line%pattern, "n") > 0) then
+         line%kind = integer_text(int(word, int64))//"="//bytes_text(plain, fields%first(word), fields%last(word))
+      end if
+   end subroutine find_kind
+
+   !> Kinds of records that are met three times at least, those that are met most first; none where there is only one.
+   subroutine list_kinds(line, known, kinds)
+      type(line_type), intent(in) :: line(:)
+      !> Sensors that a column of numbers tells apart; unallocated: none
+      type(text_type), allocatable, intent(in) :: known(:)
+      type(text_type), allocatable, intent(out) :: kinds(:)
+      type(text_type), allocatable :: found(:)
+      integer :: times(64), i, k
+
+      allocate (kinds(0), found(0))
+      times = 0
+      do i = 1, size(line)
+         if (.not. allocated(line(i)%kind)) cycle
+         do k = 1, size(found)
+            if (found(k)%text == line(i)%kind) exit
+         end do
+         if (k > size(times)) cycle
+         if (k > size(found)) call add_text(found, line(i)%kind)
+         times(k) = times(k) + 1
+      end do
+      do while (size(kinds) < most_kinds .and. size(found) > 1 .and. any(times > 2))
+         k = maxloc(times, dim=1)
+         call add_text(kinds, found(k)%text)
+         times(k) = 0
+      end do
+      if (allocated(known)) kinds = known
+   end subroutine list_kinds
+
+   !> Lines above the first three in a row that hold as many numbers each and nothing else; but for names right above these.
+   pure integer(int64) function lines_above(line) result(above)
+      type(line_type), intent(in) :: line(:)
+      integer :: i
+
+      above = 0
+      do i = 2, size(line) - 2
+         if (len(line(i)%pattern) == 0 .or. verify(line(i)%pattern, "n") > 0) cycle
+         if (line(i)%pattern /= line(i + 1)%pattern .or. line(i)%pattern /= line(i + 2)%pattern) cycle
+         above = i - 1
+         if (len(line(i - 1)%pattern) == len(line(i)%pattern) .and. verify(line(i - 1)%pattern, "t") == 0) above = i - 2
+         return
+      end do
+   end function lines_above
+
+end module gyroakf_app_remedy
