@@ -2,6 +2,7 @@
 !> Options that read a recording which cannot be read as it is: each is tried on the first megabyte before it is named.
 module gyroakf_app_remedy
    use gyroakf_kinds, only : int8, int64
+   use gyroakf_column_class, only : is_time_name
    use gyroakf_error, only : error_type
    use gyroakf_io_columns, only : column_names_type
    use gyroakf_io_heading, only : find_pattern
@@ -23,7 +24,7 @@ module gyroakf_app_remedy
    type :: line_type
       integer(int64) :: first = 1, last = 0
       character(:), allocatable :: pattern
-      !> COLUMN=VALUE, where a word or a label tells what kind of record it is; unallocated: nothing does
+      !> COLUMN=VALUE, where a word or a label tells the kind of the record; unallocated where none does
       character(:), allocatable :: kind
    end type line_type
 
@@ -38,7 +39,7 @@ contains
       type(line_type), allocatable :: line(:)
       type(text_type), allocatable :: kinds(:)
       integer(int8), allocatable, target :: head(:)
-      character(:), allocatable :: list, columns
+      character(:), allocatable :: list
       integer :: i
 
       if (.not. allocated(recording%lines%head)) return
@@ -50,9 +51,7 @@ contains
          call try("where", kinds(i)%text)
       end do
       if (recording%table%rows < 16) call try("skip", integer_text(lines_above(line)))
-      columns = ""
-      if (allocated(recording%table%numbers)) columns = recording%table%numbers
-      if (len(columns) > 0) call try("column", columns)
+      if (recording%table%rows == 0) call try("column", number_columns(line, recording%table%names))
       if (index(error%message, "decimal comma") > 0) call try("decimal-comma", "")
       if (recording%table%rows > 0 .and. len(list) == 0) call try("bad-lines", "missing")
       if (allocated(recording%table%chosen)) then
@@ -69,6 +68,7 @@ contains
          type(record_type) :: record
          type(error_type), allocatable :: failed
 
+         if (value == "" .and. name /= "decimal-comma") return
          options = recording%options
          select case (name)
          case ("where"); options%where = value
@@ -175,5 +175,27 @@ contains
          return
       end do
    end function lines_above
+
+   !> The columns that hold numbers in nearly all lines and have no name of a time, as a list.
+   pure function number_columns(line, names) result(list)
+      type(line_type), intent(in) :: line(:)
+      type(column_names_type), intent(in) :: names
+      character(:), allocatable :: list
+      integer :: i, j, n
+      logical :: fits(size(line))
+
+      n = 0
+      if (size(line) > 0) n = len(line((size(line) + 1)/2)%pattern)
+      fits = [(len(line(i)%pattern) == n, i=1, size(line))]
+      list = ""
+      do j = 1, n
+         if (names%known) then
+            if (j > size(names%name)) return
+            if (is_time_name(names%name(j)%text, names%unit(j)%text)) cycle
+         end if
+         if (10*count([(index(line(i)%pattern(j:), "n") == 1, i=1, size(line))] .and. fits) < 9*(count(fits) - 1)) cycle
+         list = list//trim(merge(",", " ", len(list) > 0))//integer_text(int(j, int64))
+      end do
+   end function number_columns
 
 end module gyroakf_app_remedy

@@ -74,7 +74,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       call expect(error, "# c"//nl//"1.5 2"//nl//"-1 x7,"//nl, status%parse, ":3:4: 'x7' is not a number"//nl//"-1 x7,"//nl// &
-                  "   ^"//nl//mend//"; --column chooses columns")
+                  "   ^"//nl//mend)
    end subroutine test_whole_message
 
    subroutine test_tokens(error)

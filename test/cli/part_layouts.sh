@@ -42,3 +42,14 @@ while IFS= read -r line; do
       fi ;;
    esac
 done <"$layouts/table.txt"
+
+# bytes that are no text
+awk 'BEGIN { print "t,gx"; for (i = 0; i < 120; i++) printf "%.2f,%.3f\n", i/100, sin(i*i) }' >plain.csv
+iconv -f UTF-8 -t UTF-16 plain.csv >utf16.csv
+iconv -f UTF-8 -t UTF-16BE plain.csv >unmarked.csv
+{ head -c 700 plain.csv; head -c 20 /dev/zero; tail -c +701 plain.csv; } >nul.csv
+for file in utf16 unmarked nul; do
+   bad "bytes: $file" 2 "the content is not text but text" inspect $file.csv
+   remedies "$file" "inspect $file.csv"
+   is "commands for $file" "$(wc -l <typed)" 1
+done

@@ -383,14 +383,12 @@ contains
    end function kept
 
    !> Refuses names that several columns have, unless the columns were asked for by number: they get their number then.
-   subroutine refuse_equal_names(asked, file, names, numbers, error)
+   subroutine refuse_equal_names(asked, file, names, error)
       !> True where all columns that were asked for were asked for by number
       logical, intent(in) :: asked
       !> Its name, for the message
       character(*), intent(in) :: file
       type(column_names_type), intent(inout) :: names
-      !> The columns of equal names, as a list
-      character(:), allocatable, intent(inout) :: numbers
       !> Allocated where names are equal: parse
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: list, name
@@ -398,23 +396,19 @@ contains
 
       list = ""
       if (.not. names%known) return
-      numbers = ""
       do i = 1, merge(size(names%name), 0, size(names%name) <= most_compared)
          name = names%name(i)%text
          count = 0
          do j = i + 1, merge(size(names%name), 0, len(name) > 0)
             if (names%name(j)%text /= name) cycle
             if (count == 0) list = list//"; '"//name//"' in columns "//integer_text(int(i, int64))
-            if (count == 0) numbers = numbers//","//integer_text(int(i, int64))
             count = count + 1
             list = list//", "//integer_text(int(j, int64))
-            numbers = numbers//","//integer_text(int(j, int64))
             names%name(j)%text = name//" (column "//integer_text(int(j, int64))//")"
          end do
          if (count > 0) names%name(i)%text = name//" (column "//integer_text(int(i, int64))//")"
       end do
       if (len(list) == 0 .or. asked) return
-      numbers = numbers(2:)
       call fatal_error(error, status%parse, file//":"//integer_text(names%line)// &
                        ":1: names of columns are equal: "//list(3:)//new_line("a")// &
                        "choose columns by their numbers, or make the names different")

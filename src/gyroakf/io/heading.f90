@@ -14,7 +14,7 @@ module gyroakf_io_heading
       last_visible, split, split_line
    implicit none (type, external)
    private
-   public :: only_words, find_pattern, is_setting, begins_with_names, suppose_names, suppose_record_names, take_heading
+   public :: only_words, find_pattern, alike, is_setting, begins_with_names, suppose_names, suppose_record_names, take_heading
 
    !> So many lines below one that may be a setting are looked at
    integer, parameter :: most_ahead = 256
@@ -92,8 +92,8 @@ contains
 
    !> True for a line above the table that holds a setting: words among numbers, or a label, unlike the lines that follow.
    !>
-   !> It is a row where they all have the same number of fields, labels and words in the same places, or where one behind others has
-   !> and begins with the same word: records of several kinds. So is what begins with a number and has as many fields as the next line.
+   !> It is a row where they all have the same number of fields, labels and words in the same places, or where two behind others have
+   !> and begin with the same word: records of several kinds. So is what begins with a number and has as many fields as the next line.
    logical function is_setting(lines, last, pattern, marks)
       !> At the line
       type(lines_type), intent(in) :: lines
@@ -105,8 +105,9 @@ contains
       character(:), allocatable :: other
       type(marks_type) :: other_marks
       integer(int64) :: at, to
-      integer :: i
+      integer :: i, again
 
+      again = 0
       is_setting = index(pattern, "t") > 0 .and. index(pattern, "n") == 0
       if (is_setting .or. (index(pattern, "t") == 0 .and. marks%labels == 0)) return
       at = last + 1
@@ -127,7 +128,8 @@ contains
             is_setting = .true.
             if (len(pattern) == len(other) .and. pattern(1:1) /= "t" .and. marks%labels == 0) exit
          else if (is_setting .and. (pattern(1:1) /= "t" .or. begin_alike(lines%bytes, lines%at, at))) then
-            exit
+            again = again + 1
+            if (again > 1) exit
          end if
       end do
       if (i <= most_ahead) is_setting = .false.
@@ -149,6 +151,7 @@ contains
 
    !> True for patterns of rows of one table: equal but for what is missing.
    pure logical function alike(pattern, other)
+      !> Of two lines
       character(*), intent(in) :: pattern, other
       integer :: j
 

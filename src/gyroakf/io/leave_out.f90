@@ -8,17 +8,17 @@ module gyroakf_io_leave_out
    use gyroakf_io_layout, only : layout_type
    use gyroakf_io_row, only : agrees, join_fields
    use gyroakf_column_class, only : class_of, class_names, column_class
-   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, last_visible, line_feed_from, split, split_line
+   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, line_feed_from, split, split_line
    use gyroakf_record, only : add_text, text_type
    use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
-   public :: find_texts, is_text, classes_of, analyzed_columns, in_order, list_left_out, list_number_columns
+   public :: find_texts, is_text, classes_of, analyzed_columns, in_order, list_left_out
 
    !> So many lines at the start are looked at for text
    integer, parameter :: looked_at = 64
    !> So many columns are named in a warning
-   integer, parameter :: most_named = 12, most_listed = 40
+   integer, parameter :: most_listed = 40
 
 contains
 
@@ -161,26 +161,5 @@ contains
       if (named > most_listed) list = list//" and more"
       call add_text(warnings, "columns not analyzed:"//list//"; --column reads them")
    end subroutine list_left_out
-
-   !> The columns that hold numbers in a line, as a list for --column: "4,6,8"; "" where there are none.
-   subroutine list_number_columns(bytes, first, last, list)
-      !> Holds the line at first:last
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      character(:), allocatable, intent(out) :: list
-      character(:), allocatable :: word
-      type(fields_type) :: fields
-      integer :: i
-
-      list = ""
-      call split_line(bytes, first, last_visible(bytes, first, last), split%mixed, fields)
-      do i = 1, min(fields%count, most_named)
-         if (fields%last(i) < fields%first(i)) cycle
-         word = bytes_text(bytes, fields%first(i), fields%last(i))
-         if (verify(word, "0123456789+-.eE") > 0 .or. scan(word, "0123456789") == 0) cycle
-         list = list//","//integer_text(int(i, int64))
-      end do
-      if (len(list) > 0) list = list(2:)
-   end subroutine list_number_columns
 
 end module gyroakf_io_leave_out

@@ -82,7 +82,7 @@ contains
       logical, intent(in) :: erase
       type(marks_type), intent(out) :: marks
       integer(int64) :: p, to, pending
-      character(1) :: sign
+      character(1) :: sign, next
       logical :: fresh
 
       p = first
@@ -91,18 +91,19 @@ contains
       do while (p <= last)
          sign = achar(iand(int(bytes(p)), 255))
          to = p
-         if ((fresh .and. is_in(sign, opening)) .or. (is_in(sign, closing) .and. .not. is_arrow(bytes, p, first))) then
+         next = achar(iand(int(bytes(min(p + 1, last))), 255))
+         if (sign == ">" .and. (p == first .or. bytes(max(first, p - 1)) == iachar("-"))) then    ! ">gx:1", "->"
+            fresh = p == first
+         else if ((fresh .and. is_in(sign, opening)) .or. is_in(sign, closing)) then
             if (marks%values > 0) pending = mixed(pending, int(iachar(sign) + 256*marks%values, int64))
             marks%brackets = marks%brackets + 1
             if (erase) bytes(p) = blank
-            if (is_in(sign, closing) .and. p < last) then
-               if (is_in(achar(iand(int(bytes(p + 1)), 255)), quotes)) to = p + 1
-               if (erase) bytes(to) = blank
-            end if
+            if (is_in(sign, closing) .and. is_in(next, quotes)) to = min(p + 1, last)
+            if (erase) bytes(to) = blank
             fresh = .true.
          else if (is_in(sign, separators)) then
             fresh = .true.
-         else if (fresh .and. opens_quoted(bytes, p, last)) then
+         else if (fresh .and. is_in(sign, quotes) .and. is_in(next, opening)) then
             if (erase) bytes(p) = blank
          else if (fresh) then
             marks%skeleton = mixed(marks%skeleton, pending)
@@ -135,25 +136,6 @@ contains
       is_in = index(set, sign) > 0
    end function is_in
 
-   !> True for the ">" of "->" and for one that begins a line.
-   pure logical function is_arrow(bytes, p, first)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: p, first
-
-      is_arrow = bytes(p) == iachar(">")
-      if (is_arrow .and. p > first) is_arrow = bytes(p - 1) == iachar("-")
-   end function is_arrow
-
-   !> True for a quote before a bracket.
-   pure logical function opens_quoted(bytes, p, last)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: p, last
-
-      opens_quoted = p < last
-      if (opens_quoted) opens_quoted = is_in(achar(iand(int(bytes(p)), 255)), quotes) .and. &
-                                       is_in(achar(iand(int(bytes(p + 1)), 255)), opening)
-   end function opens_quoted
-
    !> The quote that closes the one at p, the last byte of the line where there is none.
    pure integer(int64) function closing_quote(bytes, p, last) result(to)
       integer(int8), intent(in), contiguous :: bytes(:)
@@ -183,6 +165,9 @@ contains
          sign = achar(iand(int(bytes(from)), 255))
          if (sign == ":" .or. sign == "=") exit
          if (is_in(sign, ",;{}<"//quotes//achar(9))) return
+         if (sign == "(" .and. from < last) then
+            if (bytes(from + 1) >= 48 .and. bytes(from + 1) <= 57) return
+         end if
          if (is_in(sign, "([")) depth = depth + 1
          if (is_in(sign, ")]")) depth = depth - 1
          if (depth < 0) return
@@ -348,10 +333,8 @@ contains
       type(column_names_type), intent(inout) :: named
       character(:), allocatable :: base
 
-      if (j == start + 1 .and. is_unit(word)) then
-         named%unit(start)%text = word
-         return
-      end if
+      if (j == start + 1 .and. is_unit(word)) named%unit(start)%text = word
+      if (scan(word, "+-.0123456789nN") /= 1) return
       base = named%name(start)%text
       if (j > start + 1) base = base(:index(base, "[", back=.true.) - 1)
       if (j == start + 1) named%name(start)%text = base//"[0]"

@@ -64,7 +64,7 @@ contains
       integer(int64), intent(in) :: first, last
       type(layout_type), intent(in) :: layout
       type(column_names_type), intent(in) :: names
-      !> The column of the time, 0 for none
+      !> The column of the time, 0 where it is not known
       integer, intent(in) :: time
       !> [column]
       integer, intent(in) :: class(:)
@@ -74,13 +74,16 @@ contains
       type(text_type), allocatable :: field(:, :)
       integer :: rows, j, k, sensors
 
-      if (time == 0 .or. layout%columns > most_columns) return
+      if (layout%columns > most_columns) return
       allocate (field(most_rows, layout%columns))
       call first_rows(bytes, first, last, layout, field, rows)
       if (rows < 8) return
       do j = 1, layout%columns
          if (j == time .or. class(j) == column_class%rate .or. class(j) == column_class%acceleration) cycle
-         sensors = alternating(field(:rows, j), field(:rows, time))
+         sensors = 0
+         do k = max(1, time), merge(time, layout%columns, time > 0)
+            if (k /= j) sensors = max(sensors, alternating(field(:rows, j), field(:rows, k), time > 0))
+         end do
          if (sensors == 0) cycle
          what = label_of(names, j)//" alternates between "//integer_text(int(sensors, int64))// &
                 " values while the time stamps repeat: "//integer_text(int(sensors, int64))//" sensors in one table"
@@ -161,8 +164,11 @@ contains
    end subroutine first_rows
 
    !> The number of values that a column goes through again and again while the stamps repeat in most rows; 0 where it does not.
-   pure integer function alternating(field, stamp) result(period)
+   pure integer function alternating(field, stamp, known) result(period)
+      !> [row]
       type(text_type), intent(in) :: field(:), stamp(:)
+      !> False where the stamps may be other values: they are new then each time the values come again
+      logical, intent(in) :: known
       integer :: i, equal, n
 
       n = size(field)
@@ -178,6 +184,7 @@ contains
          if (10*count([(field(i)%text == field(i - period)%text, i=period + 1, n)]) >= 9*(n - period)) exit
       end do
       if (period > min(most_sensors, n/3)) period = 0
+      if (.not. known .and. any([(stamp(i)%text == stamp(i - period)%text, i=period + 1, n)])) period = 0
    end function alternating
 
 end module gyroakf_io_selection

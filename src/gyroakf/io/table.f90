@@ -8,9 +8,9 @@ module gyroakf_io_table
       most_columns, refuse_equal_names
    use gyroakf_io_commas, only : settle_commas
    use gyroakf_io_header, only : header_type, read_comment
-   use gyroakf_io_heading, only : begins_with_names, find_pattern, is_setting, only_words, suppose_names, &
+   use gyroakf_io_heading, only : alike, begins_with_names, find_pattern, is_setting, only_words, suppose_names, &
       & suppose_record_names, take_heading
-   use gyroakf_io_leave_out, only : analyzed_columns, classes_of, find_texts, in_order, list_number_columns
+   use gyroakf_io_leave_out, only : analyzed_columns, classes_of, find_texts, in_order
    use gyroakf_io_lines, only : line_end, line_map_type, next_line, lines_type, map_row, more_lines
    use gyroakf_io_marks, only : find_marks, marks_type, name_fields, strip_line, strip_lines
    use gyroakf_io_place, only : integer_text, place_error
@@ -60,8 +60,7 @@ module gyroakf_io_table
       integer(int64) :: headings = 0, first_heading = 0
       !> The stored integer type of every value: 8, 16, 32 or 64 bits; 0 for text and floating point
       integer :: integer_bits = 0
-      !> Where it cannot be read: columns of numbers as a list, and COLUMN=VALUE of several sensors; unallocated where there are none
-      character(:), allocatable :: numbers
+      !> COLUMN=VALUE of each of several sensors, for --where; unallocated where there are none
       type(text_type), allocatable :: kinds(:)
       !> What the user should know
       type(text_type), allocatable :: warnings(:)
@@ -123,10 +122,11 @@ contains
       type(table_type), intent(inout) :: table
       type(error_type), allocatable, intent(out) :: error
       integer(int64) :: last, setting
-      character(:), allocatable :: word, pattern
+      character(:), allocatable :: word, pattern, above
       type(marks_type) :: marks
 
       setting = 0
+      above = ""
       do
          call more_lines(lines, error)
          if (allocated(error)) return
@@ -151,8 +151,9 @@ contains
                continue
             else if (.not. allocated(options%where) .and. is_setting(lines, last, pattern, marks)) then
                setting = lines%number
+               above = pattern
             else
-               call check_names(len(pattern), setting, table, error)
+               call check_names(len(pattern), setting, marks%labels > 0 .and. alike(pattern, above), table, error)
                return
             end if
          end if
@@ -177,18 +178,20 @@ contains
    end function named
 
    !> A setting between names and rows: words above it are no names, unless there are as many of them as columns, which is an error.
-   subroutine check_names(columns, setting, table, error)
+   subroutine check_names(columns, setting, equal, table, error)
       !> Of the first row
       integer, intent(in) :: columns
       !> The last line of settings, 0 where there is none
       integer(int64), intent(in) :: setting
+      !> True where its values are those of a row, and its labels are others
+      logical, intent(in) :: equal
       type(table_type), intent(inout) :: table
       type(error_type), allocatable, intent(out) :: error
 
       if (setting == 0) return
       call add_text(table%warnings, "what stands above the table up to line "//integer_text(setting)//" is taken for settings")
-      if (.not. table%names%known .or. table%names%line > setting) return
-      if (named(table%names, columns)) call fatal_error(error, status%parse, table%name//":"//integer_text(setting)// &
+      if (table%names%line > setting) return
+      if (named(table%names, columns) .or. equal) call fatal_error(error, status%parse, table%name//":"//integer_text(setting)// &
          ":1: the line is neither a row nor names, and stands between both"//new_line("a")//"mend the line")
       table%names%known = .false.
    end subroutine check_names
@@ -303,7 +306,7 @@ contains
          call drop_empty_names(fields%count - merge(1, 0, fields%trailing), table%names)
          named = size(table%names%name)
       end if
-      call refuse_equal_names(by_number(options), table%name, table%names, table%numbers, error)
+      call refuse_equal_names(by_number(options), table%name, table%names, error)
       if (allocated(error)) return
       if (named > 0 .and. .not. fits_names(fields, named)) then
          call split_line(lines%bytes, lines%at, last, split%mixed, fields)
@@ -327,7 +330,7 @@ contains
          table%layout)
       call choose(options, texts, table, fraction, nano, error)
       if (allocated(error)) return
-      if (.not. allocated(options%where)) then
+      if (.not. allocated(options%where) .and. (table%time > 0 .or. .not. allocated(options%time_column))) then
          call find_interleaved(lines%bytes, lines%at, lines%last, table%layout, table%names, table%time, table%class, table%kinds, &
                                word)
          if (allocated(table%kinds)) call place_error(error, table%name, lines%number, lines%bytes, lines%at, last, lines%at, &
@@ -363,8 +366,9 @@ contains
       call split_line(lines%bytes, lines%at, last, split%mixed, fields)
       call name_fields(raw, lines%at, last, fields, table%names, array)
       if (table%names%line == 0) table%names%line = lines%number
+      if (array > 0 .and. last + 1 == lines%filled) array = -array
       if (.not. any(array == [0, 2, 3, 4, 6, 9])) call place_error(error, table%name, lines%number, raw, lines%at, last, &
-         lines%at, "an array of "//integer_text(int(array, int64))//" values in one row: axes, or successive samples?", &
+         lines%at, "an array of "//integer_text(int(abs(array), int64))//" values in one row: axes, or successive samples?", &
          "write one row of numbers per sample")
    end subroutine take_marks
 
@@ -384,14 +388,13 @@ contains
       integer(int64), intent(in) :: last
       type(reader_options), intent(in) :: options
       type(fields_type), intent(in) :: fields
-      type(table_type), intent(inout) :: table
+      type(table_type), intent(in) :: table
       type(error_type), allocatable, intent(out) :: error
       integer :: column
 
       if (allocated(options%columns) .or. allocated(options%time_column)) return
       column = ambiguous_date(lines%bytes, fields)
       if (column == 0) return
-      call list_number_columns(lines%bytes, lines%at, last, table%numbers)
       call place_error(error, table%name, lines%number, lines%bytes, lines%at, last, fields%first(column), "'"// &
          excerpt(lines%bytes, fields%first(column), fields%last(column))//"' may have the day or the month first", date_advice)
    end subroutine refuse_ambiguous_dates
@@ -468,6 +471,8 @@ contains
       if (.not. allocated(table%header%units)) allocate (table%header%units(0))
       table%class = classes_of(table%names, table%header%units, texts, n)
       if (fraction > 0) table%class(fraction) = column_class%time
+      i = table%layout%where_column
+      if (i > 0 .and. .not. table%layout%strict) table%class(i) = max(table%class(i), column_class%flag)
       table%asked = allocated(options%columns)
       if (table%asked) then
          call choose_columns(options%columns, table%names, n, table%chosen, error)

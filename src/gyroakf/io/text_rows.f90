@@ -7,7 +7,6 @@
 module gyroakf_io_text_rows
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_leave_out, only : list_number_columns
    use gyroakf_io_lines, only : check_length, end_last_line, line_end, lines_type, make_room, map_row, turn_returns
    use gyroakf_io_marks, only : strip_lines
    use gyroakf_io_number, only : digits_ahead
@@ -341,7 +340,7 @@ contains
    !> The message for a line that cannot be read, which is that with the number `lines%number`.
    subroutine explain_problem(lines, table, at, error)
       type(lines_type), intent(inout) :: lines
-      type(table_type), intent(inout) :: table
+      type(table_type), intent(in) :: table
       integer(int64), intent(in) :: at
       type(error_type), allocatable, intent(out) :: error
       type(fields_type) :: fields
@@ -353,7 +352,6 @@ contains
       lines%at = at
       last = line_end(lines)
       call read_row(lines%bytes, at, last, table%layout, fields, row, problem, .true.)
-      if (table%rows == 0) call list_number_columns(lines%bytes, at, last, table%numbers)
       call place_error(error, table%name, lines%number, lines%bytes, at, last, problem%at, problem%what, problem%advice)
    end subroutine explain_problem
 
