@@ -176,7 +176,7 @@ contains
       end do
    end function lines_above
 
-   !> The columns that hold numbers in nearly all lines and have no name of a time, as a list.
+   !> The columns that hold numbers in most lines and have no name of a time, as a list.
    pure function number_columns(line, names) result(list)
       type(line_type), intent(in) :: line(:)
       type(column_names_type), intent(in) :: names
@@ -193,7 +193,7 @@ contains
             if (j > size(names%name)) return
             if (is_time_name(names%name(j)%text, names%unit(j)%text)) cycle
          end if
-         if (10*count([(index(line(i)%pattern(j:), "n") == 1, i=1, size(line))] .and. fits) < 9*(count(fits) - 1)) cycle
+         if (10*count([(index(line(i)%pattern(j:), "n") == 1, i=1, size(line))] .and. fits) < 8*count(fits)) cycle
          list = list//trim(merge(",", " ", len(list) > 0))//integer_text(int(j, int64))
       end do
    end function number_columns

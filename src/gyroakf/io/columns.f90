@@ -130,8 +130,8 @@ contains
       known_classes = count([(class_of(names%name(i)%text, names%unit(i)%text) /= column_class%unknown, i=1, size(names%name))])
    end function known_classes
 
-   !> Takes off the empty names of a line that begins or ends with a separator where the rows do not, and that of comments at the end,
-   !> which rows may not have (LabVIEW).
+   !> Takes off the empty names of a line that begins or ends with a separator where the rows do not, and that of comments at the
+   !> end, which rows may not have (LabVIEW).
    pure subroutine drop_empty_names(columns, names)
       !> Of the first row
       integer, intent(in) :: columns

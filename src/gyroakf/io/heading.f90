@@ -92,8 +92,8 @@ contains
 
    !> True for a line above the table that holds a setting: words among numbers, or a label, unlike the lines that follow.
    !>
-   !> It is a row where they all have the same number of fields, labels and words in the same places, or where two behind others have
-   !> and begin with the same word: records of several kinds. So is what begins with a number and has as many fields as the next line.
+   !> It is a row where they all have the same number of fields, labels and words in the same places, or where two behind others
+   !> have and begin with the same word: records of several kinds. So is what begins with a number and has as many fields.
    logical function is_setting(lines, last, pattern, marks)
       !> At the line
       type(lines_type), intent(in) :: lines
@@ -171,7 +171,7 @@ contains
       if (begins_with_names) begins_with_names = only_words(lines, last)
    end function begins_with_names
 
-   !> True for a byte that a name does not begin with, perhaps behind brackets, and for the minus sign of mathematics (U+2212): what begins so is a number,
+   !> True for a byte that a name does not begin with, perhaps behind brackets: what begins so, or with U+2212, is a number,
    !> right or wrong.
    pure recursive logical function begins_like_number(bytes, at) result(begins)
       !> Holds it, and a byte more

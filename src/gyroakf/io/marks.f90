@@ -314,16 +314,15 @@ contains
       type(column_names_type), intent(inout) :: named
       integer :: at
 
-      at = index(label, " ")
-      if (j > 1 .and. at > 0) then
-         if (is_unit(label(:at - 1))) named%unit(j - 1)%text = label(:at - 1)
-         if (.not. is_unit(label(:at - 1))) at = 0
-      else
-         at = 0
-      end if
+      at = merge(index(label, " "), 0, j > 1)
+      if (.not. is_unit(label(:max(0, at - 1)))) at = 0
+      if (at > 0) named%unit(j - 1)%text = label(:at - 1)
       call take_name(trim(adjustl(label(at + 1:))), named%name(j)%text, named%unit(j)%text)
-      if (len(group) > 0 .and. (within .or. scan(named%name(j)%text//"  ", "xyzXYZ") == len(named%name(j)%text))) &
-         named%name(j)%text = group//" "//named%name(j)%text
+      associate (name => named%name(j)%text)
+         if (len(group) > 0 .and. (within .or. scan(name, "xyzXYZ", back=.true.) == len(name) .and. len(name) == 1)) then
+            named%name(j)%text = group//" "//name
+         end if
+      end associate
    end subroutine take_label
 
    !> Names a field behind one with a label: the next of an array, or its unit.

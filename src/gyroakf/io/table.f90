@@ -145,8 +145,9 @@ contains
                continue
             else if (marks%labels == 0 .and. only_words(lines, last)) then
                word = lower(bytes_text(lines%bytes, lines%at, min(last, lines%at + 3)))
-               if (word /= "sep=" .and. .not. names_wanted(options, table)) &
+               if (word /= "sep=" .and. .not. names_wanted(options, table%names)) then
                   call take_heading(lines, last, table%names%line < setting, table%names, table%layout)
+               end if
             else if (skipped_by_where(lines, last, options, table)) then
                continue
             else if (.not. allocated(options%where) .and. is_setting(lines, last, pattern, marks)) then
@@ -196,27 +197,16 @@ contains
       table%names%known = .false.
    end subroutine check_names
 
-   !> True where the names so far are those of the rows that `options%where` selects: "IMU,t,gx".
-   logical function names_wanted(options, table)
+   !> True where a name is the value of `options%where`: "IMU,t,gx" names the rows that it selects.
+   pure logical function names_wanted(options, names)
       type(reader_options), intent(in) :: options
-      type(table_type), intent(inout) :: table
-      type(error_type), allocatable :: failed
+      type(column_names_type), intent(in) :: names
+      integer :: i
 
-      names_wanted = .false.
-      if (.not. allocated(options%where) .or. .not. table%names%known) return
-      call set_condition(options%where, table%names, size(table%names%name), table%layout, failed)
-      if (.not. allocated(failed)) names_wanted = begins_as(table%names%name(table%layout%where_column)%text, table%layout, "")
+      names_wanted = allocated(options%where) .and. names%known
+      if (names_wanted) names_wanted = any([(names%name(i)%text == &
+                                           options%where(index(options%where, "=", back=.true.) + 1:), i=1, size(names%name))])
    end function names_wanted
-
-   !> True for the value of the layout's condition, perhaps with some signs behind it.
-   pure logical function begins_as(text, layout, signs)
-      character(*), intent(in) :: text, signs
-      type(layout_type), intent(in) :: layout
-      character(:), allocatable :: value
-
-      value = bytes_text(layout%where_value, 1_int64, size(layout%where_value, kind=int64))
-      begins_as = text == value .or. (text == value//signs .and. len(signs) > 0)
-   end function begins_as
 
    !> True for a row that `options%where` leaves out, where its column is known; a row whose label is the value is not left out.
    logical function skipped_by_where(lines, last, options, table) result(skipped)
@@ -244,8 +234,10 @@ contains
       if (allocated(failed)) return
       skipped = .not. is_wanted(line, lines%at, last, table%layout)
       if (skipped .and. marks%labels > 0 .and. names%known) then
-         if (table%layout%where_column <= size(names%name)) &
-            table%layout%where_label = begins_as(names%name(table%layout%where_column)%text, table%layout, "[0]")
+         associate (column => table%layout%where_column, value => options%where(index(options%where, "=", back=.true.) + 1:))
+            if (column <= size(names%name)) table%layout%where_label = names%name(column)%text == value .or. &
+               names%name(column)%text == value//"[0]"
+         end associate
          skipped = .not. table%layout%where_label
       else if (skipped) then
          call suppose_record_names(line, fields, lines%number, table%layout%where_value, table%supposed)
