@@ -30,7 +30,7 @@ fits() {
 }
 
 fits 30MB "run large.txt" "--to [0-9]+" "--memory [0-9]+MB"
-bad "run needs" 2 "about 10000" run large.txt --memory 30MB
+bad "run needs" 2 "about 9999" run large.txt --memory 30MB
 holds "what is allowed" "30 MB of memory are allowed" err
 fits 50MB "run large.txt" "gyroakf allan large.txt" "--to [0-9]+" "--memory [0-9]+MB"
 fits 50MB "run large.txt --from 9000" "gyroakf allan large.txt --from 9000" "--memory [0-9]+MB"

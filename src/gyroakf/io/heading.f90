@@ -76,6 +76,7 @@ contains
       integer :: j
 
       line(:) = bytes(first:last)
+      if (any(line == iachar(";"))) where (line == iachar(",")) line = iachar(".")   ! decimal commas
       call find_marks(bytes, first, last, marks)
       call strip_line(line, 1_int64, size(line, kind=int64), marks%skeleton, same)
       call split_line(line, 1_int64, size(line, kind=int64), split%mixed, fields)
@@ -92,8 +93,9 @@ contains
 
    !> True for a line above the table that holds a setting: words among numbers, or a label, unlike the lines that follow.
    !>
-   !> It is a row where they all have the same number of fields, labels and words in the same places, or where two behind others
-   !> have and begin with the same word: records of several kinds. So is what begins with a number and has as many fields.
+   !> It is a row where the next one, or two behind others, have the same number of fields, labels and words in the same places;
+   !> with a word in front these begin with the same one: records of several kinds. So is what begins with a number and has as
+   !> many fields.
    logical function is_setting(lines, last, pattern, marks)
       !> At the line
       type(lines_type), intent(in) :: lines
@@ -127,9 +129,9 @@ contains
          if (other_marks%skeleton /= marks%skeleton .or. .not. alike(pattern, other)) then
             is_setting = .true.
             if (len(pattern) == len(other) .and. pattern(1:1) /= "t" .and. marks%labels == 0) exit
-         else if (is_setting .and. (pattern(1:1) /= "t" .or. begin_alike(lines%bytes, lines%at, at))) then
+         else if (pattern(1:1) /= "t" .or. begin_alike(lines%bytes, lines%at, at)) then
             again = again + 1
-            if (again > 1) exit
+            if (again > 1 .or. .not. is_setting) exit
          end if
       end do
       if (i <= most_ahead) is_setting = .false.

@@ -93,7 +93,7 @@ contains
       scatter = huge(1.0_dp)
       window = 1
       step = rough
-      b = spread_over(blocks - 4)
+      allocate (b, source=spread_over(blocks - 4))
       usual = middle_mean(level(b + 4) - level(b))/(4*block_rows)
       if (usual <= 0.0_dp) usual = rough
       w = 1
@@ -176,7 +176,7 @@ contains
       integer(int64), allocatable :: i(:)
       integer :: k
 
-      i = (spread_over(size(t, kind=int64)/block_rows) - 1)*block_rows
+      allocate (i, source=(spread_over(size(t, kind=int64)/block_rows) - 1)*block_rows)
       seen = [(maxval(t(i(k) + 2:i(k) + block_rows) - t(i(k) + 1:i(k) + block_rows - 1))/step, k=1, size(i))]
       usual_longest = median_of(seen)
    end function usual_longest
@@ -195,7 +195,7 @@ contains
 
       burst_bound = 0.0_dp
       blocks = size(level, kind=int64)
-      b = spread_over(blocks)
+      allocate (b, source=spread_over(blocks))
       allocate (seen(size(b)))
       do k = 1, size(b)
          i = (b(k) - 1)*block_rows

@@ -230,7 +230,7 @@ contains
    !>
    !> The one place that reads rows, whatever the format.
    subroutine next_rows(recording, most, error, progress)
-      !> Open; its store grows, and may be emptied between calls
+      !> Open; its store grows
       type(recording_type), intent(inout) :: recording
       !> So many rows in the store are enough
       integer(int64), intent(in) :: most

@@ -94,7 +94,8 @@ contains
       end do
    end subroutine find_interleaved
 
-   !> Looks at the first rows for a column of words that repeat: rows that hold another word than the first row are wrong then.
+   !> Looks at the first rows for a column of words that repeat, with only times and counters before it: rows that hold another
+   !> word than the first row are wrong then. A column of words behind the samples says something about a row.
    subroutine find_kinds_of_records(bytes, first, last, names, texts, layout)
       !> Holds rows from first on, up to the line feed at last
       integer(int8), intent(in), contiguous :: bytes(:)
@@ -115,6 +116,11 @@ contains
          if (.not. texts(j)) cycle
          if (names%known) then
             if (.not. any(class_of(names%name(j)%text, "") == [column_class%unknown, column_class%counter])) cycle
+            do k = 1, j - 1
+               if (.not. (texts(k) .or. any(class_of(names%name(k)%text, "") == [column_class%time, column_class%counter]))) return
+            end do
+         else if (j > 2) then
+            return
          end if
          words = count([(.not. any([(field(i, j)%text == field(k, j)%text, k=1, i - 1)]), i=1, rows)])
          if (2*words > rows) cycle

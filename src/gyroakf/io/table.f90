@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> A table of numbers in text: header, names, rows. What the numbers mean is the reader's business.
 module gyroakf_io_table
-   use gyroakf_kinds, only : int64
+   use gyroakf_kinds, only : int8, int64
    use gyroakf_column_class, only : column_class, is_time_name
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_columns, only : choose_columns, column_names_type, drop_empty_names, find_column, label_of, &
