@@ -49,10 +49,10 @@ again() { # a command that needs the network: up to three times
   return 1
 }
 
-links() { # whether a program that calls LAPACK from a parallel region builds with these flags
+links() { # whether a program that calls LAPACK from a parallel region builds with these flags, and zlib is there
   dir=$(mktemp -d)
   printf 'external dposv\n!$omp parallel\ncall dposv\n!$omp end parallel\nend\n' > "$dir/t.f90"
-  if gfortran -fopenmp "$@" "$dir/t.f90" -o "$dir/t" -llapack -lblas >/dev/null 2>&1; then r=0; else r=1; fi
+  if gfortran -fopenmp "$@" "$dir/t.f90" -o "$dir/t" -llapack -lblas -lz >/dev/null 2>&1; then r=0; else r=1; fi
   rm -rf "$dir"
   return $r
 }
@@ -66,9 +66,9 @@ is_fpm() { # whether this is the Fortran package manager (there is another fpm),
 need=
 native=-march=native
 if have gfortran && have gcc && have ar; then
-  links $native || { native=; links || need=lapack; }
+  links $native || { native=; links || need=libraries; }
 else
-  need='compiler lapack'
+  need='compiler libraries'
 fi
 have git || need="$need git"
 own_fpm=
@@ -94,7 +94,7 @@ if [ -n "$need" ]; then
     again as_root apt-get update -qq >&2 || say "the package index was not refreshed"
     for n in $need; do case $n in
       compiler) add gfortran gcc libc6-dev binutils ;;
-      lapack) add liblapack-dev libblas-dev ;;
+      libraries) add liblapack-dev libblas-dev zlib1g-dev ;;
       git) add git ca-certificates ;;
       python) add python3 python3-venv ca-certificates ;;
       gnuplot) add gnuplot-nox ;;
@@ -111,7 +111,7 @@ if [ -n "$need" ]; then
   elif have dnf; then
     for n in $need; do case $n in
       compiler) add gcc-gfortran gcc binutils ;;
-      lapack) add lapack-devel blas-devel ;;
+      libraries) add lapack-devel blas-devel zlib-devel ;;
       git) add git-core ;;
       python) add python3 python3-pip ;;
       gnuplot) add gnuplot ;;
@@ -122,20 +122,20 @@ if [ -n "$need" ]; then
     again as_root dnf install -y $list >&2 || die "not installed; please run as root: dnf install$list"
   elif have brew; then
     for n in $need; do case $n in
-      compiler) add gcc ;; page) add gnuplot ;; clang) add llvm ;; cmake) add cmake ninja pkg-config ;; *) add "$n" ;;
+      compiler) add gcc ;; libraries) add lapack zlib ;; page) add gnuplot ;; clang) add llvm ;; cmake) add cmake ninja pkg-config ;; *) add "$n" ;;
     esac; done
     again brew install $list >&2
   elif have mamba || have conda; then
     tool=conda; if have mamba; then tool=mamba; fi
     for n in $need; do case $n in
-      compiler) add gfortran gcc binutils ;; lapack) add liblapack libblas ;; clang) add clang compiler-rt ;; cmake) add cmake ninja pkg-config ;;
+      compiler) add gfortran gcc binutils ;; libraries) add liblapack libblas zlib ;; clang) add clang compiler-rt ;; cmake) add cmake ninja pkg-config ;;
       *) add "$n" ;;
     esac; done
     again $tool install -y -c conda-forge $list >&2
   else
     die "no known package manager; please install:" $need
   fi
-  links $native || { native=; links || die "gfortran cannot link LAPACK (-llapack -lblas)"; }
+  links $native || { native=; links || die "gfortran cannot link LAPACK and zlib (-llapack -lblas -lz)"; }
 fi
 
 # --- fpm, in an environment of its own -------------------------------------------------------

@@ -18,9 +18,10 @@ module gyroakf_app_help
    character(*), parameter :: usage_notes = "FILE may be - (standard input); -- ends the options. Several files, or "// &
       "--list FILE: each is worked on as if alone, then all are summed up; exit code: the largest of theirs."
    character(*), parameter :: run_is_default = "Without a COMMAND gyroakf does the whole job (run)."
-   character(*), parameter :: reading_notes = "Begin with gyroakf inspect FILE. The content tells text from NumPy's .npy; gzip "// &
-      "and zstd come through a pipe. A header in the file (# rate_hz: 5, # unit: deg/h, # columns: t gx gy gz) is honoured; an "// &
-      "option overrides it. Where nobody gave a rate or a unit, results are per sample and in input units."
+   character(*), parameter :: reading_notes = "Begin with gyroakf inspect FILE. The content tells text from NumPy's .npy; "// &
+      "both may be compressed by gzip; zstd comes through a pipe. A header in the file (# rate_hz: 5, # unit: deg/h, "// &
+      "# columns: t gx gy gz) is honoured; an option overrides it. Where nobody gave a rate or a unit, results are per "// &
+      "sample and in input units."
    character(*), parameter :: exit_codes = &
       "Exit codes: 0 done; 1 wrong usage; 2 the data or a file; 3 a numerical failure; 130 Ctrl-C."
 
@@ -44,7 +45,7 @@ module gyroakf_app_help
       "inspect", "gyroakf inspect counter.npy --input angle --unit deg --scale 0.01 --rate 100", &
       "inspect", "gyroakf inspect increments.dat --input increment --unit arcsec --scale 0.1 --rate 100", &
       "allan", "gyroakf allan log.csv --rate 100 --unit deg/s", &
-      "allan", "zcat log.gz | gyroakf allan - --rate 200 --unit rad/s --taus log:20 --json -", &
+      "allan", "gyroakf allan log.csv.gz --rate 200 --unit rad/s --taus log:20 --json -", &
       "allan", "gyroakf allan log.csv --terms NBK --fit-tau-min 0.1 --fit-tau-max 1000 --out results", &
       "allan", "gyroakf allan log.csv --kinds mdev,ohdev --out results", &
       "allan", "find day -name '*.csv' | gyroakf allan --list - --rate 100 --out results", &

@@ -19,6 +19,6 @@ fi
 program=$here/build/$1
 if [ ! "$program" -nt "$prefix/lib/libgyroakf.a" ] || [ ! "$program" -nt "$here/$1/app/main.f90" ]; then
   gfortran -O3 -march=native -ffp-contract=off -fopenmp -I"$prefix/include" -J"$here/build/modules" "$here/$1/app/main.f90" \
-    -o "$program" -L"$prefix/lib" -lgyroakf -llapack -lblas
+    -o "$program" -L"$prefix/lib" -lgyroakf -llapack -lblas -lz
 fi
 echo "$program"

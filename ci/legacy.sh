@@ -26,7 +26,7 @@ survives() { # FILE: both turns in the output of nav
     END { exit n != 2 || lost }' "$1"
 }
 
-gfortran -std=legacy -Wall -Werror -fopenmp c_api/legacy/nav.f "$library" -llapack -lblas -o "$out/nav"
+gfortran -std=legacy -Wall -Werror -fopenmp c_api/legacy/nav.f "$library" -llapack -lblas -lz -o "$out/nav"
 result "nav.f compiles as FORTRAN 77" $?
 # the recording with two known turns, made by the command of c_api/README.md
 eval "$(sed -n "/^awk '/,/>turns.txt\$/{ s|>turns.txt|>$out/turns.txt|; p }" c_api/README.md)"
@@ -56,7 +56,7 @@ grep -q 'cannot be opened' "$out/nav.err"
 result "nav says that a recording is missing" $?
 
 gcc -std=c99 -O2 -Wall -Wextra -pedantic -Werror -Ic_api/include -c c_api/legacy/caller.c -o "$out/caller.o" &&
-  gfortran -fopenmp "$out/caller.o" "$library" -llapack -lblas -o "$out/caller"
+  gfortran -fopenmp "$out/caller.o" "$library" -llapack -lblas -lz -o "$out/caller"
 result "caller.c compiles" $?
 # sums of several threads may differ in the last bit
 sums=$(OMP_NUM_THREADS=1 "$out/caller")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 #
-# What a program that links the static library needs besides it, as arguments of a C linker: LAPACK and BLAS as they were found,
-# OpenMP and the run-time library of Fortran. Sets
+# What a program that links the static library needs besides it, as arguments of a C linker: LAPACK, BLAS and zlib as they were
+# found, OpenMP and the run-time library of Fortran. Sets
 #   link_names   a list, for CMake
 #   pc_private   the same for gyroakf.pc, where they stand for the static library ...
 #   pc_public    ... and where for the one that is installed: of a static one everybody needs them
@@ -27,7 +27,7 @@ function(add_link_name list library) # appends a library of find_package: a flag
 endfunction()
 
 set(link_names "")
-foreach(library IN LISTS LAPACK_LINKER_FLAGS LAPACK_LIBRARIES BLAS_LIBRARIES)
+foreach(library IN LISTS LAPACK_LINKER_FLAGS LAPACK_LIBRARIES BLAS_LIBRARIES ZLIB_LIBRARIES)
   if(NOT TARGET "${library}")
     add_link_name(link_names "${library}")
   endif()

@@ -2,7 +2,7 @@
 !> What the reader refuses: code, place and words of every message.
 module test_reader_errors
    use testdrive, only : new_unittest, unittest_type, error_type, check
-   use gyroakf_kinds, only : dp, int64
+   use gyroakf_kinds, only : dp, int64, int8
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_io_reader, only : reader_options, read_record
    use gyroakf_record, only : record_type
@@ -12,6 +12,9 @@ module test_reader_errors
    public :: collect_reader_errors
 
    character(1), parameter :: nl = new_line("a")
+   !> Two rows of two numbers, compressed by gzip
+   integer, parameter :: packed_bytes(28) = [31, 139, 8, 0, 0, 0, 0, 0, 2, 3, 51, 84, 48, 226, 50, 86, 48, 225, 2, 0, 87, 0, 214, &
+      97, 8, 0, 0, 0]
    character(*), parameter :: mend = "mend the line"
 
 contains
@@ -26,6 +29,7 @@ contains
          new_unittest("number-of-columns", test_columns), &
          new_unittest("no-numbers", test_no_numbers), &
          new_unittest("no-text", test_no_text), &
+         new_unittest("gzip", test_gzip), &
          new_unittest("decimal-commas", test_commas), &
          new_unittest("files", test_files), &
          new_unittest("unknown-columns", test_unknown_columns), &
@@ -143,12 +147,45 @@ contains
       if (allocated(error)) return
       call expect(error, char(255)//char(254)//"1"//achar(0), status%parse, ":1:1: the content is not text but text in UTF-16")
       if (allocated(error)) return
-      call expect(error, char(31)//char(139)//achar(8), status%parse, ":1:1: the content is not text but compressed by gzip")
+      call expect(error, "BZh91AY", status%parse, ":1:1: the content is not text but compressed by bzip2")
       if (allocated(error)) return
       call expect(error, char(147)//"NUMPY"//achar(1), status%parse, ": byte 7: the file ends within the header of NumPy's format")
       if (allocated(error)) return
       call expect(error, "PK"//achar(3)//achar(4), status%parse, ":1:1: the content is not text but a zip archive")
    end subroutine test_no_text
+
+   !> gzip data in memory that are whole; in a file that are cut off, damaged, or followed by something else.
+   subroutine test_gzip(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: early = ": the compressed data end early after "
+      character(*), parameter :: damaged = ": the compressed data are damaged after "
+      character(size(packed_bytes)) :: packed_rows, other
+      integer(int8), target :: bytes(size(packed_bytes))
+      type(reader_options) :: options
+      type(record_type) :: record
+      type(gyro_error), allocatable :: failed
+      integer :: kept
+
+      packed_rows = transfer(achar(packed_bytes), packed_rows)
+      bytes = transfer(packed_rows, bytes)
+      options%bytes => bytes
+      call read_record("memory", options, record, failed)
+      call check(error, .not. allocated(failed), "refused")
+      if (allocated(error)) return
+      call check(error, all(nint(record%value) == reshape([1, 3, 2, 4], [2, 2])), "values")
+      if (allocated(error)) return
+      do kept = 4, len(packed_rows) - 1
+         call expect(error, packed_rows(:kept), status%parse, early)
+         if (allocated(error)) return
+      end do
+      call expect(error, packed_rows//packed_rows(:20), status%parse, early)
+      if (allocated(error)) return
+      other = packed_rows
+      other(len(other) - 7:len(other) - 7) = "x"
+      call expect(error, other, status%parse, damaged//"8 decompressed bytes"//nl//"copy the file again; gzip -t tests it")
+      if (allocated(error)) return
+      call expect(error, packed_rows//"1 2"//nl, status%parse, damaged//"8 decompressed bytes"//nl)
+   end subroutine test_gzip
 
    subroutine test_commas(error)
       type(error_type), allocatable, intent(out) :: error

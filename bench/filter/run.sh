@@ -9,7 +9,7 @@ python=$(../peers.sh numpy filterpy statsmodels)
 program=$(../program.sh filter)
 library=$(dirname "$(dirname "$(../program.sh gyroakf)")")/lib
 gcc -O2 -I../../c_api/include -I../../ci/realtime -c c/step.c -o build/step.o
-gcc -fopenmp build/step.o -L"$library" -lgyroakf -llapack -lblas -lgfortran -lm -ldl -o build/step
+gcc -fopenmp build/step.o -L"$library" -lgyroakf -llapack -lblas -lz -lgfortran -lm -ldl -o build/step
 {
   echo "ns a step"
   "$program"

@@ -8,5 +8,5 @@ cd "$(dirname "$0")"
 mkdir -p build
 prefix=$(dirname "$(dirname "$(../program.sh gyroakf)")")
 gcc -std=c99 -O2 -Wall -Wextra -pedantic -I"$prefix/include" -I../../c_api/include -c silence.c -o build/silence.o
-gfortran -fopenmp build/silence.o "$prefix/lib/libgyroakf.a" -llapack -lblas -lm -o build/silence
+gfortran -fopenmp build/silence.o "$prefix/lib/libgyroakf.a" -llapack -lblas -lz -lm -o build/silence
 OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 build/silence "${1:-20000000}" ${2:+"$2"}

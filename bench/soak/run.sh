@@ -9,7 +9,7 @@ root=$(cd ../.. && pwd)
 mkdir -p build
 (cd "$root" && ./setup.sh fpm install --prefix "$root/bench/soak/build/prefix" >/dev/null 2>&1)
 gcc -O2 -I"$root/c_api/include" -c soak.c -o build/soak.o
-gcc -fopenmp build/soak.o -Lbuild/prefix/lib -lgyroakf -llapack -lblas -lgfortran -lm -ldl -o build/soak
+gcc -fopenmp build/soak.o -Lbuild/prefix/lib -lgyroakf -llapack -lblas -lz -lgfortran -lm -ldl -o build/soak
 echo "one process"
 build/soak "${1:-1000}" build
 echo

@@ -72,6 +72,6 @@ for object in "$out"/objects/*.o; do
   objcopy --redefine-sym __sanitizer_cov_trace_pc=gyroakf_trace_pc "$object"
 done
 "$clang" -g -O1 -std=c99 -Wall -Wextra -fsanitize=address,undefined,fuzzer -fno-sanitize-recover=all -Ic_api/include \
-  ci/fuzz/reader.c src/gyroakf/c_api/*.c "$out"/objects/*.o -L"$(dirname "$(gfortran -print-file-name=libgfortran.so)")" -lgfortran -lgomp -lm \
+  ci/fuzz/reader.c src/gyroakf/c_api/*.c "$out"/objects/*.o -L"$(dirname "$(gfortran -print-file-name=libgfortran.so)")" -lgfortran -lgomp -lz -lm \
   -o "$out/reader"
 echo "$stamp" >"$out/stamp"

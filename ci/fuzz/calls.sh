@@ -46,7 +46,7 @@ call() {
 }
 
 gcc -std=c99 -g -O1 -Wall -Wextra -pedantic -Werror -Ic_api/include -Ic_api/test -c c_api/fuzz/calls.c -o "$out/calls.o" &&
-  gfortran -fopenmp "$out/calls.o" "$library" -llapack -lblas -o "$out/calls" || exit 1
+  gfortran -fopenmp "$out/calls.o" "$library" -llapack -lblas -lz -o "$out/calls" || exit 1
 call calls "$runs"
 
 [ -n "${GYROAKF_SANITIZED_CALLS-}" ] || { echo "$passed passed, $failed failed"; [ $failed -eq 0 ]; exit; }
@@ -65,7 +65,7 @@ if [ -n "$sanitized" ] && [ -n "$host" ]; then
   echo "sanitized objects of $sanitized"
   checks=(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
   gcc -std=c99 -g -O1 "${checks[@]}" -Ic_api/include -Ic_api/test -c c_api/fuzz/calls.c -o "$out/sanitized.o" &&
-    gfortran -fopenmp "${checks[@]}" "$out/sanitized.o" "$sanitized"/src_*.f90.o "${host%/*}"/src_*.c.o -llapack -lblas -o "$out/sanitized" || exit 1
+    gfortran -fopenmp "${checks[@]}" "$out/sanitized.o" "$sanitized"/src_*.f90.o "${host%/*}"/src_*.c.o -llapack -lblas -lz -o "$out/sanitized" || exit 1
   export ASAN_OPTIONS=allocator_may_return_null=1:quarantine_size_mb=16:detect_stack_use_after_return=0
   export LSAN_OPTIONS=suppressions=$PWD/ci/lsan.supp:print_suppressions=0 UBSAN_OPTIONS=print_stacktrace=1
   call sanitized $((runs / 10))

@@ -81,7 +81,7 @@ seed wrap '32766\n32767\n-32768\n-32767\n' '\xc0\x10\0\0'
 seed wrap-360 '358\n359\n0.5\n1\n' '\xc0\x10\0\x0c'
 
 # --- what is no text
-seed gzip '\x1f\x8b\x08\0\0\0\0\0\0\x03\x01\x02'
+seed gzip '\x1f\x8b\x08\0\0\0\0\0\x02\x033T0\xe22V0\xe1\x02\0W\0\xd6a\x08\0\0\0'
 seed utf16le '\xff\xfe1\0 \0002\0\n\0'
 seed utf16be '\xfe\xff\0001\0\n'
 seed utf16-bare '1\0 \0002\0\n\0003\0 \0004\0\n\0'

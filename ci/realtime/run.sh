@@ -15,5 +15,5 @@ if [ -z "$library" ]; then
   library=$out/lib/libgyroakf.a
 fi
 gcc -std=c99 -O1 -Wall -Wextra -pedantic -Werror -Ic_api/include -c ci/realtime/steps.c -o "$out/steps.o" &&
-  gfortran -fopenmp "$out/steps.o" "$library" -llapack -lblas -ldl -o "$out/steps" || exit 1
+  gfortran -fopenmp "$out/steps.o" "$library" -llapack -lblas -lz -ldl -o "$out/steps" || exit 1
 OMP_NUM_THREADS=1 "$out/steps"

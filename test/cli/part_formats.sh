@@ -106,7 +106,6 @@ while read -r bytes fragment; do
    printf "$bytes" >other
    bad "$fragment" 2 "$fragment" inspect other
 done <<'CASES'
-\037\213\010\000\000 gzip -dc other | gyroakf run -
 \050\265\057\375xx zstd -dc other | gyroakf run -
 \375\067\172\130\132\000 xz -dc other | gyroakf run -
 BZh91AY bzip2 -dc other | gyroakf run -
@@ -126,12 +125,46 @@ ARROW1\000\000 an Arrow file
 ULog\001\0225\001 a ULog file
 \000\001\002\003\004\005 --format f64, f32, i16
 CASES
-if command -v gzip >/dev/null; then
-   gzip -c rows.npy | gzip -dc | "$gyroakf" run - --rate 50 --unit deg/s --json - >out 2>err
-   if cmp -s <(what <out) whole.json; then pass; else fail "gzip through standard input: $(head -c 200 err)"; fi
-fi
+
+# compressed by gzip: every format, by name, through standard input and a FIFO
+for file in whole.txt rows.npy columns.npy "whole.i16 --channels 2" "whole.bin --format i16be --channels 2" \
+   "headed.bin --format i16be --channels 2 --skip 7"; do
+   name=${file%% *}
+   gzip -c "$name" >"$name.gz"
+   # shellcheck disable=SC2086
+   alike_whole "$name.gz" ${file/$name/$name.gz}
+done
+holds "its own name" '"path": "headed.bin.gz"' out
+{ head -c 1000 whole.txt | gzip; tail -c +1001 whole.txt | gzip; } >members.gz
+alike_whole "two members" members.gz
+for file in whole.txt.gz rows.npy.gz; do
+   "$gyroakf" run - --rate 50 --unit deg/s --json - <$file >out 2>err
+   if cmp -s <(what <out) whole.json; then pass; else fail "$file as standard input: $(head -c 200 err)"; fi
+done
+mkfifo whole.fifo
+{ head -c 2 whole.txt.gz; sleep 0.2; tail -c +3 whole.txt.gz; } >whole.fifo &
+alike_whole "gzip through a FIFO" whole.fifo
+good "a long text" simulate --samples 300000 --rate 50 --coefficients N=0.005 --output long.txt
+gzip -c long.txt >long.txt.gz
+good "uncompressed" allan long.txt --json -
+what <out >long.json
+good "compressed" allan long.txt.gz --json -
+if cmp -s <(what <out) long.json; then pass; else fail "a long text compressed differs: $(diff <(what <out) long.json | head -n 4)"; fi
+bad "too large for the memory" 2 "long.txt.gz: more than" allan long.txt.gz --memory 28MB
+for file in long.txt rows.npy; do
+   head -c -9 $file.gz >cut.gz
+   bad "$file.gz cut off" 2 "cut.gz: the compressed data end early after" inspect cut.gz
+done
+head -c -4 whole.bin.gz >cut.gz
+bad "raw numbers cut off" 2 "cut.gz: the compressed data end early after 1600 decompressed bytes" \
+   inspect cut.gz --format i16be --channels 2
+{ cat whole.txt.gz; echo 1 2; } >behind.gz
+bad "bytes behind compressed data" 2 "behind.gz: the compressed data are damaged after" inspect behind.gz
 { printf 'MATLAB 7.3 MAT-file%493s' ''; printf '\211HDF\015\012\032\012\000\000\000\000'; } >x.mat
 bad "a MATLAB file of level 7.3" 2 "numpy.save('x.npy', h5py.File('x.mat')['NAME'][()])" inspect x.mat
 holds "names of its datasets" "h5py.File('x.mat').visit(print)" err
 "$gyroakf" inspect - <x.mat >out 2>err
 holds "HDF5 through a pipe" "h5py.File('FILE')" err
+gzip x.mat
+bad "a MATLAB file in gzip" 2 "decompress it first (gzip -dk), then: python3 -c" inspect x.mat.gz
+holds "by the name that it gets" "h5py.File('x.mat')" err

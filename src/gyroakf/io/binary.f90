@@ -80,8 +80,9 @@ contains
          if (table%layout%stored > size(table%chosen) .and. binary%descriptor >= 0) rows = min(rows, part_rows)
          if (binary%rows >= 0) rows = min(rows, binary%rows - binary%row)
          if (binary%by_columns .and. binary%descriptor < 0 .and. rows < binary%rows) then
-            call fatal_error(error, status%no_memory, table%name//": columns that come one after the other through a pipe have "// &
-                             "to be held as a whole"//new_line("a")//"give the file by its name")
+            call fatal_error(error, status%no_memory, table%name// &
+                             ": columns that come one after the other, compressed or through a pipe, have to be held as a whole"// &
+                             new_line("a")//"give the uncompressed file by its name")
             return
          end if
          call add_chunk(table%store, rows, table%layout%stored, failed)

@@ -25,7 +25,7 @@ module gyroakf_io_format
       type(element_type) :: element
       !> Of the name, in lower case, without the point
       character(:), allocatable :: ending
-      !> Of "foreign": what it is, as in "compressed by gzip", and what to do
+      !> Of "foreign": what it is, as in "compressed by zstd", and what to do
       character(:), allocatable :: what, advice
       !> The byte that tells, from 1
       integer(int64) :: at = 1

@@ -68,7 +68,7 @@ contains
       call open_source(lines%source, path, error, bytes)
       if (allocated(error)) return
       room = block_size
-      if (lines%source%length > 0 .or. associated(lines%source%bytes)) room = min(room, lines%source%length + 64)
+      if (has_places(lines%source)) room = min(room, lines%source%length + 64)
       allocate (lines%bytes(room + behind), stat=failed)
       if (failed /= 0) then
          call fatal_error(error, status%no_memory, "no memory for a block of "//path)

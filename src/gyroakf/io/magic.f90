@@ -30,7 +30,6 @@ module gyroakf_io_magic
       magic_type(hdf5_magic, len(hdf5_magic), "an HDF5 file (.h5, MATLAB 7.3)", &
                  "python3 -c ""import h5py, numpy; numpy.save('x.npy', h5py.File('FILE')['NAME'][()])""; "// &
                  "dataset names: python3 -c ""import h5py; h5py.File('FILE').visit(print)"""), &
-      magic_type(char(31)//char(139)//char(8), 3, "compressed by gzip", "gzip -dc FILE | gyroakf run -"), &
       magic_type(char(40)//char(181)//char(47)//char(253), 4, "compressed by zstd", "zstd -dc FILE | gyroakf run -"), &
       magic_type(char(253)//"7zXZ"//char(0), 6, "compressed by xz", "xz -dc FILE | gyroakf run -"), &
       magic_type("BZh", 3, "compressed by bzip2", "bzip2 -dc FILE | gyroakf run -"), &

@@ -15,6 +15,7 @@ module gyroakf_io_recording
    use gyroakf_io_table, only : begin_table, table_type
    use gyroakf_io_text_rows, only : read_rows
    use gyroakf_record, only : add_text
+   use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
    public :: reader_options, recording_type, open_recording, next_rows, hold_rows, close_recording
@@ -133,6 +134,7 @@ contains
       type(content_type), intent(out) :: content
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: what
+      integer :: ending
 
       associate (name => lines%source%name)
          if (lines%filled == 0) then
@@ -140,8 +142,10 @@ contains
                              "check what should have written it")
             return
          end if
-         call recognise(lines%bytes(:lines%filled), name, content)
+         ending = index(lower(name)//" ", ".gz ") - 1
+         call recognise(lines%bytes(:lines%filled), name(:merge(ending, len(name), ending > 0)), content)
          if (content%kind == "foreign") then
+            if (associated(lines%source%inflater)) content%advice = "decompress it first (gzip -dk), then: "//content%advice
             call fatal_error(error, status%parse, name//":"//integer_text(1 + count(lines%bytes(:content%at) == 10, kind=int64))// &
                              ":1: the content is not text but "//content%what//new_line("a")//content%advice)
             return

@@ -4,11 +4,14 @@
 !> Regular files are read by the system's `pread`, so that several threads can read their own pieces at a time, up to the length
 !> that they had when they were opened; where that cut a line, to the end of this line. A file that becomes shorter meanwhile is an
 !> error. Anything that may deliver in pieces (`-`, FIFOs, devices) is read by `read`, again and again until it says that there
-!> is no more. Reads that a signal interrupts are taken up again.
+!> is no more. Reads that a signal interrupts are taken up again. gzip data are recognized by their
+!> first bytes, wherever they come from, and decompressed in order; their length is unknown.
 module gyroakf_io_source
    use, intrinsic :: iso_c_binding, only : c_int, c_loc, c_long, c_null_char, c_short, c_size_t
    use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_gzip, only : inflate_bytes, inflate_end, inflater_type, is_gzip
+   use gyroakf_io_place, only : integer_text
    use gyroakf_io_system, only : c_close, c_open, c_poll, c_read, poll_type, read_at
    implicit none (type, external)
    private
@@ -26,10 +29,19 @@ module gyroakf_io_source
       integer(int64) :: length = 0
       !> Bytes delivered so far
       integer(int64) :: delivered = 0
+      !> Compressed bytes of the caller that were read
+      integer(int64) :: stored = 0
+      !> First bytes of what is no regular file, read to recognize gzip, and how many were delivered
+      integer(int8) :: ahead(4) = 0
+      integer(int64) :: ahead_count = 0, ahead_used = 0
+      !> Where the content is decompressed
+      type(inflater_type), pointer :: inflater => null()
    end type source_type
 
    !> A read that fails is tried again so often: signals interrupt it, and a descriptor may be non-blocking
    integer, parameter :: most_tries = 1000
+   !> Compressed bytes that are read at once
+   integer, parameter :: input_size = 131072
 
 contains
 
@@ -59,11 +71,13 @@ contains
       if (present(bytes)) source%bytes => bytes
       if (associated(source%bytes)) then
          source%length = size(source%bytes, kind=int64)
+         call find_gzip(source)
          return
       end if
       if (path == "-") then
          source%name = "<stdin>"
          source%descriptor = 0
+         call find_gzip(source)
          return
       end if
       if (is_directory(path)) then
@@ -78,6 +92,7 @@ contains
       end if
       source%length = max(source%length, 0_int64)
       source%descriptor = c_open(path//c_null_char, 0_c_int)
+      if (source%descriptor >= 0) call find_gzip(source)
       if (source%descriptor >= 0) return
       call find_reason(path, "read", reason)
       call fatal_error(error, status%io, path//": cannot be opened: "//reason//new_line("a")//"check the file's permissions")
@@ -100,12 +115,32 @@ contains
       reason = trim(adjustl(message(index(message, ": ", back=.true.) + 1:)))
    end subroutine find_reason
 
-   !> True where any place can be read at any time: regular files and the caller's bytes.
+   !> Prepares the decompression of gzip data.
+   subroutine find_gzip(source)
+      type(source_type), intent(inout) :: source
+      integer(int8) :: first(size(source%ahead))
+      integer(int64) :: got
+      logical :: failed
+
+      if (has_places(source)) then
+         call read_piece(source, 0_int64, first, got, failed)
+      else
+         call read_pieces(source, first, got, failed)
+         source%ahead = first
+         source%ahead_count = got
+      end if
+      if (.not. is_gzip(first(:got))) return
+      source%length = 0
+      allocate (source%inflater)
+      allocate (source%inflater%input(input_size))
+   end subroutine find_gzip
+
+   !> True where any place can be read at any time: regular files, the caller's bytes; none compressed.
    pure logical function has_places(source)
       !> An open source
       type(source_type), intent(in) :: source
 
-      has_places = source%length > 0 .or. associated(source%bytes)
+      has_places = (source%length > 0 .or. associated(source%bytes)) .and. .not. associated(source%inflater)
    end function has_places
 
    !> Bytes that are to come at most.
@@ -125,12 +160,14 @@ contains
       integer(int8), intent(inout), contiguous, target :: room(:)
       !> Bytes read; fewer than the room has only at the end of the source
       integer(int64), intent(out) :: got
-      !> Allocated where reading fails: io
+      !> Allocated where reading fails, io, and where compressed data are damaged or end early, parse
       type(error_type), allocatable, intent(out) :: error
       logical :: failed
 
       failed = .false.
-      if (has_places(source)) then
+      if (associated(source%inflater)) then
+         call read_compressed(source, room, got, failed, error)
+      else if (has_places(source)) then
          got = min(size(room, kind=int64), source_left(source))
          call read_piece(source, source%delivered, room(:got), got, failed)
       else
@@ -139,6 +176,34 @@ contains
       if (failed) call fatal_error(error, status%io, source%name//": cannot be read")
       source%delivered = source%delivered + got
    end subroutine read_block
+
+   !> Decompresses until the room is full or the compressed data end.
+   subroutine read_compressed(source, room, got, failed, error)
+      type(source_type), intent(inout) :: source
+      integer(int8), intent(inout), contiguous, target :: room(:)
+      integer(int64), intent(out) :: got
+      logical, intent(out) :: failed
+      type(error_type), allocatable, intent(out) :: error
+      character(40) :: problem
+      integer(int64) :: fresh, came
+      logical :: whole
+
+      got = 0
+      failed = .false.
+      whole = .false.
+      do while (got < size(room, kind=int64) .and. .not. whole)
+         fresh = 0
+         if (source%inflater%stream%avail_in == 0) call read_pieces(source, source%inflater%input, fresh, failed)
+         if (failed) return
+         call inflate_bytes(source%inflater, fresh, room(got + 1:), came, whole, problem)
+         got = got + came
+         if (len_trim(problem) == 0) cycle
+         call fatal_error(error, status%parse, source%name//": "//trim(problem)//" after "// &
+                          integer_text(source%delivered + got)//" decompressed bytes"//new_line("a")// &
+                          "copy the file again; gzip -t tests it")
+         return
+      end do
+   end subroutine read_compressed
 
    !> Reads at a place; several threads may do so at a time.
    subroutine read_piece(source, offset, room, got, failed)
@@ -162,7 +227,7 @@ contains
       end if
    end subroutine read_piece
 
-   !> A block of something that may deliver in pieces.
+   !> A block of something that may deliver in pieces, or of the caller's compressed bytes.
    subroutine read_pieces(source, room, got, failed)
       type(source_type), intent(inout) :: source
       integer(int8), intent(inout), contiguous, target :: room(:)
@@ -173,7 +238,14 @@ contains
       integer(c_int) :: ready
       integer :: tries
 
-      got = 0
+      if (associated(source%bytes)) then
+         call read_piece(source, source%stored, room, got, failed)
+         source%stored = source%stored + got
+         return
+      end if
+      got = min(size(room, kind=int64), source%ahead_count - source%ahead_used)
+      room(:got) = source%ahead(source%ahead_used + 1:source%ahead_used + got)
+      source%ahead_used = source%ahead_used + got
       failed = .false.
       tries = 0
       do while (got < size(room, kind=int64))
@@ -203,6 +275,9 @@ contains
       if (source%descriptor > 0) ignored = c_close(source%descriptor)
       source%descriptor = -1
       nullify (source%bytes)
+      if (.not. associated(source%inflater)) return
+      ignored = inflate_end(source%inflater%stream)
+      deallocate (source%inflater)
    end subroutine close_source
 
 end module gyroakf_io_source
