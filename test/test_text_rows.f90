@@ -289,13 +289,18 @@ contains
       end do
    end subroutine test_many_columns
 
-   !> A line of 20 MB, longer than any block.
+   !> A line of 15 MB, longer than any block, is read; one of 25 MB is refused.
    subroutine test_huge_line(error)
       type(error_type), allocatable, intent(out) :: error
       type(table_type) :: table
       type(gyro_error), allocatable :: failed
 
-      call read_with("1 2"//nl//"3"//repeat(" ", 20000000)//"4"//nl//"5 6", 2, table, failed)
+      call read_with("1 2"//nl//"3"//repeat(" ", 25000000)//"4"//nl//"5 6", 2, table, failed)
+      call check(error, allocated(failed))
+      if (allocated(error)) return
+      call check(error, index(failed%message, ":2:1: a line of more than 16 MB") > 0)
+      if (allocated(error)) return
+      call read_with("1 2"//nl//"3"//repeat(" ", 15000000)//"4"//nl//"5 6", 2, table, failed)
       call check(error, .not. allocated(failed))
       if (allocated(error)) return
       call check(error, count_rows(table%store), 3_int64)

@@ -109,20 +109,24 @@ done <<'CASES'
 \050\265\057\375xx zstd -dc other | gyroakf run -
 \375\067\172\130\132\000 xz -dc other | gyroakf run -
 BZh91AY bzip2 -dc other | gyroakf run -
-PK\003\004\024\000 a zip archive
+PK\003\004\024\000 unzip -p other NAME-IN-IT | gyroakf run -
+PK\003\004\024\000 pandas.read_excel('other').to_csv('x.csv', index=False)
 \211PNG\r\n\032\n a picture (PNG)
 \377\330\377\340 a picture (JPEG)
 \377\376\061\000\012\000 iconv -f UTF-16 -t UTF-8 other | gyroakf run -
 1\0002\0003\000\012\0004\000 iconv -f UTF-16LE -t UTF-8 other | gyroakf run -
 \0001\0002\0003\000\012\0004 iconv -f UTF-16BE -t UTF-8 other | gyroakf run -
 1.5\0122.5\0123.5\012\000\000\000\000 text with 4 NUL bytes
-MATLAB\0405.0\040MAT-file a MATLAB file of level 5
+MATLAB\0405.0\040MAT-file numpy.save('x.npy', s.loadmat('other')['NAME'])
 \211HDF\015\012\032\012 an HDF5 file
-PAR1\025\004 a Parquet file
-ARROW1\000\000 an Arrow file
-#ROSBAG\040V2.0\012 a ROS bag
+PAR1\025\004 pandas.read_parquet('other').to_csv('x.csv', index=False)
+ARROW1\000\000 pandas.read_feather('other').to_csv('x.csv', index=False)
+#ROSBAG\040V2.0\012 h.AnyReader([p.Path('other')],
+SQLite\040format\0403\000 h.AnyReader([p.Path('other')],
+\211MCAP0\015\012 h.AnyReader([p.Path('other')],
 \265b\001\007\134\000 a log of a u-blox receiver
-ULog\001\0225\001 a ULog file
+ULog\001\0225\001 ulog2csv -m sensor_gyro,sensor_combined other
+\243\225\200\200Y mavlogdump.py --format csv --types IMU other > imu.csv
 \000\001\002\003\004\005 --format f64, f32, i16
 CASES
 

@@ -71,9 +71,9 @@ if [ "$(id -u)" -ne 0 ]; then # root may read everything
 fi
 
 # long lines, many lines, many columns
-{ printf '1 2\n3'; head -c 100000000 /dev/zero | tr '\0' ' '; printf '4\n5 6\n'; } >odd.txt
-good "odd: a line of 100 MB" inspect odd.txt --json -
-holds "odd: a line of 100 MB" '"samples": 3,' out
+{ printf '1 2\n3'; head -c 15000000 /dev/zero | tr '\0' ' '; printf '4\n5 6\n'; } >odd.txt
+good "odd: a line of 15 MB" inspect odd.txt --json -
+holds "odd: a line of 15 MB" '"samples": 3,' out
 { printf '1\n2\n'; head -c 1000000 /dev/zero | tr '\0' '\n'; printf '3\nx\n'; } >odd.txt
 bad "odd: a million blank lines" 2 "odd.txt:1000004:1: 'x' is not a number" inspect odd.txt
 awk 'BEGIN { for (i = 0; i < 3; i++) { for (j = 1; j < 10000; j++) printf "%d,", j; print i } }' >odd.txt
@@ -82,3 +82,15 @@ holds "odd: 10,000 columns" '"samples": 3,' out
 head -c 2000000 /dev/zero | sed 's/\x00/1 /g' >odd.txt
 bad "odd: no line ends" 2 "odd.txt:1:131073: 2000000 columns, there may be 65536" inspect odd.txt
 rm -f odd.txt
+
+# a line without end is refused before it fills the memory
+head -c 20000000 /dev/zero | tr '\0' 5 >endless.txt
+gzip -c endless.txt >endless.txt.gz
+for file in endless.txt endless.txt.gz; do
+   bad "$file" 2 "$file:1:1: a line of more than 16 MB" inspect $file
+done
+{ seq 1 1000; cat endless.txt; } >late.txt
+bad "a line without end behind others" 2 "late.txt:1001:1: a line of more than 16 MB" inspect late.txt
+tr '\0' 5 </dev/zero 2>/dev/null | timeout 60 "$gyroakf" inspect - >out 2>err
+is "a source without line ends" $? 2
+holds "is named" "<stdin>:1:1: a line of more than 16 MB" err

@@ -14,8 +14,8 @@ module gyroakf_io_lines
 
    !> Bytes of the first block
    integer(int64), parameter :: block_size = 1048576
-   !> Bytes of a line; a source without line ends (a device, a pipe) shall not fill the memory
-   integer(int64), parameter :: longest_line = 1073741824
+   !> Bytes of a line; a source without line ends (a device, binary data) shall not fill the memory
+   integer(int64), parameter :: longest_line = 16000000
    !> Bytes that are read at once where a file has grown
    integer(int64), parameter :: tail_size = 4096
    !> Bytes behind those that are filled: a line feed that may be missing, and what the search for digits looks at
@@ -103,13 +103,14 @@ contains
       end do
    end subroutine more_lines
 
-   !> Moves the bytes from `at` on to the start and makes room for more behind them: `wanted`, or as many as there are already.
+   !> Moves the bytes from `at` on to the start and makes room for more behind them: `wanted`, and
+   !> as many as there are already, up to `longest_line`.
    subroutine make_room(lines, wanted, error)
       !> Its `at` is 1 and its `last` 0 afterwards
       type(lines_type), intent(inout) :: lines
       !> Bytes
       integer(int64), intent(in) :: wanted
-      !> Allocated where there is no memory, no_memory, and where a line is absurdly long, parse
+      !> Allocated where there is no memory, no_memory, and where a line is too long, parse
       type(error_type), allocatable, intent(out) :: error
       integer(int64) :: rest, needed
       integer(int8), allocatable :: longer(:)
@@ -117,14 +118,15 @@ contains
 
       rest = lines%filled - lines%at + 1
       if (rest > longest_line) then
-         call fatal_error(error, status%parse, lines%source%name//":"//integer_text(lines%number)//":1: a line of more than "// &
-                          integer_text(longest_line)//" bytes"//new_line("a")//"give one row of numbers per sample: have line "// &
-                          "ends got lost?")
+         call fatal_error(error, status%parse, lines%source%name//":"// &
+                          integer_text(lines%number)//":1: a line of more than "// &
+                          integer_text(longest_line/1000000)//" MB"//new_line("a")// &
+                          "give one row of numbers per sample, or --format for raw numbers")
          return
       end if
       needed = rest + max(wanted, 1_int64) + behind
       if (needed > size(lines%bytes, kind=int64)) then
-         allocate (longer(needed + rest), stat=failed)
+         allocate (longer(needed + min(rest, longest_line - rest)), stat=failed)
          if (failed /= 0) then
             call fatal_error(error, status%no_memory, lines%source%name//": no memory for a line of more than "// &
                              integer_text(rest)//" bytes")

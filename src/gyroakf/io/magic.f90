@@ -14,13 +14,26 @@ module gyroakf_io_magic
       integer :: length = 0
       !> What it is, what to do; FILE stands for its name
       character(64) :: what = ""
-      character(170) :: advice = ""
+      character(560) :: advice = ""
    end type magic_type
 
    !> What helps with most others
    character(*), parameter :: to_text = "turn it into text or .npy: one row for each sample, one column for each channel"
    character(*), parameter :: utf_16 = "turn it into UTF-8: iconv -f UTF-16 -t UTF-8 FILE | gyroakf run -"
    character(*), parameter :: utf_32 = "turn it into UTF-8: iconv -f UTF-32 -t UTF-8 FILE | gyroakf run -"
+
+   !> What converts tables of Parquet, Arrow and Excel, around the name of the reading function
+   character(*), parameter :: with_pandas = "python3 -c ""import pandas; pandas.read_"
+   character(*), parameter :: to_csv = "('FILE').to_csv('x.csv', index=False)"""
+   !> What converts recordings of ROS 1 and ROS 2: angular rates of the first topic of type Imu
+   character(*), parameter :: with_rosbags = "python3 -c ""import pathlib as p; "// &
+      "from rosbags import highlevel as h, typesys as t; "// &
+      "r = h.AnyReader([p.Path('FILE')], "// &
+      "default_typestore=t.get_typestore(t.Stores.LATEST)); r.open(); "// &
+      "print('sec,nanosec,gx [rad/s],gy [rad/s],gz [rad/s]'); "// &
+      "[print(m.header.stamp.sec, m.header.stamp.nanosec, w.x, w.y, w.z, sep=',') "// &
+      "for c, _, d in r.messages([c for c in r.connections if c.msgtype.endswith('/Imu')][:1]) "// &
+      "for m in [r.deserialize(d, c.msgtype)] for w in [m.angular_velocity]]"" > imu.csv"
 
    !> May also follow a user block of 512, 1024, 2048, ... bytes, as in MATLAB 7.3
    character(*), parameter :: hdf5_magic = char(137)//"HDF"//char(13)//char(10)//char(26)//char(10)
@@ -35,23 +48,26 @@ module gyroakf_io_magic
       magic_type("BZh", 3, "compressed by bzip2", "bzip2 -dc FILE | gyroakf run -"), &
       magic_type(char(4)//char(34)//char(77)//char(24), 4, "compressed by lz4", "lz4 -dc FILE | gyroakf run -"), &
       magic_type("7z"//char(188)//char(175)//char(39)//char(28), 6, "a 7-Zip archive", "7z x -so FILE | gyroakf run -"), &
-      magic_type("PK"//char(3)//char(4), 4, "a zip archive: .zip, .npz or .xlsx", &
-                 "unzip -p FILE NAME-IN-IT | gyroakf run - (the arrays of an .npz are .npy files); save a spreadsheet as CSV"), &
-      magic_type(char(208)//char(207)//char(17)//char(224), 4, "an Excel workbook", "save it as CSV"), &
+      magic_type("PK"//char(3)//char(4), 4, "a zip archive: .xlsx, .npz or .zip", &
+                 ".xlsx: "//with_pandas//"excel"//to_csv//"; .npz, .zip: "// &
+                 "unzip -p FILE NAME-IN-IT | gyroakf run -; names in it: unzip -l FILE"), &
+      magic_type(char(208)//char(207)//char(17)//char(224), 4, "an Excel workbook (.xls)", with_pandas//"excel"//to_csv), &
       magic_type(char(255)//char(254)//char(0)//char(0), 4, "text in UTF-32", utf_32), &
       magic_type(char(255)//char(254), 2, "text in UTF-16", utf_16), &
       magic_type(char(254)//char(255), 2, "text in UTF-16", utf_16), &
       magic_type("MATLAB 5.0 MAT-file", 19, "a MATLAB file of level 5", &
-                 "in MATLAB: writematrix(x, 'x.csv'); in Python: numpy.save('x.npy', scipy.io.loadmat('FILE')['x'])"), &
-      magic_type("PAR1", 4, "a Parquet file", "in Python: pandas.read_parquet('FILE').to_csv('x.csv', index=False)"), &
-      magic_type("ARROW1", 6, "an Arrow file", "in Python: pandas.read_feather('FILE').to_csv('x.csv', index=False)"), &
-      magic_type("FEA1", 4, "a Feather file", "in Python: pandas.read_feather('FILE').to_csv('x.csv', index=False)"), &
-      magic_type("#ROSBAG V", 9, "a ROS bag", "rostopic echo -b FILE -p /imu/data > imu.csv"), &
-      magic_type(char(137)//"MCAP0", 6, "an MCAP file (ROS 2)", to_text), &
-      magic_type("SQLite format 3", 15, "an SQLite database (a ROS 2 bag?)", to_text), &
-      magic_type("ULog"//char(1)//char(18)//"5", 7, "a ULog file (PX4)", "ulog2csv -m sensor_gyro FILE"), &
+                 "python3 -c ""import numpy, scipy.io as s; numpy.save('x.npy', s.loadmat('FILE')['NAME'])""; "// &
+                 "variable names: python3 -c ""import scipy.io as s; print(s.whosmat('FILE'))"""), &
+      magic_type("PAR1", 4, "a Parquet file", with_pandas//"parquet"//to_csv), &
+      magic_type("ARROW1", 6, "an Arrow file", with_pandas//"feather"//to_csv), &
+      magic_type("FEA1", 4, "a Feather file", with_pandas//"feather"//to_csv), &
+      magic_type("#ROSBAG V", 9, "a ROS bag (ROS 1)", with_rosbags), &
+      magic_type(char(137)//"MCAP0", 6, "an MCAP file (ROS 2)", with_rosbags), &
+      magic_type("SQLite format 3", 15, "an SQLite database (.db3 of ROS 2)", with_rosbags), &
+      magic_type("ULog"//char(1)//char(18)//"5", 7, "a ULog file (PX4)", &
+                 "ulog2csv -m sensor_gyro,sensor_combined FILE (package pyulog)"), &
       magic_type(char(163)//char(149)//char(128), 3, "a DataFlash log (ArduPilot)", &
-                 "mavlogdump.py --types IMU --format csv FILE > imu.csv, of the package pymavlink"), &
+                 "mavlogdump.py --format csv --types IMU FILE > imu.csv (package pymavlink)"), &
       magic_type(char(181)//"b", 2, "a log of a u-blox receiver", to_text), &
       magic_type("MDF     ", 8, "an MDF file", to_text), &
       magic_type("TDSm", 4, "a TDMS file (LabVIEW)", to_text), &
@@ -110,7 +126,7 @@ contains
       begins = bytes_text(bytes, offset + 1, offset + len(text)) == text
    end function begins
 
-   !> A command with the file's name in the place of FILE; "COMMAND FILE" is "COMMAND" alone on standard input.
+   !> A command with the file's name in the place of FILE; "FILE |" is "|" on standard input.
    pure subroutine name_file(advice, name, text)
       character(*), intent(in) :: advice
       !> As in messages
@@ -121,7 +137,7 @@ contains
 
       if (name(:min(1, len(name))) == "<") then
          text = advice
-         at = index(advice, " FILE")
+         at = index(advice, " FILE |")
          if (at > 0) text = advice(:at - 1)//advice(at + 5:)
          return
       end if
