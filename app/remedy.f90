@@ -126,7 +126,7 @@ contains
       call split_line(plain, line%first, line%last, split%mixed, fields)
       word = index(line%pattern, "t")
       if (marks%labels == 1 .and. word == 0 .and. len(line%pattern) > 1) then
-         call name_fields(bytes, line%first, line%last, fields, names, array)
+         call name_fields(bytes, line%first, fields, names, array)
          if (names%known) line%kind = "1="//names%name(1)%text(:index(names%name(1)%text//"[", "[") - 1)
       else if (word > 0 .and. index(line%pattern, "n") > 0) then
          line%kind = integer_text(int(word, int64))//"="//bytes_text(plain, fields%first(word), fields%last(word))

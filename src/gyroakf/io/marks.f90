@@ -199,10 +199,10 @@ contains
    end function mixed
 
    !> Names the fields of a stripped line by the labels before them, or by the names of the cells that hold arrays: "gyro[0]".
-   subroutine name_fields(bytes, first, last, fields, names, array)
-      !> Holds the line at first:last with its marks
+   subroutine name_fields(bytes, first, fields, names, array)
+      !> Holds the line at first with its marks
       integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
+      integer(int64), intent(in) :: first
       !> Of the line without them
       type(fields_type), intent(in) :: fields
       !> Those of the cells; afterwards of the fields, unless their number is another one
@@ -221,9 +221,9 @@ contains
       allocate (named%name(n), named%unit(n))
       call find_depths(bytes, first, fields, depth, lowest)
       gap = bytes_text(bytes, first, fields%first(1) - 1)
-      j = scan(gap, ":=", back=.true.)
+      start = scan(gap, ":=", back=.true.)
       base = min(minval(depth(:n)), minval(lowest(2:n)))
-      if (j > 0) base = min(base, depth(1) - count([(is_in(gap(j:j), opening(:3)), j=j + 1, len(gap))]))
+      if (start > 0) base = min(base, depth(1) - count([(is_in(gap(j:j), opening(:3)), j=start + 1, len(gap))]))
       cell(1) = 1
       do j = 2, n
          cell(j) = cell(j - 1) + merge(1, 0, min(depth(j), lowest(j)) <= base)
@@ -238,7 +238,7 @@ contains
          gap = bytes_text(bytes, merge(first, fields%last(max(1, j - 1)) + 1, j == 1), fields%first(j) - 1)
          call find_labels(gap, labels)
          if (j > 1) then
-            if (depth(j) < depth(j - 1)) group = ""
+            if (depth(j) < depth(max(1, j - 1))) group = ""
          end if
          if (names%known) then
             if (maxval(cell(:n)) /= size(names%name)) return

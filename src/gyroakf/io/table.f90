@@ -229,7 +229,7 @@ contains
       call find_marks(line, lines%at, last, marks)
       call strip_line(line, lines%at, last, marks%skeleton, same)
       call split_line(line, lines%at, last, split%mixed, fields)
-      if (marks%labels > 0) call name_fields(lines%bytes, lines%at, last, fields, names, array)
+      if (marks%labels > 0) call name_fields(lines%bytes, lines%at, fields, names, array)
       call set_condition(options%where, names, most_columns, table%layout, failed)
       if (allocated(failed)) return
       skipped = .not. is_wanted(line, lines%at, last, table%layout)
@@ -356,7 +356,7 @@ contains
       raw = lines%bytes(:last)
       call strip_lines(lines%bytes, lines%at, lines%last, table%layout)
       call split_line(lines%bytes, lines%at, last, split%mixed, fields)
-      call name_fields(raw, lines%at, last, fields, table%names, array)
+      call name_fields(raw, lines%at, fields, table%names, array)
       if (table%names%line == 0) table%names%line = lines%number
       if (array > 0 .and. last + 1 == lines%filled) array = -array
       if (.not. any(array == [0, 2, 3, 4, 6, 9])) call place_error(error, table%name, lines%number, raw, lines%at, last, &
