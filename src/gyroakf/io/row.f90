@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Rows of any kind, one at a time: missing values, quotes, blank fields, comments behind them.
 module gyroakf_io_row
-   use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_date, only : kind_of_field, scan_stamp, stamp_kind
    use gyroakf_io_format, only : comma_advice, comma_found, decimal_comma
@@ -119,7 +119,7 @@ contains
       if (fields%count < layout%where_column) return
       associate (from => fields%first(layout%where_column), to => fields%last(layout%where_column))
          if (to - from + 1 == size(layout%where_value)) agrees = all(bytes(from:to) == layout%where_value)
-         if (agrees .or. to < from .or. .not. layout%where_number <= huge(x)) return
+         if (agrees .or. to < from .or. .not. ieee_is_finite(layout%where_number)) return
          p = from
          call scan_number(bytes, p, x, found)
          agrees = found == number%ok .and. p == to + 1 .and. abs(x - layout%where_number) <= 0.0_dp
