@@ -1,9 +1,11 @@
 ! SPDX-License-Identifier: MIT
 !> What the reader refuses: code, place and words of every message.
 module test_reader_errors
+   use, intrinsic :: iso_c_binding, only : c_f_pointer, c_funloc, c_int, c_loc, c_null_ptr, c_ptr
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : dp, int64, int8
    use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_io_gzip, only : inflate_bytes, inflate_end, inflater_type
    use gyroakf_io_reader, only : reader_options, read_record
    use gyroakf_record, only : record_type
    use scratch_file, only : remove_file, scratch_path, write_bytes
@@ -30,6 +32,8 @@ contains
          new_unittest("no-numbers", test_no_numbers), &
          new_unittest("no-text", test_no_text), &
          new_unittest("gzip", test_gzip), &
+         new_unittest("gzip-large-buffer", test_gzip_buffer), &
+         new_unittest("gzip-no-memory", test_gzip_memory), &
          new_unittest("decimal-commas", test_commas), &
          new_unittest("files", test_files), &
          new_unittest("unknown-columns", test_unknown_columns), &
@@ -186,6 +190,61 @@ contains
       if (allocated(error)) return
       call expect(error, packed_rows//"1 2"//nl, status%parse, damaged//"8 decompressed bytes"//nl)
    end subroutine test_gzip
+
+   !> Decompresses the rows into a buffer.
+   subroutine inflate_rows(inflater, room, got, code, problem)
+      type(inflater_type), intent(inout) :: inflater
+      integer(int8), intent(inout), contiguous, target :: room(:)
+      integer(int64), intent(out) :: got
+      integer, intent(out) :: code
+      character(*), intent(out) :: problem
+      logical :: whole
+
+      inflater%input = transfer(achar(packed_bytes), 0_int8, size(packed_bytes))
+      call inflate_bytes(inflater, size(packed_bytes, kind=int64), room, got, whole, code, problem)
+   end subroutine inflate_rows
+
+   !> A buffer of more than 32 bits count: only the bytes that are written have a place in memory.
+   subroutine test_gzip_buffer(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(inflater_type), target :: inflater
+      integer(int8), target :: written(32)
+      integer(int8), pointer, contiguous :: room(:)
+      character(80) :: problem
+      integer(int64) :: got
+      integer(c_int) :: ended
+      integer :: code
+
+      call c_f_pointer(c_loc(written), room, [2_int64**32])
+      call inflate_rows(inflater, room, got, code, problem)
+      ended = inflate_end(inflater%stream)
+      call check(error, ended, 0)
+      if (allocated(error)) return
+      call check(error, got == 8 .and. code == status%ok, trim(problem))
+   end subroutine test_gzip_buffer
+
+   !> Where zlib gets no memory.
+   subroutine test_gzip_memory(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(inflater_type), target :: inflater
+      integer(int8) :: room(32)
+      character(80) :: problem
+      integer(int64) :: got
+      integer :: code
+
+      inflater%stream%allocate = c_funloc(no_memory)
+      call inflate_rows(inflater, room, got, code, problem)
+      call check(error, code, status%no_memory, trim(problem))
+   end subroutine test_gzip_memory
+
+   !> Never has memory for zlib.
+   type(c_ptr) function no_memory(opaque, items, bytes) bind(C)
+      type(c_ptr), intent(in), value :: opaque
+      integer(c_int), intent(in), value :: items, bytes
+
+      no_memory = c_null_ptr
+      if (items < 0 .and. bytes < 0) no_memory = opaque
+   end function no_memory
 
    subroutine test_commas(error)
       type(error_type), allocatable, intent(out) :: error

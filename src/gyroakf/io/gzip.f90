@@ -1,14 +1,15 @@
 ! SPDX-License-Identifier: MIT
 !> Decompression of gzip data by zlib: one member or several in a row, length and checksum verified.
 module gyroakf_io_gzip
-   use, intrinsic :: iso_c_binding, only : c_char, c_int, c_loc, c_long, c_null_char, c_null_ptr, &
-      c_ptr, c_sizeof
+   use, intrinsic :: iso_c_binding, only : c_char, c_funptr, c_int, c_loc, c_long, c_null_char, &
+      c_null_funptr, c_null_ptr, c_ptr, c_sizeof
+   use gyroakf_error, only : status
    use gyroakf_kinds, only : int8, int64
    implicit none (type, external)
    private
    public :: inflater_type, is_gzip, inflate_bytes, inflate_end
 
-   !> `z_stream` of zlib.h; `other` are its message, state and memory functions
+   !> `z_stream` of zlib.h; without memory functions those of the C library are used
    type, bind(C) :: z_stream
       type(c_ptr) :: next_in = c_null_ptr
       integer(c_int) :: avail_in = 0
@@ -16,7 +17,9 @@ module gyroakf_io_gzip
       type(c_ptr) :: next_out = c_null_ptr
       integer(c_int) :: avail_out = 0
       integer(c_long) :: total_out = 0
-      type(c_ptr) :: other(5) = c_null_ptr
+      type(c_ptr) :: message = c_null_ptr, state = c_null_ptr
+      type(c_funptr) :: allocate = c_null_funptr, free = c_null_funptr
+      type(c_ptr) :: opaque = c_null_ptr
       integer(c_int) :: data_type = 0
       integer(c_long) :: adler = 0, reserved = 0
    end type z_stream
@@ -31,8 +34,11 @@ module gyroakf_io_gzip
    end type inflater_type
 
    !> Of zlib.h: return codes, no flushing, the largest window with gzip headers only
-   integer(c_int), parameter :: z_ok = 0, z_stream_end = 1, z_buf_error = -5
+   integer(c_int), parameter :: z_ok = 0, z_stream_end = 1, z_mem_error = -4, &
+      z_buf_error = -5
    integer(c_int), parameter :: z_no_flush = 0, gzip_window = 15 + 16
+   !> Bytes that zlib writes in one call at most: it counts them in 32 bits
+   integer(int64), parameter :: most_written = 2_int64**30
 
    interface
       integer(c_int) function inflate_init(stream, window, version, bytes) &
@@ -71,7 +77,7 @@ contains
    end function is_gzip
 
    !> Decompresses as far as the compressed bytes at hand and the room allow.
-   subroutine inflate_bytes(inflater, fresh, room, got, whole, problem)
+   subroutine inflate_bytes(inflater, fresh, room, got, whole, code, problem)
       !> Where no bytes are at hand, the compressed data have ended
       type(inflater_type), intent(inout), target :: inflater
       !> Number of new bytes in `input`, 0 unless those before are consumed
@@ -82,28 +88,38 @@ contains
       integer(int64), intent(out) :: got
       !> True where the last member is complete and nothing follows
       logical, intent(out) :: whole
+      !> ok, parse where the data are damaged or end early, no_memory
+      integer, intent(out) :: code
       !> What is wrong, blank where nothing is
       character(*), intent(out) :: problem
-      integer(c_int) :: code
+      integer(c_int) :: answer, writable
 
       if (fresh > 0) inflater%stream%next_in = c_loc(inflater%input)
       if (fresh > 0) inflater%stream%avail_in = int(fresh, c_int)
       got = 0
+      code = status%ok
       problem = ""
       whole = inflater%between_members .and. inflater%stream%avail_in == 0
       if (whole) return
+      answer = z_ok
       if (inflater%between_members) then
-         code = inflate_end(inflater%stream)
-         code = inflate_init(inflater%stream, gzip_window, "1"//c_null_char, &
-                             int(c_sizeof(inflater%stream), c_int))
+         answer = inflate_end(inflater%stream)
+         answer = inflate_init(inflater%stream, gzip_window, "1"//c_null_char, &
+                               int(c_sizeof(inflater%stream), c_int))
       end if
-      inflater%stream%next_out = c_loc(room)
-      inflater%stream%avail_out = size(room, kind=c_int)
-      code = inflate(inflater%stream, z_no_flush)
-      got = size(room, kind=c_int) - inflater%stream%avail_out
-      inflater%between_members = code == z_stream_end
-      if (code == z_buf_error) problem = "the compressed data end early"
-      if (all(code /= [z_ok, z_stream_end, z_buf_error])) problem = "the compressed data are damaged"
+      if (answer == z_ok) then
+         writable = int(min(size(room, kind=int64), most_written), c_int)
+         inflater%stream%next_out = c_loc(room)
+         inflater%stream%avail_out = writable
+         answer = inflate(inflater%stream, z_no_flush)
+         got = writable - inflater%stream%avail_out
+      end if
+      inflater%between_members = answer == z_stream_end
+      if (any(answer == [z_ok, z_stream_end])) return
+      code = merge(status%no_memory, status%parse, answer == z_mem_error)
+      problem = "the compressed data are damaged"
+      if (answer == z_buf_error) problem = "the compressed data end early"
+      if (answer == z_mem_error) problem = "no memory to decompress it"
    end subroutine inflate_bytes
 
 end module gyroakf_io_gzip

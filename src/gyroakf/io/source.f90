@@ -60,7 +60,7 @@ contains
       type(source_type), intent(out) :: source
       !> A path; "-" is standard input
       character(*), intent(in) :: path
-      !> Allocated where it cannot be opened: io
+      !> Allocated where it cannot be opened: io, no_memory
       type(error_type), allocatable, intent(out) :: error
       !> Where associated they are the content, and the path is a name for messages; they have to stay until the source is closed
       integer(int8), pointer, contiguous, intent(in), optional :: bytes(:)
@@ -71,13 +71,13 @@ contains
       if (present(bytes)) source%bytes => bytes
       if (associated(source%bytes)) then
          source%length = size(source%bytes, kind=int64)
-         call find_gzip(source)
+         call find_gzip(source, error)
          return
       end if
       if (path == "-") then
          source%name = "<stdin>"
          source%descriptor = 0
-         call find_gzip(source)
+         call find_gzip(source, error)
          return
       end if
       if (is_directory(path)) then
@@ -92,7 +92,7 @@ contains
       end if
       source%length = max(source%length, 0_int64)
       source%descriptor = c_open(path//c_null_char, 0_c_int)
-      if (source%descriptor >= 0) call find_gzip(source)
+      if (source%descriptor >= 0) call find_gzip(source, error)
       if (source%descriptor >= 0) return
       call find_reason(path, "read", reason)
       call fatal_error(error, status%io, path//": cannot be opened: "//reason//new_line("a")//"check the file's permissions")
@@ -116,10 +116,12 @@ contains
    end subroutine find_reason
 
    !> Prepares the decompression of gzip data.
-   subroutine find_gzip(source)
+   subroutine find_gzip(source, error)
       type(source_type), intent(inout) :: source
+      type(error_type), allocatable, intent(out) :: error
       integer(int8) :: first(size(source%ahead))
       integer(int64) :: got
+      integer :: lacking
       logical :: failed
 
       if (has_places(source)) then
@@ -131,8 +133,11 @@ contains
       end if
       if (.not. is_gzip(first(:got))) return
       source%length = 0
-      allocate (source%inflater)
-      allocate (source%inflater%input(input_size))
+      allocate (source%inflater, stat=lacking)
+      if (lacking == 0) allocate (source%inflater%input(input_size), stat=lacking)
+      if (lacking == 0) return
+      call close_source(source)
+      call fatal_error(error, status%no_memory, source%name//": no memory to decompress it")
    end subroutine find_gzip
 
    !> True where any place can be read at any time: regular files, the caller's bytes; none compressed.
@@ -160,7 +165,8 @@ contains
       integer(int8), intent(inout), contiguous, target :: room(:)
       !> Bytes read; fewer than the room has only at the end of the source
       integer(int64), intent(out) :: got
-      !> Allocated where reading fails, io, and where compressed data are damaged or end early, parse
+      !> Allocated where reading fails, io, where compressed data are damaged or end early, parse, and
+      !> where there is no memory to decompress them, no_memory
       type(error_type), allocatable, intent(out) :: error
       logical :: failed
 
@@ -184,8 +190,9 @@ contains
       integer(int64), intent(out) :: got
       logical, intent(out) :: failed
       type(error_type), allocatable, intent(out) :: error
-      character(40) :: problem
+      character(160) :: problem
       integer(int64) :: fresh, came
+      integer :: code
       logical :: whole
 
       got = 0
@@ -195,12 +202,12 @@ contains
          fresh = 0
          if (source%inflater%stream%avail_in == 0) call read_pieces(source, source%inflater%input, fresh, failed)
          if (failed) return
-         call inflate_bytes(source%inflater, fresh, room(got + 1:), came, whole, problem)
+         call inflate_bytes(source%inflater, fresh, room(got + 1:), came, whole, code, problem)
          got = got + came
-         if (len_trim(problem) == 0) cycle
-         call fatal_error(error, status%parse, source%name//": "//trim(problem)//" after "// &
-                          integer_text(source%delivered + got)//" decompressed bytes"//new_line("a")// &
-                          "copy the file again; gzip -t tests it")
+         if (code == status%ok) cycle
+         problem = trim(problem)//" after "//integer_text(source%delivered + got)//" decompressed bytes"
+         if (code == status%parse) problem = trim(problem)//new_line("a")//"copy the file again; gzip -t tests it"
+         call fatal_error(error, code, source%name//": "//trim(problem))
          return
       end do
    end subroutine read_compressed
