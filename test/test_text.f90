@@ -4,11 +4,13 @@ module test_text
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type
+   use gyroakf_io_columns, only : column_names_type
    use gyroakf_io_format, only : content_type, decimal_comma, recognise
+   use gyroakf_io_marks, only : find_marks, marks_type, name_fields, strip_line
    use gyroakf_io_place, only : place_error
    use gyroakf_column_class, only : is_counter_name, is_temperature_name, is_time_name
    use gyroakf_io_stamps, only : infer_scale, named_scale
-   use gyroakf_io_text, only : bytes_text, fields_type, is_comment, split, split_line
+   use gyroakf_io_text, only : bytes_text, fields_type, is_comment, split, split_line, text_bytes
    implicit none (type, external)
    private
    public :: collect_text
@@ -24,6 +26,7 @@ contains
       testsuite = [ &
          new_unittest("split-mixed", test_split_mixed), &
          new_unittest("split-tabs-names", test_split_tabs), &
+         new_unittest("labels", test_labels), &
          new_unittest("comments", test_comments), &
          new_unittest("decimal-comma", test_decimal_comma), &
          new_unittest("foreign-content", test_foreign), &
@@ -39,13 +42,51 @@ contains
    function bytes_of(text) result(bytes)
       character(*), intent(in) :: text
       integer(int8) :: bytes(len(text) + 16)
-      integer :: i
 
       bytes = 10_int8
-      do i = 1, len(text)
-         bytes(i) = int(iachar(text(i:i)) - merge(256, 0, iachar(text(i:i)) > 127), int8)
-      end do
+      bytes(:len(text)) = text_bytes(text)
    end function bytes_of
+
+   !> The names and units that a row with marks gives its fields, between bars.
+   function names_of(text) result(joined)
+      character(*), intent(in) :: text
+      character(:), allocatable :: joined
+      integer(int8) :: line(len(text))
+      type(marks_type) :: marks
+      type(fields_type) :: fields
+      type(column_names_type) :: names
+      integer :: array, i
+      logical :: same
+
+      line = text_bytes(text)
+      call find_marks(line, 1_int64, size(line, kind=int64), marks)
+      call strip_line(line, 1_int64, size(line, kind=int64), marks%skeleton, same)
+      call split_line(line, 1_int64, size(line, kind=int64), split%mixed, fields)
+      call name_fields(text_bytes(text), 1_int64, fields, names, array)
+      joined = "|"
+      if (.not. names%known) return
+      do i = 1, size(names%name)
+         joined = joined//names%name(i)%text
+         if (len(names%unit(i)%text) > 0) joined = joined//" "//names%unit(i)%text
+         joined = joined//"|"
+      end do
+   end function names_of
+
+   !> Labels before the first value, in groups and lists: the first field has none before it.
+   subroutine test_labels(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(40), parameter :: line(9) = [character(40) :: "gx=1, gy=2", "g: 1 2 3", "g: [1, 2, 3]", "[1, 2, 3] [4, 5, 6]", &
+         "{""gyro"": {""x"": 1, ""y"": 2}, ""t"": 3}", "{""g"": [1, 2], ""a"": [3, 4]}", "gx: 1 dps gy: 2 dps", "[1] g=2", &
+         "t=[1], g=[2, 3]"]
+      character(40), parameter :: named(9) = [character(40) :: "|gx|gy|", "|g[0]|g[1]|g[2]|", "|g[0]|g[1]|g[2]|", "|", &
+         "|gyro x|gyro y|t|", "|g[0]|g[1]|a[0]|a[1]|", "|gx dps|gy dps||", "||g|", "|t|g[0]|g[1]|"]
+      integer :: i
+
+      do i = 1, size(line)
+         call check(error, names_of(trim(line(i))), trim(named(i)), trim(line(i)))
+         if (allocated(error)) return
+      end do
+   end subroutine test_labels
 
    !> The fields between bars, "<" behind them where the line ends with a separator.
    function parts(text, way) result(joined)

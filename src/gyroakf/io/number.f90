@@ -15,7 +15,7 @@ module gyroakf_io_number
       ieee_set_halting_mode, ieee_underflow
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_quick_number, only : digits_ahead, quick_number, quick_type
-   use gyroakf_io_text, only : bytes_text
+   use gyroakf_io_text, only : bytes_text, text_bytes
    use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
@@ -181,12 +181,9 @@ contains
       integer, intent(out) :: found
       integer(int8) :: bytes(len(text) + digits_ahead + 1)
       integer(int64) :: at, last
-      integer :: i
 
-      bytes = 10_int8
-      do i = 1, len(text)
-         bytes(i) = int(iachar(text(i:i)) - merge(256, 0, iachar(text(i:i)) > 127), int8)
-      end do
+      bytes(:len(text)) = text_bytes(text)
+      bytes(len(text) + 1:) = 10_int8
       at = verify(text, " ")
       last = len_trim(text)
       value = 0.0_dp

@@ -10,7 +10,8 @@ module gyroakf_io_selection
    use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_row, only : agrees, join_fields
-   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, line_feed_from, split, split_line
+   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, line_feed_from, split, split_line, &
+      text_bytes
    use gyroakf_record, only : add_text, text_type
    implicit none (type, external)
    private
@@ -47,11 +48,11 @@ contains
       type(layout_type), intent(inout) :: layout
       !> Allocated where there is no such column: invalid_argument
       type(error_type), allocatable, intent(out) :: error
-      integer :: mark, i, found
+      integer :: mark, found
 
       mark = index(text, "=", back=.true.)
       call find_column(text(:mark - 1), names, columns, layout%where_column, error)
-      layout%where_value = [(int(iachar(text(i:i)), int8), i=mark + 1, len(text))]
+      layout%where_value = text_bytes(text(mark + 1:))
       layout%where_number = huge(1.0_dp)
       call parse_number(text(mark + 1:), layout%where_number, found)
       if (found /= number%ok) layout%where_number = ieee_value(1.0_dp, ieee_quiet_nan)

@@ -5,7 +5,7 @@ module gyroakf_io_text
    implicit none (type, external)
    private
    public :: fields_type, split, split_line, is_comment, begins_with_semicolon
-   public :: first_visible, last_visible, line_feed_from, bytes_text
+   public :: first_visible, last_visible, line_feed_from, bytes_text, text_bytes
 
    !> How a line is split, reached as `split%mixed`
    type :: split_enum
@@ -224,5 +224,17 @@ contains
          text(i - first + 1:i - first + 1) = achar(iand(int(bytes(i)), 255))
       end do
    end function bytes_text
+
+   !> A character string as bytes; those above 127 become negative.
+   pure function text_bytes(text) result(bytes)
+      !> Any text
+      character(*), intent(in) :: text
+      integer(int8) :: bytes(len(text))
+      integer :: i
+
+      do i = 1, len(text)
+         bytes(i) = int(iachar(text(i:i)) - merge(256, 0, iachar(text(i:i)) > 127), int8)
+      end do
+   end function text_bytes
 
 end module gyroakf_io_text
