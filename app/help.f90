@@ -18,10 +18,10 @@ module gyroakf_app_help
    character(*), parameter :: usage_notes = "FILE may be - (standard input); -- ends the options. Several files, or "// &
       "--list FILE: each is worked on as if alone, then all are summed up; exit code: the largest of theirs."
    character(*), parameter :: run_is_default = "Without a COMMAND gyroakf does the whole job (run)."
-   character(*), parameter :: reading_notes = "Begin with gyroakf inspect FILE. The content tells text from NumPy's .npy; "// &
-      "both may be compressed by gzip; zstd comes through a pipe. A header in the file (# rate_hz: 5, # unit: deg/h, "// &
-      "# columns: t gx gy gz) is honoured; an option overrides it. Where nobody gave a rate or a unit, results are per "// &
-      "sample and in input units."
+   character(*), parameter :: reading_notes = "Begin with gyroakf inspect FILE. "// &
+      "Text and NumPy's .npy are recognized by their content; both may be compressed by gzip; zstd comes "// &
+      "through a pipe. A header in the file (# rate_hz: 5, # unit: deg/h, # columns: t gx gy gz) is used; "// &
+      "an option overrides it. Without a rate or a unit, results are per sample and in input units."
    character(*), parameter :: exit_codes = &
       "Exit codes: 0 done; 1 wrong usage; 2 the data or a file; 3 a numerical failure; 130 Ctrl-C."
 

@@ -22,9 +22,8 @@ module gyroakf_app_remedy
 
    !> A line of the file
    type :: line_type
-      integer(int64) :: first = 1, last = 0
       character(:), allocatable :: pattern
-      !> COLUMN=VALUE, where a word or a label tells the kind of the record; unallocated where none does
+      !> COLUMN=VALUE, where a word or a label names the kind of the record; unallocated where none does
       character(:), allocatable :: kind
    end type line_type
 
@@ -99,34 +98,33 @@ contains
       at = 1
       do i = 1, size(line)
          feed = at - 1 + findloc(bytes(at:), 10_int8, dim=1)
-         line(i)%first = at
-         line(i)%last = feed - 1
          line(i)%pattern = ""
          if (.not. is_comment(bytes, at, feed - 1)) then
             call find_pattern(bytes, at, feed - 1, line(i)%pattern, marks)
-            call find_kind(bytes, marks, line(i))
+            call find_kind(bytes(at:feed - 1), marks, line(i))
          end if
          at = feed + 1
       end do
    end subroutine take_lines
 
-   !> What tells the kind of a record: the label before several values, or the first word.
+   !> The kind of a record: the label before several values, or the first word.
    subroutine find_kind(bytes, marks, line)
+      !> The line
       integer(int8), intent(in), contiguous :: bytes(:)
       type(marks_type), intent(in) :: marks
       type(line_type), intent(inout) :: line
-      integer(int8) :: plain(line%last)
+      integer(int8) :: plain(size(bytes))
       type(column_names_type) :: names
       type(fields_type) :: fields
       integer :: array, word
       logical :: same
 
-      plain(:) = bytes(:line%last)
-      call strip_line(plain, line%first, line%last, marks%skeleton, same)
-      call split_line(plain, line%first, line%last, split%mixed, fields)
+      plain(:) = bytes
+      call strip_line(plain, 1_int64, size(plain, kind=int64), marks%skeleton, same)
+      call split_line(plain, 1_int64, size(plain, kind=int64), split%mixed, fields)
       word = index(line%pattern, "t")
       if (marks%labels == 1 .and. word == 0 .and. len(line%pattern) > 1) then
-         call name_fields(bytes, line%first, fields, names, array)
+         call name_fields(bytes, 1_int64, fields, names, array)
          if (names%known) line%kind = "1="//names%name(1)%text(:index(names%name(1)%text//"[", "[") - 1)
       else if (word > 0 .and. index(line%pattern, "n") > 0) then
          line%kind = integer_text(int(word, int64))//"="//bytes_text(plain, fields%first(word), fields%last(word))
@@ -136,7 +134,7 @@ contains
    !> Kinds of records that are met three times at least, those that are met most first; none where there is only one.
    subroutine list_kinds(line, known, kinds)
       type(line_type), intent(in) :: line(:)
-      !> Sensors that a column of numbers tells apart; unallocated: none
+      !> Sensors that are distinguished by a column of numbers; unallocated: none
       type(text_type), allocatable, intent(in) :: known(:)
       type(text_type), allocatable, intent(out) :: kinds(:)
       type(text_type), allocatable :: found(:)

@@ -132,7 +132,7 @@ GYROAKF_API void gyroakf_reader_options_init(gyroakf_reader_options *opt);
  * Reads a recording.
  *   path  UTF-8; "-" is standard input
  *   out   the recording; free it with gyroakf_record_free
- * What the file says about rate, unit and columns is honoured, an option overrides it. GYROAKF_IO: the file cannot be
+ * What the file says about rate, unit and columns is used, an option overrides it. GYROAKF_IO: the file cannot be
  * read; GYROAKF_PARSE: the message begins with FILE:LINE:COLUMN. Nothing but the file is touched.
  */
 GYROAKF_API int gyroakf_record_read(const char *path, const gyroakf_reader_options *opt, gyroakf_record **out,
