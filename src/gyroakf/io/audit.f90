@@ -315,37 +315,12 @@ contains
          if (allocated(error)) return
          if (allocated(present_mask)) then
             audit%missing = audit%missing + audit%samples - sum(int(present_mask(:, j), int64))
-            call extremes(value(:, j), audit%minimum(j), audit%maximum(j), audit%quantisation(j), present_mask(:, j))
+            call scan_extremes(value(:, j), audit%minimum(j), audit%maximum(j), audit%quantisation(j), &
+                               present_mask(:, j))
          else
             call scan_extremes(value(:, j), audit%minimum(j), audit%maximum(j), audit%quantisation(j))
          end if
       end do
    end subroutine audit_values
-
-   !> Extremes and the smallest non-zero step of a series; zeros where it has no sample.
-   pure subroutine extremes(x, low, high, step, mask)
-      real(dp), intent(in), contiguous :: x(:)
-      real(dp), intent(out) :: low, high, step
-      integer(int8), intent(in) :: mask(:)
-      real(dp) :: change
-      integer(int64) :: i, before
-
-      low = huge(low)
-      high = -huge(high)
-      step = huge(step)
-      do i = 1, size(x, kind=int64)
-         if (mask(i) == 0) cycle
-         low = min(low, x(i))
-         high = max(high, x(i))
-         before = max(i - 1, 1_int64)
-         if (mask(before) == 0) cycle
-         change = abs(x(i) - x(before))
-         if (change > 0.0_dp) step = min(step, change)
-      end do
-      if (step >= huge(step)) step = 0.0_dp
-      if (low <= high) return
-      low = 0.0_dp
-      high = 0.0_dp
-   end subroutine extremes
 
 end module gyroakf_io_audit

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Looks at every value of a record once, in blocks that several threads take.
 module gyroakf_stats_extremes
-   use gyroakf_kinds, only : dp, int64
+   use gyroakf_kinds, only : dp, int8, int64
    implicit none (type, external)
    private
    public :: all_sound, scan_extremes
@@ -49,14 +49,16 @@ contains
    end function largest_bits
 
    !> Extremes and the smallest non-zero step between successive values.
-   subroutine scan_extremes(x, low, high, step)
+   subroutine scan_extremes(x, low, high, step, mask)
       !> Finite
       real(dp), intent(in), contiguous :: x(:)
-      !> Of all; 0 where there is none
+      !> Of all that are present; 0 where none is
       real(dp), intent(out) :: low, high
       !> 0 where all are equal
       real(dp), intent(out) :: step
-      integer(int64) :: k, blocks, n
+      !> 1 present, 0 missing: [n]; all are present if absent
+      integer(int8), intent(in), contiguous, optional :: mask(:)
+      integer(int64) :: k, blocks, n, first, last
 
       n = size(x, kind=int64)
       blocks = (n + block_values - 1)/block_values
@@ -67,13 +69,39 @@ contains
       low = huge(low)
       high = -huge(high)
       step = huge(step)
-      !$omp parallel do schedule(static) reduction(min:low, step) reduction(max:high) if (n > worth_threads)
+      !$omp parallel do schedule(static) private(first, last) reduction(min:low, step) reduction(max:high) &
+      !$omp& if (n > worth_threads)
       do k = 0, blocks - 1
-         call scan_block(x(max(1_int64, k*block_values):min(n, (k + 1)*block_values)), low, high, step)
+         first = max(1_int64, k*block_values)
+         last = min(n, (k + 1)*block_values)
+         if (present(mask)) then
+            call scan_runs(x(first:last), mask(first:last), low, high, step)
+         else
+            call scan_block(x(first:last), low, high, step)
+         end if
       end do
       !$omp end parallel do
       if (step >= huge(step)) step = 0.0_dp
+      if (low <= high) return
+      low = 0.0_dp
+      high = 0.0_dp
    end subroutine scan_extremes
+
+   !> Those of the runs of values that are present in a block.
+   pure subroutine scan_runs(x, mask, low, high, step)
+      real(dp), intent(in), contiguous :: x(:)
+      integer(int8), intent(in), contiguous :: mask(:)
+      real(dp), intent(inout) :: low, high, step
+      integer(int64) :: i, first
+
+      first = 0
+      do i = 1, size(x, kind=int64)
+         if (mask(i) /= 0 .and. first == 0) first = i
+         if (mask(i) == 0 .and. first > 0) call scan_block(x(first:i - 1), low, high, step)
+         if (mask(i) == 0) first = 0
+      end do
+      if (first > 0) call scan_block(x(first:), low, high, step)
+   end subroutine scan_runs
 
    !> The same of a block, whose first value is the last of the block before.
    pure subroutine scan_block(x, low, high, step)
