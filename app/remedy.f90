@@ -6,7 +6,7 @@ module gyroakf_app_remedy
    use gyroakf_error, only : error_type
    use gyroakf_io_columns, only : column_names_type
    use gyroakf_io_heading, only : find_pattern
-   use gyroakf_io_marks, only : marks_type, name_fields, strip_line
+   use gyroakf_io_marks, only : find_marks, marks_type, name_fields
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_reader, only : read_record, reader_options
    use gyroakf_io_recording, only : recording_type
@@ -101,26 +101,25 @@ contains
          line(i)%pattern = ""
          if (.not. is_comment(bytes, at, feed - 1)) then
             call find_pattern(bytes, at, feed - 1, line(i)%pattern, marks)
-            call find_kind(bytes(at:feed - 1), marks, line(i))
+            call find_kind(bytes(at:feed - 1), line(i))
          end if
          at = feed + 1
       end do
    end subroutine take_lines
 
    !> The kind of a record: the label before several values, or the first word.
-   subroutine find_kind(bytes, marks, line)
+   subroutine find_kind(bytes, line)
       !> The line
       integer(int8), intent(in), contiguous :: bytes(:)
-      type(marks_type), intent(in) :: marks
       type(line_type), intent(inout) :: line
+      type(marks_type) :: marks
       integer(int8) :: plain(size(bytes))
       type(column_names_type) :: names
       type(fields_type) :: fields
       integer :: array, word
-      logical :: same
 
       plain(:) = bytes
-      call strip_line(plain, 1_int64, size(plain, kind=int64), marks%skeleton, same)
+      call find_marks(plain, 1_int64, size(plain, kind=int64), .true., marks)
       call split_line(plain, 1_int64, size(plain, kind=int64), split%mixed, fields)
       word = index(line%pattern, "t")
       if (marks%labels == 1 .and. word == 0 .and. len(line%pattern) > 1) then

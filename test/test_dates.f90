@@ -6,7 +6,7 @@ module test_dates
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_io_date, only : day_number, is_day_first, kind_of_field, scan_stamp, stamp_kind
    use gyroakf_io_reader, only : reader_options, read_record
-   use gyroakf_io_stamp_columns, only : decimal_fields, seconds_comma
+   use gyroakf_io_commas, only : decimal_fields, seconds_comma
    use gyroakf_io_stamps, only : unwrap_days
    use gyroakf_record, only : record_type
    use scratch_file, only : remove_file, scratch_path, write_bytes

@@ -3,7 +3,7 @@
 module test_machine_memory
    use testdrive, only : check, error_type, new_unittest, unittest_type
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_io_machine_memory, only : free_memory, least_limit, memory_of
+   use gyroakf_io_machine_memory, only : free_memory, least_limit, memory_of, no_limit
    use scratch_file, only : remove_file, scratch_path
    implicit none (type, external)
    private
@@ -37,10 +37,10 @@ contains
 
       call write_text("meminfo", "MemTotal:       24684116 kB"//feed//"MemAvailable:   1000 kB"//feed//"Odd: max")
       call check(error, abs(memory_of(scratch_path("meminfo"), "MemAvailable:") - 1024000.0_dp) < 0.5_dp)
-      if (.not. allocated(error)) call check(error, memory_of(scratch_path("meminfo"), "Odd:") < 0.0_dp, "no number")
-      if (.not. allocated(error)) call check(error, memory_of(scratch_path("meminfo"), "MemFree:") < 0.0_dp, "no line")
+      if (.not. allocated(error)) call check(error, memory_of(scratch_path("meminfo"), "Odd:") >= no_limit, "no number")
+      if (.not. allocated(error)) call check(error, memory_of(scratch_path("meminfo"), "MemFree:") >= no_limit, "no line")
       call remove_file(scratch_path("meminfo"))
-      if (.not. allocated(error)) call check(error, memory_of(scratch_path("meminfo"), "MemTotal:") < 0.0_dp, "no file")
+      if (.not. allocated(error)) call check(error, memory_of(scratch_path("meminfo"), "MemTotal:") >= no_limit, "no file")
    end subroutine test_line
 
    subroutine test_limits(error)
@@ -54,7 +54,7 @@ contains
       cut = index(path, "/", back=.true.)
       call check(error, abs(least_limit(path(:max(0, cut - 1)), "/none/such", path(cut + 1:)) - 2000000.0_dp) < 0.5_dp)
       call write_text("memory.max", "max")
-      if (.not. allocated(error)) call check(error, least_limit(path(:max(0, cut - 1)), "/", path(cut + 1:)) < 0.0_dp)
+      if (.not. allocated(error)) call check(error, least_limit(path(:max(0, cut - 1)), "/", path(cut + 1:)) >= no_limit)
       call remove_file(path)
    end subroutine test_limits
 

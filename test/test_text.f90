@@ -4,9 +4,10 @@ module test_text
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type
+   use gyroakf_io_commas, only : decimal_comma
    use gyroakf_io_columns, only : column_names_type
-   use gyroakf_io_format, only : content_type, decimal_comma, recognise
-   use gyroakf_io_marks, only : find_marks, marks_type, name_fields, strip_line
+   use gyroakf_io_format, only : content_type, recognise
+   use gyroakf_io_marks, only : find_marks, marks_type, name_fields
    use gyroakf_io_place, only : place_error
    use gyroakf_column_class, only : is_counter_name, is_temperature_name, is_time_name
    use gyroakf_io_stamps, only : infer_scale, named_scale
@@ -56,11 +57,9 @@ contains
       type(fields_type) :: fields
       type(column_names_type) :: names
       integer :: array, i
-      logical :: same
 
       line = text_bytes(text)
-      call find_marks(line, 1_int64, size(line, kind=int64), marks)
-      call strip_line(line, 1_int64, size(line, kind=int64), marks%skeleton, same)
+      call find_marks(line, 1_int64, size(line, kind=int64), .true., marks)
       call split_line(line, 1_int64, size(line, kind=int64), split%mixed, fields)
       call name_fields(text_bytes(text), 1_int64, fields, names, array)
       joined = "|"

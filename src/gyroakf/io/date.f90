@@ -141,7 +141,7 @@ contains
    end subroutine scan_digits
 
    !> True for 0 to 9.
-   pure logical function is_digit(byte)
+   pure elemental logical function is_digit(byte)
       integer(int8), intent(in) :: byte
 
       is_digit = byte >= zero .and. byte <= nine

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> What a file looks like before it is read: text or something else, decimal points or commas.
+!> What a file looks like before it is read: text or something else.
 !>
 !> The content decides, not the name; only bytes without a signature are what the end of the name says (`.f64`, `.i16be`).
 module gyroakf_io_format
@@ -7,15 +7,10 @@ module gyroakf_io_format
    use gyroakf_io_element, only : element_type, parse_element
    use gyroakf_io_magic, only : find_magic, magics, name_file
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_text, only : first_visible, last_visible
    use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
-   public :: decimal_comma, comma_found, comma_advice, content_type, recognise
-
-   !> The message for a decimal comma
-   character(*), parameter :: comma_found = "this looks like a decimal comma, and a comma separates columns"
-   character(*), parameter :: comma_advice = "write decimal points"
+   public :: content_type, recognise
 
    !> What a file holds
    type :: content_type
@@ -34,65 +29,7 @@ module gyroakf_io_format
    character(*), parameter :: binary_advice = "say what it holds: --format f64, f32, i16, i32, u8, ..., with be behind it for "// &
       "big endian; --channels N for interleaved columns, --skip N for a header of N bytes"
 
-   integer(int8), parameter :: tab = 9, blank = 32, quote = 34, apostrophe = 39, comma = 44, point = 46, semicolon = 59
-
 contains
-
-   !> The byte of a comma that is a decimal comma, 0 where none is recognised.
-   !>
-   !> It is recognised in a line without decimal points where each comma stands between two digits and either other separators
-   !> part fields of one comma at most (`1,5;2,3`), or the line has one comma with a leading zero behind it (`1,05`) or `-0`
-   !> before it. A comma behind a time of day (`12:00:00,5`) is none.
-   pure integer(int64) function decimal_comma(bytes, first, last) result(at)
-      !> Holds a line of data at first:last
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      integer(int64) :: p, from, to
-      integer :: commas, in_field
-      logical :: others, clock
-
-      at = 0
-      clock = .false.
-      commas = 0
-      in_field = 0
-      others = .false.
-      from = first_visible(bytes, first, last)
-      to = last_visible(bytes, first, last)
-      do p = from, to
-         select case (bytes(p))
-         case (point, quote, apostrophe); return
-         case (iachar(":"))
-            clock = .true.
-         case (comma)
-            if (clock) return
-            if (.not. (is_digit(bytes, p - 1, from, to) .and. is_digit(bytes, p + 1, from, to)) .or. in_field == 1) return
-            in_field = 1
-            commas = commas + 1
-         case (blank, tab, semicolon)
-            others = .true.
-            in_field = 0
-            clock = .false.
-         case default
-            continue
-         end select
-      end do
-      if (commas == 0) return
-      p = from - 1 + findloc(bytes(from:to), comma, dim=1, kind=int64)
-      if (others) at = p
-      if (others) return
-      if (bytes(p + 1) == 48 .and. is_digit(bytes, p + 2, from, to)) at = p
-      if (p == from + 2 .and. bytes(from) == 45 .and. bytes(from + 1) == 48) at = p
-   end function decimal_comma
-
-   !> True for a digit within from:to.
-   pure logical function is_digit(bytes, p, from, to)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: p, from, to
-
-      is_digit = .false.
-      if (p < from .or. p > to) return
-      is_digit = bytes(p) >= 48 .and. bytes(p) <= 57
-   end function is_digit
 
    !> What the first block of a file holds.
    subroutine recognise(bytes, name, content)

@@ -5,13 +5,14 @@ module gyroakf_io_heading
    use gyroakf_kinds, only : int8, int64
    use gyroakf_column_class, only : is_time_name, is_unit
    use gyroakf_io_columns, only : column_names_type, join_names, names_way, read_names, take_brackets_off
+   use gyroakf_io_date, only : is_digit
    use gyroakf_io_leave_out, only : is_text
    use gyroakf_io_lines, only : lines_type
-   use gyroakf_io_marks, only : find_marks, marks_type, strip_line
-   use gyroakf_io_number, only : is_missing_field, is_missing_word
+   use gyroakf_io_marks, only : find_marks, marks_type
+   use gyroakf_io_number, only : is_missing_field
    use gyroakf_io_rows, only : layout_type
    use gyroakf_io_text, only : begins_with_semicolon, bytes_text, fields_type, first_visible, is_comment, &
-      last_visible, split, split_line
+      last_visible, line_feed_from, split, split_line
    implicit none (type, external)
    private
    public :: only_words, find_pattern, alike, is_setting, begins_with_names, suppose_names, suppose_record_names, take_heading
@@ -21,46 +22,24 @@ module gyroakf_io_heading
 
 contains
 
-   !> Keeps the bytes of the line of names.
-   subroutine keep_heading(lines, last, layout)
-      type(lines_type), intent(in) :: lines
-      integer(int64), intent(in) :: last
-      type(layout_type), intent(inout) :: layout
-      integer(int64) :: from, to
-
-      from = first_visible(lines%bytes, lines%at, last)
-      to = last_visible(lines%bytes, lines%at, last)
-      if (allocated(layout%heading)) deallocate (layout%heading)
-      allocate (layout%heading(to - from + 1))
-      layout%heading(:) = lines%bytes(from:to)
-   end subroutine keep_heading
-
    !> True for a line that holds words and nothing like a number: names of columns.
    logical function only_words(lines, last)
       type(lines_type), intent(in) :: lines
       integer(int64), intent(in) :: last
-
-      only_words = count_words(lines%bytes, lines%at, last) > 0
-   end function only_words
-
-   !> Words of a line, 0 where it holds anything like a number.
-   integer function count_words(bytes, first, last)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
       type(fields_type) :: fields
       integer :: i
 
-      count_words = 0
-      call split_line(bytes, first, last, names_way(bytes, first, last), fields)
+      only_words = .false.
+      call split_line(lines%bytes, lines%at, last, names_way(lines%bytes, lines%at, last), fields)
       do i = 1, fields%count
          if (fields%last(i) < fields%first(i)) cycle
-         if (begins_like_number(bytes, fields%first(i))) then
-            count_words = 0
+         if (begins_like_number(lines%bytes, fields%first(i))) then
+            only_words = .false.
             return
          end if
-         if (.not. is_missing_word(bytes_text(bytes, fields%first(i), fields%last(i)))) count_words = count_words + 1
+         only_words = only_words .or. .not. is_missing_field(lines%bytes, fields%first(i), fields%last(i))
       end do
-   end function count_words
+   end function only_words
 
    !> What the fields of a line hold without its marks: "n" a number, right or wrong, "t" a word, "-" a word for a missing number.
    subroutine find_pattern(bytes, first, last, pattern, marks)
@@ -72,13 +51,11 @@ contains
       type(marks_type), intent(out) :: marks
       type(fields_type) :: fields
       integer(int8) :: line(last - first + 1)
-      logical :: same
       integer :: j
 
       line(:) = bytes(first:last)
       if (any(line == iachar(";"))) where (line == iachar(",")) line = iachar(".")   ! decimal commas
-      call find_marks(bytes, first, last, marks)
-      call strip_line(line, 1_int64, size(line, kind=int64), marks%skeleton, same)
+      call find_marks(line, 1_int64, size(line, kind=int64), .true., marks)
       call split_line(line, 1_int64, size(line, kind=int64), split%mixed, fields)
       pattern = repeat("n", fields%count - merge(1, 0, fields%trailing))
       do j = 1, len(pattern)
@@ -87,7 +64,7 @@ contains
          else if (is_missing_field(line, fields%first(j), fields%last(j))) then
             pattern(j:j) = "-"
          end if
-         if (is_text(line, fields%first(j), fields%last(j))) pattern(j:j) = "t"
+         if (is_text(bytes_text(line, fields%first(j), fields%last(j)))) pattern(j:j) = "t"
       end do
    end subroutine find_pattern
 
@@ -114,15 +91,9 @@ contains
       if (is_setting .or. (index(pattern, "t") == 0 .and. marks%labels == 0)) return
       at = last + 1
       do i = 1, most_ahead
-         do while (lines%bytes(at) /= 10)
-            at = at + 1
-         end do
-         at = at + 1
+         at = line_feed_from(lines%bytes, at) + 1
          if (at > lines%last) return
-         to = at
-         do while (lines%bytes(to) /= 10)
-            to = to + 1
-         end do
+         to = line_feed_from(lines%bytes, at)
          if (first_visible(lines%bytes, at, to - 1) == to .or. is_comment(lines%bytes, at, to - 1)) cycle
          call find_pattern(lines%bytes, at, to - 1, other, other_marks)
          if (len(other) == 0) cycle
@@ -181,8 +152,8 @@ contains
       !> Its first byte
       integer(int64), intent(in) :: at
 
-      begins = (bytes(at) >= 48 .and. bytes(at) <= 57) .or. bytes(at) == 43 .or. bytes(at) == 45
-      if (bytes(at) == 46) begins = bytes(at + 1) >= 48 .and. bytes(at + 1) <= 57
+      begins = is_digit(bytes(at)) .or. bytes(at) == 43 .or. bytes(at) == 45
+      if (bytes(at) == 46) begins = is_digit(bytes(at + 1))
       if (bytes(at) == -30_int8) begins = bytes(at + 1) == -120_int8 .and. bytes(at + 2) == -110_int8
       if (any(bytes(at) == [40_int8, 60_int8, 91_int8])) begins = begins_like_number(bytes, at + 1) .and. bytes(at + 2) /= 93
    end function begins_like_number
@@ -206,7 +177,9 @@ contains
       if (above%known .and. names%known) then
          if (size(above%name) == size(names%name) .and. .not. behind_setting) call join_names(above, names)
       end if
-      call keep_heading(lines, last, layout)
+      associate (bytes => lines%bytes)
+         layout%heading = bytes(first_visible(bytes, lines%at, last):last_visible(bytes, lines%at, last))
+      end associate
       layout%semicolons = any(lines%bytes(lines%at:last) == iachar(";"))
    end subroutine take_heading
 

@@ -1,72 +1,50 @@
 ! SPDX-License-Identifier: MIT
 !> Which columns are analyzed: gyroscopes, then accelerometers. The others are listed.
 module gyroakf_io_leave_out
-   use gyroakf_kinds, only : int8, int64
+   use gyroakf_kinds, only : int64
    use gyroakf_io_columns, only : column_names_type
    use gyroakf_io_number, only : is_missing_word
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_layout, only : layout_type
-   use gyroakf_io_row, only : agrees, join_fields
    use gyroakf_column_class, only : class_of, class_names, column_class
-   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, line_feed_from, split, split_line
    use gyroakf_record, only : add_text, text_type
    use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
    public :: find_texts, is_text, classes_of, analyzed_columns, in_order, list_left_out
 
-   !> So many lines at the start are looked at for text
-   integer, parameter :: looked_at = 64
    !> So many columns are named in a warning
    integer, parameter :: most_listed = 40
 
 contains
 
    !> Which columns hold words in all of the first rows.
-   pure subroutine find_texts(bytes, first, last, layout, texts)
-      !> Holds lines from first on, up to the line feed at last
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      !> `columns` and `joined` are known
-      type(layout_type), intent(in) :: layout
+   pure subroutine find_texts(field, texts)
+      !> Of [[gyroakf_io_selection:first_rows]]
+      type(text_type), intent(in) :: field(:, :)
       !> [column]
       logical, allocatable, intent(out) :: texts(:)
-      type(fields_type) :: fields
-      integer(int64) :: at, to
       integer :: i, j
-      logical :: wanted
 
-      allocate (texts(layout%columns))
+      allocate (texts(size(field, 2)))
       texts(:) = .true.
-      at = first
-      do i = 1, looked_at
-         if (at > last .or. .not. any(texts)) return
-         to = line_feed_from(bytes, at)
-         if (.not. is_comment(bytes, at, to - 1) .and. first_visible(bytes, at, to - 1) < to) then
-            call split_line(bytes, at, to - 1, split%mixed, fields)
-            call join_fields(bytes, layout, fields)
-            wanted = fields%count >= layout%columns
-            if (layout%where_column > 0) wanted = wanted .and. agrees(bytes, fields, layout)
-            do j = 1, merge(layout%columns, 0, wanted)
-               texts(j) = texts(j) .and. is_text(bytes, fields%first(j), fields%last(j))
-            end do
-         end if
-         at = to + 1
+      do j = 1, size(texts)
+         do i = 1, size(field, 1)
+            if (texts(j)) texts(j) = is_text(field(i, j)%text)
+         end do
       end do
    end subroutine find_texts
 
    !> True for a word that can be no number, not even a wrong one; what holds a number behind a colon is not.
-   pure logical function is_text(bytes, first, last)
-      !> Holds the field at first:last
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
+   pure logical function is_text(field)
+      !> Of a row
+      character(*), intent(in) :: field
       character(*), parameter :: beginnings = "abcdefghijklmnopqrstuvwxyz_=:|>$"
-      character(:), allocatable :: word
+      character(min(len(field), 64)) :: word
       integer :: mark
 
       is_text = .false.
-      if (last < first) return
-      word = lower(bytes_text(bytes, first, min(last, first + 63)))
+      if (len(field) == 0) return
+      word = lower(field(:len(word)))
       is_text = index(beginnings, word(1:1)) > 0 .or. word(1:min(2, len(word))) == "->"
       mark = scan(word(:len(word) - 1), ":=")
       if (mark > 0) is_text = is_text .and. verify(word(mark + 1:mark + 1), "0123456789+-.") > 0

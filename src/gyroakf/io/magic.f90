@@ -88,6 +88,7 @@ contains
       character(*), intent(inout) :: kind
       !> Of [[gyroakf_io_magic:magics]], 0 for none
       integer, intent(out) :: found
+      integer(int64) :: at
       integer :: i
 
       found = 0
@@ -98,22 +99,12 @@ contains
          found = i
          return
       end do
-      if (follows_block(bytes, hdf5_magic)) found = findloc(magics%bytes == hdf5_magic, .true., dim=1)
-   end subroutine find_magic
-
-   !> True where the signature follows a user block of 512, 1024, 2048, ... bytes.
-   pure logical function follows_block(bytes, signature)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      character(*), intent(in) :: signature
-      integer(int64) :: at
-
-      follows_block = .false.
       at = 512
-      do while (at < size(bytes, kind=int64) .and. .not. follows_block)
-         follows_block = begins(bytes, at, signature)
+      do while (at < size(bytes, kind=int64) .and. found == 0)
+         if (begins(bytes, at, hdf5_magic)) found = findloc(magics%bytes == hdf5_magic, .true., dim=1)
          at = 2*at
       end do
-   end function follows_block
+   end subroutine find_magic
 
    !> True where these bytes stand there.
    pure logical function begins(bytes, offset, text)

@@ -8,11 +8,11 @@ module gyroakf_io_marks
    use gyroakf_io_columns, only : column_names_type, take_name
    use gyroakf_io_layout, only : layout_type
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_text, only : bytes_text, fields_type, last_visible
+   use gyroakf_io_text, only : bytes_text, fields_type, last_visible, line_feed_from
    use gyroakf_record, only : add_text, text_type
    implicit none (type, external)
    private
-   public :: marks_type, find_marks, strip_line, strip_lines, name_fields
+   public :: marks_type, find_marks, strip_lines, name_fields
 
    !> The marks of a line
    type :: marks_type
@@ -26,59 +26,36 @@ module gyroakf_io_marks
 
 contains
 
-   !> The marks of a line.
-   pure subroutine find_marks(bytes, first, last, marks)
-      !> Holds the line at first:last, without its end
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      type(marks_type), intent(out) :: marks
-      integer(int8) :: line(last - first + 1)
-
-      line(:) = bytes(first:last)
-      call walk(line, 1_int64, size(line, kind=int64), .false., marks)
-   end subroutine find_marks
-
-   !> Writes blanks for the marks of a line where they are those of the first row, or where the line holds nothing else.
-   pure subroutine strip_line(bytes, first, last, skeleton, same)
-      !> Holds the line at first:last, without its end
-      integer(int8), intent(inout), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      !> Of the first row
-      integer(int64), intent(in) :: skeleton
-      !> False where the marks are others
-      logical, intent(out) :: same
-      type(marks_type) :: marks
-
-      call walk(bytes, first, last, .false., marks)
-      same = marks%skeleton == skeleton .or. marks%values + marks%labels == 0
-      if (same) call walk(bytes, first, last, .true., marks)
-   end subroutine strip_line
-
-   !> The same for lines; others become blank where only rows with the labels of the first are wanted.
+   !> Writes blanks for the marks of lines where they are those of the first row, or where a line holds nothing else; others become
+   !> blank where only rows with the labels of the first are wanted.
    pure subroutine strip_lines(bytes, first, last, layout)
       !> Holds lines at first:last, a line feed at last
       integer(int8), intent(inout), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
+      !> With the skeleton of the first row
       type(layout_type), intent(in) :: layout
+      type(marks_type) :: marks
       integer(int64) :: at, feed
-      logical :: same
 
       at = first
       do while (at <= last)
-         feed = at
-         do while (bytes(feed) /= 10)
-            feed = feed + 1
-         end do
-         call strip_line(bytes, at, feed - 1, layout%skeleton, same)
-         if (layout%where_label .and. .not. same) bytes(at:feed - 1) = blank
+         feed = line_feed_from(bytes, at)
+         call find_marks(bytes, at, feed - 1, .false., marks)
+         if (marks%skeleton == layout%skeleton .or. marks%values + marks%labels == 0) then
+            call find_marks(bytes, at, feed - 1, .true., marks)
+         else if (layout%where_label) then
+            bytes(at:feed - 1) = blank
+         end if
          at = feed + 1
       end do
    end subroutine strip_lines
 
-   !> Goes through a line; writes blanks for its marks or leaves them.
-   pure subroutine walk(bytes, first, last, erase, marks)
+   !> The marks of a line; writes blanks for them or leaves them.
+   pure subroutine find_marks(bytes, first, last, erase, marks)
+      !> Holds the line at first:last, without its end
       integer(int8), intent(inout), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
+      !> True for blanks
       logical, intent(in) :: erase
       type(marks_type), intent(out) :: marks
       integer(int64) :: p, to, pending
@@ -126,7 +103,7 @@ contains
          end if
          p = to + 1
       end do
-   end subroutine walk
+   end subroutine find_marks
 
    !> True for a character of a set; quick, as no text is built.
    pure logical function is_in(sign, set)

@@ -15,12 +15,14 @@ module gyroakf_io_selection
    use gyroakf_record, only : add_text, text_type
    implicit none (type, external)
    private
-   public :: find_interleaved, find_kinds_of_records, is_wanted, set_condition
+   public :: first_rows, find_interleaved, find_kinds_of_records, is_wanted, set_condition
 
    !> Rows at the start that are looked at, and the most sensors in them
    integer, parameter :: most_rows = 64, most_sensors = 8
    !> Tables of more columns are not looked at
    integer, parameter :: most_columns = 256
+   !> Fields at the start that are looked at
+   integer, parameter :: most_fields = 1000000
 
 contains
 
@@ -58,12 +60,10 @@ contains
       if (found /= number%ok) layout%where_number = ieee_value(1.0_dp, ieee_quiet_nan)
    end subroutine set_condition
 
-   !> Looks at the first rows for a column that alternates between few values while the time stamps repeat, and says so.
-   subroutine find_interleaved(bytes, first, last, layout, names, time, class, kinds, what)
-      !> Holds rows from first on, up to the line feed at last
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      type(layout_type), intent(in) :: layout
+   !> Looks for a column that alternates between few values while the time stamps repeat, and says so.
+   subroutine find_interleaved(field, names, time, class, kinds, what)
+      !> Of [[first_rows]]
+      type(text_type), intent(in) :: field(:, :)
       type(column_names_type), intent(in) :: names
       !> The column of the time, 0 where it is not known
       integer, intent(in) :: time
@@ -72,18 +72,14 @@ contains
       !> COLUMN=VALUE of each sensor, and the message; unallocated where there is one sensor
       type(text_type), allocatable, intent(out) :: kinds(:)
       character(:), allocatable, intent(out) :: what
-      type(text_type), allocatable :: field(:, :)
-      integer :: rows, j, k, sensors
+      integer :: j, k, sensors
 
-      if (layout%columns > most_columns) return
-      allocate (field(most_rows, layout%columns))
-      call first_rows(bytes, first, last, layout, field, rows)
-      if (rows < 8) return
-      do j = 1, layout%columns
+      if (size(field, 2) > most_columns .or. size(field, 1) < 8) return
+      do j = 1, size(field, 2)
          if (j == time .or. class(j) == column_class%rate .or. class(j) == column_class%acceleration) cycle
          sensors = 0
-         do k = max(1, time), merge(time, layout%columns, time > 0)
-            if (k /= j) sensors = max(sensors, alternating(field(:rows, j), field(:rows, k), time > 0))
+         do k = max(1, time), merge(time, size(field, 2), time > 0)
+            if (k /= j) sensors = max(sensors, alternating(field(:, j), field(:, k), time > 0))
          end do
          if (sensors == 0) cycle
          what = label_of(names, j)//" alternates between "//integer_text(int(sensors, int64))// &
@@ -95,25 +91,21 @@ contains
       end do
    end subroutine find_interleaved
 
-   !> Looks at the first rows for a column of words that repeat, with only times and counters before it: rows that hold another
-   !> word than the first row are wrong then. A column of words behind the samples says something about a row.
-   subroutine find_kinds_of_records(bytes, first, last, names, texts, layout)
-      !> Holds rows from first on, up to the line feed at last
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
+   !> Looks for a column of words that repeat, with only times and counters before it: rows that hold another word than the first
+   !> row are wrong then. A column of words behind the samples says something about a row.
+   subroutine find_kinds_of_records(field, names, texts, layout)
+      !> Of [[first_rows]]
+      type(text_type), intent(in) :: field(:, :)
       type(column_names_type), intent(in) :: names
       !> Columns of words: [column]
       logical, intent(in) :: texts(:)
       !> `where_column`, `where_value` and `strict` are set
       type(layout_type), intent(inout) :: layout
-      type(text_type), allocatable :: field(:, :)
       type(error_type), allocatable :: failed
       integer :: rows, i, j, k, words
 
-      if (layout%columns > most_columns .or. .not. any(texts)) return
-      allocate (field(most_rows, layout%columns))
-      call first_rows(bytes, first, last, layout, field, rows)
-      do j = 1, layout%columns
+      rows = size(field, 1)
+      do j = 1, merge(size(texts), 0, size(texts) <= most_columns)
          if (.not. texts(j)) cycle
          if (names%known) then
             if (.not. any(class_of(names%name(j)%text, "") == [column_class%unknown, column_class%counter])) cycle
@@ -142,17 +134,21 @@ contains
       if (len(text) == 0 .or. scan(text, " =()[]$*?#;&|<>'""") > 0) text = integer_text(int(column, int64))
    end function selector
 
-   !> The fields of the first rows.
-   subroutine first_rows(bytes, first, last, layout, field, rows)
+   !> The fields of the first rows up to one that has too few; only those that are wanted.
+   pure subroutine first_rows(bytes, first, last, layout, field)
+      !> Holds rows from first on, up to the line feed at last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
+      !> `columns`, `joined` and the condition are known
       type(layout_type), intent(in) :: layout
-      type(text_type), intent(inout) :: field(:, :)
-      integer, intent(out) :: rows
+      !> [row, column]; fewer rows than 64 where there are many columns
+      type(text_type), allocatable, intent(out) :: field(:, :)
       type(fields_type) :: fields
       integer(int64) :: at, to
-      integer :: j
+      integer :: rows, j
+      logical :: wanted
 
+      allocate (field(max(8, min(most_rows, most_fields/max(1, layout%columns))), layout%columns))
       rows = 0
       at = first
       do while (at <= last .and. rows < size(field, 1))
@@ -160,14 +156,19 @@ contains
          if (.not. is_comment(bytes, at, to - 1) .and. first_visible(bytes, at, to - 1) < to) then
             call split_line(bytes, at, to - 1, split%mixed, fields)
             call join_fields(bytes, layout, fields)
-            if (fields%count < layout%columns) return
-            rows = rows + 1
-            do j = 1, layout%columns
-               field(rows, j)%text = bytes_text(bytes, fields%first(j), fields%last(j))
-            end do
+            wanted = layout%where_column == 0
+            if (.not. wanted) wanted = agrees(bytes, fields, layout)
+            if (wanted) then
+               if (fields%count < layout%columns) exit
+               rows = rows + 1
+               do j = 1, layout%columns
+                  field(rows, j)%text = bytes_text(bytes, fields%first(j), fields%last(j))
+               end do
+            end if
          end if
          at = to + 1
       end do
+      field = field(:rows, :)
    end subroutine first_rows
 
    !> The number of values that a column goes through again and again while the stamps repeat in most rows; 0 where it does not.

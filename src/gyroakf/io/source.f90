@@ -71,31 +71,23 @@ contains
       if (present(bytes)) source%bytes => bytes
       if (associated(source%bytes)) then
          source%length = size(source%bytes, kind=int64)
-         call find_gzip(source, error)
-         return
-      end if
-      if (path == "-") then
+      else if (path == "-") then
          source%name = "<stdin>"
          source%descriptor = 0
-         call find_gzip(source, error)
-         return
-      end if
-      if (is_directory(path)) then
+      else if (is_directory(path)) then
          call fatal_error(error, status%io, path//": is a directory"//new_line("a")//"give the file in it that holds the record")
-         return
+      else
+         inquire (file=path, exist=exists, size=source%length)
+         source%length = max(source%length, 0_int64)
+         if (exists) source%descriptor = c_open(path//c_null_char, 0_c_int)
+         if (.not. exists) then
+            call fatal_error(error, status%io, path//": no such file"//new_line("a")//"check the path; - reads standard input")
+         else if (source%descriptor < 0) then
+            call find_reason(path, "read", reason)
+            call fatal_error(error, status%io, path//": cannot be opened: "//reason//new_line("a")//"check the file's permissions")
+         end if
       end if
-      inquire (file=path, exist=exists, size=source%length)
-      if (.not. exists) then
-         call fatal_error(error, status%io, path//": no such file"//new_line("a")// &
-                          "check the path; - reads standard input")
-         return
-      end if
-      source%length = max(source%length, 0_int64)
-      source%descriptor = c_open(path//c_null_char, 0_c_int)
-      if (source%descriptor >= 0) call find_gzip(source, error)
-      if (source%descriptor >= 0) return
-      call find_reason(path, "read", reason)
-      call fatal_error(error, status%io, path//": cannot be opened: "//reason//new_line("a")//"check the file's permissions")
+      if (.not. allocated(error)) call find_gzip(source, error)
    end subroutine open_source
 
    !> Why a file cannot be opened, in the words of the system.

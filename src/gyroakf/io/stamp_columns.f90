@@ -7,29 +7,15 @@ module gyroakf_io_stamp_columns
    use gyroakf_kinds, only : int8, int64
    use gyroakf_io_date, only : kind_of_field, is_day_first, is_digit, stamp_kind, stamp_origin
    use gyroakf_io_rows, only : join_fields, layout_type
-   use gyroakf_io_text, only : fields_type, first_visible, last_visible
+   use gyroakf_io_text, only : fields_type
    implicit none (type, external)
    private
    public :: find_joined, find_kinds, pair_stamps, ambiguous_date, date_advice
-   public :: comma_mode, seconds_comma, decimal_fields, make_points
-
-   !> What commas are, reached as `comma_mode%decimal`
-   type :: comma_mode_enum
-      !> They part columns
-      integer :: separator = 0
-      !> Every comma is a decimal comma
-      integer :: decimal = 1
-      !> Those behind the seconds of a time of day are decimal commas
-      integer :: seconds = 2
-   end type comma_mode_enum
-
-   !> All modes
-   type(comma_mode_enum), parameter :: comma_mode = comma_mode_enum()
 
    !> What to do about a date that may be either
    character(*), parameter :: date_advice = "write the year first, as in 2026-05-01, or leave the column out"
 
-   integer(int8), parameter :: tab = 9, blank = 32, quote = 34, apostrophe = 39, comma = 44, point = 46, semicolon = 59, colon = 58
+   integer(int8), parameter :: tab = 9, blank = 32, comma = 44, semicolon = 59
 
 contains
 
@@ -76,9 +62,7 @@ contains
       type(layout_type), intent(inout) :: layout
       integer :: j
 
-      if (allocated(layout%kind)) deallocate (layout%kind)
-      allocate (layout%kind(columns))
-      layout%kind(:) = stamp_kind%number
+      layout%kind = spread(stamp_kind%number, 1, columns)
       do j = 1, min(columns, fields%count)
          layout%kind(j) = kind_of_field(bytes, fields%first(j), fields%last(j))
          if (j == layout%joined) layout%kind(j) = stamp_kind%moment
@@ -134,7 +118,7 @@ contains
 
       associate (first => fields%first(column), last => fields%last(column))
          all_digits = last >= first .and. last - first < 18
-         if (all_digits) all_digits = all(bytes(first:last) >= 48 .and. bytes(first:last) <= 57)
+         if (all_digits) all_digits = all(is_digit(bytes(first:last)))
       end associate
    end function all_digits
 
@@ -151,128 +135,5 @@ contains
       end do
       column = 0
    end function ambiguous_date
-
-   !> True where a comma stands before the decimals of the seconds, as in `12:00:00,123;1.5`: 3, 6 or 9 digits, perhaps a zone, then
-   !> a blank, tab or semicolon; and no comma parts columns.
-   pure logical function seconds_comma(bytes, first, last)
-      !> Holds the first row at first:last
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      integer(int64) :: p, q
-      logical :: quoted
-
-      seconds_comma = .false.
-      quoted = .false.
-      do p = first, last
-         if (bytes(p) == quote .or. bytes(p) == apostrophe) quoted = .not. quoted
-         if (bytes(p) /= comma .or. quoted) cycle
-         if (.not. behind_seconds(bytes, p, first)) then
-            seconds_comma = .false.
-            return
-         end if
-         q = p + 1
-         do while (is_digit(bytes(q)))
-            q = q + 1
-         end do
-         if (mod(q - p - 1, 3_int64) /= 0 .or. q - p > 10) return
-         do while (in_zone(bytes(q)))
-            q = q + 1
-         end do
-         if (q > last) return
-         if (bytes(q) /= blank .and. bytes(q) /= tab .and. bytes(q) /= semicolon) return
-         seconds_comma = .true.
-      end do
-   end function seconds_comma
-
-   !> Columns of a row between semicolons, tabs or blanks where every comma in it may be a decimal comma: between two digits, one
-   !> at most in a field, and no decimal points but in dates and times of day; 0 where one cannot be.
-   pure integer function decimal_fields(bytes, first, last) result(fields)
-      !> Holds the row at first:last
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      integer(int64) :: p, from, to
-      integer :: commas, points, colons
-      integer(int8) :: parts
-      logical :: at_end
-
-      fields = 0
-      from = first_visible(bytes, first, last)
-      to = last_visible(bytes, first, last)
-      parts = blank
-      if (any(bytes(from:to) == tab)) parts = tab
-      if (any(bytes(from:to) == semicolon)) parts = semicolon
-      commas = 0
-      points = 0
-      colons = 0
-      do p = from, to + 1
-         at_end = p > to
-         if (.not. at_end) at_end = bytes(p) == blank .or. bytes(p) == tab .or. bytes(p) == semicolon
-         if (at_end) then
-            if (points == 2 .and. colons > 0) points = 0                ! of a date before a time of day
-            if (commas > 1 .or. (points > 0 .and. commas > 0) .or. (points > 0 .and. colons == 0 .and. points /= 2) .or. &
-                (colons > 0 .and. commas > 0 .and. p > to)) then
-               fields = 0
-               return
-            end if
-            commas = 0
-            points = 0
-            colons = 0
-            if (p > to) then
-               if (bytes(to) /= parts) fields = fields + 1
-            else if (bytes(p) == parts .and. (parts /= blank .or. bytes(p + 1) /= blank)) then
-               fields = fields + 1
-            end if
-            cycle
-         end if
-         if (bytes(p) == point) points = points + 1
-         if (bytes(p) == colon) colons = colons + 1
-         if (bytes(p) /= comma) cycle
-         commas = commas + 1
-         if (p > from .and. p < to) then
-            if (is_digit(bytes(p - 1)) .and. is_digit(bytes(p + 1))) cycle
-         end if
-         fields = 0
-         return
-      end do
-   end function decimal_fields
-
-   !> True for a comma behind `:dd` and before a digit.
-   pure logical function behind_seconds(bytes, p, first)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: p, first
-
-      behind_seconds = .false.
-      if (p < first + 3) return
-      behind_seconds = bytes(p - 3) == colon .and. is_digit(bytes(p - 2)) .and. is_digit(bytes(p - 1)) .and. is_digit(bytes(p + 1))
-   end function behind_seconds
-
-   !> True for a byte of a zone behind a time of day: Z, +02:00.
-   pure logical function in_zone(byte)
-      integer(int8), intent(in) :: byte
-
-      in_zone = is_digit(byte) .or. byte == iachar("Z") .or. byte == iachar("z") .or. byte == iachar("+") .or. &
-                byte == iachar("-") .or. byte == colon
-   end function in_zone
-
-   !> Writes points for decimal commas; doing it twice does no harm.
-   pure subroutine make_points(bytes, first, last, mode)
-      !> Lines at first:last, a line feed at last
-      integer(int8), intent(inout), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      !> One of the components of [[gyroakf_io_stamp_columns:comma_mode]]
-      integer, intent(in) :: mode
-      integer(int64) :: i
-
-      if (mode == comma_mode%decimal) then
-         do i = first, last
-            bytes(i) = merge(point, bytes(i), bytes(i) == comma)
-         end do
-      else if (mode == comma_mode%seconds) then
-         do i = first, last
-            if (bytes(i) /= comma) cycle
-            if (behind_seconds(bytes, i, first)) bytes(i) = point
-         end do
-      end if
-   end subroutine make_points
 
 end module gyroakf_io_stamp_columns

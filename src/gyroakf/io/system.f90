@@ -18,24 +18,44 @@ module gyroakf_io_system
    !> A call that fails is tried again so often: signals interrupt it, and a descriptor may be non-blocking
    integer, parameter :: most_tries = 1000
 
-   interface
-      function c_open(path, flags) result(descriptor) bind(C, name="open")
+   abstract interface
+      !> What is done with a path
+      function path_call(path) result(failed) bind(C)
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int) :: failed
+      end function path_call
+
+      !> The same with flags or a mode: a descriptor, or whether it failed
+      function path_flag_call(path, flags) result(answer) bind(C)
          import :: c_char, c_int
          implicit none (type, external)
          character(kind=c_char), intent(in) :: path(*)
          integer(c_int), intent(in), value :: flags
-         integer(c_int) :: descriptor
-      end function c_open
+         integer(c_int) :: answer
+      end function path_flag_call
 
-      function c_read(descriptor, buffer, count) result(got) bind(C, name="read")
+      !> Moves bytes between a buffer and a file that is open: how many
+      function buffer_call(descriptor, buffer, count) result(moved) bind(C)
          import :: c_int, c_long, c_ptr, c_size_t
          implicit none (type, external)
          integer(c_int), intent(in), value :: descriptor
          type(c_ptr), intent(in), value :: buffer
          integer(c_size_t), intent(in), value :: count
-         integer(c_long) :: got
-      end function c_read
+         integer(c_long) :: moved
+      end function buffer_call
+   end interface
 
+   procedure(path_call), bind(C, name="unlink") :: c_unlink
+   procedure(path_call), bind(C, name="rmdir") :: c_rmdir
+   procedure(path_flag_call), bind(C, name="open") :: c_open
+   procedure(path_flag_call), bind(C, name="creat") :: c_creat
+   procedure(path_flag_call), bind(C, name="mkdir") :: c_mkdir
+   procedure(buffer_call), bind(C, name="read") :: c_read
+   procedure(buffer_call), bind(C, name="write") :: c_write
+
+   interface
       function c_pread(descriptor, buffer, count, offset) result(got) bind(C, name="pread")
          import :: c_int, c_long, c_ptr, c_size_t
          implicit none (type, external)
@@ -62,43 +82,12 @@ module gyroakf_io_system
          integer(c_int) :: ready
       end function c_poll
 
-      function c_creat(path, mode) result(descriptor) bind(C, name="creat")
-         import :: c_char, c_int
-         implicit none (type, external)
-         character(kind=c_char), intent(in) :: path(*)
-         integer(c_int), intent(in), value :: mode
-         integer(c_int) :: descriptor
-      end function c_creat
-
-      function c_write(descriptor, buffer, count) result(done) bind(C, name="write")
-         import :: c_int, c_long, c_ptr, c_size_t
-         implicit none (type, external)
-         integer(c_int), intent(in), value :: descriptor
-         type(c_ptr), intent(in), value :: buffer
-         integer(c_size_t), intent(in), value :: count
-         integer(c_long) :: done
-      end function c_write
-
       function c_rename(old, new) result(failed) bind(C, name="rename")
          import :: c_char, c_int
          implicit none (type, external)
          character(kind=c_char), intent(in) :: old(*), new(*)
          integer(c_int) :: failed
       end function c_rename
-
-      function c_unlink(path) result(failed) bind(C, name="unlink")
-         import :: c_char, c_int
-         implicit none (type, external)
-         character(kind=c_char), intent(in) :: path(*)
-         integer(c_int) :: failed
-      end function c_unlink
-
-      function c_rmdir(path) result(failed) bind(C, name="rmdir")
-         import :: c_char, c_int
-         implicit none (type, external)
-         character(kind=c_char), intent(in) :: path(*)
-         integer(c_int) :: failed
-      end function c_rmdir
 
       !> Fails for what is no regular file
       function c_truncate(path, length) result(failed) bind(C, name="truncate")
@@ -114,14 +103,6 @@ module gyroakf_io_system
          implicit none (type, external)
          integer(c_int) :: process
       end function c_getpid
-
-      function c_mkdir(path, mode) result(failed) bind(C, name="mkdir")
-         import :: c_char, c_int
-         implicit none (type, external)
-         character(kind=c_char), intent(in) :: path(*)
-         integer(c_int), intent(in), value :: mode
-         integer(c_int) :: failed
-      end function c_mkdir
    end interface
 
 contains

@@ -12,7 +12,7 @@ module gyroakf_io_table
       & suppose_record_names, take_heading
    use gyroakf_io_leave_out, only : analyzed_columns, classes_of, find_texts, in_order
    use gyroakf_io_lines, only : line_end, line_map_type, next_line, lines_type, map_row, more_lines
-   use gyroakf_io_marks, only : find_marks, marks_type, name_fields, strip_line, strip_lines
+   use gyroakf_io_marks, only : find_marks, marks_type, name_fields, strip_lines
    use gyroakf_io_place, only : integer_text, place_error
    use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_rows, only : excerpt, join_fields, layout_type
@@ -20,7 +20,7 @@ module gyroakf_io_table
    use gyroakf_io_stamp_columns, only : ambiguous_date, date_advice, find_joined, find_kinds, pair_stamps
    use gyroakf_io_stamps, only : fraction_of
    use gyroakf_io_store, only : store_type
-   use gyroakf_io_selection, only : find_interleaved, find_kinds_of_records, is_wanted, set_condition
+   use gyroakf_io_selection, only : find_interleaved, find_kinds_of_records, first_rows, is_wanted, set_condition
    use gyroakf_io_text, only : begins_with_semicolon, bytes_text, fields_type, first_visible, is_comment, split, split_line
    use gyroakf_record, only : add_text, text_type
    use gyroakf_spelling, only : lower
@@ -220,14 +220,12 @@ contains
       type(marks_type) :: marks
       integer(int8) :: line(last)
       integer :: array
-      logical :: same
 
       skipped = .false.
       if (.not. allocated(options%where)) return
       line(:) = lines%bytes(:last)
       names = table%names
-      call find_marks(line, lines%at, last, marks)
-      call strip_line(line, lines%at, last, marks%skeleton, same)
+      call find_marks(line, lines%at, last, .true., marks)
       call split_line(line, lines%at, last, split%mixed, fields)
       if (marks%labels > 0) call name_fields(lines%bytes, lines%at, fields, names, array)
       call set_condition(options%where, names, most_columns, table%layout, failed)
@@ -269,6 +267,7 @@ contains
       integer :: named, partner, fraction
       character(:), allocatable :: word
       logical, allocatable :: texts(:)
+      type(text_type), allocatable :: field(:, :)
       logical :: nano
 
       last = line_end(lines)
@@ -286,21 +285,19 @@ contains
       call refuse_ambiguous_dates(lines, last, options, fields, table, error)
       if (allocated(error)) return
       call find_joined(lines%bytes, lines%at, last, names_at_hand(table), table%layout, fields)
-      named = 0
-      if (table%names%known) named = size(table%names%name)
-      if (table%header%names%known .and. .not. table%names%known) call take_header_names(fields, table, named)
-      if (table%supposed%known .and. .not. table%names%known) call take_supposed_names(fields, table, named)
-      if (named > 0 .and. .not. fits_names(fields, named)) then
-         call split_line(lines%bytes, lines%at, last, split%tabs, fields)
-         call join_fields(lines%bytes, table%layout, fields)
-      end if
-      if (named > 0) then
+      if (.not. table%names%known) call take_names(fields, table)
+      named = fields%count
+      if (table%names%known) then
+         if (.not. fits_names(fields, size(table%names%name))) then
+            call split_line(lines%bytes, lines%at, last, split%tabs, fields)
+            call join_fields(lines%bytes, table%layout, fields)
+         end if
          call drop_empty_names(fields%count - merge(1, 0, fields%trailing), table%names)
          named = size(table%names%name)
       end if
       call refuse_equal_names(by_number(options), table%name, table%names, error)
       if (allocated(error)) return
-      if (named > 0 .and. .not. fits_names(fields, named)) then
+      if (.not. fits_names(fields, named)) then
          call split_line(lines%bytes, lines%at, last, split%mixed, fields)
          call place_error(error, table%name, lines%number, lines%bytes, lines%at, last, &
             fields%last(min(fields%count, named)) + 1, integer_text(int(fields%count, int64))//" columns where line "// &
@@ -308,7 +305,7 @@ contains
             "name every column, or mend the line")
          return
       end if
-      table%layout%columns = merge(named, fields%count, named > 0)
+      table%layout%columns = named
       table%layout%semicolons = any(lines%bytes(lines%at:fields%last(fields%count)) == iachar(";"))
       table%layout%last_optional = fields%trailing
       if (allocated(options%where)) then
@@ -317,14 +314,13 @@ contains
          if (table%layout%where_label) table%layout%where_column = 0
       end if
       call find_kinds(lines%bytes, fields, table%layout%columns, table%layout)
-      call find_texts(lines%bytes, lines%at, lines%last, table%layout, texts)
-      if (.not. allocated(options%where)) call find_kinds_of_records(lines%bytes, lines%at, lines%last, table%names, texts, &
-         table%layout)
+      call first_rows(lines%bytes, lines%at, lines%last, table%layout, field)
+      call find_texts(field, texts)
+      if (.not. allocated(options%where)) call find_kinds_of_records(field, table%names, texts, table%layout)
       call choose(options, texts, table, fraction, nano, error)
       if (allocated(error)) return
       if (.not. allocated(options%where) .and. (table%time > 0 .or. .not. allocated(options%time_column))) then
-         call find_interleaved(lines%bytes, lines%at, lines%last, table%layout, table%names, table%time, table%class, table%kinds, &
-                               word)
+         call find_interleaved(field, table%names, table%time, table%class, table%kinds, word)
          if (allocated(table%kinds)) call place_error(error, table%name, lines%number, lines%bytes, lines%at, last, lines%at, &
                                                       word, "read one of them")
          if (allocated(error)) return
@@ -345,7 +341,7 @@ contains
       type(fields_type) :: fields
       integer :: array
 
-      call find_marks(lines%bytes, lines%at, last, marks)
+      call find_marks(lines%bytes, lines%at, last, .false., marks)
       if (marks%labels + marks%brackets == 0) return
       call split_line(lines%bytes, lines%at, last, split%mixed, fields)
       if (table%names%known) then
@@ -407,33 +403,28 @@ contains
       fits_names = fields%count == named .or. (fields%count == named + 1 .and. fields%trailing)
    end function fits_names
 
-   !> Takes the names of the header's key `columns` where their number is right.
-   subroutine take_header_names(fields, table, named)
+   !> Takes the names of the header's key `columns`, else the words of a comment or of the definition of a record, where their
+   !> number is right.
+   subroutine take_names(fields, table)
       type(fields_type), intent(in) :: fields
       type(table_type), intent(inout) :: table
-      integer, intent(inout) :: named
 
-      if (fits_names(fields, size(table%header%names%name))) then
-         table%names = table%header%names
-         named = size(table%names%name)
-      else
-         call add_text(table%warnings, "line "//integer_text(table%header%names%line)//": the header's columns are "// &
-            integer_text(size(table%header%names%name, kind=int64))//", the first row has "// &
-            integer_text(int(fields%count, int64))//"; the names are ignored")
-      end if
-   end subroutine take_header_names
-
-   !> Takes the words of a comment, or of the definition of a record, for names where their number is right, and says so.
-   subroutine take_supposed_names(fields, table, named)
-      type(fields_type), intent(in) :: fields
-      type(table_type), intent(inout) :: table
-      integer, intent(inout) :: named
-
+      associate (names => table%header%names)
+         if (names%known) then
+            if (fits_names(fields, size(names%name))) then
+               table%names = names
+               return
+            end if
+            call add_text(table%warnings, "line "//integer_text(names%line)//": the header's columns are "// &
+               integer_text(size(names%name, kind=int64))//", the first row has "// &
+               integer_text(int(fields%count, int64))//"; the names are ignored")
+         end if
+      end associate
+      if (.not. table%supposed%known) return
       if (.not. fits_names(fields, size(table%supposed%name))) return
       table%names = table%supposed
-      named = size(table%names%name)
       call add_text(table%warnings, "the names of the columns are taken from line "//integer_text(table%names%line))
-   end subroutine take_supposed_names
+   end subroutine take_names
 
    !> The columns that are kept.
    subroutine choose(options, texts, table, fraction, nano, error)

@@ -7,6 +7,7 @@
 module gyroakf_io_text_rows
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_commas, only : make_points
    use gyroakf_io_lines, only : check_length, end_last_line, line_end, lines_type, make_room, map_row, turn_returns
    use gyroakf_io_marks, only : strip_lines
    use gyroakf_io_number, only : digits_ahead
@@ -15,7 +16,6 @@ module gyroakf_io_text_rows
    use gyroakf_io_rows, only : layout_type, problem_type, read_row
    use gyroakf_io_source, only : has_places, read_block, read_piece, source_left
    use gyroakf_io_span, only : read_span, span_type
-   use gyroakf_io_stamp_columns, only : make_points
    use gyroakf_io_store, only : count_rows, next_chunk
    use gyroakf_io_table, only : table_type
    use gyroakf_io_text, only : fields_type
