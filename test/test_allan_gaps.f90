@@ -352,6 +352,12 @@ contains
       options%kind = "totdev"
       call compute_allan(rate, 1.0_dp, options, curve, failure)
       call check(error, curve%terms(1) == 999 - 20, "totdev: terms")
+      if (allocated(error)) return
+      rate(50::150) = rate(500)
+      options%kind = "oadev"
+      options%taus = "1,10,100"
+      call compute_allan(rate, 1.0_dp, options, curve, failure)
+      call check(error, size(curve%m) == 2 .and. size(curve%left_out) == 1 .and. all(curve%left_out == 100), "left out")
    end subroutine test_strict
 
    subroutine test_time_deviation(error)

@@ -188,6 +188,19 @@ is "adapts R" "$(sed -n '/"akf": {/,/"warnings"/p' robust.json | grep '"estimate
 "$gyroakf" simulate --samples 3000 --rate 10 --coefficients N=0.01 --output white.txt
 good "white noise" filter white.txt --json white.json --quiet
 is "no drift: null" "$(grep -cE '"(drift_kf|drift_akf|drift_smoother)": null' white.json)" 3
+# averaging times without a term: scattered losses, one long gap
+curve_lacks="missing samples leave no windows that are complete enough for the Allan deviation at"
+for lost in 0.12 0.5 0.8; do
+   "$gyroakf" simulate --samples 40000 --rate 100 --coefficients N=0.01,K=0.0001 --seed 3 --missing $lost --output lost.txt --force
+   good "$lost of the samples lost" allan lost.txt --json lost.json --force
+   cp out "lost_$lost"
+   is "$lost of the samples lost: averaging times" "$(grep -c "$curve_lacks" lost.json)" "$(case $lost in 0.8) echo 1 ;; *) echo 0 ;; esac)"
+done
+holds "averaging times left out" "$curve_lacks 3 averaging times, tau = 0.08 to 0.32 s; --min-coverage" lost_0.8
+awk 'BEGIN { srand(2); for (i = 0; i < 4000; i++) print (i > 400 && i % 2000 < 1500 ? "nan" : rand() - 0.5) }' >cut.txt
+good "curve that ends early" allan cut.txt --rate 10 --json cut.json
+holds "where the curve ends" "$curve_lacks 2 averaging times, tau = 51.2 to 102.4 s: the curve ends at tau = 25.6 s" out
+holds "where the curve ends, in the document" "tau = 51.2 to 102.4 s: the curve ends at tau = 25.6 s" cut.json
 "$gyroakf" simulate --samples 20000 --rate 10 --coefficients N=0.01,K=0.002 --offset 3 --missing 0.01 --output walk.txt
 good "a record that drifts" run walk.txt --out walk --json walk.json
 for text in "Model           random walk + white noise" "In-sample: the drift was taken" "drift AKF " \

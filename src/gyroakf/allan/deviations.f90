@@ -83,6 +83,8 @@ module gyroakf_allan_deviations
       real(dp) :: confidence = 0.683_dp
       !> Averaging factors, and terms that were averaged
       integer(int64), allocatable :: m(:), terms(:)
+      !> Averaging factors that are not in the curve: missing samples leave no term
+      integer(int64), allocatable :: left_out(:)
       !> Averaging times in seconds; deviation and its limits in the unit of the rate; equivalent degrees of freedom
       real(dp), allocatable :: tau(:), deviation(:), lower(:), upper(:), edf(:)
       !> Exponent of the power-law noise that dominates (2 quantisation, 0 white, -1 flicker, -2 random walk)
@@ -108,7 +110,7 @@ contains
       real(dp), intent(in) :: sample_interval
       !> Statistic, grid, confidence, coverage
       type(allan_options), intent(in) :: options
-      !> The curve; averaging times at which no term is left are not in it
+      !> The curve; averaging times at which no term is left are not in it but in its `left_out`
       type(allan_curve_type), intent(out) :: curve
       !> invalid_argument, not_supported (unknown kind), too_few_samples, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
@@ -367,6 +369,7 @@ contains
       curve%samples = n
       curve%confidence = confidence
       points = count(terms > 0)
+      curve%left_out = pack(m, terms <= 0)
       if (points == 0) then
          call fatal_error(error, status%too_few_samples, "too many samples are missing: no averaging time has a complete window")
          return

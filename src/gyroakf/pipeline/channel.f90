@@ -23,7 +23,7 @@ module gyroakf_pipeline_channel
    use gyroakf_pipeline_shared_pass, only : plan_pass, run_adf
    use gyroakf_pipeline_channel_periodicity, only : run_periodicity
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_outliers, warn_order, warn_model, &
-      warn_fit, warn_centred
+      warn_curve, warn_fit, warn_centred
    implicit none (type, external)
    private
    public :: run_channel
@@ -133,6 +133,7 @@ contains
             channel%allan(stage%cleaned) = channel%allan(stage%input)
          end if
          if (allocated(error)) return
+         call warn_curve(channel, record)
          call warn_fit(channel)
          call tell_progress("comparing the halves", 0_int64, size(x, kind=int64), error, progress)
          if (allocated(error)) return

@@ -3,13 +3,14 @@
 module gyroakf_pipeline_warnings
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, status
-   use gyroakf_record, only : add_text
+   use gyroakf_record, only : add_text, record_type
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_place, only : integer_text
    use gyroakf_pipeline_result, only : channel_result_type, not_described, stage
    implicit none (type, external)
    private
-   public :: is_fatal, is_of_channel, note_failure, warn_outliers, warn_order, warn_model, warn_fit, warn_centred
+   public :: is_fatal, is_of_channel, note_failure, warn_outliers, warn_order, warn_model, warn_curve, warn_fit, &
+      warn_centred
 
    !> So many times of outliers are named
    integer, parameter :: named_outliers = 8
@@ -121,6 +122,31 @@ contains
          end if
       end associate
    end subroutine warn_model
+
+   !> Averaging times that missing samples take out of the Allan curve.
+   pure subroutine warn_curve(channel, record)
+      !> Gets a warning
+      type(channel_result_type), intent(inout) :: channel
+      !> For the sample interval
+      type(record_type), intent(in) :: record
+      character(:), allocatable :: text, unit
+
+      if (.not. channel%allan(stage%input)%available) return
+      associate (curve => channel%allan(stage%input)%curve)
+         if (size(curve%left_out) == 0) return
+         unit = " s"
+         if (.not. record%rate_known) unit = " samples"
+         text = format_real(curve%left_out(1)*curve%sample_interval, 6)
+         if (size(curve%left_out) > 1) text = text//" to "// &
+            format_real(curve%left_out(size(curve%left_out))*curve%sample_interval, 6)
+         text = "missing samples leave no windows that are complete enough for the Allan deviation at "// &
+            integer_text(size(curve%left_out, kind=int64))//" averaging "// &
+            trim(merge("time ", "times", size(curve%left_out) == 1))//", tau = "//text//unit
+         if (curve%left_out(size(curve%left_out)) > curve%m(size(curve%m))) text = text//": the curve ends at tau = "// &
+            format_real(curve%tau(size(curve%tau)), 6)//unit
+         call add_text(channel%warnings, text//"; --min-coverage sets the share of a window that must be present")
+      end associate
+   end subroutine warn_curve
 
    !> Curves that the terms do not describe, or only in part.
    pure subroutine warn_fit(channel)
