@@ -24,6 +24,7 @@ program test_main
    use test_ar_roots, only : collect_ar_roots
    use test_ar_spectrum, only : collect_ar_spectrum
    use test_audit, only : collect_audit
+   use test_auto_outliers, only : collect_auto_outliers
    use test_cadence, only : collect_cadence
    use test_report_models, only : collect_report_models
    use test_resample, only : collect_resample
@@ -128,6 +129,7 @@ program test_main
    call add("ar_roots", collect_ar_roots)
    call add("ar_spectrum", collect_ar_spectrum)
    call add("audit", collect_audit)
+   call add("auto_outliers", collect_auto_outliers)
    call add("cadence", collect_cadence)
    call add("report_models", collect_report_models)
    call add("resample", collect_resample)

@@ -5,7 +5,7 @@ module test_hampel
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
-   use gyroakf_preprocess_local_outliers, only : largest_half_width, least_present, mark_hampel, mark_isolated
+   use gyroakf_preprocess_local_outliers, only : largest_half_width, least_present, mark_hampel
    use gyroakf_preprocess_truncation, only : hampel_share
    use series_library, only : reference_series
    use testdrive, only : check, error_type, new_unittest, unittest_type
@@ -31,7 +31,6 @@ contains
          & new_unittest("offset_scale", test_offset_scale), &
          & new_unittest("false_alarms", test_false_alarms), &
          & new_unittest("cleaning", test_cleaning), &
-         & new_unittest("isolated", test_isolated), &
          & new_unittest("failures", test_failures)]
    end subroutine collect_hampel
 
@@ -334,32 +333,6 @@ contains
       if (allocated(error)) return
       call check(error, result%corrected_variance, 0.0_dp, thr=tiny(x))
    end subroutine test_cleaning
-
-   !> A burst to and fro ten times as large as the rest is no outlier, a spike of the same size elsewhere is; both are beyond
-   !> the limit of the record.
-   subroutine test_isolated(error)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
-      real(dp), allocatable :: x(:), cleaned(:)
-      integer(int8), allocatable :: mask(:)
-      integer(int64) :: changed, removed
-      integer :: i
-      type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
-
-      x = reference_series("wn", 8000)
-      x(3000:3060) = x(3000:3060) + [(10.0_dp*sin(0.7_dp*real(i, dp)), i = 0, 60)]
-      x(5000) = 10.0_dp
-      call clean_series(x, clean_options(), cleaned, mask, result, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
-      call check(error, result%removed == 1 .and. mask(5000) == 0_int8, "auto")
-      if (allocated(error)) return
-      mask = spread(1_int8, 1, 8000)
-      mask(4996:4999) = 0_int8
-      call mark_isolated(x, 0.0_dp, 4.0_dp, 4.0_dp, 0.0_dp, .true., mask, changed, removed, problem)
-      call check(error, changed == 1 .and. removed == 5, "marks that stay")
-   end subroutine test_isolated
 
    !> Each error.
    subroutine test_failures(error)

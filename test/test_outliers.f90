@@ -3,7 +3,7 @@
 module test_outliers
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_preprocess_outlier_rules, only : check_method, default_threshold, length_threshold, mark_outliers, &
+   use gyroakf_preprocess_outlier_rules, only : check_method, default_threshold, mark_outliers, &
       & robust_centre
    use gyroakf_stats_quantization, only : quantisation_step
    use gyroakf_select, only : find_deviation, find_median
@@ -174,16 +174,16 @@ contains
       call check(error, deviation, 3.0_dp, thr=tolerance)
    end subroutine test_deviation
 
-   !> sqrt(2) erfc^-1(1/(2n)) at 40 digits; the others are constants.
+   !> The threshold that a tenth of a sample of n normal ones exceeds on average; the others are constants.
    subroutine test_thresholds(error)
       !> Failure
       type(error_type), allocatable, intent(out) :: error
 
-      call check(error, length_threshold(1_int64), 0.67448975019608174_dp, thr=tolerance)
+      call check(error, default_threshold("auto", 1_int64), 1.6448536269514729_dp, thr=tolerance)
       if (allocated(error)) return
-      call check(error, length_threshold(12000_int64), 4.0980381236465825_dp, thr=tolerance)
+      call check(error, default_threshold("auto", 12000_int64), 4.456436336205555_dp, thr=tolerance)
       if (allocated(error)) return
-      call check(error, default_threshold("auto", 100000000_int64), 5.8471721450998009_dp, thr=tolerance)
+      call check(error, default_threshold("auto", 100000000_int64), 6.1094102048693975_dp, thr=tolerance)
       if (allocated(error)) return
       call check(error, default_threshold("pauta", 5_int64), 3.0_dp, thr=tolerance)
       if (allocated(error)) return

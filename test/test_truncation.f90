@@ -4,8 +4,8 @@ module test_truncation
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
-   use gyroakf_preprocess_outlier_rules, only : length_threshold
-   use gyroakf_preprocess_truncation, only : expected_false_alarms, final_cut, hampel_share, isolated_share, &
+   use gyroakf_preprocess_outlier_rules, only : default_threshold
+   use gyroakf_preprocess_truncation, only : expected_false_alarms, final_cut, hampel_share, &
       & normal_share_beyond, truncated_deviation
    use series_library, only : reference_series
    use testdrive, only : check, error_type, new_unittest, unittest_type
@@ -77,12 +77,8 @@ contains
       n = expected_false_alarms("pauta", 3.0_dp, 100000000_int64, 1, 0)
       call check(error, n, 269979.6_dp, thr=0.1_dp)
       if (allocated(error)) return
-      n = expected_false_alarms("auto", length_threshold(12000_int64), 12000_int64, 1, 0)
-      call check(error, n, 0.5_dp*isolated_share(length_threshold(12000_int64)), thr=1.0e-11_dp)
-      if (allocated(error)) return
-      ! as simulated: 2000 records of 200 samples, 300 of 20
-      n = expected_false_alarms("auto", length_threshold(200_int64), 200_int64, 0, 0)
-      call check(error, n, 0.376_dp, thr=0.045_dp)
+      n = expected_false_alarms("auto", default_threshold("auto", 12000_int64), 12000_int64, 1, 0)
+      call check(error, n, 0.1_dp, thr=1.0e-11_dp)
       if (allocated(error)) return
       ! of 4 samples (x - mean)/s is uniform from -3/2 to 3/2
       n = expected_false_alarms("pauta", 1.2_dp, 4_int64, 1, 0)

@@ -13,7 +13,7 @@ module gyroakf_pipeline_warnings
       warn_centred
 
    !> So many times of outliers are named
-   integer, parameter :: named_outliers = 8
+   integer, parameter :: named_outliers = 8, named_motions = 3
    !> More than this share removed is a warning
    real(dp), parameter :: outlier_share = 0.01_dp
    !> Residuals are called correlated at this significance, and only where an autocorrelation is as large as this: in a long
@@ -57,7 +57,7 @@ contains
       deallocate (error)
    end subroutine note_failure
 
-   !> More than 1 % of the samples removed: says when.
+   !> Where the sensor moves, and more than 1 % of the samples removed: says when.
    pure subroutine warn_outliers(channel, step, rate_known)
       !> `clean` is filled; gets a warning
       type(channel_result_type), intent(inout) :: channel
@@ -71,9 +71,10 @@ contains
 
       if (.not. channel%clean%converged .and. channel%clean%passes > 1) call add_text(channel%warnings, &
          "the search for outliers did not settle within "//integer_text(int(channel%clean%passes, int64))//" rounds")
+      seconds = merge(step, 0.0_dp, rate_known)
+      if (allocated(channel%clean%motion)) call warn_motion(channel, seconds)
       if (channel%clean%fraction <= outlier_share) return
       times = ""
-      seconds = merge(step, 0.0_dp, rate_known)
       if (allocated(channel%clean%outlier)) then
          last = size(channel%clean%outlier, kind=int64)
          do i = 1, min(last, int(named_outliers, int64))
@@ -90,6 +91,30 @@ contains
                        integer_text(channel%clean%removed)//") were removed as outliers, "//times// &
                        ": look at the recording there")
    end subroutine warn_outliers
+
+   !> Where the sensor moves.
+   pure subroutine warn_motion(channel, seconds)
+      type(channel_result_type), intent(inout) :: channel
+      !> Sample interval, 0 where it is not known
+      real(dp), intent(in) :: seconds
+      character(:), allocatable :: text
+      integer(int64) :: k, stretches
+
+      stretches = size(channel%clean%motion, 2, kind=int64)
+      if (stretches == 0) return
+      text = ""
+      do k = 1, min(stretches, int(named_motions, int64))
+         text = text//", "//moment(channel%clean%motion(1, k), seconds)//" to "//moment(channel%clean%motion(2, k), seconds)
+      end do
+      if (stretches > named_motions) text = text//", ..."
+      if (seconds > 0) then
+         text = "at"//text(2:)//" s"
+      else
+         text = "in samples"//text(2:)
+      end if
+      call add_text(channel%warnings, "motion or vibration "//text//" ("//integer_text(stretches)//" in all): nothing is "// &
+                    "removed there; --from and --to select a part at rest")
+   end subroutine warn_motion
 
    !> How much of the series the model predicts, and whether there is anything to predict.
    pure subroutine warn_order(channel)

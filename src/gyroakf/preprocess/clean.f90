@@ -7,9 +7,10 @@ module gyroakf_preprocess_clean
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_stats_moments, only : moments_type, compute_moments
    use gyroakf_stats_trend, only : largest_degree
+   use gyroakf_preprocess_auto_outliers, only : find_auto_outliers
    use gyroakf_preprocess_outlier_rules, only : check_method, default_threshold
-   use gyroakf_preprocess_local_outliers, only : largest_half_width, least_present
-   use gyroakf_preprocess_truncation, only : expected_false_alarms, truncated_deviation, final_cut, isolated_share
+   use gyroakf_preprocess_local_outliers, only : largest_half_width
+   use gyroakf_preprocess_truncation, only : expected_false_alarms, truncated_deviation, final_cut
    use gyroakf_preprocess_clean_types, only : clean_options, clean_type
    use gyroakf_preprocess_clean_rounds, only : run_rounds, detrend, set_mask
    implicit none (type, external)
@@ -20,18 +21,12 @@ contains
 
    !> Marks outliers as missing and subtracts the trend.
    !>
-   !> Each round fits the trend to the inliers and judges every present sample by its distance from
-   !> that trend, so that a sample marked by mistake comes back; the rounds end when the marks stay.
-   !> `auto` begins with median and MAD, which a gross outlier cannot inflate, and when these marks
-   !> stay (after six rounds at most) goes on with mean and standard deviation. Where median and MAD
-   !> call more than a quarter of the record outliers, it is no record with outliers but one with quiet
-   !> and disturbed stretches, and `auto` begins again with mean and standard deviation of all. With these it marks only what
-   !> stands out among its neighbours too (see gyroakf_preprocess_local_outliers). After
-   !> twelve rounds no mark of any method is taken back, which ends the rounds where samples at the very limit would go to and fro.
-   !> Where the rounds end before the marks stay, the trend is fitted once more, to what is left.
-   !>
-   !> No scale is less than half a quantisation step: a record that sits on one level and now and then on the next is
-   !> not told that its counts are outliers. A step counts as one that ten neighbours at least differ by.
+   !> `auto` looks for outliers about a running median ([[find_auto_outliers]]); the trend is fitted to what is left. The other
+   !> rules judge by the distance from the trend, in rounds: each fits the trend to the inliers and judges every present sample,
+   !> so that one marked by mistake comes back, until the marks stay. After twelve rounds no mark is taken back, which ends the
+   !> rounds where samples at the very limit would go to and fro. Where they end before the marks stay, the trend is fitted once
+   !> more, to what is left. No scale of theirs is less than half a quantization step, which ten neighbors at least differ by: a
+   !> record that sits on one level and now and then on the next has no outliers.
    !> Memory: the results, 9 bytes a sample.
    subroutine clean_series(x, options, cleaned, present_out, result, error, valid, progress)
       !> Series: [n], n >= 1, finite; not modified
@@ -65,7 +60,15 @@ contains
          call detrend(x, options%degree, cleaned, result%trend, error, valid, progress)
       else
          if (.not. options%threshold > 0.0_dp) result%threshold = default_threshold(trim(options%method), found)
-         call run_rounds(x, options, cleaned, present_out, moments, result, error, valid, progress)
+         if (options%method == "auto") then
+            call find_auto_outliers(x, result%threshold, present_out, result%threshold, result%motion, error, valid, progress)
+            if (allocated(error)) return
+            result%passes = 1
+            result%removed = found - count(present_out /= 0_int8, kind=int64)
+            call detrend(x, options%degree, cleaned, result%trend, error, present_out, progress)
+         else
+            call run_rounds(x, options, cleaned, present_out, moments, result, error, valid, progress)
+         end if
       end if
       if (.not. allocated(error)) call tell_progress("cleaning", 0_int64, 0_int64, error, progress)
       if (allocated(error)) return
@@ -220,12 +223,9 @@ contains
       end if
       select case (result%method)
       case ("hampel"); kept = 0.0_dp
-      case ("mad"); kept = truncated_deviation(result%threshold)
+      case ("auto", "mad"); kept = truncated_deviation(result%threshold)
       case default; kept = truncated_deviation(final_cut(result%threshold, rounds))
       end select
-      if (result%method == "auto" .and. found >= least_present) then
-         kept = sqrt(1.0_dp - isolated_share(result%threshold)*(1.0_dp - kept**2))
-      end if
       result%corrected_variance = 0.0_dp
       if (kept > 0.0_dp) result%corrected_variance = result%variance/kept**2
    end subroutine correct_variance

@@ -10,20 +10,16 @@ module gyroakf_preprocess_clean_rounds
    use gyroakf_stats_trend, only : trend_type, fit_trend, detach_trend
    use gyroakf_stats_quantization, only : quantisation_step
    use gyroakf_preprocess_outlier_rules, only : robust_centre, is_repeated, mark_outliers
-   use gyroakf_preprocess_local_outliers, only : mark_hampel, mark_isolated
+   use gyroakf_preprocess_local_outliers, only : mark_hampel
    implicit none (type, external)
    private
    public :: run_rounds, detrend, set_mask
 
-   !> Rounds of `auto` with median and MAD, rounds in which a mark may be taken back
-   integer, parameter :: robust_rounds = 6, free_rounds = 12
-   !> One sample of so many may be an outlier by median and MAD
-   integer(int64), parameter :: outlier_share = 4
+   !> Rounds in which a mark may be taken back
+   integer, parameter :: free_rounds = 12
 
    !> What a round goes by
    type :: scale_type
-      !> By median and MAD
-      logical :: robust = .false.
       !> Centre and scale of the inliers, u
       real(dp) :: centre = 0.0_dp, scale = 0.0_dp
       !> Least scale: half a quantisation step, u
@@ -90,30 +86,23 @@ contains
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(scale_type) :: scale
-      integer(int64) :: changed, found
+      integer(int64) :: changed
       real(dp) :: largest
 
       call tell_progress("cleaning", 0_int64, 0_int64, error, progress)
       if (allocated(error)) return
-      found = count(mask /= 0_int8, kind=int64)
       call quantisation_step(x, scale%floor, largest, valid)
       scale%floor = 0.5_dp*scale%floor
       scale%rounding = 16.0_dp*epsilon(x)*largest
-      scale%robust = options%method == "auto" .or. options%method == "mad"
       do while (result%passes < options%max_passes)
          result%passes = result%passes + 1
          call detrend(x, options%degree, cleaned, result%trend, error, mask, progress)
          if (.not. allocated(error)) call tell_progress("cleaning", 0_int64, 0_int64, error, progress)
          if (.not. allocated(error)) call judge(x, cleaned, options, scale, mask, moments, changed, result, error, valid, progress)
          if (allocated(error)) return
-         result%converged = changed == 0 .and. .not. (scale%robust .and. options%method == "auto")
+         result%converged = changed == 0
          if (result%converged) return
          if (options%method == "hampel" .and. options%degree < 1) exit                 ! a constant changes no mark
-         if (.not. scale%robust .or. options%method /= "auto") cycle
-         if (changed == 0 .or. result%passes >= robust_rounds) then
-            scale%robust = .false.
-            if (outlier_share*result%removed > found) call set_mask(mask, valid)
-         end if
       end do
       moments = moments_type()
       result%converged = options%method == "hampel" .and. options%degree < 1
@@ -155,7 +144,7 @@ contains
             & progress, keep)
          return
       end if
-      if (scale%robust) then
+      if (options%method == "mad") then
          call robust_centre(cleaned, 0.0_dp, scale%centre, scale%scale, error, valid, progress)
          if (allocated(error)) return
       else
@@ -167,12 +156,7 @@ contains
       call tell_progress("cleaning", 0_int64, 0_int64, error, progress)
       if (allocated(error)) return
       limit = max(result%threshold*max(scale%scale, scale%floor), scale%rounding)
-      if (options%method == "auto" .and. .not. scale%robust) then
-         call mark_isolated(cleaned, scale%centre, limit, result%threshold, scale%floor, keep, mask, changed, result%removed, &
-            & error, valid)
-      else
-         call mark_outliers(cleaned, scale%centre, limit, keep, mask, changed, result%removed, valid)
-      end if
+      call mark_outliers(cleaned, scale%centre, limit, keep, mask, changed, result%removed, valid)
    end subroutine judge
 
    !> A floor that counts must come from a step that is seen again and again; two glitches of a dead sensor make none.

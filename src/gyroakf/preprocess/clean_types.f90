@@ -52,6 +52,8 @@ module gyroakf_preprocess_clean_types
       logical :: blind = .false.
       !> Samples on either side, with hampel; else 0
       integer :: half_width = 0
+      !> With auto: first and last sample of each stretch of motion, which is left as it is: [2, stretches]; else unallocated
+      integer(int64), allocatable :: motion(:, :)
    end type clean_type
 
 end module gyroakf_preprocess_clean_types

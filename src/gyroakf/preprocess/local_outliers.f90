@@ -1,17 +1,11 @@
 ! SPDX-License-Identifier: MIT
 !> Outliers of a neighborhood: a sample is judged by the median and the MAD of a window around it.
 !>
-!> Two rules use it:
-!>
-!> - the Hampel filter judges every sample, in a window of 2k + 1. A window ends at the ends of the
-!>   record, as that of MATLAB's `hampel`. Missing samples are skipped; where fewer than k + 1 and
-!>   fewer than [[least_present]] of a window are present, its sample is not judged. Cost: O(log k)
-!>   searches and one shift of at most 16k bytes a sample. The threads share stretches of the record;
-!>   each window is exact, so the marks depend neither on the threads nor on the stretches;
-!> - `auto` judges those samples that exceed the limit of the record, in a window of 51. A sensor that
-!>   is disturbed for a second records the disturbance: its peaks exceed the limit of the quiet
-!>   record, but not that of their neighborhood. They are no errors of measurement, and in angle
-!>   increments, whose sum matters, marking only the peaks breaks the slope of -1.
+!> The Hampel filter judges every sample, in a window of 2k + 1. A window ends at the ends of the
+!> record, as that of MATLAB's `hampel`. Missing samples are skipped; where fewer than k + 1 and
+!> fewer than [[least_present]] of a window are present, its sample is not judged. Cost: O(log k)
+!> searches and one shift of at most 16k bytes a sample. The threads share stretches of the record;
+!> each window is exact, so the marks depend neither on the threads nor on the stretches.
 !>
 !> Source: Hampel, J. Amer. Stat. Assoc. 69 (1974) 383-393; Pearson et al., EURASIP J. Adv. Signal
 !> Process. 2016:87.
@@ -19,21 +13,19 @@ module gyroakf_preprocess_local_outliers
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_chunks, only : threads_from
    use gyroakf_threads, only : thread_count
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_preprocess_median_window, only : window_type, insert_value, remove_value, &
       replace_value, window_median, window_deviation
    implicit none (type, external)
    private
-   public :: mark_hampel, mark_isolated, largest_half_width, least_present
+   public :: mark_hampel, largest_half_width, least_present
 
    !> Largest k
    integer, parameter :: largest_half_width = 100000
    !> Samples that a window must have at least; of the Hampel filter k + 1 where that is less
    integer, parameter :: least_present = 11
-   !> Samples on either side in [[mark_isolated]]
-   integer(int64), parameter :: neighbors = 25
    !> MAD of a normal distribution times this is its standard deviation: 1/Phi^-1(3/4)
    real(dp), parameter :: mad_to_sigma = 1.4826022185056018_dp
    !> Samples of a stretch, or so many windows where these are longer
@@ -107,62 +99,6 @@ contains
          end do
       end do
    end subroutine mark_hampel
-
-   !> Marks the samples beyond the limit that are beyond the threshold in their neighborhood too, and
-   !> unmarks the others.
-   !>
-   !> Marked is $$|x_i - c| > l$$ where also $$|x_i - m_i| > t\,\max(1.4826\,\mathrm{MAD}_i, f)$$ with median and MAD of the
-   !> present samples i-25 .. i+25. With fewer than [[least_present]] of these a sample is judged by
-   !> the record alone. Cost: one pass, and a sorted window of 51 for each sample beyond the limit.
-   subroutine mark_isolated(x, centre, limit, threshold, floor, keep, inlier, changed, removed, error, valid)
-      !> Residuals: [n]
-      real(dp), intent(in), contiguous :: x(:)
-      !> c and l
-      real(dp), intent(in) :: centre, limit
-      !> t and f
-      real(dp), intent(in) :: threshold, floor
-      !> .true.: a mark stays, whatever the limit
-      logical, intent(in) :: keep
-      !> 1 inlier, 0 outlier or missing: [n]
-      integer(int8), intent(inout), contiguous :: inlier(:)
-      !> Samples whose mark changed, and outliers now
-      integer(int64), intent(out) :: changed, removed
-      !> no_memory
-      type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), optional :: valid(:)
-      type(window_type) :: window
-      integer(int64) :: n, i
-      integer :: chunk, bad, failed
-      logical :: outlier
-
-      n = size(x, kind=int64)
-      changed = 0
-      removed = 0
-      failed = 0
-      !$omp parallel if (n >= threads_from) default(shared) private(window, bad, i, outlier) &
-      !$omp& reduction(+:changed, removed, failed)
-      allocate (window%value(2*neighbors + 1), stat=bad)
-      failed = failed + abs(bad)
-      !$omp do schedule(dynamic)
-      do chunk = 1, chunk_count(n)
-         do i = chunk_first(n, chunk), chunk_last(n, chunk)
-            if (.not. is_present(i, valid)) cycle
-            outlier = abs(x(i) - centre) > limit .and. bad == 0
-            if (outlier) then
-               call fill_window(x, i, window, valid)
-               if (window%count >= least_present) then
-                  outlier = stands_out(window, x(i), threshold, floor)
-               end if
-            end if
-            call set_mark(outlier, keep, inlier(i), changed, removed)
-         end do
-      end do
-      !$omp end do
-      if (allocated(window%value)) deallocate (window%value)
-      !$omp end parallel
-      if (failed /= 0) call fatal_error(error, status%no_memory, "no memory for a window of neighbors")
-   end subroutine mark_isolated
 
    subroutine check_arguments(n, half_width, threshold, floor, marks, error, valid)
       integer(int64), intent(in) :: n, marks
@@ -256,20 +192,6 @@ contains
          call insert_value(window, x(entering))
       end if
    end subroutine advance
-
-   !> The present samples around one.
-   pure subroutine fill_window(x, sample, window, valid)
-      real(dp), intent(in), contiguous :: x(:)
-      integer(int64), intent(in) :: sample
-      type(window_type), intent(inout) :: window
-      integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: i
-
-      window%count = 0
-      do i = max(sample - neighbors, 1_int64), min(sample + neighbors, size(x, kind=int64))
-         if (is_present(i, valid)) call insert_value(window, x(i))
-      end do
-   end subroutine fill_window
 
    pure logical function is_present(i, valid)
       integer(int64), intent(in) :: i

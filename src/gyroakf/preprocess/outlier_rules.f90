@@ -4,26 +4,24 @@
 !> | method | centre and scale | threshold |
 !> |---|---|---|
 !> | `pauta` | mean and standard deviation (divisor n - 1) of the inliers | 3 |
-!> | `auto`  | first median and 1.4826 MAD, then as `pauta` | for the record's length: $$\sqrt2\,\mathrm{erfc}^{-1}(1/(2n))$$ |
+!> | `auto`  | running median, and the median distance from it ([[find_auto_outliers]]) | for the length of the record |
 !> | `mad`   | median and 1.4826 MAD | 4.5 |
 !> | `hampel` | median and 1.4826 MAD of the sample's neighbourhood (gyroakf_preprocess_local_outliers) | 3 |
 !>
 !> Mean and standard deviation of n samples let none of them be further off than (n-1)/sqrt(n) standard deviations: 3 sigma
 !> rejects nothing below 11 samples.
 !>
-!> Sources: Pauta's rule as in the paper; Chauvenet's criterion for the threshold of `auto`, by which
-!> a clean normal record of any length loses half a sample on average (3 sigma takes 0.27 % of it);
-!> Hampel, J. Amer. Stat. Assoc. 69 (1974) 383-393 for the MAD.
+!> Sources: Pauta's rule as in the paper; Hampel, J. Amer. Stat. Assoc. 69 (1974) 383-393 for the MAD.
 module gyroakf_preprocess_outlier_rules
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_last
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_select, only : find_median, find_deviation
-   use gyroakf_special, only : normal_quantile
+   use gyroakf_preprocess_auto_outliers, only : auto_threshold
    implicit none (type, external)
    private
-   public :: check_method, default_threshold, length_threshold, robust_centre, is_repeated, mark_outliers
+   public :: check_method, default_threshold, robust_centre, is_repeated, mark_outliers
 
    !> MAD of a normal distribution times this is its standard deviation: 1/Phi^-1(3/4)
    real(dp), parameter :: mad_to_sigma = 1.4826022185056018_dp
@@ -56,20 +54,12 @@ contains
       integer(int64), intent(in) :: n
 
       select case (method)
-      case ("auto"); default_threshold = length_threshold(n)
+      case ("auto"); default_threshold = auto_threshold(n)
       case ("pauta", "hampel"); default_threshold = 3.0_dp
       case ("mad"); default_threshold = 4.5_dp
       case default; default_threshold = 0.0_dp
       end select
    end function default_threshold
-
-   !> The threshold that n normal samples exceed half a time on average.
-   pure real(dp) function length_threshold(n)
-      !> Number of samples, 1 or more
-      integer(int64), intent(in) :: n
-
-      length_threshold = -normal_quantile(0.25_dp/real(max(n, 1_int64), dp))
-   end function length_threshold
 
    !> Median, and 1.4826 times the median distance from it.
    subroutine robust_centre(x, floor, centre, scale, error, valid, progress)

@@ -10,11 +10,10 @@
 !> Source: Johnson, Kotz, Balakrishnan, Continuous univariate distributions 1 (1994), section 13.10.1.
 module gyroakf_preprocess_truncation
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_preprocess_local_outliers, only : least_present
    use gyroakf_special, only : ln_gamma
    implicit none (type, external)
    private
-   public :: truncated_deviation, final_cut, normal_share_beyond, hampel_share, isolated_share, expected_false_alarms
+   public :: truncated_deviation, final_cut, normal_share_beyond, hampel_share, expected_false_alarms
 
    !> sqrt(2/pi)
    real(dp), parameter :: root_two_over_pi = 0.79788456080286535588_dp
@@ -115,15 +114,6 @@ contains
       share = two_over_root_pi*exp(ln_gamma(0.5_dp*(freedom + 1.0_dp)) - ln_gamma(0.5_dp*freedom))*total*way/real(steps, dp)
    end function student_share_beyond
 
-   !> Share of the samples of white normal noise beyond the limit that stand out of their neighbourhood too, as [[mark_isolated]]
-   !> asks for: fitted to 60,000 simulated windows of 51 samples each for t = 1.5 .. 6, within 2 % from 2 on.
-   elemental real(dp) function isolated_share(threshold)
-      !> t in standard deviations, > 0
-      real(dp), intent(in) :: threshold
-
-      isolated_share = min(1.0_dp, 0.46_dp + 0.56_dp/threshold)
-   end function isolated_share
-
    !> What the share beyond t standard deviations of the same n samples is of that beyond t known standard deviations:
    !> (x - mean)/s is t where Student's t with n-2 degrees of freedom is t sqrt(n(n-2)/((n-1)^2 - n t^2)). Source: Thompson,
    !> Ann. Math. Stat. 6 (1935) 214-219.
@@ -158,11 +148,10 @@ contains
       real(dp) :: share
 
       select case (method)
-      case ("pauta", "auto")
+      case ("pauta")
          share = normal_share_beyond(final_cut(threshold, rounds))*sample_factor(threshold, n)
-         if (method == "auto" .and. n >= least_present) share = share*isolated_share(threshold)
          if (real(n - 1, dp) <= threshold*sqrt(real(n, dp))) share = 0.0_dp
-      case ("mad"); share = normal_share_beyond(threshold)
+      case ("auto", "mad"); share = normal_share_beyond(threshold)
       case ("hampel"); share = hampel_share(half_width, threshold)
       case default; share = 0.0_dp
       end select

@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> The member of a channel in the JSON document that tells what was removed.
 module gyroakf_report_document_preprocess
+   use gyroakf_kinds, only : int64
    use gyroakf_pipeline_result, only : channel_result_type
-   use gyroakf_report_json, only : json_type, open_object, close_object, put_member, put_null
+   use gyroakf_report_json, only : json_type, open_array, open_object, close_array, close_object, put_member, put_null
    implicit none (type, external)
    private
    public :: put_preprocess
@@ -15,6 +16,7 @@ contains
       type(json_type), intent(inout) :: json
       !> One channel
       type(channel_result_type), intent(in) :: channel
+      integer(int64) :: k
 
       if (.not. channel%available%preprocess) then
          call put_null(json, "preprocess")
@@ -35,6 +37,16 @@ contains
       end if
       call put_member(json, "converged", channel%clean%converged)
       call close_object(json)
+      call open_array(json, "motion")
+      if (allocated(channel%clean%motion)) then
+         do k = 1, size(channel%clean%motion, 2, kind=int64)
+            call open_object(json)
+            call put_member(json, "first", channel%clean%motion(1, k))
+            call put_member(json, "last", channel%clean%motion(2, k))
+            call close_object(json)
+         end do
+      end if
+      call close_array(json)
       call open_object(json, "trend")
       call put_member(json, "degree", channel%clean%trend%degree)
       if (allocated(channel%clean%trend%power)) then
