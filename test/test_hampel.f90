@@ -85,7 +85,7 @@ contains
       character(40) :: where_it_is
 
       mark = valid
-      call mark_hampel(x, k, threshold, floor, mark, changed, removed, problem, valid)
+      call mark_hampel(x, k, threshold, floor, .false., mark, changed, removed, problem, valid)
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       do i = 1, size(x)
@@ -108,7 +108,7 @@ contains
 
       mark = 1_int8
       call mark_hampel([1.0_dp, 2.0_dp, 1.0_dp, 9.0_dp, 2.0_dp, 1.0_dp, 2.0_dp, 1.0_dp, 2.0_dp, 8.0_dp, 1.0_dp], 2, 3.0_dp, &
-         & 0.0_dp, mark, changed, removed, problem)
+         & 0.0_dp, .false., mark, changed, removed, problem)
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       call check(error, all((mark == 0_int8) .eqv. [.false., .false., .false., .true., .false., .false., .false., .false., &
@@ -158,7 +158,7 @@ contains
       allocate (mark(n), source=1_int8)
       allocate (valid(n), source=1_int8)
       do j = 1, size(half_width)
-         call mark_hampel(x, half_width(j), 3.0_dp, 0.0_dp, mark, changed, removed, problem)
+         call mark_hampel(x, half_width(j), 3.0_dp, 0.0_dp, .false., mark, changed, removed, problem)
          do i = 1, n, merge(1000, 10, j == 3)
             call check(error, (mark(i) == 0_int8) .eqv. stands_out(x, i, half_width(j), 3.0_dp, 0.0_dp, valid), "within")
             if (allocated(error)) return
@@ -204,12 +204,12 @@ contains
       valid = 0_int8
       valid(17:26) = 1_int8
       mark = valid
-      call mark_hampel(x, 20, 3.0_dp, 0.0_dp, mark, changed, removed, problem, valid)
+      call mark_hampel(x, 20, 3.0_dp, 0.0_dp, .false., mark, changed, removed, problem, valid)
       call check(error, int(removed), 0, "10 present")
       if (allocated(error)) return
       valid(30) = 1_int8
       mark = valid
-      call mark_hampel(x, 20, 3.0_dp, 0.0_dp, mark, changed, removed, problem, valid)
+      call mark_hampel(x, 20, 3.0_dp, 0.0_dp, .false., mark, changed, removed, problem, valid)
       call check(error, mark(21) == 0_int8, "11 present")
    end subroutine test_few_present
 
@@ -224,14 +224,14 @@ contains
 
       x = 17.3_dp
       mark = 1_int8
-      call mark_hampel(x, 7, 3.0_dp, 0.0_dp, mark, changed, removed, problem)
+      call mark_hampel(x, 7, 3.0_dp, 0.0_dp, .false., mark, changed, removed, problem)
       call check(error, int(removed), 0, "a level")
       if (allocated(error)) return
       x(50) = 17.4_dp
-      call mark_hampel(x, 7, 3.0_dp, 0.0_dp, mark, changed, removed, problem)
+      call mark_hampel(x, 7, 3.0_dp, 0.0_dp, .false., mark, changed, removed, problem)
       call check(error, removed == 1 .and. mark(50) == 0_int8, "one off the level")
       if (allocated(error)) return
-      call mark_hampel(x, 7, 3.0_dp, 0.05_dp, mark, changed, removed, problem)
+      call mark_hampel(x, 7, 3.0_dp, 0.05_dp, .false., mark, changed, removed, problem)
       call check(error, removed == 0 .and. changed == 1, "within the floor")
    end subroutine test_level
 
@@ -277,9 +277,9 @@ contains
 
       x = 2.0_dp**(-30)*anint(2.0_dp**20*reference_series("ar1", 5000))
       mark = 1_int8
-      call mark_hampel(x, 25, 3.0_dp, 0.0_dp, mark(:, 1), changed, removed(1), problem)
-      call mark_hampel(x + 2.0_dp**20, 25, 3.0_dp, 0.0_dp, mark(:, 2), changed, removed(2), problem)
-      call mark_hampel(-2.0_dp**40*x, 25, 3.0_dp, 0.0_dp, mark(:, 3), changed, removed(3), problem)
+      call mark_hampel(x, 25, 3.0_dp, 0.0_dp, .false., mark(:, 1), changed, removed(1), problem)
+      call mark_hampel(x + 2.0_dp**20, 25, 3.0_dp, 0.0_dp, .false., mark(:, 2), changed, removed(2), problem)
+      call mark_hampel(-2.0_dp**40*x, 25, 3.0_dp, 0.0_dp, .false., mark(:, 3), changed, removed(3), problem)
       call check(error, removed(1) > 10 .and. all(mark(:, 1) == mark(:, 2)), "offset")
       if (allocated(error)) return
       call check(error, all(mark(:, 1) == mark(:, 3)), "scale")
@@ -301,7 +301,7 @@ contains
       x = reference_series("wn_bm", n)
       allocate (mark(n), source=1_int8)
       do i = 1, size(half_width)
-         call mark_hampel(x, half_width(i), 3.0_dp, 0.0_dp, mark, changed, removed, problem)
+         call mark_hampel(x, half_width(i), 3.0_dp, 0.0_dp, .false., mark, changed, removed, problem)
          expected = n*hampel_share(half_width(i), 3.0_dp)
          call check(error, real(removed, dp), expected, thr=0.05_dp*expected + 4.0_dp*sqrt(2.0_dp*expected))
          if (allocated(error)) return
@@ -334,41 +334,23 @@ contains
       call check(error, result%corrected_variance, 0.0_dp, thr=tiny(x))
    end subroutine test_cleaning
 
-   !> Each error.
+   !> Windows out of range.
    subroutine test_failures(error)
       !> Failure
       type(error_type), allocatable, intent(out) :: error
-      real(dp) :: x(9)
-      integer(int8) :: mark(9)
-
-      x = 0.0_dp
-      mark = 1_int8
-      call refused(error, x, 0, 3.0_dp, 0.0_dp, mark)
-      if (allocated(error)) return
-      call refused(error, x, largest_half_width + 1, 3.0_dp, 0.0_dp, mark)
-      if (allocated(error)) return
-      call refused(error, x, 3, 0.0_dp, 0.0_dp, mark)
-      if (allocated(error)) return
-      call refused(error, x, 3, 3.0_dp, -1.0_dp, mark)
-      if (allocated(error)) return
-      call refused(error, x, 3, 3.0_dp, 0.0_dp, mark(:8))
-      if (allocated(error)) return
-      call refused(error, x, 3, 3.0_dp, 0.0_dp, mark, mark(:8))
-   end subroutine test_failures
-
-   !> Fails unless it is refused.
-   subroutine refused(error, x, half_width, threshold, floor, mark, valid)
-      type(error_type), allocatable, intent(out) :: error
-      real(dp), intent(in), contiguous :: x(:)
-      integer, intent(in) :: half_width
-      real(dp), intent(in) :: threshold, floor
-      integer(int8), intent(inout), contiguous :: mark(:)
-      integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: changed, removed
+      integer, parameter :: half_width(2) = [0, largest_half_width + 1]
+      real(dp), allocatable :: cleaned(:)
+      integer(int8), allocatable :: mask(:)
+      type(clean_type) :: result
       type(gyro_error), allocatable :: problem
+      integer :: i
 
-      call mark_hampel(x, half_width, threshold, floor, mark, changed, removed, problem, valid)
-      call check_refused(error, problem, status%invalid_argument)
-   end subroutine refused
+      do i = 1, 2
+         call clean_series(spread(0.0_dp, 1, 9), clean_options(method="hampel", half_width=half_width(i)), cleaned, mask, result, &
+            & problem)
+         call check_refused(error, problem, status%invalid_argument)
+         if (allocated(error)) return
+      end do
+   end subroutine test_failures
 
 end module test_hampel

@@ -8,7 +8,7 @@ module gyroakf_lapack
    use gyroakf_kinds, only : dp
    implicit none (type, external)
    private
-   public :: dpotrf, dlasrt, dpotrs, dpotri, dgels, dtrtri, dtrtrs, dsyev, dgesv, dgebal, dhseqr, dgeqrf
+   public :: dpotrf, dpotrs, dpotri, dgels, dtrtri, dtrtrs, dsyev, dgesv, dgebal, dhseqr, dgeqrf
 
    interface
 
@@ -42,16 +42,6 @@ module gyroakf_lapack
          real(dp), intent(inout) :: a(lda, *)
          integer, intent(out) :: info
       end subroutine dpotri
-
-      !> Sorts numbers, ascending ("I") or descending ("D")
-      subroutine dlasrt(id, n, d, info)
-         import :: dp
-         implicit none (type, external)
-         character(1), intent(in) :: id
-         integer, intent(in) :: n
-         real(dp), intent(inout) :: d(*)
-         integer, intent(out) :: info
-      end subroutine dlasrt
 
       !> Inverse of a triangular matrix
       subroutine dtrtri(uplo, diag, n, a, lda, info)

@@ -12,12 +12,13 @@
 !> 3. Outliers stand apart: while more samples lie between T/1.5 and T (less those that the law of T expects, plus two of their
 !>    standard deviations) than beyond T, T rises by 10 %. A heavy tail has no gap and keeps its samples.
 !> 4. An exceedance with 4 more within 5 samples is part of a crowd. Crowds up to 11 samples apart are one; one longer than 22
-!>    samples is motion, and so is what is more than three times as loud as the record: it is left alone. Shorter crowds are
-!>    outliers.
+!>    samples is motion and left alone with what exceeds within 11 samples of it, and so is every block that is more than three
+!>    times as loud as the record. Shorter crowds are outliers.
 !> 5. The same on medians of 11, 121, 1331 ... samples finds motion that is longer than a window, with 0.001 false alarms. It is
-!>    told, and nothing is marked.
+!>    reported, and nothing is marked.
 !>
-!> Counts in a histogram of the residuals, 128 classes an octave, decide: three passes, the last one only where something exceeds.
+!> Quantiles and counts are those of a histogram of the residuals, 128 classes an octave: three passes over the record, the second
+!> over loud blocks and the third over blocks with an exceedance only.
 module gyroakf_preprocess_auto_outliers
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -25,7 +26,8 @@ module gyroakf_preprocess_auto_outliers
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_select, only : find_median
    use gyroakf_special, only : normal_quantile
-   use gyroakf_preprocess_running_residual, only : block_residuals, block_size, coarse_step, small_median, take_medians, window
+   use gyroakf_preprocess_running_residual, only : block_residuals, block_size, find_coarse_step, present_bit, take_medians, &
+      & window
    implicit none (type, external)
    private
    public :: find_auto_outliers, auto_threshold
@@ -36,15 +38,16 @@ module gyroakf_preprocess_auto_outliers
    real(dp), parameter :: false_alarms = 0.1_dp, false_motion = 0.001_dp
    !> Loudness from which on residuals are divided by it, and from which on it is motion
    real(dp), parameter :: loud_from = 1.5_dp, motion_from = 3.0_dp
-   !> Exceedances of a crowd within half a window on either side; stretches of motion less than this apart are one
-   integer, parameter :: crowd = 5
+   !> Exceedances of a crowd within half a window on either side; blocks from which on loudness is compared
+   integer, parameter :: crowd = 5, min_blocks = 4
+   !> Stretches of motion up to this many samples apart are one
    integer(int64), parameter :: one_stretch = 200
-   !> Share of the largest sample that rounding reaches
+   !> Share of a sample that rounding reaches
    real(dp), parameter :: rounding = 64*epsilon(1.0_dp)
-   !> Bits of a residual that a class of the histogram does not tell, and classes
-   integer, parameter :: fine_bits = 45, classes = 2047*2**7
-   !> Bits of a mark: an inlier, motion
-   integer(int8), parameter :: inlier_bit = 1_int8, motion_bit = 2_int8
+   !> Bits of a residual within a class of the histogram, bits of a class, and classes
+   integer, parameter :: fine_bits = 45, class_bits = 18, classes = 2047*2**7
+   !> Bits of a mark: the sample exceeds the threshold, is part of motion
+   integer(int8), parameter :: exceeds_bit = 2_int8, motion_bit = 4_int8
 
 contains
 
@@ -56,12 +59,12 @@ contains
       auto_threshold = -normal_quantile(0.5_dp*false_alarms/real(max(n, 1_int64), dp))
    end function auto_threshold
 
-   !> Marks outliers, and tells where the record moves.
-   subroutine find_auto_outliers(x, least, inlier, used, motion, error, valid, progress)
+   !> Finds outliers and the times of motion.
+   subroutine find_auto_outliers(x, z, inlier, used, motion, error, valid, progress)
       !> Series: [n], finite where present
       real(dp), intent(in), contiguous :: x(:)
-      !> z in standard deviations of white normal noise, > 0
-      real(dp), intent(in), value :: least
+      !> Threshold in standard deviations of white normal noise, > 0
+      real(dp), intent(in), value :: z
       !> 1 inlier, 0 outlier or missing: [n]
       integer(int8), intent(inout), contiguous :: inlier(:)
       !> T in standard deviations of white normal noise with the same median residual; z where half of the residuals are 0, and
@@ -73,52 +76,53 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: loud(:)
-      integer(int64), allocatable :: over(:)
       real(dp) :: step
       integer(int64) :: k
 
-      inlier = inlier_bit
-      if (present(valid)) inlier = merge(inlier_bit, 0_int8, valid /= 0_int8)
-      step = coarse_step(x, valid)
-      call find_exceedances(x, least, step, over, loud, used, error, valid, progress)
+      inlier = present_bit
+      if (present(valid)) inlier = merge(present_bit, 0_int8, valid /= 0_int8)
+      used = z
+      call find_coarse_step(x, step, error, valid)
+      if (.not. allocated(error)) call find_exceedances(x, z, step, inlier, loud, used, error, progress)
       if (allocated(error)) return
       do k = 1, size(loud, kind=int64)
-         if (loud(k) > motion_from) call paint(inlier, (k - 1)*block_size + 1, k*block_size)
+         if (loud(k) > motion_from) call set_motion(inlier, (k - 1)*block_size + 1, k*block_size, 0)
       end do
-      do k = 1, size(over, kind=int64)
-         inlier(over(k)) = iand(inlier(over(k)), not(inlier_bit))
-      end do
-      call release_crowds(over, loud, inlier)
-      call find_long_motion(x, step, inlier, error, valid, progress)
+      call release_crowds(inlier)
+      call find_long_motion(x, step, inlier, error, progress)
       if (.not. allocated(error)) call list_motion(inlier, motion, error)
    end subroutine find_auto_outliers
 
-   !> Marks a stretch as motion.
-   pure subroutine paint(marks, first, last)
+   !> Makes a stretch motion, without exceedances in it and in so many samples on either side.
+   pure subroutine set_motion(marks, first, last, margin)
       integer(int8), intent(inout) :: marks(:)
       integer(int64), intent(in) :: first, last
-      integer(int64) :: i
+      integer, intent(in) :: margin
+      integer(int64) :: i, n
 
-      do i = first, min(last, size(marks, kind=int64))
+      n = size(marks, kind=int64)
+      do i = max(1_int64, first - margin), min(n, last + margin)
+         marks(i) = iand(marks(i), not(exceeds_bit))
+      end do
+      do i = first, min(last, n)
          marks(i) = ior(marks(i), motion_bit)
       end do
-   end subroutine paint
+   end subroutine set_motion
 
-   !> Samples whose residuals exceed the threshold.
-   subroutine find_exceedances(x, z, step, over, loud, used, error, valid, progress)
+   !> Marks the samples whose residuals exceed the threshold.
+   subroutine find_exceedances(x, z, step, marks, loud, used, error, progress)
       real(dp), intent(in), contiguous :: x(:)
       !> Threshold in standard deviations, quantization step
       real(dp), intent(in) :: z, step
-      !> The samples, ascending
-      integer(int64), allocatable, intent(out) :: over(:)
+      !> `exceeds_bit` is set
+      integer(int8), intent(inout), contiguous :: marks(:)
       !> Loudness of each block, 1 where it is not loud
       real(dp), allocatable, intent(out) :: loud(:)
       real(dp), intent(out) :: used
       type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
       class(progress_type), intent(inout), optional :: progress
       integer(int64), allocatable :: counts(:)
       real(dp), allocatable :: peak(:)
@@ -129,107 +133,117 @@ contains
       n = size(x, kind=int64)
       blocks = (n + block_size - 1)/block_size
       used = z
-      allocate (loud(blocks), peak(blocks), counts(0:classes), over(0), stat=stat)
+      allocate (loud(blocks), stat=stat)
+      if (stat == 0) allocate (peak(blocks), stat=stat)
+      if (stat == 0) allocate (counts(0:classes), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the search for outliers")
          return
       end if
       call tell_progress("looking for outliers", 0_int64, n, error, progress)
-      if (.not. allocated(error)) call find_loudness(x, step, loud, error, valid)
+      if (allocated(error)) return
+      call scan_blocks(x, step, marks, loud, peak, counts)
+      call compare_loudness(n, loud, error)
       if (.not. allocated(error)) call tell_progress("looking for outliers", n/2, n, error, progress)
       if (allocated(error)) return
-      call count_residuals(x, step, loud, counts, peak, valid)
+      call recount_loud(x, step, marks, loud, peak, counts)
       call find_threshold(counts, z, limit, used)
-      ! neither one step off the neighbors, spread as they are, is an outlier nor what rounding makes
       if (step < 0.0_dp) limit = 0.0_dp
-      limit = max(limit, 2*step, rounding*largest(x, valid))
-      call gather(x, step, loud, peak, limit, over, valid)
+      call mark_exceedances(x, step, max(limit, 2*step), loud, peak, marks)   ! one step off the neighbors is no outlier
    end subroutine find_exceedances
 
-   !> The largest |x|, 0 where nothing is present.
-   pure real(dp) function largest(x, valid)
-      real(dp), intent(in), contiguous :: x(:)
-      integer(int8), intent(in), optional :: valid(:)
-
-      if (present(valid)) then
-         largest = max(0.0_dp, maxval(abs(x), mask=valid /= 0_int8))
-      else
-         largest = maxval(abs(x))
-      end if
-   end function largest
-
-   !> Median residual of each block over that of all blocks.
-   subroutine find_loudness(x, step, loud, error, valid)
+   !> Histogram of the residuals, their median (-1 where fewer than half are present) and largest in each block.
+   subroutine scan_blocks(x, step, marks, middle, peak, counts)
       real(dp), intent(in), contiguous :: x(:)
       real(dp), intent(in) :: step
-      real(dp), intent(out) :: loud(:)
-      type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
-      real(dp) :: residual(block_size), before, here, typical
-      logical :: there(block_size)
-      integer(int8), allocatable :: known(:)
-      integer(int64) :: block, blocks, whole
-
-      blocks = size(loud, kind=int64)
-      whole = size(x, kind=int64)/block_size
-      loud = 1.0_dp
-      if (whole < 4) return
-      allocate (known(whole), source=1_int8)
-      !$omp parallel do if (size(x, kind=int64) >= threads_from) default(shared) private(residual, there) schedule(static)
-      do block = 1, whole
-         call block_residuals(x, block, step, residual, there, valid)
-         if (2*count(there) < block_size) then
-            known(block) = 0_int8
-         else
-            loud(block) = small_median(pack(residual, there))
-         end if
-      end do
-      !$omp end parallel do
-      typical = 0.0_dp
-      if (any(known /= 0_int8)) call find_median(loud(:whole), typical, error, known)
-      if (allocated(error)) return
-      if (.not. typical > 0.0_dp) then
-         loud = 1.0_dp
-         return
-      end if
-      loud(:whole) = merge(loud(:whole)/typical, 1.0_dp, known /= 0_int8)
-      before = 0.0_dp
-      do block = 1, whole
-         here = loud(block)
-         loud(block) = max(before, here)
-         if (block < whole) loud(block) = max(loud(block), loud(block + 1))
-         before = here
-      end do
-      where (loud <= loud_from) loud = 1.0_dp
-      loud(whole + 1:) = loud(whole)
-   end subroutine find_loudness
-
-   !> Counts the residuals over their loudness in classes, and finds the largest of each block.
-   subroutine count_residuals(x, step, loud, counts, peak, valid)
-      real(dp), intent(in), contiguous :: x(:)
-      real(dp), intent(in) :: step, loud(:)
+      integer(int8), intent(in), contiguous :: marks(:)
+      real(dp), intent(out) :: middle(:), peak(:)
       integer(int64), intent(out) :: counts(0:)
-      real(dp), intent(out) :: peak(:)
-      integer(int8), intent(in), optional :: valid(:)
       real(dp) :: residual(block_size)
       logical :: there(block_size)
-      integer(int64) :: block, class
-      integer :: i
+      integer :: bin(block_size), i
+      integer(int64) :: block
 
       counts = 0
-      !$omp parallel do if (size(x, kind=int64) >= threads_from) default(shared) private(residual, there, class, i) &
+      !$omp parallel do if (size(x, kind=int64) >= threads_from) default(shared) private(residual, there, bin, i) &
       !$omp& reduction(+:counts) schedule(static)
       do block = 1, size(peak, kind=int64)
-         call block_residuals(x, block, step, residual, there, valid)
-         residual = residual/loud(block)
-         peak(block) = maxval(residual, mask=there)
+         call block_residuals(x, block, step, marks, residual, there)
+         peak(block) = maxval(residual)
+         bin = merge(class_of(residual), classes + 1, there)
          do i = 1, block_size
-            class = shiftr(transfer(residual(i), class), fine_bits)
-            if (there(i)) counts(class) = counts(class) + 1
+            if (there(i)) counts(bin(i)) = counts(bin(i)) + 1
          end do
+         middle(block) = -1.0_dp
+         if (2*count(there) >= block_size) middle(block) = middle_of(bin, count(there))
       end do
       !$omp end parallel do
-   end subroutine count_residuals
+   end subroutine scan_blocks
+
+   !> Class of a residual.
+   elemental integer function class_of(residual)
+      real(dp), intent(in) :: residual
+
+      class_of = int(shiftr(transfer(residual, 0_int64), fine_bits))
+   end function class_of
+
+   !> Center of the class of the median among n classes, found bit by bit.
+   pure real(dp) function middle_of(bin, n)
+      integer, intent(in) :: bin(block_size), n
+      integer :: bit, found
+
+      found = 0
+      do bit = class_bits - 1, 0, -1
+         if (2*count(bin < found + 2**bit) <= n) found = found + 2**bit
+      end do
+      middle_of = merge(0.5_dp*(class_start(found) + class_start(found + 1)), 0.0_dp, found > 0)
+   end function middle_of
+
+   !> Makes the medians of blocks loudness: over their median, the largest of a block and its neighbors, 1 up to 1.5.
+   subroutine compare_loudness(n, loud, error)
+      integer(int64), intent(in) :: n
+      real(dp), intent(inout) :: loud(:)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: known(:)
+      real(dp) :: typical
+
+      typical = 0.0_dp
+      if (mod(n, int(block_size, int64)) /= 0) loud(size(loud, kind=int64)) = -1.0_dp
+      known = pack(loud, loud >= 0.0_dp)
+      if (size(known) >= min_blocks) call find_median(known, typical, error)
+      if (allocated(error)) return
+      if (typical > 0.0_dp) then
+         loud = loud/typical
+         loud = max(loud, eoshift(loud, 1), eoshift(loud, -1))
+      end if
+      where (loud <= loud_from .or. .not. typical > 0.0_dp) loud = 1.0_dp
+   end subroutine compare_loudness
+
+   !> Replaces the residuals of loud blocks by those over their loudness.
+   subroutine recount_loud(x, step, marks, loud, peak, counts)
+      real(dp), intent(in), contiguous :: x(:)
+      real(dp), intent(in) :: step, loud(:)
+      integer(int8), intent(in), contiguous :: marks(:)
+      real(dp), intent(inout) :: peak(:)
+      integer(int64), intent(inout) :: counts(0:)
+      real(dp) :: residual(block_size)
+      logical :: there(block_size)
+      integer(int64) :: block
+      integer :: i, bin, divided
+
+      do block = 1, size(loud, kind=int64)
+         if (.not. loud(block) > 1.0_dp) cycle
+         call block_residuals(x, block, step, marks, residual, there)
+         peak(block) = peak(block)/loud(block)
+         do i = 1, block_size
+            if (.not. there(i)) cycle
+            bin = class_of(residual(i))
+            divided = class_of(residual(i)/loud(block))
+            counts(bin) = counts(bin) - 1
+            counts(divided) = counts(divided) + 1
+         end do
+      end do
+   end subroutine recount_loud
 
    !> The threshold, of steps 2 and 3.
    pure subroutine find_threshold(counts, z, limit, used)
@@ -239,12 +253,12 @@ contains
       !> T, huge where half of the residuals are 0; and in standard deviations, then z
       real(dp), intent(out) :: limit, used
       real(dp) :: middle, g, n, kept, old, expected, band
-      integer :: class, round
+      integer :: bin, round
 
-      do class = 1, ubound(counts, 1)
-         counts(class) = counts(class) + counts(class - 1)
+      do bin = 1, classes
+         counts(bin) = counts(bin) + counts(bin - 1)
       end do
-      n = real(counts(ubound(counts, 1)), dp)
+      n = real(counts(classes), dp)
       used = z
       limit = huge(limit)
       if (n < window .or. 2*counts(0) > n) return
@@ -267,139 +281,109 @@ contains
       used = limit/middle*median_residual/tail_scale
    end subroutine find_threshold
 
-   !> Residuals up to a number, each taken at the middle of its class.
+   !> Residuals up to a number, each taken at the center of its class.
    pure real(dp) function below(sums, number)
       !> Residuals of each class and of all below it
       integer(int64), intent(in) :: sums(0:)
       real(dp), intent(in) :: number
-      integer(int64) :: class
+      integer :: bin
 
-      class = min(shiftr(transfer(number, class), fine_bits), ubound(sums, 1, kind=int64))
-      if (2*number < class_start(class) + class_start(class + 1)) class = max(class - 1, 0_int64)
-      below = real(sums(class), dp)
+      bin = min(class_of(number), classes)
+      if (2*number < class_start(bin) + class_start(bin + 1)) bin = max(bin - 1, 0)
+      below = real(sums(bin), dp)
    end function below
 
    !> The number that so many residuals are below.
    pure real(dp) function quantile(sums, wanted)
       integer(int64), intent(in) :: sums(0:)
       real(dp), intent(in) :: wanted
-      integer(int64) :: low, high, middle
+      integer :: bin
 
-      low = 0
-      high = ubound(sums, 1, kind=int64)
-      do while (low < high)
-         middle = (low + high)/2
-         if (real(sums(middle), dp) < wanted) then
-            low = middle + 1
-         else
-            high = middle
-         end if
-      end do
-      quantile = class_start(low)
-      if (low == 0) return
-      quantile = quantile + (class_start(low + 1) - quantile)*(wanted - real(sums(low - 1), dp)) &
-         & /real(max(sums(low) - sums(low - 1), 1_int64), dp)
+      bin = count(sums < wanted)
+      quantile = class_start(bin)
+      if (bin == 0) return
+      quantile = quantile + (class_start(bin + 1) - quantile)*(wanted - real(sums(bin - 1), dp)) &
+         & /real(sums(bin) - sums(bin - 1), dp)
    end function quantile
 
    !> The least number of a class.
-   pure real(dp) function class_start(class)
-      integer(int64), intent(in) :: class
+   pure real(dp) function class_start(bin)
+      integer, intent(in) :: bin
 
-      class_start = transfer(shiftl(class, fine_bits), class_start)
+      class_start = transfer(shiftl(int(bin, int64), fine_bits), class_start)
    end function class_start
 
-   !> The samples that exceed the limit.
-   subroutine gather(x, step, loud, peak, limit, over, valid)
+   !> Marks what exceeds the limit and is no rounding error.
+   subroutine mark_exceedances(x, step, limit, loud, peak, marks)
       real(dp), intent(in), contiguous :: x(:)
-      real(dp), intent(in) :: step, loud(:), peak(:), limit
-      integer(int64), allocatable, intent(inout) :: over(:)
-      integer(int8), intent(in), optional :: valid(:)
+      real(dp), intent(in) :: step, limit, loud(:), peak(:)
+      integer(int8), intent(inout), contiguous :: marks(:)
       real(dp) :: residual(block_size)
       logical :: there(block_size)
-      integer(int64) :: block, found
-      integer :: i, pass
+      integer(int64) :: block, k
+      integer :: i
 
-      do pass = 1, 2                                     ! count, then keep
-         found = 0
-         do block = 1, size(peak, kind=int64)
-            if (.not. peak(block) > limit) cycle
-            call block_residuals(x, block, step, residual, there, valid)
-            do i = 1, block_size
-               if (.not. (there(i) .and. residual(i)/loud(block) > limit)) cycle
-               found = found + 1
-               if (pass == 2) over(found) = (block - 1)*block_size + i
-            end do
+      !$omp parallel do if (size(x, kind=int64) >= threads_from) default(shared) private(residual, there, i, k) schedule(static)
+      do block = 1, size(peak, kind=int64)
+         if (.not. peak(block) > limit) cycle
+         call block_residuals(x, block, step, marks, residual, there)
+         do i = 1, block_size
+            k = (block - 1)*block_size + i
+            if (.not. there(i)) cycle
+            if (residual(i) > max(limit*loud(block), rounding*abs(x(k)))) marks(k) = ior(marks(k), exceeds_bit)
          end do
-         if (pass == 2) exit
-         deallocate (over)
-         allocate (over(found))
       end do
-   end subroutine gather
+      !$omp end parallel do
+   end subroutine mark_exceedances
 
-   !> Takes the marks of long crowds, and of crowds in loud stretches, back: they are motion.
-   pure subroutine release_crowds(over, loud, marks)
-      integer(int64), intent(in) :: over(:)
-      real(dp), intent(in) :: loud(:)
-      integer(int8), intent(inout) :: marks(:)
-      logical :: member(size(over))
-      integer :: k, low, high, first, last
+   !> Makes long crowds motion.
+   pure subroutine release_crowds(marks)
+      integer(int8), intent(inout), contiguous :: marks(:)
+      integer(int64) :: i, n, first, last
 
-      low = 1
-      high = 0
-      do k = 1, size(over)
-         do while (over(low) < over(k) - window/2)
-            low = low + 1
-         end do
-         do while (high < size(over))
-            if (over(high + 1) > over(k) + window/2) exit
-            high = high + 1
-         end do
-         member(k) = high - low + 1 >= crowd
+      n = size(marks, kind=int64)
+      first = -window
+      last = -window
+      do i = 1, n
+         if (iand(marks(i), exceeds_bit) == 0) cycle
+         associate (near => marks(max(1_int64, i - window/2):min(n, i + window/2)))
+            if (count(iand(near, exceeds_bit) /= 0) < crowd) cycle
+         end associate
+         if (i - last > window) then
+            if (last - first > 2*window) call set_motion(marks, first, last, window)
+            first = i
+         end if
+         last = i
       end do
-      first = 1
-      do while (first <= size(over))
-         last = first                                    ! a crowd is over(first) to over(last)
-         do k = first + 1, merge(size(over), first, member(first))
-            if (over(k) - over(last) > window) exit
-            if (member(k)) last = k
-         end do
-         if (over(last) - over(first) > 2*window) call paint(marks, over(first), over(last))
-         do k = first, last
-            if (.not. member(k)) cycle
-            if (iand(marks(over(k)), motion_bit) /= 0) marks(over(k)) = ior(marks(over(k)), inlier_bit)
-         end do
-         first = last + 1
-      end do
+      if (last - first > 2*window) call set_motion(marks, first, last, window)
    end subroutine release_crowds
 
-   !> Marks as motion what exceeds the threshold among medians of 11, 121, 1331 ... samples, but for the five at either end.
-   subroutine find_long_motion(x, step, marks, error, valid, progress)
+   !> Makes motion what exceeds the threshold among medians of 11, 121, 1331 ... samples, but for the five at either end.
+   subroutine find_long_motion(x, step, marks, error, progress)
       real(dp), intent(in), contiguous :: x(:)
       real(dp), intent(in) :: step
-      integer(int8), intent(inout) :: marks(:)
+      integer(int8), intent(inout), contiguous :: marks(:)
       type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: y(:), coarser(:), loud(:)
       integer(int8), allocatable :: known(:), known_coarser(:)
-      integer(int64), allocatable :: over(:)
       real(dp) :: used
       integer(int64) :: length, k
 
       if (size(x, kind=int64) < 100*window) return
-      call take_medians(x, step, y, known, error, valid)
+      call take_medians(x, step, marks, y, known, error)
       length = window
       do
          if (allocated(error)) return
-         call find_exceedances(y, -normal_quantile(0.5_dp*false_motion/real(size(y), dp)), 0.0_dp, over, loud, used, error, &
-            & known, progress)
+         call find_exceedances(y, -normal_quantile(0.5_dp*false_motion/real(size(y), dp)), 0.0_dp, known, loud, used, error, &
+            & progress)
          if (allocated(error)) return
-         do k = 1, size(over, kind=int64)
-            if (over(k) > window/2 .and. over(k) <= size(y) - window/2) &
-               & call paint(marks, (over(k) - 1)*length + 1, over(k)*length)
+         do k = 1 + window/2, size(y, kind=int64) - window/2
+            if (iand(known(k), exceeds_bit) /= 0) marks((k - 1)*length + 1:k*length) = ior(marks((k - 1)*length + 1:k*length), &
+               & motion_bit)
          end do
          if (size(y, kind=int64) < 100*window) return
-         call take_medians(y, 0.0_dp, coarser, known_coarser, error, known)
+         call take_medians(y, 0.0_dp, known, coarser, known_coarser, error)
          call move_alloc(coarser, y)
          call move_alloc(known_coarser, known)
          length = length*window
@@ -431,9 +415,7 @@ contains
             return
          end if
       end do
-      do i = 1, size(marks, kind=int64)
-         marks(i) = iand(marks(i), inlier_bit)
-      end do
+      marks = merge(present_bit, 0_int8, iand(marks, ior(present_bit, exceeds_bit)) == present_bit)
    end subroutine list_motion
 
 end module gyroakf_preprocess_auto_outliers

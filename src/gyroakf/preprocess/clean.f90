@@ -25,8 +25,8 @@ contains
    !> rules judge by the distance from the trend, in rounds: each fits the trend to the inliers and judges every present sample,
    !> so that one marked by mistake comes back, until the marks stay. After twelve rounds no mark is taken back, which ends the
    !> rounds where samples at the very limit would go to and fro. Where they end before the marks stay, the trend is fitted once
-   !> more, to what is left. No scale of theirs is less than half a quantization step, which ten neighbors at least differ by: a
-   !> record that sits on one level and now and then on the next has no outliers.
+   !> more, to what is left. No scale of theirs is less than half a quantization step ([[find_coarse_step]]): a record that sits on
+   !> one level and now and then on the next has no outliers.
    !> Memory: the results, 9 bytes a sample.
    subroutine clean_series(x, options, cleaned, present_out, result, error, valid, progress)
       !> Series: [n], n >= 1, finite; not modified
@@ -77,15 +77,10 @@ contains
 
    !> Refuses options out of range and a series without a present sample.
    subroutine check_options(x, options, found, error, valid)
-      !> Series
       real(dp), intent(in) :: x(:)
-      !> The options
       type(clean_options), intent(in) :: options
-      !> Present samples
       integer(int64), intent(out) :: found
-      !> invalid_argument, not_supported, too_few_samples
       type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
       character(120) :: text
       logical :: bad
@@ -119,17 +114,12 @@ contains
 
    !> Allocates the results; the mask only where it is needed.
    subroutine make_room(x, options, cleaned, mask, error, valid)
-      !> Series
       real(dp), intent(in) :: x(:)
-      !> The options
       type(clean_options), intent(in) :: options
-      !> Cleaned series
       real(dp), allocatable, intent(out) :: cleaned(:)
       !> Mask, a copy of valid
       integer(int8), allocatable, intent(out) :: mask(:)
-      !> no_memory
       type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
       integer :: stat
 
@@ -145,21 +135,15 @@ contains
 
    !> Indices of the outliers, 0 where missing, mean and variance.
    subroutine finish(cleaned, mask, found, max_passes, moments, result, error, valid)
-      !> Series less trend
       real(dp), intent(inout), contiguous :: cleaned(:)
       !> 1 inlier, 0 outlier or missing; deallocated where everything is present
       integer(int8), allocatable, intent(inout) :: mask(:)
-      !> Samples present before
       integer(int64), intent(in) :: found
-      !> Most rounds
       integer, intent(in) :: max_passes
       !> Of the inliers, where they are known; else its count is 0
       type(moments_type), intent(inout) :: moments
-      !> Filled
       type(clean_type), intent(inout) :: result
-      !> no_memory
       type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
       integer :: stat
 
@@ -181,13 +165,9 @@ contains
 
    !> Indices of the outliers; 0 in place of what is missing.
    pure subroutine list_outliers(cleaned, mask, outlier, valid)
-      !> Series less trend
       real(dp), intent(inout), contiguous :: cleaned(:)
-      !> 1 inlier, 0 outlier or missing
       integer(int8), intent(in), contiguous :: mask(:)
-      !> 1-based, ascending
       integer(int64), intent(inout) :: outlier(:)
-      !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
       integer(int64) :: i, k
 
@@ -205,9 +185,7 @@ contains
 
    !> False alarms to expect, and the variance that the noise had before it was cut.
    pure subroutine correct_variance(found, max_passes, result)
-      !> Samples present before
       integer(int64), intent(in) :: found
-      !> Most rounds
       integer, intent(in) :: max_passes
       !> method, threshold, passes, converged, half_width and variance are set
       type(clean_type), intent(inout) :: result

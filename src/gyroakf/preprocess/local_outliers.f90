@@ -10,7 +10,6 @@
 !> Source: Hampel, J. Amer. Stat. Assoc. 69 (1974) 383-393; Pearson et al., EURASIP J. Adv. Signal
 !> Process. 2016:87.
 module gyroakf_preprocess_local_outliers
-   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_chunks, only : threads_from
@@ -20,7 +19,7 @@ module gyroakf_preprocess_local_outliers
       replace_value, window_median, window_deviation
    implicit none (type, external)
    private
-   public :: mark_hampel, largest_half_width, least_present
+   public :: mark_hampel, set_mark, largest_half_width, least_present
 
    !> Largest k
    integer, parameter :: largest_half_width = 100000
@@ -41,7 +40,7 @@ contains
    !> Marked is $$|x_i - m_i| > t\,\max(1.4826\,\mathrm{MAD}_i, f)$$ with the median m and the MAD of the window.
    !> Outliers among the neighbors do not count as long as they are less than half of them. Memory: a
    !> window for each of the stretches that are worked on at the same time, some times the threads.
-   subroutine mark_hampel(x, half_width, threshold, floor, inlier, changed, removed, error, valid, progress, keep)
+   subroutine mark_hampel(x, half_width, threshold, floor, keep, inlier, changed, removed, error, valid, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> k, 1 .. 100,000; about k samples in a row, at most, can be recognized as outliers
@@ -51,30 +50,25 @@ contains
       !> f, the least scale, >= 0: half a quantization step, so that a window on one level does not lose
       !> all others
       real(dp), intent(in) :: floor
+      !> .true.: a mark stays, whatever the limit
+      logical, intent(in) :: keep
       !> 1 inlier, 0 outlier or missing: [n]; that of every present sample is set, the others stay
       integer(int8), intent(inout), contiguous :: inlier(:)
       !> Samples whose mark changed, and outliers now
       integer(int64), intent(out) :: changed, removed
-      !> invalid_argument, no_memory, cancelled
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
-      !> .true.: a mark stays, whatever the limit; .false. where it is absent
-      logical, intent(in), optional :: keep
       type(window_type), allocatable :: window(:)
       integer(int64) :: n, length, stretches, steps, part, first, last, done, judged, stretch
       integer :: k
-      logical :: stay
 
       changed = 0
       removed = 0
       n = size(x, kind=int64)
-      call check_arguments(n, half_width, threshold, floor, size(inlier, kind=int64), error, valid)
-      if (allocated(error)) return
-      stay = .false.
-      if (present(keep)) stay = keep
       k = int(min(int(half_width, int64), n))                          ! a wider window has no sample more
       length = max(stretch_length, stretch_windows*int(2*k + 1, int64))
       stretches = (n + length - 1)/length
@@ -92,38 +86,13 @@ contains
             !$omp& reduction(+:changed, removed)
             do stretch = first, last
                call judge_stretch(x, (stretch - 1)*length + 1, min(stretch*length, n), done, part, &
-                  & int(k, int64), threshold, floor, stay, window(stretch - first + 1), inlier, &
+                  & int(k, int64), threshold, floor, keep, window(stretch - first + 1), inlier, &
                   & changed, removed, valid)
             end do
             !$omp end parallel do
          end do
       end do
    end subroutine mark_hampel
-
-   subroutine check_arguments(n, half_width, threshold, floor, marks, error, valid)
-      integer(int64), intent(in) :: n, marks
-      integer, intent(in) :: half_width
-      real(dp), intent(in) :: threshold, floor
-      type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
-      character(120) :: text
-      logical :: good
-
-      if (half_width < 1 .or. half_width > largest_half_width) then
-         write (text, '("the half-width of the window must be 1 .. ", i0, ", it is ", i0)') largest_half_width, half_width
-         call fatal_error(error, status%invalid_argument, trim(text))
-         return
-      end if
-      good = ieee_is_finite(threshold) .and. ieee_is_finite(floor)
-      if (good) good = threshold > 0.0_dp .and. floor >= 0.0_dp
-      if (.not. good) then
-         call fatal_error(error, status%invalid_argument, "the outlier threshold must be positive, the least scale not negative")
-         return
-      end if
-      good = marks == n
-      if (present(valid)) good = good .and. size(valid, kind=int64) == n
-      if (.not. good) call fatal_error(error, status%invalid_argument, "the mask and the series differ in length")
-   end subroutine check_arguments
 
    !> Allocates the windows of the stretches that are worked on at the same time.
    subroutine make_windows(number, half_width, window, error)

@@ -21,9 +21,7 @@ contains
 
    !> Puts a value in; there must be room.
    pure subroutine insert_value(window, x)
-      !> One value more afterwards
       type(window_type), intent(inout) :: window
-      !> Finite
       real(dp), intent(in) :: x
       integer :: i, place
 
@@ -37,9 +35,7 @@ contains
 
    !> Takes a value out.
    pure subroutine remove_value(window, x)
-      !> One value less afterwards
       type(window_type), intent(inout) :: window
-      !> One of its values
       real(dp), intent(in) :: x
       integer :: i
 
@@ -51,9 +47,7 @@ contains
 
    !> Takes a value out and puts another one in.
    pure subroutine replace_value(window, old, new)
-      !> As many values as before
       type(window_type), intent(inout) :: window
-      !> One of its values, and the new one
       real(dp), intent(in) :: old, new
       integer :: i, from, to
 
@@ -74,9 +68,7 @@ contains
 
    !> How many values are smaller.
    pure integer function count_below(window, x)
-      !> The window
       type(window_type), intent(in) :: window
-      !> Finite
       real(dp), intent(in) :: x
       integer :: rest, half
 
@@ -95,7 +87,6 @@ contains
 
    !> Median; the mean of the two middle values for an even number.
    pure real(dp) function window_median(window)
-      !> At least one value
       type(window_type), intent(in) :: window
       integer :: middle
 
@@ -109,9 +100,7 @@ contains
    !> The distances of the lower half, from the middle outwards, and those of the upper half are two ascending lists; how many
    !> of the smaller half of all distances come from the lower list is found by bisection.
    pure real(dp) function window_deviation(window, median)
-      !> At least one value
       type(window_type), intent(in) :: window
-      !> Its median
       real(dp), intent(in) :: median
       integer :: lower, wanted, least, most, taken
       real(dp) :: next

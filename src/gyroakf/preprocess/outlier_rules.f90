@@ -15,19 +15,17 @@
 module gyroakf_preprocess_outlier_rules
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_chunks, only : threads_from
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_select, only : find_median, find_deviation
    use gyroakf_preprocess_auto_outliers, only : auto_threshold
+   use gyroakf_preprocess_local_outliers, only : set_mark
    implicit none (type, external)
    private
-   public :: check_method, default_threshold, robust_centre, is_repeated, mark_outliers
+   public :: check_method, default_threshold, robust_centre, mark_outliers
 
    !> MAD of a normal distribution times this is its standard deviation: 1/Phi^-1(3/4)
    real(dp), parameter :: mad_to_sigma = 1.4826022185056018_dp
-   !> A step is one of the quantisation that so many neighbours differ by, up to this factor of rounding errors
-   integer(int64), parameter :: least_steps = 10
-   real(dp), parameter :: nearly = 1.001_dp
 
 contains
 
@@ -62,12 +60,9 @@ contains
    end function default_threshold
 
    !> Median, and 1.4826 times the median distance from it.
-   subroutine robust_centre(x, floor, centre, scale, error, valid, progress)
+   subroutine robust_centre(x, centre, scale, error, valid, progress)
       !> Residuals: [n]
       real(dp), intent(in), contiguous :: x(:)
-      !> Least scale: half a quantisation step, so that a record of which more than half sits on one
-      !> level does not lose the rest
-      real(dp), intent(in) :: floor
       !> The two
       real(dp), intent(out) :: centre, scale
       !> too_few_samples, no_memory, cancelled
@@ -77,38 +72,13 @@ contains
       !> Told between the two; may cancel
       class(progress_type), intent(inout), optional :: progress
 
-      scale = floor
+      scale = 0.0_dp
       call find_median(x, centre, error, valid)
       if (.not. allocated(error)) call tell_progress("cleaning", 0_int64, 0_int64, error, progress)
       if (allocated(error)) return
       call find_deviation(x, centre, scale, error, valid)
-      scale = max(mad_to_sigma*scale, floor)
+      scale = mad_to_sigma*scale
    end subroutine robust_centre
-
-   !> Whether present neighbours differ by a step often enough for it to be that of the quantisation.
-   logical function is_repeated(x, step, valid)
-      !> Series: [n]
-      real(dp), intent(in), contiguous :: x(:)
-      !> As quantisation_step found it; 0 is none
-      real(dp), intent(in) :: step
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: i, n, times
-      real(dp) :: difference
-
-      n = size(x, kind=int64)
-      times = 0
-      !$omp parallel do if (n >= threads_from) default(shared) private(difference) reduction(+:times) schedule(static)
-      do i = 2, n
-         if (present(valid)) then
-            if (valid(i) == 0_int8 .or. valid(i - 1) == 0_int8) cycle
-         end if
-         difference = abs(x(i) - x(i - 1))
-         if (difference > 0.0_dp .and. difference <= nearly*step) times = times + 1
-      end do
-      !$omp end parallel do
-      is_repeated = times >= least_steps
-   end function is_repeated
 
    !> Marks the samples beyond the limit and unmarks those within.
    subroutine mark_outliers(x, centre, limit, keep, inlier, changed, removed, valid)
@@ -125,21 +95,16 @@ contains
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
       integer(int64) :: i, n
-      integer(int8) :: mark
 
       n = size(x, kind=int64)
       changed = 0
       removed = 0
-      !$omp parallel do if (n >= threads_from) default(shared) private(mark) reduction(+:changed, removed) schedule(static)
+      !$omp parallel do if (n >= threads_from) default(shared) reduction(+:changed, removed) schedule(static)
       do i = 1, n
          if (present(valid)) then
             if (valid(i) == 0_int8) cycle
          end if
-         mark = merge(0_int8, 1_int8, abs(x(i) - centre) > limit)
-         if (keep) mark = min(mark, inlier(i))
-         if (mark == 0_int8) removed = removed + 1
-         if (mark /= inlier(i)) changed = changed + 1
-         inlier(i) = mark
+         call set_mark(abs(x(i) - centre) > limit, keep, inlier(i), changed, removed)
       end do
       !$omp end parallel do
    end subroutine mark_outliers

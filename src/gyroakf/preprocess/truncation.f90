@@ -19,9 +19,6 @@ module gyroakf_preprocess_truncation
    real(dp), parameter :: root_two_over_pi = 0.79788456080286535588_dp
    !> Most rounds that are followed: the limit is reached to rounding long before, unless K is next to sqrt(3)
    integer, parameter :: most_rounds = 100000
-   !> From so many samples on the standard deviation counts as known; a share beyond so many standard deviations is none
-   integer(int64), parameter :: known_from = 10000
-   real(dp), parameter :: far = 30.0_dp
 
 contains
 
@@ -96,9 +93,7 @@ contains
    !> Share of Student's distribution beyond +- t: with t = sqrt(freedom) tan(a) the integral of cos(a)^(freedom-1) from there to
    !> pi/2, by Simpson's rule in the cube root of the way.
    elemental real(dp) function student_share_beyond(t, freedom) result(share)
-      !> > 0
       real(dp), intent(in) :: t
-      !> Degrees of freedom, > 0
       real(dp), intent(in) :: freedom
       integer, parameter :: steps = 400
       real(dp), parameter :: two_over_root_pi = 1.12837916709551257390_dp
@@ -114,30 +109,10 @@ contains
       share = two_over_root_pi*exp(ln_gamma(0.5_dp*(freedom + 1.0_dp)) - ln_gamma(0.5_dp*freedom))*total*way/real(steps, dp)
    end function student_share_beyond
 
-   !> What the share beyond t standard deviations of the same n samples is of that beyond t known standard deviations:
-   !> (x - mean)/s is t where Student's t with n-2 degrees of freedom is t sqrt(n(n-2)/((n-1)^2 - n t^2)). Source: Thompson,
-   !> Ann. Math. Stat. 6 (1935) 214-219.
-   pure real(dp) function sample_factor(threshold, n)
-      !> t, > 0
-      real(dp), intent(in) :: threshold
-      !> Samples
-      integer(int64), intent(in) :: n
-      real(dp) :: m, rest
-
-      sample_factor = 1.0_dp
-      if (n < 3 .or. n > known_from .or. threshold > far) return
-      m = real(n, dp)
-      rest = (m - 1.0_dp)**2 - m*threshold**2
-      if (.not. rest > 0.0_dp) return
-      sample_factor = student_share_beyond(threshold*sqrt(m*(m - 2.0_dp)/rest), m - 2.0_dp)/normal_share_beyond(threshold)
-   end function sample_factor
-
-   !> Samples that a rule marks of white normal noise without outliers, on average. With less than about 30 samples and many
-   !> rounds it is off by up to a factor of two.
+   !> Samples that a rule marks of white normal noise without outliers, on average (of fewer than 100, `pauta` marks less).
    pure real(dp) function expected_false_alarms(method, threshold, n, rounds, half_width)
-      !> none, auto, pauta, mad, hampel
+      !> none, auto, pauta, mad, hampel; its threshold in standard deviations
       character(*), intent(in) :: method
-      !> Threshold in standard deviations
       real(dp), intent(in) :: threshold
       !> Present samples
       integer(int64), intent(in) :: n
@@ -149,7 +124,7 @@ contains
 
       select case (method)
       case ("pauta")
-         share = normal_share_beyond(final_cut(threshold, rounds))*sample_factor(threshold, n)
+         share = normal_share_beyond(final_cut(threshold, rounds))
          if (real(n - 1, dp) <= threshold*sqrt(real(n, dp))) share = 0.0_dp
       case ("auto", "mad"); share = normal_share_beyond(threshold)
       case ("hampel"); share = hampel_share(half_width, threshold)
