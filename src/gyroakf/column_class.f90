@@ -3,7 +3,7 @@
 module gyroakf_column_class
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type
-   use gyroakf_name_words, only : ends_with, has_beginning, has_word, joined_name, split_name
+   use gyroakf_name_words, only : ends_with, has_beginning, has_word, join_name, split_name
    use gyroakf_record, only : text_type
    use gyroakf_spelling, only : lower
    use gyroakf_units, only : parse_unit, quantity, time_scale, unit_type
@@ -74,7 +74,7 @@ contains
       type(unit_type) :: known
 
       call split_name(name, word)
-      joined = joined_name(word)
+      call join_name(word, joined)
       call find_unit(name, unit, known)
       found = column_class%unknown
       if (is_temperature_unit(unit)) then
@@ -168,6 +168,7 @@ contains
       !> Of any quantity
       type(unit_type), intent(out) :: found
       type(text_type), allocatable :: word(:)
+      character(:), allocatable :: text
       integer :: last, k
 
       if (len(unit) > 0) then
@@ -179,25 +180,27 @@ contains
          if (verify(word(last)%text, "0123456789") > 0 .and. all(["x     ", "y     ", "z     ", "column"] /= word(last)%text)) exit
       end do
       do k = min(4, last - 1), 1, -1
-         call parse_quietly(join_unit(word(last - k + 1:last)), found)
+         call join_unit(word(last - k + 1:last), text)
+         call parse_quietly(text, found)
          if (k == 1 .and. any(["g  ", "mg ", "ug "] == word(last)%text)) then
-            if (class_of_words(word(:last - 1), joined_name(word(:last - 1))) /= column_class%acceleration) found = unit_type()
+            call join_name(word(:last - 1), text)
+            if (class_of_words(word(:last - 1), text) /= column_class%acceleration) found = unit_type()
          end if
          if (found%quantity /= quantity%unknown) return
       end do
    end subroutine find_unit
 
    !> "rad_s", "rad_per_s" and "m_s2" as units: "rad/s", "m/s2".
-   pure function join_unit(word) result(text)
+   pure subroutine join_unit(word, text)
       type(text_type), intent(in) :: word(:)
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
       integer :: i
 
       text = word(1)%text
       do i = 2, size(word)
          if (word(i)%text /= "per") text = text//"/"//word(i)%text
       end do
-   end function join_unit
+   end subroutine join_unit
 
    !> The unit that a text names, of an unknown quantity where it names none.
    pure subroutine parse_quietly(text, unit)

@@ -100,14 +100,22 @@ contains
       is_status = code >= lbound(status_texts, 1) .and. code <= ubound(status_texts, 1)
    end function is_status
 
+   !> The length of [[status_text]].
+   pure integer function text_length(code)
+      integer, intent(in) :: code
+
+      text_length = len(unknown_status)
+      if (is_status(code)) text_length = len_trim(status_texts(code))
+   end function text_length
+
    !> A short text for a code, "unknown status" for a number that is none.
    pure function status_text(code) result(text)
       !> A component of [[gyroakf_error:status]]
       integer, intent(in) :: code
-      character(:), allocatable :: text
+      character(text_length(code)) :: text
 
       text = unknown_status
-      if (is_status(code)) text = trim(status_texts(code))
+      if (is_status(code)) text = status_texts(code)
    end function status_text
 
    !> The exit code of a program that stops with this error: 1 usage, 2 data or file, 3 numerical.

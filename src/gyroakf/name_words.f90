@@ -5,7 +5,7 @@ module gyroakf_name_words
    use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
-   public :: split_name, ends_with, joined_name, has_word, has_beginning
+   public :: split_name, ends_with, join_name, has_word, has_beginning
 
    character(*), parameter :: signs = "_-. /:[](),"//achar(9)
 
@@ -65,10 +65,10 @@ contains
    end function ends_with
 
    !> The words without anything between them, and without digits at the end.
-   pure function joined_name(word) result(text)
+   pure subroutine join_name(word, text)
       !> Of [[split_name]]
       type(text_type), intent(in) :: word(:)
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
       integer :: i
 
       text = ""
@@ -76,7 +76,7 @@ contains
          text = text//word(i)%text
       end do
       text = text(:verify(text, "0123456789", back=.true.))
-   end function joined_name
+   end subroutine join_name
 
    !> True where one of the words is in a list; digits at its end do not count.
    pure logical function has_word(word, list)

@@ -216,13 +216,21 @@ contains
       end do
    end function spelling_of
 
+   !> The length of `meant`.
+   pure integer function meant_length(text)
+      character(*), intent(in) :: text
+
+      meant_length = len(text)
+      if (spelling_of(text) > 0) meant_length = len_trim(spellings(2, spelling_of(text)))
+   end function meant_length
+
    !> What a spelling means; the text itself where it is none.
    pure function meant(text) result(name)
       character(*), intent(in) :: text
-      character(:), allocatable :: name
+      character(meant_length(text)) :: name
 
       name = text
-      if (spelling_of(text) > 0) name = trim(spellings(2, spelling_of(text)))
+      if (spelling_of(text) > 0) name = spellings(2, spelling_of(text))
    end function meant
 
    !> Fills the unit where `angle` is a known angle and `time` is "" or a known time.
@@ -321,13 +329,21 @@ contains
       if (rate_unit%name == "mdeg/s") rate_unit%name = "mdps"
    end function angle_to_rate_unit
 
+   !> Length of the definition of a coefficient. (A length that names a private array does not link in a caller with gfortran 12.)
+   pure integer function definition_length(term)
+      !> 1 to 5 for Q N B K R
+      integer, intent(in) :: term
+
+      definition_length = len_trim(definitions(max(1, min(term, size(definitions)))))
+   end function definition_length
+
    !> What a coefficient is the coefficient of: the convention that its number has. The same in all units.
    pure function coefficient_definition(term) result(text)
       !> 1 to 5 for Q N B K R
       integer, intent(in) :: term
-      character(:), allocatable :: text
+      character(definition_length(term)) :: text
 
-      text = trim(definitions(max(1, min(term, size(definitions)))))
+      text = definitions(max(1, min(term, size(definitions))))
    end function coefficient_definition
 
    !> What a coefficient is stated in, of a record in `unit`.

@@ -5,7 +5,7 @@ module gyroakf_io_columns
    use gyroakf_column_class, only : class_of, column_class, is_unit
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_number, only : number, parse_number
-   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_place, only : integer_text, integer_length
    use gyroakf_io_text, only : bytes_text, fields_type, split, split_line
    use gyroakf_record, only : text_type
    use gyroakf_spelling, only : lower, nearest_word
@@ -212,17 +212,47 @@ contains
       word = trim(adjustl(word(2:last)))
    end subroutine take_brackets_off
 
+   !> The length of the name that a column has in the file; 0: none.
+   pure integer function own_length(names, column)
+      type(column_names_type), intent(in) :: names
+      integer, intent(in) :: column
+
+      own_length = 0
+      if (names%known) own_length = len(names%name(column)%text)
+   end function own_length
+
+   !> The length of [[name_of]].
+   pure integer function name_length(names, column)
+      type(column_names_type), intent(in) :: names
+      integer, intent(in) :: column
+
+      name_length = own_length(names, column)
+      if (name_length == 0) name_length = len("column") + integer_length(int(column, int64))
+   end function name_length
+
+   !> The length of [[label_of]].
+   pure integer function label_length(names, column)
+      type(column_names_type), intent(in) :: names
+      integer, intent(in) :: column
+
+      label_length = own_length(names, column)
+      if (label_length > 0) label_length = len("column ''") + label_length
+      if (label_length == 0) label_length = len("column ") + integer_length(int(column, int64))
+   end function label_length
+
    !> The name of a column, "column3" where it has none.
    pure function name_of(names, column) result(name)
       !> Of the file
       type(column_names_type), intent(in) :: names
       !> Counted from 1
       integer, intent(in) :: column
-      character(:), allocatable :: name
+      character(name_length(names, column)) :: name
 
-      name = ""
-      if (names%known) name = names%name(column)%text
-      if (len(name) == 0) name = "column"//integer_text(int(column, int64))
+      if (own_length(names, column) > 0) then
+         name = names%name(column)%text
+      else
+         name = "column"//integer_text(int(column, int64))
+      end if
    end function name_of
 
    !> The same for messages: "column 3" or "column 'gx'".
@@ -230,11 +260,13 @@ contains
       !> As those of [[name_of]]
       type(column_names_type), intent(in) :: names
       integer, intent(in) :: column
-      character(:), allocatable :: label
+      character(label_length(names, column)) :: label
 
-      label = "column "//integer_text(int(column, int64))
-      if (.not. names%known) return
-      if (len(names%name(column)%text) > 0) label = "column '"//names%name(column)%text//"'"
+      if (own_length(names, column) > 0) then
+         label = "column '"//names%name(column)%text//"'"
+      else
+         label = "column "//integer_text(int(column, int64))
+      end if
    end function label_of
 
    !> The column that a number or a name means.
@@ -338,15 +370,18 @@ contains
                                  .or. (class(1) == column_class%unknown .and. len(word) > 4))
    end function may_mean
 
-   !> The characters of a text that are in a set.
+   !> The characters of a text that are in a set, then blanks.
    pure function kept(text, set) result(left)
       character(*), intent(in) :: text, set
-      character(:), allocatable :: left
-      integer :: i
+      character(len(text)) :: left
+      integer :: i, n
 
       left = ""
+      n = 0
       do i = 1, len(text)
-         if (scan(text(i:i), set) > 0) left = left//text(i:i)
+         if (scan(text(i:i), set) == 0) cycle
+         n = n + 1
+         left(n:n) = text(i:i)
       end do
    end function kept
 

@@ -128,7 +128,7 @@ contains
       integer :: comma_at, clock
 
       at = 0
-      text = visible_text(bytes, first, last)
+      call take_visible(bytes, first, last, text)
       call find_commas(text, comma_at, clock)
       if (comma_at <= 0 .or. clock > 0 .or. scan(text, ".'""") > 0) return
       if (scan(text, parting) == len(text) .and. text(:comma_at) /= "-0,") then
@@ -148,7 +148,7 @@ contains
       integer :: i, comma_at, clock
 
       fields = 0
-      text = visible_text(bytes, first, last)
+      call take_visible(bytes, first, last, text)
       call find_commas(text, comma_at, clock)
       if (comma_at < 0 .or. (clock > 0 .and. clock == len(text) - 1)) return
       parts = " "
@@ -161,13 +161,13 @@ contains
    end function decimal_fields
 
    !> A line without the blanks around it, and one blank.
-   pure function visible_text(bytes, first, last) result(text)
+   pure subroutine take_visible(bytes, first, last, text)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
 
       text = bytes_text(bytes, first_visible(bytes, first, last), last_visible(bytes, first, last))//" "
-   end function visible_text
+   end subroutine take_visible
 
    !> The first comma of a line, 0 where there is none, -1 where one is no decimal comma or a point is a decimal point; and the
    !> end of the last word with a comma and a colon, 0 where there is none.

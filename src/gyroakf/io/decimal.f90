@@ -6,7 +6,7 @@ module gyroakf_io_decimal
    use gyroakf_io_wide_power, only : int128, power_scale, ten, wide_power
    implicit none (type, external)
    private
-   public :: format_real, real_to_text, shortest_digits, longest_real
+   public :: format_real, real_length, real_to_text, shortest_digits, longest_real
 
    integer(int128), parameter :: low63 = 2_int128**63 - 1
    !> Room that a number needs; fewer characters of it are used
@@ -19,13 +19,23 @@ module gyroakf_io_decimal
 
 contains
 
+   !> The length of [[format_real]].
+   pure integer function real_length(value, digits)
+      !> As those of [[format_real]]
+      real(dp), intent(in) :: value
+      integer, intent(in) :: digits
+      character(longest_real) :: room
+
+      call real_to_text(value, digits, room, real_length)
+   end function real_length
+
    !> A number with so many significant digits, as C's `%.{digits}g`: 0.25, 12000, 1e-05; "nan", "inf", "-inf".
    pure function format_real(value, digits) result(text)
       !> Any number
       real(dp), intent(in) :: value
       !> 1 to 17; 0: as few as read back to the same number, at most 17
       integer, intent(in) :: digits
-      character(:), allocatable :: text
+      character(real_length(value, digits)) :: text
       character(longest_real) :: room
       integer :: length
 

@@ -3,7 +3,7 @@
 module gyroakf_io_findings
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_decimal, only : format_real
-   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_place, only : integer_text, integer_length
    use gyroakf_io_table, only : table_type
    use gyroakf_record, only : add_text, record_type
    implicit none (type, external)
@@ -96,10 +96,10 @@ contains
    pure function counted(number, noun) result(text)
       integer(int64), intent(in) :: number
       character(*), intent(in) :: noun
-      character(:), allocatable :: text
+      character(integer_length(number) + 1 + len(noun) + count([number /= 1])) :: text
 
       text = integer_text(number)//" "//noun
-      if (number /= 1) text = text//"s"
+      if (number /= 1) text(len(text):) = "s"
    end function counted
 
 end module gyroakf_io_findings

@@ -13,7 +13,7 @@ module gyroakf_io_npy
    use gyroakf_io_text, only : bytes_text
    implicit none (type, external)
    private
-   public :: npy_magic, npy_alignment, make_npy_header, shape_text, npy_header_type, read_npy_header
+   public :: npy_magic, npy_alignment, make_npy_header, spell_shape, npy_header_type, read_npy_header
 
    !> The first six bytes
    character(6), parameter :: npy_magic = char(147)//"NUMPY"
@@ -56,11 +56,12 @@ contains
       logical, intent(in) :: by_columns
       !> Its bytes
       character(:), allocatable, intent(out) :: header
-      character(:), allocatable :: text
+      character(:), allocatable :: text, shape
       integer :: length
 
+      call spell_shape(rows, columns, shape)
       text = "{'descr': '"//merge(">", "<", host_big_endian())//"f8', 'fortran_order': "// &
-             trim(merge("True ", "False", by_columns))//", 'shape': "//shape_text(rows, columns)//", }"
+             trim(merge("True ", "False", by_columns))//", 'shape': "//shape//", }"
       length = len(text) + 1
       length = length + modulo(-(length + len(npy_magic) + 4), npy_alignment)
       text = text//repeat(" ", length - len(text) - 1)//achar(10)
@@ -68,15 +69,15 @@ contains
    end subroutine make_npy_header
 
    !> "(1000, 3)", "(1000,)".
-   pure function shape_text(rows, columns) result(text)
+   pure subroutine spell_shape(rows, columns, text)
       !> As those of [[make_npy_header]]
       integer(int64), intent(in) :: rows, columns
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
 
       text = "("//integer_text(rows)//","
       if (columns > 0) text = text//" "//integer_text(columns)
       text = text//")"
-   end function shape_text
+   end subroutine spell_shape
 
    !> Reads magic, version and header.
    subroutine read_npy_header(bytes, name, header, error)

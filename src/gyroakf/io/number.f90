@@ -159,8 +159,8 @@ contains
       type(c_ptr) :: locale
 
       text(:size(bytes, kind=int64)) = achar(bytes)
-      where (text == "d" .or. text == "D") text = "e"
       text(size(text, kind=int64)) = c_null_char
+      where (text == "d" .or. text == "D") text = "e"
       call ieee_get_halting_mode(flags, halting)
       call ieee_get_flag(flags, raised)
       call ieee_set_halting_mode(flags, .false.)

@@ -6,7 +6,7 @@ module gyroakf_io_opening
    use gyroakf_io_binary, only : binary_type, skip_bytes
    use gyroakf_io_element, only : element_name, element_type
    use gyroakf_io_lines, only : lines_type
-   use gyroakf_io_npy, only : npy_header_type, read_npy_header, shape_text
+   use gyroakf_io_npy, only : npy_header_type, read_npy_header, spell_shape
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_source, only : open_source, source_type
@@ -94,7 +94,7 @@ contains
       binary%first = header%first
       call orient(header%rank, header%shape, binary%by_columns, binary%rows, binary%columns, turned)
       binary%by_columns = binary%by_columns .and. binary%columns > 1
-      shape = shape_text(header%shape(1), merge(header%shape(2), 0_int64, header%rank > 1))
+      call spell_shape(header%shape(1), merge(header%shape(2), 0_int64, header%rank > 1), shape)
       call check_size(lines%source, header, shape, error)
       if (allocated(error)) return
       call begin_numbers(lines%source%name, binary%columns, options, table, error)

@@ -7,7 +7,7 @@ module gyroakf_io_place
    use gyroakf_utf8, only : is_continuation, sequence_length, text_width
    implicit none (type, external)
    private
-   public :: place_error, shown_bytes, integer_text
+   public :: place_error, shown_bytes, integer_text, integer_length
 
    !> So many characters of a long line are shown
    integer, parameter :: width = 96
@@ -86,15 +86,23 @@ contains
       end do
    end function shown_bytes
 
+   !> The length of [[integer_text]].
+   pure integer function integer_length(i)
+      !> Any value
+      integer(int64), intent(in) :: i
+      character(20) :: room
+
+      write (room, "(i0)") i
+      integer_length = len_trim(room)
+   end function integer_length
+
    !> An integer without blanks.
    pure function integer_text(i) result(text)
       !> Any value
       integer(int64), intent(in) :: i
-      character(:), allocatable :: text
-      character(20) :: room
+      character(integer_length(i)) :: text
 
-      write (room, "(i0)") i
-      text = trim(room)
+      write (text, "(i0)") i
    end function integer_text
 
 end module gyroakf_io_place

@@ -5,7 +5,7 @@ module gyroakf_io_recording
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_io_binary, only : binary_type, read_binary_rows
-   use gyroakf_io_decimal, only : format_real
+   use gyroakf_io_decimal, only : format_real, real_length
    use gyroakf_io_element, only : element_name, element_type, element_word, parse_element
    use gyroakf_io_format, only : content_type, recognise
    use gyroakf_io_lines, only : close_lines, lines_type, open_lines
@@ -310,15 +310,20 @@ contains
              trim(merge("free   ", "allowed", recording%options%memory_found))
    end subroutine say_too_large
 
+   !> A size in GB or MB, as [[bytes_text]] says it.
+   pure real(dp) function in_unit(bytes)
+      integer(int64), intent(in) :: bytes
+
+      in_unit = real(bytes, dp)*merge(1.0e-9_dp, 1.0e-6_dp, bytes >= gigabyte)
+   end function in_unit
+
    !> "276 MB".
    pure function bytes_text(bytes) result(text)
       !> How many
       integer(int64), intent(in) :: bytes
-      character(:), allocatable :: text
-      logical :: large
+      character(real_length(in_unit(bytes), 3) + 3) :: text
 
-      large = bytes >= gigabyte
-      text = format_real(real(bytes, dp)*merge(1.0e-9_dp, 1.0e-6_dp, large), 3)//merge(" GB", " MB", large)
+      text = format_real(in_unit(bytes), 3)//merge(" GB", " MB", bytes >= gigabyte)
    end function bytes_text
 
 end module gyroakf_io_recording

@@ -82,21 +82,27 @@ contains
       has_groups = comma_at > 1 .and. scan(text//".", ".") == comma_at + 4 .and. verify(text, "+-.,0123456789") == 0
    end function has_groups
 
-   !> The start of a field, for a message; no character is cut.
+   !> How many bytes of a field [[excerpt]] shows: no character is cut.
+   pure integer(int64) function shown_length(field) result(length)
+      integer(int8), intent(in), contiguous :: field(:)
+
+      length = size(field, kind=int64)
+      if (length <= 40) return
+      length = 37
+      do while (field(length + 1) < -64 .and. length > 33)
+         length = length - 1
+      end do
+   end function shown_length
+
+   !> The start of a field, for a message.
    pure function excerpt(bytes, first, last) result(text)
       !> The field in first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
-      character(:), allocatable :: text
-      integer(int64) :: to
+      character(shown_length(bytes(first:last)) + 3*count([shown_length(bytes(first:last)) < last - first + 1])) :: text
 
-      text = shown_bytes(bytes, first, last)
-      if (len(text) <= 40) return
-      to = first + 36
-      do while (bytes(to + 1) < -64 .and. to > first + 32)
-         to = to - 1
-      end do
-      text = shown_bytes(bytes, first, to)//"..."
+      text = shown_bytes(bytes, first, first + shown_length(bytes(first:last)) - 1)
+      if (len(text) > shown_length(bytes(first:last))) text(len(text) - 2:) = "..."
    end function excerpt
 
    !> The problem of a row with another number of columns, at the first field that is too much or at the end.

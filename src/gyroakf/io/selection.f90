@@ -72,6 +72,7 @@ contains
       !> COLUMN=VALUE of each sensor, and the message; unallocated where there is one sensor
       type(text_type), allocatable, intent(out) :: kinds(:)
       character(:), allocatable, intent(out) :: what
+      character(:), allocatable :: column
       integer :: j, k, sensors
 
       if (size(field, 2) > most_columns .or. size(field, 1) < 8) return
@@ -84,8 +85,9 @@ contains
          if (sensors == 0) cycle
          what = label_of(names, j)//" alternates between "//integer_text(int(sensors, int64))// &
                 " values while the time stamps repeat: "//integer_text(int(sensors, int64))//" sensors in one table"
+         call find_selector(names, j, column)
          do k = 1, sensors
-            call add_text(kinds, selector(names, j)//"="//field(k, j)%text)
+            call add_text(kinds, column//"="//field(k, j)%text)
          end do
          return
       end do
@@ -124,15 +126,15 @@ contains
    end subroutine find_kinds_of_records
 
    !> A column for --where: its name, or its number where it has none or one with a blank.
-   pure function selector(names, column) result(text)
+   pure subroutine find_selector(names, column, text)
       type(column_names_type), intent(in) :: names
       integer, intent(in) :: column
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
 
       text = ""
       if (names%known) text = names%name(column)%text
       if (len(text) == 0 .or. scan(text, " =()[]$*?#;&|<>'""") > 0) text = integer_text(int(column, int64))
-   end function selector
+   end subroutine find_selector
 
    !> The fields of the first rows up to one that has too few; only those that are wanted.
    pure subroutine first_rows(bytes, first, last, layout, field)

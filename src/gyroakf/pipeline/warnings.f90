@@ -4,8 +4,8 @@ module gyroakf_pipeline_warnings
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, status
    use gyroakf_record, only : add_text, record_type
-   use gyroakf_io_decimal, only : format_real
-   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_decimal, only : format_real, real_length
+   use gyroakf_io_place, only : integer_text, integer_length
    use gyroakf_pipeline_result, only : channel_result_type, not_described, stage
    implicit none (type, external)
    private
@@ -204,13 +204,25 @@ contains
                     format_real(channel%cleaned%mean, 5)//"; their outputs are without it")
    end subroutine warn_centred
 
+   !> The length of `moment`.
+   pure integer function moment_length(index, step)
+      integer(int64), intent(in) :: index
+      real(dp), intent(in) :: step
+
+      if (step > 0.0_dp) then
+         moment_length = real_length(real(index - 1, dp)*step, 7)
+      else
+         moment_length = integer_length(index)
+      end if
+   end function moment_length
+
    !> Time of a sample in s, or its number.
    pure function moment(index, step) result(text)
       !> From 1
       integer(int64), intent(in) :: index
       !> Sample interval in s, 0 where it is not known
       real(dp), intent(in) :: step
-      character(:), allocatable :: text
+      character(moment_length(index, step)) :: text
 
       if (step > 0.0_dp) then
          text = format_real(real(index - 1, dp)*step, 7)

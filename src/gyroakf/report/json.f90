@@ -12,7 +12,7 @@
 !> written as null. Text is written as valid UTF-8: control characters are escaped, bytes that are not UTF-8 become U+FFFD.
 module gyroakf_report_json
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_io_decimal, only : format_real
+   use gyroakf_io_decimal, only : format_real, real_length
    use gyroakf_io_writer, only : writer_type, put
    use gyroakf_record, only : text_type
    use gyroakf_utf8, only : sequence_length
@@ -210,10 +210,18 @@ contains
       call append(json, "]")
    end subroutine put_texts
 
+   !> The length of `json_number`.
+   pure integer function number_length(value)
+      real(dp), intent(in) :: value
+
+      number_length = len("null")
+      if (ieee_is_finite(value)) number_length = real_length(value, 17)
+   end function number_length
+
    !> A number at 17 significant digits, null where it is not finite.
    pure function json_number(value) result(text)
       real(dp), intent(in) :: value
-      character(:), allocatable :: text
+      character(number_length(value)) :: text
 
       text = "null"
       if (ieee_is_finite(value)) text = format_real(value, 17)
