@@ -62,7 +62,7 @@ for file in "${order[@]}"; do
   name=$out/objects/${file//\//_}
   cp "$file" "$name"
   case $file in
-    */io/lines.f90) small 'block_size = 524288' 'block_size = 200' "$name" ;;
+    */io/lines.f90) small 'block_size = 1048576' 'block_size = 200' "$name" ;;
     */io/text_rows.f90) small 'piece_size = 131072' 'piece_size = 24' "$name" ;;
   esac
   # shellcheck disable=SC2086

@@ -228,7 +228,7 @@ contains
 
    !> True where a unit may be that of a class: where the class is not known, or its quantity is the same.
    pure logical function unit_fits(class, unit)
-      !> One of the components of [[column_class]]
+      !> One of the components of [[gyroakf_column_class:column_class]]
       integer, intent(in) :: class
       !> Known
       type(unit_type), intent(in) :: unit

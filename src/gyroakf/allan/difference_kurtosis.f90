@@ -21,7 +21,7 @@ contains
    !> $$ \kappa = 2 m \left( \frac{\mathrm{E}(d - \bar d)^4}{(\mathrm{E}(d - \bar d)^2)^2} - 3 \right), $$
    !>
    !> which for white noise does not depend on m. A pass over the phase for m = 1; for longer factors 2**20 samples are looked at.
-   subroutine find_kurtosis(phase, m, variance, kurtosis, missing)
+   recursive subroutine find_kurtosis(phase, m, variance, kurtosis, missing)
       !> Integral of the record: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Averaging factors, powers of two, at most n/2: [k]
@@ -30,13 +30,17 @@ contains
       real(dp), intent(in) :: variance(:)
       !> 0 where nothing varies or fewer than two differences are complete: [k]
       real(dp), intent(out) :: kurtosis(:)
-      !> Missing samples so far: [0:n]; absent: none
+      !> Missing samples so far: [0:n]; absent or of size 0: none
       integer(int32), intent(in), contiguous, optional :: missing(0:)
       real(dp), allocatable :: sums(:, :, :)
       real(dp) :: total(3), scale(size(m)), mean(size(m))
       integer(int64) :: blocks, b, n, stride, before
       integer :: i
 
+      if (.not. present(missing)) then
+         call find_kurtosis(phase, m, variance, kurtosis, [integer(int32) ::])
+         return
+      end if
       n = ubound(phase, 1, kind=int64)
       stride = n/block_length/blocks_max + 1
       blocks = n/block_length/stride + 1
@@ -69,12 +73,12 @@ contains
    pure real(dp) function mean_difference(phase, m, missing) result(mean)
       real(dp), intent(in), contiguous :: phase(0:)
       integer(int64), intent(in) :: m
-      integer(int32), intent(in), contiguous, optional :: missing(0:)
+      integer(int32), intent(in), contiguous :: missing(0:)
       integer(int64) :: k, n, counted
 
       n = ubound(phase, 1, kind=int64)
       mean = 0
-      if (present(missing)) then
+      if (size(missing) > 0) then
          counted = 0
          do k = 0, n - 2*m, m
             if (missing(k + 2*m) > missing(k)) cycle
@@ -95,7 +99,7 @@ contains
       integer(int64), intent(in) :: m, first, before
       real(dp), intent(in) :: mean, scale
       real(dp), intent(inout) :: sums(3)
-      integer(int32), intent(in), contiguous, optional :: missing(0:)
+      integer(int32), intent(in), contiguous :: missing(0:)
       real(dp) :: u, squares, fourths
       integer(int64) :: k, last, counted
 
@@ -103,7 +107,7 @@ contains
       squares = 0
       fourths = 0
       counted = 0
-      if (present(missing)) then
+      if (size(missing) > 0) then
          do k = first, last, m
             if (missing(k + 2*m) > missing(k)) cycle
             u = (scale*(((phase(k + 2*m) - phase(k + m)) - (phase(k + m) - phase(k))) - mean))**2

@@ -30,7 +30,7 @@ contains
       !> Stamps in s, none missing: [n]; afterwards without backward jumps and jumps that are not
       !> filled
       real(dp), intent(inout), contiguous :: t(:)
-      !> Filled: stamps, rate, duplicates, backward steps, bursts, jitter; `line_of_*` hold sample
+      !> What they show: stamps, rate, duplicates, backward steps, bursts, jitter; `line_of_*` hold sample
       !> indices
       type(audit_type), intent(inout) :: audit
       !> Where samples were lost
@@ -298,7 +298,7 @@ contains
       real(dp), intent(in), contiguous :: value(:, :)
       !> [sample, channel] 1 present, 0 missing; unallocated where nothing is missing
       integer(int8), allocatable, intent(in) :: present_mask(:, :)
-      !> Filled: samples, missing, extremes, quantisation
+      !> What they show: samples, missing, extremes, quantisation
       type(audit_type), intent(inout) :: audit
       !> cancelled
       type(error_type), allocatable, intent(out) :: error

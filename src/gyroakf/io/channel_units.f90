@@ -26,7 +26,7 @@ contains
       type(table_type), intent(in) :: table
       !> Its channels are named; `unit`, `channel_unit`, `unit_source` are filled
       type(record_type), intent(inout) :: record
-      !> invalid_argument: an unknown unit, one of another quantity than the channels', too many or too few,
+      !> An unknown unit (invalid_argument), one of another quantity than the channels', too many or too few,
       !> one of an angle where a rate is read, or the reverse
       type(error_type), allocatable, intent(out) :: error
       type(unit_type), allocatable :: unit(:)
