@@ -30,7 +30,7 @@ contains
       real(dp), intent(in) :: variance(:)
       !> 0 where nothing varies or fewer than two differences are complete: [k]
       real(dp), intent(out) :: kurtosis(:)
-      !> Missing samples so far: [0:n]; absent or of size 0: none
+      !> Missing samples so far: [0:n]; absent or of size 1: none
       integer(int32), intent(in), contiguous, optional :: missing(0:)
       real(dp), allocatable :: sums(:, :, :)
       real(dp) :: total(3), scale(size(m)), mean(size(m))
@@ -38,7 +38,7 @@ contains
       integer :: i
 
       if (.not. present(missing)) then
-         call find_kurtosis(phase, m, variance, kurtosis, [integer(int32) ::])
+         call find_kurtosis(phase, m, variance, kurtosis, [0_int32])
          return
       end if
       n = ubound(phase, 1, kind=int64)
@@ -78,7 +78,7 @@ contains
 
       n = ubound(phase, 1, kind=int64)
       mean = 0
-      if (size(missing) > 0) then
+      if (size(missing) > 1) then
          counted = 0
          do k = 0, n - 2*m, m
             if (missing(k + 2*m) > missing(k)) cycle
@@ -107,7 +107,7 @@ contains
       squares = 0
       fourths = 0
       counted = 0
-      if (size(missing) > 0) then
+      if (size(missing) > 1) then
          do k = first, last, m
             if (missing(k + 2*m) > missing(k)) cycle
             u = (scale*(((phase(k + 2*m) - phase(k + m)) - (phase(k + m) - phase(k))) - mean))**2
