@@ -7,7 +7,8 @@ module test_text_rows
    use testdrive, only : new_unittest, unittest_type, error_type, check, test_failed
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_io_lines, only : close_lines, line_of, lines_type, open_lines
+   use gyroakf_io_source, only : close_source
+   use gyroakf_io_lines, only : line_of, lines_type, open_lines
    use gyroakf_io_store, only : count_rows, store_type
    use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_table, only : begin_table, table_type
@@ -98,7 +99,7 @@ contains
       options%input = "rate"
       call begin(lines, scratch_path("rows.txt"), options, table, failed)
       if (.not. allocated(failed)) call read_rows(lines, options, huge(1_int64), table, failed)
-      call close_lines(lines)
+      call close_source(lines%source)
       call remove_file(scratch_path("rows.txt"))
       call set_thread_count(usual)
    end subroutine read_with
@@ -328,7 +329,7 @@ contains
          rows = rows + count_rows(table%store)
          table%store = store_type()
       end do
-      call close_lines(lines)
+      call close_source(lines%source)
       call remove_file(scratch_path("parts.txt"))
       call check(error, .not. allocated(failed) .and. table%whole)
       if (allocated(error)) return
@@ -358,7 +359,7 @@ contains
          close (unit)
       end if
       if (.not. allocated(failed)) call read_rows(lines, options, huge(1_int64), table, failed)
-      call close_lines(lines)
+      call close_source(lines%source)
       call remove_file(scratch_path("changed.txt"))
    end subroutine read_changed
 

@@ -95,11 +95,8 @@ contains
          if (k >= 1) first = change(max(k, 1))
          if (k < size(change)) last = change(k + 1) - 1
          if (last <= first) cycle
-         if (size(change) == 0) then
-            cadence = whole
-         else
-            call find_cadence(t(first:last), cadence)
-         end if
+         cadence = whole
+         if (size(change) > 0) call find_cadence(t(first:last), cadence)
          if (cadence%step <= 0.0_dp) cycle
          part%count = 0
          part%jumps = 0

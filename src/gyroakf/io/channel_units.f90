@@ -195,10 +195,7 @@ contains
       do j = 1, size(unit)
          if (unit(j)%quantity == quantity%unknown) unit(j)%name = ""
       end do
-      do j = 2, size(unit)
-         if (unit(j)%name /= unit(1)%name) exit
-      end do
-      if (j > size(unit)) then
+      if (all([(unit(j)%name == unit(1)%name, j=2, size(unit))])) then
          record%unit = unit(1)
       else
          allocate (record%channel_unit(size(unit)))

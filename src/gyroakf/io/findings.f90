@@ -22,8 +22,8 @@ contains
 
       count = [record%audit%duplicates, record%audit%backward_steps, record%audit%gaps]
       do k = 1, 3
-         if (count(k) > 0) call add_text(record%warnings, "the time column shows "//integer_text(count(k))//" "//trim(what(k))// &
-            trim(merge("s", " ", count(k) > 1))//"; the first is in line "//integer_text(record%audit%line_of_first(k)))
+         if (count(k) > 0) call add_text(record%warnings, "the time column shows "//counted(count(k), trim(what(k)))// &
+            "; the first is in line "//integer_text(record%audit%line_of_first(k)))
       end do
       if (record%audit%jumps > 0) call add_text(record%warnings, "a jump of the time stamps is too long to be filled with "// &
          "missing samples; the parts before and after it are joined: analyse them apart with --from and --to")

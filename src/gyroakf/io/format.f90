@@ -41,11 +41,13 @@ contains
       type(content_type), intent(out) :: content
       logical :: control(size(bytes, kind=int64))
       integer(int64) :: controls, nulls
-      integer :: found
+      integer :: found, point_at
       logical :: by_name
 
       content%kind = "text"
-      call find_ending(name, content%ending)
+      point_at = index(name, ".", back=.true.)
+      content%ending = ""
+      if (point_at > index(name, "/", back=.true.)) content%ending = lower(name(point_at + 1:))
       call parse_element(content%ending, content%element, by_name)
       call find_magic(bytes, content%kind, found)
       if (found > 0) then
@@ -57,7 +59,8 @@ contains
       end if
       if (content%kind /= "text") return
       if (by_name) then
-         content%kind = merge("text  ", "binary", all(is_plain(bytes)))
+         content%kind = merge("text  ", "binary", all((bytes >= 32 .and. bytes < 127) .or. &
+                                                              (bytes >= 9 .and. bytes <= 13)))
          return
       end if
       control(:) = bytes >= 0 .and. bytes <= 31 .and. (bytes < 9 .or. bytes > 13)
@@ -70,24 +73,6 @@ contains
       content%advice = binary_advice
       if (nulls == controls) call explain_nulls(bytes, name, nulls, content)
    end subroutine recognise
-
-   !> What lies behind the last point of the name, in lower case.
-   pure subroutine find_ending(name, ending)
-      character(*), intent(in) :: name
-      character(:), allocatable, intent(out) :: ending
-      integer :: point_at
-
-      ending = ""
-      point_at = index(name, ".", back=.true.)
-      if (point_at > 0 .and. point_at > index(name, "/", back=.true.)) ending = lower(name(point_at + 1:))
-   end subroutine find_ending
-
-   !> True for what a text without accents consists of.
-   elemental logical function is_plain(byte)
-      integer(int8), intent(in) :: byte
-
-      is_plain = (byte >= 32 .and. byte < 127) .or. (byte >= 9 .and. byte <= 13)
-   end function is_plain
 
    !> Bytes that are 0 and no other control characters: UTF-16 without its mark, or text with holes.
    subroutine explain_nulls(bytes, name, nulls, content)

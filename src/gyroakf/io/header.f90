@@ -51,11 +51,7 @@ contains
       integer(int64) :: from, mark
       character(:), allocatable :: key
 
-      from = first
-      do while (from <= last)
-         if (scan(achar(iand(int(bytes(from)), 127)), "#%;/! "//achar(9)) == 0) exit
-         from = from + 1
-      end do
+      from = first - 1 + verify(bytes_text(bytes, first, last)//"x", "#%;/! "//achar(9))
       do mark = from, last
          if (bytes(mark) == iachar(":") .or. bytes(mark) == iachar("=")) exit
       end do

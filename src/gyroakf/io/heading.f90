@@ -224,11 +224,7 @@ contains
       integer :: i
 
       if (any(bytes(first:last) == iachar(":") .or. bytes(first:last) == iachar("="))) return
-      from = first
-      do while (from <= last)
-         if (scan(achar(iand(int(bytes(from)), 127)), "#%;/! "//achar(9)) == 0) exit
-         from = from + 1
-      end do
+      from = first - 1 + verify(bytes_text(bytes, first, last)//"x", "#%;/! "//achar(9))
       to = last_visible(bytes, from, last)
       if (to < from) return
       call read_names(bytes, from, to, line, names)

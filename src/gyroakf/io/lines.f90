@@ -6,11 +6,11 @@ module gyroakf_io_lines
    use gyroakf_io_number, only : digits_ahead
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_text, only : line_feed_from
-   use gyroakf_io_source, only : close_source, has_places, open_source, read_block, source_left, source_type
+   use gyroakf_io_source, only : has_places, open_source, read_block, source_left, source_type
    implicit none (type, external)
    private
    public :: lines_type, open_lines, more_lines, make_room, check_length, end_last_line, turn_returns
-   public :: line_end, next_line, close_lines, line_map_type, map_row, line_of
+   public :: line_end, next_line, line_map_type, map_row, line_of
 
    !> Bytes of the first block
    integer(int64), parameter :: block_size = 1048576
@@ -20,7 +20,7 @@ module gyroakf_io_lines
    integer(int64), parameter :: tail_size = 4096
    !> Bytes behind those that are filled: a line feed that may be missing, and what the search for digits looks at
    integer(int64), parameter :: behind = digits_ahead + 1
-   integer(int8), parameter :: line_feed = 10, carriage_return = 13
+   integer(int8), parameter :: line_feed = 10, carriage_return = 13, line_ends(2) = [line_feed, carriage_return]
 
    !> Lines of a source
    type :: lines_type
@@ -54,7 +54,7 @@ contains
 
    !> Opens the source and reads the first block; a byte-order mark is left out.
    subroutine open_lines(lines, path, error, bytes)
-      !> To be closed by [[close_lines]]
+      !> Its source is to be closed by [[close_source]]
       type(lines_type), intent(out) :: lines
       !> A path; "-" is standard input
       character(*), intent(in) :: path
@@ -187,7 +187,7 @@ contains
       integer(int64) :: got, first, i
 
       if (lines%filled == 0) return
-      do while (has_places(lines%source) .and. .not. ends_line(lines%bytes(lines%filled)))
+      do while (has_places(lines%source) .and. all(lines%bytes(lines%filled) /= line_ends))
          call make_room(lines, tail_size, error)
          if (allocated(error)) return
          first = lines%filled + 1
@@ -195,7 +195,7 @@ contains
          call read_block(lines%source, lines%bytes(first:lines%filled + tail_size), got, error)
          if (allocated(error)) return
          do i = first, lines%filled + got
-            if (ends_line(lines%bytes(i))) exit
+            if (any(lines%bytes(i) == line_ends)) exit
          end do
          lines%filled = min(i, lines%filled + got)
          lines%source%delivered = lines%source%delivered - got + (lines%filled - first + 1)
@@ -207,22 +207,12 @@ contains
       lines%bytes(lines%filled) = line_feed
    end subroutine end_last_line
 
-   !> True for a line feed or a carriage return.
-   pure logical function ends_line(byte)
-      integer(int8), intent(in) :: byte
-
-      ends_line = byte == line_feed .or. byte == carriage_return
-   end function ends_line
-
    !> Carriage returns become line feeds.
    pure subroutine turn_returns(bytes)
       !> Of a file without line feeds
       integer(int8), intent(inout), contiguous :: bytes(:)
-      integer(int64) :: i
 
-      do i = 1, size(bytes, kind=int64)
-         bytes(i) = merge(line_feed, bytes(i), bytes(i) == carriage_return)
-      end do
+      where (bytes == carriage_return) bytes = line_feed
    end subroutine turn_returns
 
    !> Finds the last line feed; what is new begins at `from`.
@@ -257,14 +247,6 @@ contains
       lines%at = line_feed_from(lines%bytes, lines%at) + 1
       lines%number = lines%number + 1
    end subroutine next_line
-
-   !> Closes the source.
-   subroutine close_lines(lines)
-      !> Closed afterwards
-      type(lines_type), intent(inout) :: lines
-
-      call close_source(lines%source)
-   end subroutine close_lines
 
    !> Notes that a row stands in a line, where that does not follow from the row before.
    subroutine map_row(map, row, line)

@@ -58,7 +58,7 @@ contains
       !> True for blanks
       logical, intent(in) :: erase
       type(marks_type), intent(out) :: marks
-      integer(int64) :: p, to, pending
+      integer(int64) :: p, to, i, pending
       character(1) :: sign, next
       logical :: fresh
 
@@ -89,7 +89,9 @@ contains
             fresh = to > 0
             if (fresh) then
                marks%labels = marks%labels + 1
-               call mix_label(bytes(p:to), marks%skeleton)
+               do i = p, to
+                  if (bytes(i) /= blank) marks%skeleton = mixed(marks%skeleton, int(bytes(i), int64))
+               end do
                if (erase) bytes(p:to) = blank
             else
                to = p
@@ -156,17 +158,6 @@ contains
       mark = from
    end function label_end
 
-   !> Takes a label into a skeleton, without its blanks.
-   pure subroutine mix_label(label, skeleton)
-      integer(int8), intent(in), contiguous :: label(:)
-      integer(int64), intent(inout) :: skeleton
-      integer :: i
-
-      do i = 1, size(label)
-         if (label(i) /= blank) skeleton = mixed(skeleton, int(label(i), int64))
-      end do
-   end subroutine mix_label
-
    !> Another number for every sequence of numbers, nearly.
    pure integer(int64) function mixed(skeleton, value)
       integer(int64), intent(in) :: skeleton, value
@@ -219,11 +210,9 @@ contains
          end if
          if (names%known) then
             if (maxval(cell(:n)) /= size(names%name)) return
-            if (count(cell(:n) == cell(j)) > 1) then
-               named%name(j)%text = names%name(cell(j))%text//"["//integer_text(int(count(cell(:j) == cell(j)) - 1, int64))//"]"
-            else
-               named%name(j)%text = names%name(cell(j))%text
-            end if
+            named%name(j)%text = names%name(cell(j))%text
+            if (count(cell(:n) == cell(j)) > 1) named%name(j)%text = named%name(j)%text//"["// &
+               integer_text(int(count(cell(:j) == cell(j)) - 1, int64))//"]"
             named%unit(j)%text = names%unit(cell(j))%text
          else if (size(labels) > 0) then
             labeled = .true.

@@ -98,17 +98,17 @@ contains
       start = 10
       header%first = start
       if (count >= start) then
-         version = unsigned(bytes(7))
+         version = iand(int(bytes(7)), 255)
          if (version < 1 .or. version > 3 .or. bytes(8) /= 0) then
             call fatal_error(error, status%not_supported, name//": byte 6: version "//integer_text(int(version, int64))//"."// &
-                             integer_text(int(unsigned(bytes(8)), int64))//" of NumPy's format is not known; known are "// &
+                             integer_text(iand(int(bytes(8), int64), 255_int64))//" of NumPy's format is not known; known are "// &
                              "1.0, 2.0, 3.0"//new_line("a")//"save it anew with numpy.save")
             return
          end if
          start = merge(10, 12, version == 1)
          length = 0
          do i = merge(int(start), 0, count >= start), 9, -1
-            length = 256*length + unsigned(bytes(i))
+            length = 256*length + iand(int(bytes(i)), 255)
          end do
          if (length > most_header) then
             call fatal_error(error, status%parse, name//": byte 8: the header's length "//integer_text(length)// &
@@ -127,13 +127,6 @@ contains
       cursor%before = start
       call read_dictionary(cursor, header, error)
    end subroutine read_npy_header
-
-   !> A byte as 0 to 255.
-   pure integer function unsigned(byte)
-      integer(int8), intent(in) :: byte
-
-      unsigned = iand(int(byte), 255)
-   end function unsigned
 
    !> {'descr': ..., 'fortran_order': ..., 'shape': ...}: the three keys in any order, each once.
    subroutine read_dictionary(cursor, header, error)

@@ -92,7 +92,15 @@ contains
       binary%element = header%element
       binary%by_columns = header%by_columns
       binary%first = header%first
-      call orient(header%rank, header%shape, binary%by_columns, binary%rows, binary%columns, turned)
+      binary%rows = header%shape(1)
+      binary%columns = header%shape(2)
+      turned = binary%rows >= 1 .and. binary%rows < binary%columns          ! the longer side is the time
+      if (turned) then
+         binary%rows = header%shape(2)
+         binary%columns = header%shape(1)
+         binary%by_columns = .not. binary%by_columns
+      end if
+      turned = turned .and. binary%columns > 1
       binary%by_columns = binary%by_columns .and. binary%columns > 1
       call spell_shape(header%shape(1), merge(header%shape(2), 0_int64, header%rank > 1), shape)
       call check_size(lines%source, header, shape, error)
@@ -111,30 +119,6 @@ contains
       end if
       binary%head = lines%bytes(header%first + 1:count)
    end subroutine begin_npy
-
-   !> Rows and columns of an array: the longer of two sides is the time.
-   pure subroutine orient(rank, shape, by_columns, rows, columns, turned)
-      !> 1 or 2
-      integer, intent(in) :: rank
-      !> In the order of C: the last runs fastest
-      integer(int64), intent(in) :: shape(2)
-      !> In: the first side runs fastest; out: columns follow each other
-      logical, intent(inout) :: by_columns
-      integer(int64), intent(out) :: rows, columns
-      !> True where the first of several rows is the first channel
-      logical, intent(out) :: turned
-
-      rows = shape(1)
-      columns = 1
-      turned = .false.
-      if (rank == 1) return
-      columns = shape(2)
-      if (rows >= columns .or. rows < 1) return
-      rows = shape(2)
-      columns = shape(1)
-      by_columns = .not. by_columns
-      turned = columns > 1
-   end subroutine orient
 
    !> The file is as long as its header says.
    subroutine check_size(source, header, shape, error)

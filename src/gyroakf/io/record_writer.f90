@@ -4,7 +4,7 @@ module gyroakf_io_record_writer
    use gyroakf_kinds, only : int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_record, only : record_type, text_type
-   use gyroakf_units, only : unit_type, quantity
+   use gyroakf_units, only : quantity
    use gyroakf_progress, only : progress_type
    use gyroakf_io_columns_writer, only : begin_rows, column_type, form_of, put_rows, row_layout_type
    use gyroakf_io_writer, only : writer_type, open_writer, put, put_line, put_real, commit_writer, discard_writer
@@ -82,7 +82,8 @@ contains
       if (allocated(record%channel_unit)) then
          call put(writer, "# units:")
          do i = 1, size(record%channel_unit)
-            call put(writer, " "//unit_word(record%channel_unit(i)))
+            if (record%channel_unit(i)%quantity == quantity%unknown) call put(writer, " -")
+            if (record%channel_unit(i)%quantity /= quantity%unknown) call put(writer, " "//record%channel_unit(i)%name)
          end do
          call put_line(writer, "")
       end if
@@ -93,14 +94,5 @@ contains
       end do
       call put_line(writer, "")
    end subroutine put_header
-
-   !> The unit's name, "-" where it is not known.
-   pure function unit_word(unit) result(word)
-      type(unit_type), intent(in) :: unit
-      character(:), allocatable :: word
-
-      word = "-"
-      if (unit%quantity /= quantity%unknown) word = unit%name
-   end function unit_word
 
 end module gyroakf_io_record_writer

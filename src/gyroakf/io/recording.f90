@@ -8,10 +8,11 @@ module gyroakf_io_recording
    use gyroakf_io_decimal, only : format_real, real_length
    use gyroakf_io_element, only : element_name, element_type, element_word, parse_element
    use gyroakf_io_format, only : content_type, recognise
-   use gyroakf_io_lines, only : close_lines, lines_type, open_lines
+   use gyroakf_io_lines, only : lines_type, open_lines
    use gyroakf_io_opening, only : begin_npy, begin_raw
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_reader_options, only : check_options, reader_options
+   use gyroakf_io_source, only : close_source
    use gyroakf_io_table, only : begin_table, table_type
    use gyroakf_io_text_rows, only : read_rows
    use gyroakf_record, only : add_text
@@ -97,7 +98,7 @@ contains
          recording%stored_type = trim(element_name(recording%binary%element))
          recording%expected_rows = max(0_int64, recording%binary%rows)
       case ("binary")
-         call close_lines(recording%lines)
+         call close_source(recording%lines%source)
          call begin_numbers_only(path, content%element, recording, error)
          if (.not. allocated(error)) call add_text(recording%table%warnings, "read as "//trim(element_word(content%element))// &
             ", "//integer_text(recording%binary%columns)//" column"//trim(merge("s", " ", recording%binary%columns > 1))// &
@@ -255,7 +256,7 @@ contains
       !> Its rows stay
       type(recording_type), intent(inout) :: recording
 
-      call close_lines(recording%lines)
+      call close_source(recording%lines%source)
    end subroutine close_recording
 
    !> Rows of a regular file from the length of its first lines, 0 where the size is not known.

@@ -53,8 +53,11 @@ contains
          return
       end if
       phase = 0.0_dp
-      if (way == "nearest") phase = usual_phase(t, record%sample_interval)
-      slots = count_slots(t, way, record%sample_interval, phase)
+      slots = 1 + int((maxval(t) - t(1))/record%sample_interval + rounding, int64)
+      if (way == "nearest") then
+         phase = usual_phase(t, record%sample_interval)
+         slots = 1 + nint(maxval(t)/record%sample_interval - phase, int64) - nint(minval(t)/record%sample_interval - phase, int64)
+      end if
       allocate (value(slots, size(record%value, 2)), stat=failed)
       if (failed /= 0) then
          call fatal_error(error, status%no_memory, "no memory to resample onto "//integer_text(slots)//" samples")
@@ -91,16 +94,6 @@ contains
       if (hypot(along, across) > 0.2_dp*real(size(t), dp)) phase = atan2(across, along)/turn
       phase = phase + t(1)/step
    end function usual_phase
-
-   !> Slots from the first to the last stamp.
-   pure integer(int64) function count_slots(t, way, step, phase) result(slots)
-      real(dp), intent(in), contiguous :: t(:)
-      character(*), intent(in) :: way
-      real(dp), intent(in) :: step, phase
-
-      slots = 1 + int((maxval(t) - t(1))/step + rounding, int64)
-      if (way == "nearest") slots = 1 + nint(maxval(t)/step - phase, int64) - nint(minval(t)/step - phase, int64)
-   end function count_slots
 
    !> The values of the slots, NaN where there is none; of two in one slot the first stays.
    subroutine place(t, phase, record, value)
@@ -158,7 +151,8 @@ contains
             w = ((real(k, dp)*step - (t(before) - t(1))))/(t(i) - t(before))
             if ((w - 1.0_dp)*(t(i) - t(before)) > rounding*step) exit
             k = k + 1
-            w = phase_of(w, (t(i) - t(before))/step)
+            if (w*(t(i) - t(before)) <= rounding*step) w = 0.0_dp
+            if ((1.0_dp - w)*(t(i) - t(before)) <= rounding*step) w = 1.0_dp
             if (w > 0.0_dp .and. w < 1.0_dp .and. t(i) - t(before) > widest) then
                record%audit%empty_slots = record%audit%empty_slots + 1
                value(k, :) = ieee_value(1.0_dp, ieee_quiet_nan)
@@ -173,16 +167,6 @@ contains
       end do
       record%audit%white_noise = kept/real(max(1_int64, slots - record%audit%empty_slots), dp)
    end subroutine interpolate
-
-   !> A phase that is 0 or 1 but for rounding is 0 or 1.
-   pure real(dp) function phase_of(w, steps)
-      !> From 0 to 1, and the steps of the grid that it stands for
-      real(dp), intent(in) :: w, steps
-
-      phase_of = w
-      if (w*steps <= rounding) phase_of = 0.0_dp
-      if ((1.0_dp - w)*steps <= rounding) phase_of = 1.0_dp
-   end function phase_of
 
    !> The value between two samples; NaN where one that it needs is missing.
    pure real(dp) function between(a, b, w, wrap)

@@ -34,16 +34,18 @@ contains
       type(problem_type), intent(out) :: problem
       !> False leaves out the texts
       logical, intent(in) :: explain
+      integer, parameter :: ways(3) = [split%mixed, split%tabs, split%mixed]
       integer(int64) :: comma_at
       integer :: j, slot
       logical :: other
 
       row = ieee_value(1.0_dp, ieee_quiet_nan)
-      call split_row(bytes, first, last, split%mixed, layout, fields)
-      if (.not. fits(layout, fields) .and. any(bytes(first:last) == tab)) then
-         call split_row(bytes, first, last, split%tabs, layout, fields)
-         if (.not. fits(layout, fields)) call split_row(bytes, first, last, split%mixed, layout, fields)
-      end if
+      do j = 1, size(ways)
+         call split_line(bytes, first, last, ways(j), fields)
+         call join_fields(bytes, layout, fields)
+         if (fits(layout, fields)) exit
+         if (.not. any(bytes(first:last) == tab)) exit
+      end do
       other = layout%strict
       if (other) other = .not. agrees(bytes, fields, layout)
       problem%found = fields%open_quote /= 0 .or. other .or. .not. fits(layout, fields)
@@ -69,18 +71,6 @@ contains
          return
       end do
    end subroutine read_row
-
-   !> Splits a row; a date and a time of day that are one column are one field.
-   pure subroutine split_row(bytes, first, last, way, layout, fields)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      integer, intent(in) :: way
-      type(layout_type), intent(in) :: layout
-      type(fields_type), intent(inout) :: fields
-
-      call split_line(bytes, first, last, way, fields)
-      call join_fields(bytes, layout, fields)
-   end subroutine split_row
 
    !> Makes one field of a date and the time of day behind it, where the layout says that they are one column.
    pure subroutine join_fields(bytes, layout, fields)

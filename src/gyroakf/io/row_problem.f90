@@ -40,12 +40,11 @@ contains
       integer :: found, kind
 
       kind = kind_of(layout, column)
-      if (kind == stamp_kind%long .or. kind == stamp_kind%nano .or. kind == stamp_kind%micro) then
-         call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not a number", mend)
-         return
-      else if (kind /= stamp_kind%number) then
-         call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not "//trim(merge("a time of day", &
-            "a date       ", kind == stamp_kind%clock))//" as in the first row", mend)
+      if (kind /= stamp_kind%number) then
+         advice = "a date as in the first row"
+         if (kind == stamp_kind%clock) advice = "a time of day as in the first row"
+         if (any(kind == [stamp_kind%long, stamp_kind%nano, stamp_kind%micro])) advice = "a number"
+         call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not "//advice, mend)
          return
       end if
       p = first

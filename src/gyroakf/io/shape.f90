@@ -202,10 +202,8 @@ contains
             if (.not. steps(record, i, j)) cycle
             largest = max(largest, abs(record%value(i, j) - record%value(i - 1, j)))
          end do
-         do k = 1, size(usual)
-            if (usual(k) >= largest) exit
-         end do
-         if (k > size(usual) .or. largest <= 0.0_dp) cycle
+         k = findloc(usual >= largest, .true., dim=1)
+         if (k == 0 .or. largest <= 0.0_dp) cycle
          if (largest < 0.75_dp*usual(k)) cycle
          other = 0.0_dp
          times = 0

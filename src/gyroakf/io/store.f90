@@ -103,12 +103,9 @@ contains
    pure integer(int64) function count_rows(store)
       !> May be fresh
       type(store_type), intent(in) :: store
-      integer :: i
 
       count_rows = 0
-      do i = 1, store%count
-         count_rows = count_rows + store%chunk(i)%rows
-      end do
+      if (store%count > 0) count_rows = sum(store%chunk(:store%count)%rows)
    end function count_rows
 
    !> Moves the columns out into two arrays, freeing the chunks on the way.

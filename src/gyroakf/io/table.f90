@@ -268,7 +268,7 @@ contains
       character(:), allocatable :: word
       logical, allocatable :: texts(:)
       type(text_type), allocatable :: field(:, :)
-      logical :: nano
+      logical :: nano, by_number
 
       last = line_end(lines)
       call take_marks(lines, last, table, error)
@@ -295,7 +295,9 @@ contains
          call drop_empty_names(fields%count - merge(1, 0, fields%trailing), table%names)
          named = size(table%names%name)
       end if
-      call refuse_equal_names(by_number(options), table%name, table%names, error)
+      by_number = allocated(options%columns)
+      if (by_number) by_number = verify(options%columns, "0123456789, ") == 0
+      call refuse_equal_names(by_number, table%name, table%names, error)
       if (allocated(error)) return
       if (.not. fits_names(fields, named)) then
          call split_line(lines%bytes, lines%at, last, split%mixed, fields)
@@ -387,14 +389,6 @@ contains
          excerpt(lines%bytes, fields%first(column), fields%last(column))//"' may have the day or the month first", date_advice)
    end subroutine refuse_ambiguous_dates
 
-   !> True where the columns that are wanted are given by their numbers.
-   pure logical function by_number(options)
-      type(reader_options), intent(in) :: options
-
-      by_number = allocated(options%columns)
-      if (by_number) by_number = verify(options%columns, "0123456789, ") == 0
-   end function by_number
-
    !> True where the line has a field for every name.
    pure logical function fits_names(fields, named)
       type(fields_type), intent(in) :: fields
@@ -436,7 +430,7 @@ contains
       integer, intent(out) :: fraction
       logical, intent(out) :: nano
       type(error_type), allocatable, intent(out) :: error
-      integer :: i, n
+      integer :: i, j, n
 
       n = table%layout%columns
       if (allocated(options%time_column)) then
@@ -459,7 +453,10 @@ contains
       table%asked = allocated(options%columns)
       if (table%asked) then
          call choose_columns(options%columns, table%names, n, table%chosen, error)
-         if (.not. allocated(error)) call refuse_stamps(table, error)
+         if (allocated(error)) return
+         i = findloc([(is_stamp(table%layout, table%chosen(j)), j=1, size(table%chosen))], .true., dim=1)
+         if (i > 0) call fatal_error(error, status%invalid_argument, label_of(table%names, table%chosen(i))// &
+                                     " holds dates or times of day, not values")
       else
          call choose_by_class(options, fraction, table)
       end if
@@ -519,20 +516,6 @@ contains
       is_stamp = .false.
       if (allocated(layout%kind)) is_stamp = layout%kind(column) /= stamp_kind%number .and. layout%kind(column) /= stamp_kind%long
    end function is_stamp
-
-   !> Dates are no values.
-   subroutine refuse_stamps(table, error)
-      type(table_type), intent(in) :: table
-      type(error_type), allocatable, intent(out) :: error
-      integer :: i
-
-      do i = 1, size(table%chosen)
-         if (.not. is_stamp(table%layout, table%chosen(i))) cycle
-         call fatal_error(error, status%invalid_argument, label_of(table%names, table%chosen(i))// &
-                          " holds dates or times of day, not values")
-         return
-      end do
-   end subroutine refuse_stamps
 
    !> Where the columns are kept: the chosen ones in their order, then the time, unless it is one of them. A date and a time of day
    !> in two columns are kept in one place.

@@ -48,7 +48,11 @@ contains
          call audit_stamps(stamps, record%audit, gaps)
          return
       end if
-      if (is_clock(table)) call unwrap_days(stamps)
+      associate (slot => table%layout%slot)         ! a time of day without a date begins again at midnight
+         if (kind_of(table%layout, table%time) == stamp_kind%clock .and. count(slot == slot(table%time)) == 1) then
+            call unwrap_days(stamps)
+         end if
+      end associate
       call drop_absurd(stamps)
       rows = size(stamps, kind=int64)
       call leave_rows_out(stamps, record%value, record%audit, dropped, error)
@@ -223,14 +227,6 @@ contains
             " settles it")
       end if
    end subroutine find_scale
-
-   !> True where the time is a time of day, without a date, which begins again at midnight.
-   pure logical function is_clock(table)
-      type(table_type), intent(in) :: table
-
-      is_clock = kind_of(table%layout, table%time) == stamp_kind%clock
-      if (is_clock) is_clock = count(table%layout%slot == table%layout%slot(table%time)) == 1
-   end function is_clock
 
    !> What is too large for a time, and for products of times, is missing; what is too small for their quotients is 0.
    pure subroutine drop_absurd(stamps)

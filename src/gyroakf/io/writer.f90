@@ -219,7 +219,7 @@ contains
       type(writer_type), intent(in) :: writer
       type(error_type), allocatable, intent(out) :: error
 
-      call remove_aside(writer)
+      if (writer%aside /= writer%path) call remove_file(writer%aside)
       if (writer%path == "-") then
          call fatal_error(error, status%io, "standard output cannot be written: the disk is full or the reader has gone")
       else
@@ -237,16 +237,8 @@ contains
       if (writer%unit > 1) ignored = c_close(writer%unit)
       writer%unit = -1
       writer%complete = .false.
-      call remove_aside(writer)
+      if (writer%aside /= writer%path) call remove_file(writer%aside)
    end subroutine discard_writer
-
-   !> Removes what was written aside.
-   subroutine remove_aside(writer)
-      type(writer_type), intent(in) :: writer
-      integer(c_int) :: ignored
-
-      if (writer%aside /= writer%path) ignored = c_unlink(writer%aside//c_null_char)
-   end subroutine remove_aside
 
    !> True where a regular file is there, which a new one would replace.
    logical function is_file(path)
