@@ -400,7 +400,7 @@ void test_progress(void) {
   check_progress(run_ar, "progress of the AR model", "autocovariances");
   check_progress(run_least_squares, "progress of the AR model by least squares", "autocovariances");
   check_progress(run_gapped_burg, "progress of the AR model by Burg's recursion", "autocovariances");
-  check_progress(run_outliers, "progress of the outliers", "cleaning");
+  check_progress(run_outliers, "progress of the outliers", "outliers");
   check_progress(run_hampel, "progress of the Hampel filter", "cleaning");
   check_often(run_hampel, 10, "windows of the Hampel filter");
   check_progress(run_simulate, "progress of a simulation", "simulating");

@@ -23,6 +23,7 @@ module gyroakf_preprocess_auto_outliers
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_chunks, only : threads_from
+   use gyroakf_threads, only : thread_count
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_select, only : find_median
    use gyroakf_special, only : normal_quantile
@@ -124,7 +125,7 @@ contains
       real(dp), intent(out) :: used
       type(error_type), allocatable, intent(out) :: error
       class(progress_type), intent(inout), optional :: progress
-      integer(int64), allocatable :: counts(:)
+      integer(int64), allocatable :: counts(:, :)
       real(dp), allocatable :: peak(:)
       real(dp) :: limit
       integer(int64) :: n, blocks
@@ -135,7 +136,7 @@ contains
       used = z
       allocate (loud(blocks), stat=stat)
       if (stat == 0) allocate (peak(blocks), stat=stat)
-      if (stat == 0) allocate (counts(0:classes), stat=stat)
+      if (stat == 0) allocate (counts(0:classes, merge(thread_count(), 1, n >= threads_from)), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the search for outliers")
          return
@@ -146,8 +147,8 @@ contains
       call compare_loudness(n, loud, error)
       if (.not. allocated(error)) call tell_progress("looking for outliers", n/2, n, error, progress)
       if (allocated(error)) return
-      call recount_loud(x, step, marks, loud, peak, counts)
-      call find_threshold(counts, z, limit, used)
+      call recount_loud(x, step, marks, loud, peak, counts(:, 1))
+      call find_threshold(counts(:, 1), z, limit, used)
       if (step < 0.0_dp) limit = 0.0_dp
       call mark_exceedances(x, step, max(limit, 2*step), loud, peak, marks)   ! one step off the neighbors is no outlier
    end subroutine find_exceedances
@@ -158,26 +159,32 @@ contains
       real(dp), intent(in) :: step
       integer(int8), intent(in), contiguous :: marks(:)
       real(dp), intent(out) :: middle(:), peak(:)
-      integer(int64), intent(out) :: counts(0:)
+      !> Of each class and thread; afterwards those of all threads stand in the first column
+      integer(int64), intent(out), contiguous :: counts(0:, :)
       real(dp) :: residual(block_size)
       logical :: there(block_size)
-      integer :: bin(block_size), i
-      integer(int64) :: block
+      integer :: bin(block_size), i, part
+      integer(int64) :: block, blocks
 
       counts = 0
-      !$omp parallel do if (size(x, kind=int64) >= threads_from) default(shared) private(residual, there, bin, i) &
-      !$omp& reduction(+:counts) schedule(static)
-      do block = 1, size(peak, kind=int64)
-         call block_residuals(x, block, step, marks, residual, there)
-         peak(block) = maxval(residual)
-         bin = merge(class_of(residual), classes + 1, there)
-         do i = 1, block_size
-            if (there(i)) counts(bin(i)) = counts(bin(i)) + 1
+      blocks = size(peak, kind=int64)
+      !$omp parallel do num_threads(size(counts, 2)) default(shared) private(residual, there, bin, i, block) schedule(static)
+      do part = 1, size(counts, 2)
+         do block = 1 + (part - 1)*blocks/size(counts, 2), part*blocks/size(counts, 2)
+            call block_residuals(x, block, step, marks, residual, there)
+            peak(block) = maxval(residual)
+            bin = merge(class_of(residual), classes + 1, there)
+            do i = 1, block_size
+               if (there(i)) counts(bin(i), part) = counts(bin(i), part) + 1
+            end do
+            middle(block) = -1.0_dp
+            if (2*count(there) >= block_size) middle(block) = middle_of(bin, count(there))
          end do
-         middle(block) = -1.0_dp
-         if (2*count(there) >= block_size) middle(block) = middle_of(bin, count(there))
       end do
       !$omp end parallel do
+      do part = 2, size(counts, 2)
+         counts(:, 1) = counts(:, 1) + counts(:, part)
+      end do
    end subroutine scan_blocks
 
    !> Class of a residual.
@@ -204,19 +211,29 @@ contains
       integer(int64), intent(in) :: n
       real(dp), intent(inout) :: loud(:)
       type(error_type), allocatable, intent(out) :: error
-      real(dp), allocatable :: known(:)
-      real(dp) :: typical
+      integer(int8), allocatable :: known(:)
+      real(dp) :: typical, before, own
+      integer(int64) :: k, blocks
+      integer :: stat
 
       typical = 0.0_dp
-      if (mod(n, int(block_size, int64)) /= 0) loud(size(loud, kind=int64)) = -1.0_dp
-      known = pack(loud, loud >= 0.0_dp)
-      if (size(known) >= min_blocks) call find_median(known, typical, error)
-      if (allocated(error)) return
-      if (typical > 0.0_dp) then
-         loud = loud/typical
-         loud = max(loud, eoshift(loud, 1), eoshift(loud, -1))
+      blocks = size(loud, kind=int64)
+      if (mod(n, int(block_size, int64)) /= 0) loud(blocks) = -1.0_dp
+      allocate (known(blocks), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the loudness of the blocks")
+         return
       end if
-      where (loud <= loud_from .or. .not. typical > 0.0_dp) loud = 1.0_dp
+      known(:) = merge(1_int8, 0_int8, loud >= 0.0_dp)
+      if (count(known == 1_int8, kind=int64) >= min_blocks) call find_median(loud, typical, error, known)
+      if (allocated(error)) return
+      before = 0.0_dp
+      do k = 1, blocks
+         own = loud(k)
+         loud(k) = max(before, own, loud(min(k + 1, blocks)))/max(typical, tiny(1.0_dp))
+         before = own
+         if (loud(k) <= loud_from .or. .not. typical > 0.0_dp) loud(k) = 1.0_dp
+      end do
    end subroutine compare_loudness
 
    !> Replaces the residuals of loud blocks by those over their loudness.

@@ -215,28 +215,42 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      real(dp) :: deviation
-      real(dp), allocatable :: first(:), distance(:)
-      integer :: n
+      real(dp), allocatable :: value(:)
+      real(dp) :: deviation, distance
+      integer :: n, k, i, off_median, stat
 
       step = 0.0_dp
       n = int(min(size(x, kind=int64), step_samples))
-      if (present(valid)) then
-         first = pack(x(:n), valid(:n) /= 0_int8)
-      else
-         first = x(:n)
+      allocate (value(n), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the search of a quantization step")
+         return
       end if
-      n = size(first)
+      k = 0
+      do i = 1, n
+         if (present(valid)) then
+            if (valid(i) == 0_int8) cycle
+         end if
+         k = k + 1
+         value(k) = x(i)
+      end do
+      n = k
       if (n < 2) return
-      deviation = distinct*sqrt(sum((first - sum(first)/n)**2)/n)
-      call sort_values(first, error)
+      deviation = sum(value(:n))/n
+      deviation = distinct*sqrt(sum((value(:n) - deviation)**2)/n)
+      call sort_values(value(:n), error)
       if (allocated(error)) return
-      distance = first(2:) - first(:n - 1)
-      distance = pack(distance, distance > deviation)
-      if (size(distance) == 0 .or. distinct_share*(size(distance, kind=int64) + 1) > n) return
+      off_median = count(abs(value(:n) - value((n + 1)/2)) > deviation)
+      k = 0                                                ! the distances take the place of the values
+      do i = 1, n - 1
+         distance = value(i + 1) - value(i)
+         if (.not. distance > deviation) cycle
+         k = k + 1
+         value(k) = distance
+      end do
+      if (k == 0 .or. distinct_share*(k + 1_int64) > n) return
       step = -1.0_dp
-      if (count(abs(first - first((n + 1)/2)) > deviation) < min_off_median) return
-      call find_median(distance, step, error)
+      if (off_median >= min_off_median) call find_median(value(:k), step, error)
    end subroutine find_coarse_step
 
 end module gyroakf_preprocess_running_residual
