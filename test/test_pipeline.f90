@@ -9,11 +9,13 @@ module test_pipeline
    use gyroakf_record, only : record_type
    use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record, paper_preset, paper_seed
    use gyroakf_stats_differences, only : difference_variance
+   use gyroakf_allan_deviations, only : allan_curve_type, compute_allan
    use gyroakf_ar_model, only : ar_model_type
    use gyroakf_filter_design, only : design_kf, design_akf
    use gyroakf_filter_kalman, only : filter_type
    use gyroakf_pipeline_coefficients, only : compare_coefficients
-   use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, channel_result_type, stage, apply_preset
+   use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, channel_result_type, stage, apply_preset, &
+      & run_pipeline
    use pipeline_runs, only : paper_record, run, says, variance
    implicit none (type, external)
    private
@@ -37,6 +39,7 @@ contains
          new_unittest("reduction", test_reduction), &
          new_unittest("channels", test_channels), &
          new_unittest("outlier-times", test_outlier_times), &
+         new_unittest("raw", test_raw), &
          new_unittest("single-rooms", test_single_rooms), &
          new_unittest("series", test_series), &
          new_unittest("differences", test_differences)]
@@ -326,6 +329,47 @@ contains
       if (allocated(error)) return
       call check(error, all(abs(figures(both%channel(2)) - figures(alone%channel(1))) <= 0))
    end subroutine test_channels
+
+   !> The curve named input is that of all samples that the file has; the cleaned one is that without the outliers, with a trend
+   !> removed or not.
+   subroutine test_raw(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      type(pipeline_options) :: options
+      type(allan_curve_type) :: curve
+      type(gyro_error), allocatable :: failure
+      integer(int8) :: without(2000)
+      integer :: degree
+
+      call paper_record(record)
+      record%value = record%value(1001:3000, :)
+      record%value(50::50, 1) = 2.0_dp
+      allocate (record%present(2000, 1), source=1_int8)
+      record%present(101:110, 1) = 0_int8
+      without = record%present(:, 1)
+      do degree = -1, 1, 2
+         options%clean%degree = degree
+         call run_pipeline(record, options, result, failure)
+         call check(error, .not. allocated(failure), "it failed")
+         if (allocated(error)) return
+         associate (c => result%channel(1))
+            call check(error, c%clean%removed >= 40 .and. c%available%cleaned, "outliers")
+            if (allocated(error)) return
+            call compute_allan(record%value(:, 1), record%sample_interval, options%allan, curve, failure, record%present(:, 1))
+            call check(error, all(abs(c%allan(stage%input)%curve%deviation - curve%deviation) <= 1.0e-12_dp), "as read")
+            if (allocated(error)) return
+            if (degree < 0) then
+               without(c%clean%outlier) = 0_int8
+               call compute_allan(record%value(:, 1), record%sample_interval, options%allan, curve, failure, without)
+               call check(error, all(abs(c%allan(stage%cleaned)%curve%deviation - curve%deviation) <= 1.0e-12_dp), "without")
+               if (allocated(error)) return
+            end if
+            call check(error, 3*c%allan(stage%cleaned)%curve%deviation(1) < c%allan(stage%input)%curve%deviation(1), "the outliers")
+            if (allocated(error)) return
+         end associate
+      end do
+   end subroutine test_raw
 
    !> 2 % of outliers: the warning names the first times.
    subroutine test_outlier_times(error)

@@ -146,6 +146,16 @@ near "the ratio of the halves" "$(sed -n '/"halves"/,/}/p' loud.json | sed -nE '
 good "halves that do not" allan quiet.txt
 holds "the report says that they do not" "no difference is found between the Allan curves" out
 good "a list of averaging times" allan "$example" --taus 1,2,10,100
+# raw is raw: input is the same whatever is removed; what is left without outliers is a series of its own
+good "a record for outliers" simulate --samples 4000 --rate 50 --coefficients N=0.01 --seed 3 --output clean.txt
+awk '/^#/ { print; next } { u = (16807*u + 5) % 2147483647; print $1 + (u % 50 == 0 ? 3 : 0) }' clean.txt >spiky.txt
+good "raw record" allan spiky.txt --out raw
+good "without outliers" allan spiky.txt --outliers auto --out freed
+is "first lines: the share and both N" "$(sed '1,/^====/d' out | head -n 2 | xargs)" \
+   "Outliers 2.05 % of the samples are rejected as outliers: N = 3.667 deg/sqrt(h) as read, 0.6203 deg/sqrt(h) without them"
+is "title of the second curve" "$(grep -c '^Without outliers: oadev' out)" 2
+is "input with and without the search" "$(grep ',input,' freed/allan.csv | cksum)" "$(grep ',input,' raw/allan.csv | cksum)"
+is "series of curves" "$(awk -F, 'NR > 1 { print $2 }' freed/allan.csv | sort -u | xargs)" "cleaned input"
 good "ar with options" ar "$example" --outliers mad --outlier-threshold 4 --detrend 2 --order 2 --ar-criterion bic
 for method in yw burg ols; do
    good "ar by $method" ar "$example" --detrend 3 --order 1 --ar-method $method --out "ar_$method"

@@ -63,14 +63,16 @@ contains
          call clean_series(x, options%clean, cleaned, present_samples, channel%clean, error, valid, progress)
          if (is_fatal(error)) return
          channel%available%preprocess = .not. allocated(error)
+         channel%available%cleaned = channel%available%preprocess .and. &
+            & (options%clean%degree >= 0 .or. channel%clean%removed > 0)
          call note_failure(channel, "outliers and trend", error)
       end if
       if (channel%available%preprocess) then
          call compute_moments(cleaned, channel%cleaned, present_samples)
          call warn_outliers(channel, record%sample_interval, record%rate_known)
-         call analyse(record, x, cleaned, options, channel, error, present_samples, progress)
+         call analyse(record, x, cleaned, options, channel, error, present_samples, valid, progress)
       else
-         call analyse(record, x, x, options, channel, error, valid, progress)
+         call analyse(record, x, x, options, channel, error, valid, valid, progress)
       end if
       if (allocated(error)) return
       if (allocated(cleaned) .and. .not. options%keep_series) deallocate (cleaned)
@@ -92,7 +94,7 @@ contains
    end subroutine run_channel
 
    !> Everything after cleaning.
-   subroutine analyse(record, x, z, options, channel, error, valid, progress)
+   subroutine analyse(record, x, z, options, channel, error, valid, recorded, progress)
       !> Sample interval and unit
       type(record_type), intent(in) :: record
       !> As read, and cleaned: [n]
@@ -100,8 +102,8 @@ contains
       type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(inout) :: channel
       type(error_type), allocatable, intent(out) :: error
-      !> Outliers are marked missing too
-      integer(int8), intent(in), optional :: valid(:)
+      !> 1 present, 0 missing: of z, outliers missing too, and of x
+      integer(int8), intent(in), optional :: valid(:), recorded(:)
       class(progress_type), intent(inout), optional :: progress
       type(autocovariance_type) :: shared
 
@@ -124,9 +126,9 @@ contains
       if (allocated(error)) return
       if (options%do_allan) then
          call run_allan(x, record%sample_interval, record%rate_known, record%unit, options, stage%input, channel, error, &
-                        valid, progress)
+                        recorded, progress)
          if (allocated(error)) return
-         if (options%clean%degree >= 0 .and. channel%available%preprocess) then
+         if (channel%available%cleaned) then
             call run_allan(z, record%sample_interval, record%rate_known, record%unit, options, stage%cleaned, channel, error, &
                            valid, progress)
          else
@@ -137,7 +139,7 @@ contains
          call warn_fit(channel)
          call tell_progress("comparing the halves", 0_int64, size(x, kind=int64), error, progress)
          if (allocated(error)) return
-         call run_halves(x, record%sample_interval, options, channel, error, valid, progress)
+         call run_halves(x, record%sample_interval, options, channel, error, recorded, progress)
          if (allocated(error)) return
       end if
       if (options%do_filter .and. channel%available%ar) then

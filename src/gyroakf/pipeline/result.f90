@@ -38,9 +38,9 @@ module gyroakf_pipeline_result
 
    !> The series that an Allan curve is computed of, in the order of `channel%allan`
    type :: stage_enum
-      !> The record as read, not detrended, outliers marked missing
+      !> The record as read, with its outliers
       integer :: input = 1
-      !> Without outliers and trend
+      !> Without outliers and trend; as read where neither was removed
       integer :: cleaned = 2
       !> Output of the Kalman filter of the paper
       integer :: kf = 3
@@ -101,7 +101,9 @@ module gyroakf_pipeline_result
 
    !> Which parts of a channel's result are there
    type :: available_type
-      logical :: preprocess = .false., adf = .false., jarque_bera = .false., ljung_box = .false., ar = .false.
+      !> The cleaning was done; outliers or a trend were removed
+      logical :: preprocess = .false., cleaned = .false.
+      logical :: adf = .false., jarque_bera = .false., ljung_box = .false., ar = .false.
       logical :: kf = .false., akf = .false., drift = .false., drift_kf = .false., drift_akf = .false.
       !> The smoothed drift, and with it what is left of the record without it
       logical :: drift_smoother = .false.

@@ -9,8 +9,8 @@ module gyroakf_pipeline_warnings
    use gyroakf_pipeline_result, only : channel_result_type, not_described, stage
    implicit none (type, external)
    private
-   public :: is_fatal, is_of_channel, note_failure, warn_outliers, warn_order, warn_model, warn_curve, warn_fit, &
-      warn_centred
+   public :: is_fatal, is_of_channel, note_failure, outlier_share, warn_outliers, warn_order, warn_model, warn_curve, &
+      warn_fit, warn_centred
 
    !> So many times of outliers are named
    integer, parameter :: named_outliers = 8, named_motions = 3

@@ -5,17 +5,50 @@ module gyroakf_report_removed
    use gyroakf_record, only : record_type
    use gyroakf_io_writer, only : writer_type
    use gyroakf_preprocess_clean, only : clean_type
-   use gyroakf_pipeline_result, only : channel_result_type
+   use gyroakf_pipeline_result, only : channel_result_type, stage, stated_coefficient_type
+   use gyroakf_pipeline_warnings, only : outlier_share
    use gyroakf_report_text_layout, only : put_heading, put_item, number, scientific, count_text, plural
    use gyroakf_report_input, only : unit_name
    implicit none (type, external)
    private
-   public :: put_removed
+   public :: put_alerts, put_removed
 
    !> The variance before the cut is told where it is larger by this
    real(dp), parameter :: cut_matters = 1.001_dp
 
 contains
+
+   !> The first lines of a channel, where more than 1 % of its samples are outliers or the sensor moves.
+   subroutine put_alerts(writer, channel)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> With the coefficients of both series, where these were asked for
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
+
+      associate (raw => channel%allan(stage%input)%stated%term(2), cleaned => channel%allan(stage%cleaned)%stated%term(2))
+         if (channel%clean%fraction > outlier_share) then
+            text = number(100*channel%clean%fraction, 3)//" % of the samples are rejected as outliers"
+            if (raw%detected .or. cleaned%detected) text = text//": N = "//stated(raw)//" as read, "//stated(cleaned)// &
+               & " without them"
+            call put_item(writer, "Outliers", text)
+         end if
+      end associate
+      if (.not. allocated(channel%clean%motion)) return
+      if (size(channel%clean%motion) > 0) call put_item(writer, "Motion", "motion or vibration in "// &
+         & plural(size(channel%clean%motion, 2, kind=int64), "place")//", of samples "// &
+         & count_text(channel%clean%motion(1, 1))//" to "//count_text(channel%clean%motion(2, 1))//" first: nothing is "// &
+         & "rejected there, see the warnings")
+   end subroutine put_alerts
+
+   !> "0.9687 deg/sqrt(h)".
+   pure function stated(term) result(text)
+      type(stated_coefficient_type), intent(in) :: term
+      character(:), allocatable :: text
+
+      text = "(not stated)"
+      if (term%detected) text = number(term%value, 4)//" "//term%unit
+   end function stated
 
    !> Outliers and trend.
    subroutine put_removed(writer, record, channel)

@@ -7,7 +7,7 @@ module gyroakf_report_text_report
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, stage
    use gyroakf_report_text_layout, only : put_title, put_heading, put_item
    use gyroakf_report_input, only : put_input, report_inspect
-   use gyroakf_report_removed, only : put_removed
+   use gyroakf_report_removed, only : put_alerts, put_removed
    use gyroakf_report_sections, only : put_tests
    use gyroakf_report_models, only : put_ar_table
    use gyroakf_report_text_drift, only : put_drift_model
@@ -82,10 +82,11 @@ contains
       !> Draw the deviation in characters
       logical, intent(in) :: chart
 
+      call put_alerts(writer, channel)
       if (channel%available%preprocess .or. command == "run") call put_removed(writer, record, channel)
       select case (command)
       case ("allan")
-         call put_curves(writer, record, options, channel, chart)
+         call put_curves(writer, record, channel, chart)
          call put_changes(writer, record, channel)
       case ("tests")
          call put_tests(writer, channel)
@@ -113,19 +114,21 @@ contains
    end subroutine put_sections
 
    !> Deviation curves and coefficients, as read and, where something was removed, cleaned.
-   subroutine put_curves(writer, record, options, channel, chart)
+   subroutine put_curves(writer, record, channel, chart)
       type(writer_type), intent(inout) :: writer
       type(record_type), intent(in) :: record
-      type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(in) :: channel
       logical, intent(in) :: chart
+      character(:), allocatable :: title
 
       if (chart) call put_chart(writer, record, channel%allan(stage%input), "As read")
       call put_curves_of(writer, record, channel%allan(stage%input), "As read", "input")
       call put_coefficients(writer, record, channel%allan(stage%input), "input")
-      if (channel%available%preprocess .and. options%clean%degree >= 0) then
-         if (chart) call put_chart(writer, record, channel%allan(stage%cleaned), "Cleaned")
-         call put_curves_of(writer, record, channel%allan(stage%cleaned), "Cleaned", "cleaned")
+      if (channel%available%cleaned) then
+         title = "Cleaned"
+         if (channel%clean%trend%degree < 0) title = "Without outliers"
+         if (chart) call put_chart(writer, record, channel%allan(stage%cleaned), title)
+         call put_curves_of(writer, record, channel%allan(stage%cleaned), title, "cleaned")
          call put_coefficients(writer, record, channel%allan(stage%cleaned), "cleaned")
       end if
    end subroutine put_curves
