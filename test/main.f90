@@ -14,6 +14,7 @@ program test_main
    use test_allan_gaps, only : collect_allan_gaps
    use test_allan_grid, only : collect_allan_grid
    use test_allan_halves, only : collect_allan_halves
+   use test_verdict, only : collect_verdict
    use test_allan_noise_fit, only : collect_allan_noise_fit
    use test_noise_statements, only : collect_noise_statements
    use test_chart, only : collect_chart
@@ -120,6 +121,7 @@ program test_main
    call add("allan_gaps", collect_allan_gaps)
    call add("allan_grid", collect_allan_grid)
    call add("allan_halves", collect_allan_halves)
+   call add("verdict", collect_verdict)
    call add("allan_noise_fit", collect_allan_noise_fit)
    call add("noise_statements", collect_noise_statements)
    call add("allan_read_off", collect_allan_read_off)

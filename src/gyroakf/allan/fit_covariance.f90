@@ -21,7 +21,7 @@ module gyroakf_allan_fit_covariance
    use gyroakf_allan_noise_model, only : model_variance, term_count, term_ramp
    implicit none (type, external)
    private
-   public :: covariance_basis_type, covariance_basis, mixture_covariances, mixture_freedom
+   public :: covariance_basis_type, covariance_basis, lag_covariances, mixture_covariances, mixture_freedom
 
    !> Q N B K, the terms that are noise; the last three of them have a smooth R_mn
    integer, parameter :: noise_count = 4, smooth_count = 3
@@ -202,7 +202,9 @@ contains
 
    !> Covariances of N, B and K, each 1, of two differences whose centers are u >= 0 apart: [distances, terms].
    pure function lag_covariances(m, n, u) result(r)
+      !> Averaging factors, and distances: [distances]
       real(dp), intent(in) :: m, n, u(:)
+      !> For m = n = 1 the autocovariances of differences of successive means
       real(dp) :: r(size(u), smooth_count)
       real(dp), parameter :: factor(-1:1) = [1.0_dp, -2.0_dp, 1.0_dp]
       real(dp) :: t(size(u))

@@ -7,7 +7,7 @@ module gyroakf_allan_fit_selection
    use gyroakf_special, only : chi_square_survival
    use gyroakf_allan_difference_kurtosis, only : kurtosis_samples
    use gyroakf_allan_fit_solver, only : fit_held, fit_points_type, fit_terms, log_determinant, solution_type
-   use gyroakf_allan_noise_model, only : term_count, term_quantization, term_shape, terms
+   use gyroakf_allan_noise_model, only : term_count, term_quantization, term_ramp, term_shape, term_walk, terms
    implicit none (type, external)
    private
    public :: noise_options, points_between, find_run, is_described, is_likely, find_floor, select_terms, upper_limit
@@ -155,7 +155,7 @@ contains
    end subroutine find_floor
 
    !> The set of terms that costs least, chi-square and prices, and which of them no other set does without.
-   subroutine select_terms(points, options, offered, solution, chosen, stated)
+   subroutine select_terms(points, options, offered, solution, chosen, stated, margin)
       type(fit_points_type), intent(in) :: points
       type(noise_options), intent(in) :: options
       !> Terms to choose from
@@ -164,13 +164,16 @@ contains
       type(solution_type), intent(inout) :: solution
       !> The best set; those without which every set costs more by the margin
       logical, intent(out) :: chosen(term_count), stated(term_count)
+      !> What the best set without K, and that without K and R, costs more than the best one; huge where there is none
+      real(dp), intent(out) :: margin(2)
       type(solution_type) :: trial, best
-      real(dp) :: cost, least, without(term_count)
+      real(dp) :: cost, least, without(term_count), bounded
       logical :: used(term_count), signed(term_count)
       integer :: set
 
       least = huge(least)
       without = huge(least)
+      bounded = huge(least)
       chosen = .false.
       signed = points%signed .and. terms == term_quantization
       do set = 1, 2**term_count - 1
@@ -182,12 +185,15 @@ contains
          if (any(trial%squares <= 0 .and. used .and. .not. signed)) cycle
          cost = trial%chi_square + sum(options%term_price, mask=used)
          where (.not. used) without = min(without, cost)
+         if (.not. any(used([term_walk, term_ramp]))) bounded = min(bounded, cost)
          if (cost >= least) cycle
          least = cost
          chosen = used
          best = trial
       end do
       stated = chosen .and. without > least + options%stated_margin
+      margin = [without(term_walk), bounded]
+      where (margin < huge(least)) margin = margin - least
       if (any(chosen)) solution = best
    end subroutine select_terms
 

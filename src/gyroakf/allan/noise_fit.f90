@@ -72,6 +72,8 @@ module gyroakf_allan_noise_fit
       real(dp), allocatable :: tau(:), residual(:)
       !> Fitted deviation at each averaging time of the curve, 0 where the fit says nothing
       real(dp), allocatable :: model(:)
+      !> What a fit without K, and one without K and R, costs more of chi-square and prices; 0 where nothing is described
+      real(dp) :: walk_margin = 0.0_dp, drift_margin = 0.0_dp
       !> Q^2 N^2 B^2 K^2 R^2 of the fitted mixture for a sample interval of 1, in the square of the curve's unit
       real(dp) :: squares(term_count) = 0.0_dp
    end type noise_type
@@ -86,6 +88,8 @@ module gyroakf_allan_noise_fit
       logical :: offered(term_count) = .true., chosen(term_count) = .false., stated(term_count) = .false.
       !> The points are those of the user; the terms are, too
       logical :: own_points = .false., own_terms = .false.
+      !> What a fit without K, and one without K and R, costs more
+      real(dp) :: margin(2) = 0.0_dp
       !> Fit of all terms on offer, and of the chosen ones
       type(solution_type) :: full, final
    end type estimate_type
@@ -222,7 +226,7 @@ contains
       associate (e => estimate)
          call find_floor(e%run, options, e%offered, e%full)
          e%final = e%full
-         call select_terms(e%run, options, e%offered, e%final, e%chosen, e%stated)
+         call select_terms(e%run, options, e%offered, e%final, e%chosen, e%stated, e%margin)
          used = merge(e%offered, e%chosen, e%own_terms .or. .not. any(e%chosen))
          start = merge(e%final%squares, 0.0_dp, used)
          e%run%ramp = used(term_ramp)
@@ -262,6 +266,8 @@ contains
             noise%chi2_probability = chi_square_survival(e%final%chi_square, real(noise%chi2_freedom, dp))
          end if
          noise%squares = max(0.0_dp, squares)*e%scale
+         noise%walk_margin = e%margin(1)
+         noise%drift_margin = e%margin(2)
          ! covariance of the squares, (B' C^-1 B)^-1, then of the coefficients
          place = pack(terms, e%chosen)
          k = size(place)

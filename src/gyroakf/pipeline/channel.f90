@@ -22,6 +22,7 @@ module gyroakf_pipeline_channel
    use gyroakf_pipeline_filter_model, only : choose_filter_model
    use gyroakf_pipeline_shared_pass, only : plan_pass, run_adf
    use gyroakf_pipeline_channel_periodicity, only : run_periodicity
+   use gyroakf_pipeline_verdict, only : examine_means, judge
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_outliers, warn_order, warn_model, &
       warn_curve, warn_fit, warn_centred
    implicit none (type, external)
@@ -109,6 +110,8 @@ contains
 
       if (options%do_tests .or. options%do_allan) call find_step(x, channel, error, valid, progress)
       if (allocated(error)) return
+      if (options%do_tests .or. options%do_allan) call examine_means(x, channel, error, valid)
+      if (allocated(error)) return
       call plan_pass(size(z, kind=int64), options, channel%cleaned, shared)
       if (options%do_tests) call run_tests(z, options, channel, shared, error, valid, progress)
       if (allocated(error)) return
@@ -135,6 +138,10 @@ contains
             channel%allan(stage%cleaned) = channel%allan(stage%input)
          end if
          if (allocated(error)) return
+      end if
+      if (options%do_tests .or. options%do_allan) call judge(x, record, options, channel, error, valid, progress)
+      if (allocated(error)) return
+      if (options%do_allan) then
          call warn_curve(channel, record)
          call warn_fit(channel)
          call tell_progress("comparing the halves", 0_int64, size(x, kind=int64), error, progress)

@@ -12,6 +12,7 @@ module gyroakf_pipeline_coefficients
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, allan_result_type, stated_coefficient_type, &
       & stated_noise_type, stated_read_off_type, stage, stage_names
    use gyroakf_pipeline_conventions, only : state_conventions
+   use gyroakf_pipeline_verdict, only : octaves_without_trend, options_beside
    use gyroakf_pipeline_warnings, only : note_failure, is_fatal
    implicit none (type, external)
    private
@@ -51,7 +52,9 @@ contains
          call run_other_kinds(x, step, options, which, channel, error, valid, progress)
          if (allocated(error)) return
       end if
-      call fit_curve(rate_known, unit, options, which, channel, error)
+      if (which == stage%input) call octaves_without_trend(x, options, channel%verdict, channel%allan(which)%curve, error, valid, &
+                                                           progress)
+      if (.not. allocated(error)) call fit_curve(rate_known, unit, options, which, channel, error)
    end subroutine run_allan
 
    !> Fits the coefficients of a curve and states them. A failure is noted in the channel.
@@ -73,6 +76,7 @@ contains
 
       noise_of_stage = options%noise
       if (any(which == [stage%input, stage%cleaned])) noise_of_stage%lsb = channel%quantisation%step
+      if (which == stage%input) noise_of_stage = options_beside(noise_of_stage, channel%verdict)
       if (which == stage%compensated) call end_before_smoother(channel, noise_of_stage)
       call fit_noise(channel%allan(which)%curve, noise_of_stage, channel%allan(which)%noise, error)
       if (is_fatal(error)) return

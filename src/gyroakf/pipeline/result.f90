@@ -26,11 +26,12 @@ module gyroakf_pipeline_result
    use gyroakf_allan_noise_fit, only : noise_options, noise_type
    use gyroakf_allan_read_off, only : read_off_type
    use gyroakf_allan_halves, only : halves_type
+   use gyroakf_allan_trend_test, only : record_trend_type
    implicit none (type, external)
    private
    public :: pipeline_options, pipeline_result_type, channel_result_type, available_type
    public :: allan_result_type, stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type
-   public :: drift_process_type, stage, stage_names, not_described
+   public :: drift_process_type, verdict_type, stage, stage_names, not_described
 
    !> What is said of a curve that the noise terms do not follow
    character(*), parameter :: not_described = "no run of octaves follows a sum of Q, N, B, K and R: the coefficients are "// &
@@ -207,11 +208,36 @@ module gyroakf_pipeline_result
       integer(int64) :: rmse_samples = 0
    end type filter_figures_type
 
+   !> Whether a channel drifts
+   type :: verdict_type
+      !> It was looked for, and there is one: the record is long enough
+      logical :: wanted = .false., known = .false.
+      !> The noise is stationary; it drifts. Neither: nothing is known
+      logical :: stationary = .false., drifts = .false.
+      !> "none", "flicker", "colored"; "random_walk", "trend", "trend_and_random_walk", "random_walk_or_trend", "unit_root"; or
+      !> "undescribed"
+      character(21) :: drift = "undescribed"
+      !> A ramp or a warm-up, in the unit of the record and samples
+      type(record_trend_type) :: trend
+      !> Tests of the means of 128 blocks without the trend; the first value is that of a unit root
+      type(adf_type) :: adf
+      type(kpss_type) :: kpss
+      !> K is more than half of the Allan variance at the length of a block, where the unit root is rejected
+      logical :: bounded = .false.
+      !> All octaves to the longest are described by the fit, and what one without K, and without K and R, costs more
+      logical :: complete = .false.
+      real(dp) :: walk_margin = 0.0_dp, drift_margin = 0.0_dp
+      !> What the verdict rests on, in sentences
+      type(text_type), allocatable :: reasons(:)
+   end type verdict_type
+
    !> One channel
    type :: channel_result_type
       character(:), allocatable :: name
       !> Which parts below are filled
       type(available_type) :: available
+      !> What the report says of drift and stationarity
+      type(verdict_type) :: verdict
       !> Of the record as read, and of the cleaned series
       type(moments_type) :: raw, cleaned
       type(clean_type) :: clean

@@ -133,8 +133,6 @@ contains
       !> Tests and AR model are filled as far as they are available; gets warnings
       type(channel_result_type), intent(inout) :: channel
 
-      if (channel%available%adf .and. .not. channel%adf%stationary) call add_text(channel%warnings, &
-         "the unit root is not rejected: an AR model of this series is not justified; remove a trend, or look for drift")
       if (.not. channel%available%ar) return
       if (channel%ar%largest_order_chosen) call add_text(channel%warnings, "the largest order compared, "// &
          integer_text(int(channel%ar%order, int64))//", was chosen: the series is not a short AR process; "// &

@@ -10,7 +10,7 @@ module gyroakf_report_document
    use gyroakf_pipeline_result, only : pipeline_result_type, channel_result_type
    use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, flush_json
    use gyroakf_report_document_preprocess, only : put_preprocess
-   use gyroakf_report_document_parts, only : put_tests, put_ar, put_allan, put_coefficients
+   use gyroakf_report_document_parts, only : put_verdict, put_tests, put_ar, put_allan, put_coefficients
    use gyroakf_report_document_filters, only : put_drift, put_filters
    implicit none (type, external)
    private
@@ -159,6 +159,7 @@ contains
       call put_member(json, "max", channel%raw%maximum)
       call close_object(json)
       call put_preprocess(json, channel)
+      call put_verdict(json, record, channel)
       call put_tests(json, channel)
       call put_ar(json, channel)
       call put_filters(json, channel)

@@ -13,12 +13,54 @@ module gyroakf_report_document_parts
    use gyroakf_report_document_periodicity, only : put_fisher, put_welch
    use gyroakf_report_document_stated, only : put_stated, put_densities, put_known, put_description, put_unquantized
    use gyroakf_report_document_adf, only : put_adf_regression
+   use gyroakf_record, only : record_type, text_type
    use gyroakf_report_document_correlation, only : put_kpss, put_ljung_box
    implicit none (type, external)
    private
-   public :: put_tests, put_ar, put_allan, put_coefficients
+   public :: put_verdict, put_tests, put_ar, put_allan, put_coefficients
 
 contains
+
+   !> "verdict": null where none was looked for.
+   subroutine put_verdict(json, record, channel)
+      !> The document
+      type(json_type), intent(inout) :: json
+      !> For the units
+      type(record_type), intent(in) :: record
+      !> One channel
+      type(channel_result_type), intent(in) :: channel
+      type(text_type), allocatable :: reasons(:)
+
+      if (.not. channel%verdict%wanted) then
+         call put_null(json, "verdict")
+         return
+      end if
+      allocate (reasons(0))
+      if (allocated(channel%verdict%reasons)) reasons = channel%verdict%reasons
+      associate (verdict => channel%verdict)
+         call open_object(json, "verdict")
+         if (verdict%stationary .or. verdict%drifts) then
+            call put_member(json, "stationary", verdict%stationary)
+         else
+            call put_null(json, "stationary")
+         end if
+         call put_member(json, "drift", trim(verdict%drift))
+         if (verdict%trend%shape == "") then
+            call put_null(json, "trend")
+         else
+            call open_object(json, "trend")
+            call put_member(json, "shape", trim(merge("ramp   ", "warm_up", verdict%trend%shape == "ramp")))
+            call put_member(json, "size", verdict%trend%size)
+            call put_member(json, "std_error", verdict%trend%std_error)
+            call put_known(json, "time_constant_s", verdict%trend%time_constant*record%sample_interval, &
+                           verdict%trend%shape /= "ramp" .and. record%rate_known)
+            call put_member(json, "gain", verdict%trend%gain)
+            call close_object(json)
+         end if
+         call put_member(json, "reasons", reasons)
+         call close_object(json)
+      end associate
+   end subroutine put_verdict
 
    !> "tests".
    subroutine put_tests(json, channel)

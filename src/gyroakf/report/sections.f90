@@ -14,9 +14,11 @@ module gyroakf_report_sections
 contains
 
    !> Stationarity, normality, whiteness.
-   subroutine put_tests(writer, channel)
+   subroutine put_tests(writer, command, channel)
       !> The report
       type(writer_type), intent(inout) :: writer
+      !> "tests" tells the tests of a unit root of all samples too, which reject one for every sensor of a long record
+      character(*), intent(in) :: command
       !> Tests are filled as far as they are available
       type(channel_result_type), intent(in) :: channel
 
@@ -25,8 +27,10 @@ contains
       else
          call put_heading(writer, "Tests")
       end if
-      call put_stationarity(writer, channel)
-      if (channel%available%adf) call put_adf_details(writer, channel%adf)
+      if (command == "tests") then
+         call put_stationarity(writer, channel)
+         if (channel%available%adf) call put_adf_details(writer, channel%adf)
+      end if
       call put_normality(writer, channel)
       call put_whiteness(writer, channel)
    end subroutine put_tests

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Stationarity and whiteness in a report: what the tests say together, and what that means for a gyroscope.
+!> Tests of a unit root, of a constant level and of whiteness in a report.
 module gyroakf_report_stationarity
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_writer, only : writer_type
@@ -8,79 +8,25 @@ module gyroakf_report_stationarity
    use gyroakf_report_text_layout, only : put_item, number, count_text, p_value_text, plural
    implicit none (type, external)
    private
-   public :: put_stationarity, put_whiteness, whiteness_text, stationarity_verdict, negligible_rho, negligible_drift
+   public :: put_stationarity, put_whiteness, whiteness_text, negligible_rho
 
    !> A test decides at this level
    real(dp), parameter :: level = 0.05_dp
    !> Autocorrelation that does no harm, however significant it is
    real(dp), parameter :: negligible_rho = 0.05_dp
-   !> Drift over the record, in standard deviations of the series, that does no harm
-   real(dp), parameter :: negligible_drift = 0.1_dp
 
 contains
 
-   !> The verdict, then a line for each test.
+   !> A line for each test of the samples.
    subroutine put_stationarity(writer, channel)
       !> The report
       type(writer_type), intent(inout) :: writer
       !> Tests are filled as far as they are available
       type(channel_result_type), intent(in) :: channel
 
-      if (.not. (channel%available%adf .or. channel%available%kpss)) then
-         call put_item(writer, "Stationarity", "not tested (see below)")
-         return
-      end if
-      call put_item(writer, "Stationarity", stationarity_verdict(channel))
-      if (channel%available%adf) call put_item(writer, "", adf_text(channel))
-      if (channel%available%kpss) call put_item(writer, "", kpss_text(channel))
+      if (channel%available%adf) call put_item(writer, "Unit root", adf_text(channel))
+      if (channel%available%kpss) call put_item(writer, "Level", kpss_text(channel))
    end subroutine put_stationarity
-
-   !> What ADF (null hypothesis: unit root) and KPSS (null hypothesis: stationary) say together.
-   function stationarity_verdict(channel) result(text)
-      !> `adf` or `kpss` is available
-      type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: text
-
-      if (.not. channel%available%kpss) then
-         if (channel%adf%stationary) then
-            text = "stationary: the unit root is rejected"
-         else
-            text = "no evidence of stationarity: the unit root is not rejected"
-         end if
-      else if (.not. channel%available%adf) then
-         text = "not stationary about a constant level: it drifts "//drift_text(channel)
-         if (channel%kpss%regression == "ct") text = "not stationary about a line: it drifts "//drift_text(channel)
-         if (channel%kpss%stationary) text = "no evidence against stationarity"
-      else if (channel%adf%stationary .and. channel%kpss%stationary) then
-         text = "stationary: ADF and KPSS agree; the noise keeps returning to its mean, no drift is seen"
-      else if (channel%adf%stationary) then
-         text = "stationary noise on a level that wanders: ADF rejects the unit root, KPSS rejects the constant level; "// &
-                drift_text(channel)
-         if (small_drift(channel)) text = text//": too small to matter, seen because the record is long"
-      else if (.not. channel%kpss%stationary) then
-         text = "not stationary: ADF and KPSS agree; the rate drifts (random walk, warm-up, temperature), "//drift_text(channel)
-      else
-         text = "undecided: neither the unit root nor stationarity is rejected; the record is too short for its correlation"
-      end if
-   end function stationarity_verdict
-
-   !> The drift is negligible.
-   pure logical function small_drift(channel)
-      type(channel_result_type), intent(in) :: channel
-
-      small_drift = channel%kpss%drift < negligible_drift*sqrt(channel%kpss%variance)
-   end function small_drift
-
-   !> Size of the effect.
-   function drift_text(channel) result(text)
-      type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: text
-
-      text = "as much as a line"
-      if (channel%kpss%regression == "ct") text = "as much as a parabola"
-      text = text//" that spans "//number(channel%kpss%drift/sqrt(channel%kpss%variance), 2)// &
-             " standard deviations over the record"
-   end function drift_text
 
    !> The ADF test.
    function adf_text(channel) result(text)

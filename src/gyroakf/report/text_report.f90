@@ -15,6 +15,7 @@ module gyroakf_report_text_report
    use gyroakf_report_text_noise, only : put_chart, put_curves_of, put_coefficients, put_comparison
    use gyroakf_report_text_changes, only : put_changes
    use gyroakf_report_text_periodicity, only : put_periodicity
+   use gyroakf_report_verdicts, only : put_verdict
    use gyroakf_report_advice, only : put_advice, put_warnings
    implicit none (type, external)
    private
@@ -84,12 +85,13 @@ contains
 
       call put_alerts(writer, channel)
       if (channel%available%preprocess .or. command == "run") call put_removed(writer, record, channel)
+      call put_verdict(writer, channel)
       select case (command)
       case ("allan")
          call put_curves(writer, record, channel, chart)
          call put_changes(writer, record, channel)
       case ("tests")
-         call put_tests(writer, channel)
+         call put_tests(writer, command, channel)
          call put_periodicity(writer, channel)
       case ("ar")
          call put_ar_table(writer, record, channel)
@@ -100,7 +102,7 @@ contains
          call put_rmse(writer, record, channel)
          call put_drift_model(writer, record, channel)
       case default
-         call put_tests(writer, channel)
+         call put_tests(writer, command, channel)
          call put_periodicity(writer, channel)
          call put_ar_table(writer, record, channel)
          call put_filter_table(writer, record, channel)
