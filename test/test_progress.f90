@@ -109,7 +109,7 @@ contains
       if (allocated(error)) return
       call check(error, quitter%in_range, "more is done than there is")
       if (allocated(error)) return
-      call check(error, all(abs(alone%channel(1)%allan(4)%curve%deviation - watched%channel(1)%allan(4)%curve%deviation) <= 0.0_dp))
+      call check(error, all(abs(alone%channel(1)%allan(5)%curve%deviation - watched%channel(1)%allan(5)%curve%deviation) <= 0.0_dp))
    end subroutine job_is_the_same
 
    !> A stage names its channel where there are several.

@@ -131,7 +131,14 @@ contains
          call run_allan(x, record%sample_interval, record%rate_known, record%unit, options, stage%input, channel, error, &
                         recorded, progress)
          if (allocated(error)) return
-         if (channel%available%cleaned) then
+         if (channel%clean%removed > 0) then
+            call run_allan(x, record%sample_interval, record%rate_known, record%unit, options, stage%outliers_removed, channel, &
+                           error, valid, progress)
+            if (allocated(error)) return
+         end if
+         if (channel%available%cleaned .and. options%clean%degree < 0) then
+            channel%allan(stage%cleaned) = channel%allan(stage%outliers_removed)
+         else if (channel%available%cleaned) then
             call run_allan(z, record%sample_interval, record%rate_known, record%unit, options, stage%cleaned, channel, error, &
                            valid, progress)
          else

@@ -48,12 +48,12 @@ contains
       channel%allan(which)%available = .not. allocated(error)
       call note_failure(channel, "Allan deviation ("//trim(stage_names(which))//")", error)
       if (.not. channel%allan(which)%available) return
-      if (allocated(options%other_kinds) .and. any(which == [stage%input, stage%cleaned])) then
+      if (allocated(options%other_kinds) .and. any(which == [stage%input, stage%outliers_removed, stage%cleaned])) then
          call run_other_kinds(x, step, options, which, channel, error, valid, progress)
          if (allocated(error)) return
       end if
-      if (which == stage%input) call octaves_without_trend(x, options, channel%verdict, channel%allan(which)%curve, error, valid, &
-                                                           progress)
+      if (which <= stage%outliers_removed) call octaves_without_trend(x, options, channel%verdict, channel%allan(which)%curve, &
+                                                                      error, valid, progress)
       if (.not. allocated(error)) call fit_curve(rate_known, unit, options, which, channel, error)
    end subroutine run_allan
 
@@ -75,8 +75,8 @@ contains
       type(noise_options) :: noise_of_stage
 
       noise_of_stage = options%noise
-      if (any(which == [stage%input, stage%cleaned])) noise_of_stage%lsb = channel%quantisation%step
-      if (which == stage%input) noise_of_stage = options_beside(noise_of_stage, channel%verdict)
+      if (which <= stage%cleaned) noise_of_stage%lsb = channel%quantisation%step
+      if (which <= stage%outliers_removed) noise_of_stage = options_beside(noise_of_stage, channel%verdict)
       if (which == stage%compensated) call end_before_smoother(channel, noise_of_stage)
       call fit_noise(channel%allan(which)%curve, noise_of_stage, channel%allan(which)%noise, error)
       if (is_fatal(error)) return

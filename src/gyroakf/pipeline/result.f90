@@ -41,21 +41,24 @@ module gyroakf_pipeline_result
    type :: stage_enum
       !> The record as read, with its outliers
       integer :: input = 1
+      !> The record as read without its outliers, where there are some
+      integer :: outliers_removed = 2
       !> Without outliers and trend; as read where neither was removed
-      integer :: cleaned = 2
+      integer :: cleaned = 3
       !> Output of the Kalman filter of the paper
-      integer :: kf = 3
+      integer :: kf = 4
       !> Output of the adaptive filter of the paper
-      integer :: akf = 4
+      integer :: akf = 5
       !> The record as read less its smoothed drift
-      integer :: compensated = 5
+      integer :: compensated = 6
    end type stage_enum
 
    !> Reached as `stage%cleaned`
    type(stage_enum), parameter :: stage = stage_enum()
 
    !> Names of the stages, as in the JSON document
-   character(11), parameter :: stage_names(5) = [character(11) :: "input", "cleaned", "kf", "akf", "compensated"]
+   character(16), parameter :: stage_names(6) = [character(16) :: "input", "outliers_removed", "cleaned", "kf", "akf", &
+                                                 "compensated"]
 
    !> What the main job does and how
    type :: pipeline_options
@@ -292,7 +295,7 @@ module gyroakf_pipeline_result
       !> 1 where it is known, 0 where it is not: [n]; unallocated: known everywhere
       integer(int8), allocatable :: true_drift_present(:)
       !> By [[gyroakf_pipeline_result:stage]]
-      type(allan_result_type) :: allan(5)
+      type(allan_result_type) :: allan(6)
       !> Whether the curve of the record as read changed from its first to its second half
       type(halves_type) :: halves
       !> From cleaned to akf, Q N B K R, in percent; only where `reduction_known` (detected in both)

@@ -120,14 +120,16 @@ contains
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(noise_type) :: noise
+      integer :: which
 
       if (.not. channel%verdict%known) then
          call add_text(channel%verdict%reasons, "too few samples to tell noise from drift")
          return
       end if
-      if (channel%allan(stage%input)%fitted .and. options%noise%terms == "auto" .and. options%noise%tau_min <= 0 .and. &
+      which = merge(stage%outliers_removed, stage%input, channel%allan(stage%outliers_removed)%available)
+      if (channel%allan(which)%fitted .and. options%noise%terms == "auto" .and. options%noise%tau_min <= 0 .and. &
           options%noise%tau_max >= huge(1.0_dp)) then
-         noise = channel%allan(stage%input)%noise
+         noise = channel%allan(which)%noise
       else
          call fit_for_verdict(x, record%sample_interval, options, channel, noise, error, valid, progress)
       end if
@@ -246,16 +248,20 @@ contains
    pure subroutine withhold(channel)
       type(channel_result_type), intent(inout) :: channel
 
-      associate (verdict => channel%verdict, allan => channel%allan(stage%input))
-         if (.not. allan%fitted) return
-         if (index(verdict%drift, "random_walk") == 0 .and. allan%noise%coefficient(term_walk)%detected) then
-            call withhold_one(allan%noise%coefficient(term_walk), allan%stated%term(term_walk))
-         end if
-         if (verdict%trend%shape /= "" .or. (verdict%drift /= "random_walk_or_trend" .and. &
-                                             allan%noise%coefficient(term_ramp)%detected)) then
-            call withhold_one(allan%noise%coefficient(term_ramp), allan%stated%term(term_ramp))
-         end if
-      end associate
+      integer :: which
+
+      do which = stage%input, merge(stage%cleaned, stage%outliers_removed, channel%clean%trend%degree < 0)
+         associate (verdict => channel%verdict, allan => channel%allan(which))
+            if (.not. allan%fitted) cycle
+            if (index(verdict%drift, "random_walk") == 0 .and. allan%noise%coefficient(term_walk)%detected) then
+               call withhold_one(allan%noise%coefficient(term_walk), allan%stated%term(term_walk))
+            end if
+            if (verdict%trend%shape /= "" .or. (verdict%drift /= "random_walk_or_trend" .and. &
+                                                allan%noise%coefficient(term_ramp)%detected)) then
+               call withhold_one(allan%noise%coefficient(term_ramp), allan%stated%term(term_ramp))
+            end if
+         end associate
+      end do
    end subroutine withhold
 
    !> A coefficient that is not stated.

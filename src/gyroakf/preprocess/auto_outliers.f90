@@ -65,7 +65,7 @@ contains
       !> Series: [n], finite where present
       real(dp), intent(in), contiguous :: x(:)
       !> Threshold in standard deviations of white normal noise, > 0
-      real(dp), intent(in), value :: z
+      real(dp), intent(in) :: z
       !> 1 inlier, 0 outlier or missing: [n]
       integer(int8), intent(inout), contiguous :: inlier(:)
       !> T in standard deviations of white normal noise with the same median residual; z where half of the residuals are 0, and

@@ -46,6 +46,7 @@ contains
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(moments_type) :: moments
+      real(dp) :: z
       integer(int64) :: found
 
       call check_options(x, options, found, error, valid)
@@ -61,7 +62,8 @@ contains
       else
          if (.not. options%threshold > 0.0_dp) result%threshold = default_threshold(trim(options%method), found)
          if (options%method == "auto") then
-            call find_auto_outliers(x, result%threshold, present_out, result%threshold, result%motion, error, valid, progress)
+            z = result%threshold
+            call find_auto_outliers(x, z, present_out, result%threshold, result%motion, error, valid, progress)
             if (allocated(error)) return
             result%passes = 1
             result%removed = found - count(present_out /= 0_int8, kind=int64)

@@ -21,8 +21,9 @@ module gyroakf_report_figure_allan
    !> Where each is read off the line of its slope: sqrt 3, 1, (anywhere), 3, sqrt 2; the height there over the coefficient
    real(dp), parameter :: read_at(5) = [sqrt(3.0_dp), 1.0_dp, 0.0_dp, 3.0_dp, sqrt(2.0_dp)]
    !> Curve, sign and words of each series
-   character(16), parameter :: stage_titles(5) = [character(16) :: "as read", "cleaned", "KF (paper)", "AKF (paper)", "compensated"]
-   character(9), parameter :: stage_colours(5) = [black, blue, orange, purple, green]
+   character(16), parameter :: stage_titles(6) = [character(16) :: "as read", "without outliers", "cleaned", "KF (paper)", &
+                                                   "AKF (paper)", "compensated"]
+   character(9), parameter :: stage_colours(6) = [black, sky, blue, orange, purple, green]
 
 contains
 
@@ -82,7 +83,7 @@ contains
       do i = 1, size(channel%allan)
          if (.not. channel%allan(i)%available) cycle
          call add_curve(writer, curves, "'"//data//".dat' index '"//trim(stage_names(i))//"' using 1:2", &
-                        "linespoints lw 1.5 pt "//digit(4 + i)//" ps 0.7 dt "//digit(i)//" lc rgb "//stage_colours(i), &
+                        "linespoints lw 1.5 pt "//digit(3 + i)//" ps 0.7 dt "//digit(i)//" lc rgb "//stage_colours(i), &
                         trim(stage_titles(i)))
       end do
       call end_plot(writer, curves)

@@ -26,7 +26,7 @@ contains
       type(channel_result_type), intent(in) :: channel
       character(:), allocatable :: text
 
-      associate (raw => channel%allan(stage%input)%stated%term(2), cleaned => channel%allan(stage%cleaned)%stated%term(2))
+      associate (raw => channel%allan(stage%input)%stated%term(2), cleaned => channel%allan(stage%outliers_removed)%stated%term(2))
          if (channel%clean%fraction > outlier_share) then
             text = number(100*channel%clean%fraction, 3)//" % of the samples are rejected as outliers"
             if (raw%detected .or. cleaned%detected) text = text//": N = "//stated(raw)//" as read, "//stated(cleaned)// &

@@ -234,12 +234,15 @@ contains
       type(channel_result_type), intent(in) :: channel
       !> Described
       type(table_type), intent(out) :: table
-      character(11), parameter :: series(5) = [character(11) :: "as read", "cleaned", "KF", "AKF", "compensated"]
+      character(11), parameter :: series(6) = [character(11) :: "as read", "no outliers", "cleaned", "KF", "AKF", "compensated"]
       character(:), allocatable :: key
-      integer :: term, which, row, last
+      logical :: shown(size(series))
+      integer :: term, which, row
 
-      last = merge(stage%compensated, stage%akf, channel%allan(stage%compensated)%available)
-      call new_table(table, 4 + last - stage%input, 6, head=2)
+      shown(:) = .true.
+      shown(stage%outliers_removed) = channel%allan(stage%outliers_removed)%available
+      shown(stage%compensated) = channel%allan(stage%compensated)%available
+      call new_table(table, 3 + count(shown), 6, head=2)
       table%name = "coefficients"
       table%number = "III"
       table%caption = "Noise coefficients from the Allan deviation"
@@ -250,7 +253,8 @@ contains
          table%note = table%note//term_title(record, term)//trim(merge(", ", ". ", term < 5))//" "
       end do
       row = 2
-      do which = stage%input, last
+      do which = stage%input, stage%compensated
+         if (.not. shown(which)) cycle
          row = row + 1
          call set_cell(table, row, 1, trim(series(which)))
          do term = 1, 5
