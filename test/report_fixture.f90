@@ -8,7 +8,7 @@ module report_fixture
    use gyroakf_io_writer, only : writer_type, open_writer, commit_writer
    use gyroakf_filter_filter_series, only : filter_result_type
    use gyroakf_allan_read_off, only : read_off_type
-   use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, stage
+   use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, stage, verdict_type
    use gyroakf_pipeline_coefficients, only : state_noise, state_read_off, compare_coefficients
    use json_reader, only : file_text
    implicit none (type, external)
@@ -96,10 +96,13 @@ contains
          channel%akf_figures%variance_ratio = 0.038_dp
          channel%akf_figures%passed_percent = 21.0_dp
          do which = stage%input, stage%akf
+            if (which == stage%outliers_removed) cycle
             call fill_allan(channel, which)
             call state_noise(channel%allan(which)%noise, record%rate_known, record%unit, channel%allan(which)%stated)
             call state_read_off(read, record%rate_known, record%unit, channel%allan(which)%read_off)
          end do
+         channel%verdict = verdict_type(wanted=.true., known=.true., stationary=.true., drift="flicker")
+         call add_text(channel%verdict%reasons, "a reason")
          call fill_periodicity(channel)
          call fill_halves(channel)
          call compare_coefficients(channel)
@@ -339,7 +342,7 @@ contains
    subroutine fill_allan(channel, which)
       type(channel_result_type), intent(inout) :: channel
       integer, intent(in) :: which
-      real(dp), parameter :: shrink(5) = [1.0_dp, 1.0_dp, 0.6_dp, 0.2_dp, 0.9_dp]
+      real(dp), parameter :: shrink(6) = [1.0_dp, 1.0_dp, 1.0_dp, 0.6_dp, 0.2_dp, 0.9_dp]
 
       if (which == stage%kf) channel%available%kf = .true.
       if (which == stage%akf) channel%available%akf = .true.

@@ -292,7 +292,7 @@ contains
       call remove_figures(folder, figures)
       if (allocated(error)) return
       associate (c => result%channel(1))
-         c%allan(stage%cleaned:)%available = .false.
+         c%allan(stage%outliers_removed:)%available = .false.
          c%available%akf = .false.
          c%available%drift_akf = .false.
          c%available%ar = .false.

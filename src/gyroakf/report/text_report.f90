@@ -83,9 +83,9 @@ contains
       !> Draw the deviation in characters
       logical, intent(in) :: chart
 
+      call put_verdict(writer, channel)
       call put_alerts(writer, channel)
       if (channel%available%preprocess .or. command == "run") call put_removed(writer, record, channel)
-      call put_verdict(writer, channel)
       select case (command)
       case ("allan")
          call put_curves(writer, record, channel, chart)
