@@ -59,9 +59,9 @@ module gyroakf_column_class
       "degf", char(194)//char(176)//"c"]
    character(7), parameter :: magnetic_units(14) = [character(7) :: "ut", "mt", "nt", "tesla", "gauss", "mgauss", "ga", &
       "mga", char(194)//char(181)//"t", char(206)//char(188)//"t", "utesla", "mtesla", "microt", "ugauss"]
-   character(6), parameter :: other_units(26) = [character(6) :: "hpa", "kpa", "pa", "mbar", "bar", "v", "mv", "ma", &
+   character(10), parameter :: other_units(28) = [character(10) :: "hpa", "kpa", "pa", "mbar", "bar", "v", "mv", "ma", &
       "%", "m", "km", "cm", "mm", "ft", "hz", "khz", "lsb", "count", "counts", "raw", "digit", "digits", "adc", "-", "km/h", &
-      "lx"]
+      "lx", "no_units", "local_flux"]
 
 contains
 
@@ -79,6 +79,8 @@ contains
       found = column_class%unknown
       if (is_temperature_unit(unit)) then
          found = column_class%temperature
+      else if (has_word(word, ["calib"]) .and. .not. has_word(word, ["x", "y", "z"])) then
+         found = column_class%flag
       else if (is_time_name(name, unit)) then
          found = column_class%time
       else if (has_word(word, flags) .or. has_beginning(word, ["clip", "satu"])) then

@@ -111,6 +111,7 @@ contains
          group = ""
          unit = ""
          do i = 1, size(names%name)
+            if (len(above%name(i)%text) + len(names%name(i)%text) == 0) cycle
             if (len(above%name(i)%text) > 0) then
                group = above%name(i)%text
                unit = above%unit(i)%text

@@ -45,13 +45,13 @@ contains
       is_text = .false.
       if (len(field) == 0) return
       word = lower(field(:len(word)))
-      is_text = index(beginnings, word(1:1)) > 0 .or. word(1:min(2, len(word))) == "->"
+      is_text = index(beginnings, word(1:1)) > 0 .or. any(["->", "0x"] == word(1:min(2, len(word))))
       mark = scan(word(:len(word) - 1), ":=")
       if (mark > 0) is_text = is_text .and. verify(word(mark + 1:mark + 1), "0123456789+-.") > 0
       if (is_text) is_text = .not. is_missing_word(word)
    end function is_text
 
-   !> What each column of a file measures.
+   !> What each column of a file measures; p, q and r together are the rates of a body.
    pure function classes_of(names, units, texts, columns) result(class)
       !> Of the file
       type(column_names_type), intent(in) :: names
@@ -60,7 +60,7 @@ contains
       !> Of [[find_texts]]: [column], or of size 0
       logical, intent(in) :: texts(:)
       integer, intent(in) :: columns
-      integer :: class(columns), j
+      integer :: class(columns), i, j, turns(3)
       character(:), allocatable :: name, unit
 
       do j = 1, columns
@@ -72,6 +72,9 @@ contains
          class(j) = class_of(name, unit)
          if (size(texts) == columns) class(j) = merge(column_class%text, class(j), texts(j))
       end do
+      if (.not. names%known) return
+      turns = [(findloc([(lower(names%name(j)%text) == "pqr"(i:i), j=1, columns)], .true., dim=1), i=1, 3)]
+      if (all(turns > 0)) class(turns) = column_class%rate
    end function classes_of
 
    !> Which columns are analyzed: gyroscopes and accelerometers, else what may be one, else all numbers.
