@@ -59,7 +59,8 @@ contains
       key = lower(bytes_text(bytes, from, last_visible(bytes, from, mark - 1)))
       from = first_visible(bytes, mark + 1, last)
       select case (key)
-      case ("rate_hz", "dt"); call read_rate(bytes, from, last, key, line, header, warnings)
+      case ("rate_hz", "dt", "sample rate", "sampling rate", "update rate")
+         call read_rate(bytes, from, last, key, line, header, warnings)
       case ("unit", "units"); call read_unit(bytes, from, last_visible(bytes, from, last), key, line, header, warnings)
       case ("columns"); if (from <= last) call read_names(bytes, from, last_visible(bytes, from, last), line, header%names)
       case default; continue
@@ -104,7 +105,7 @@ contains
       call first_number(bytes, first, last, x, word)
       scale = time_scale(word)
       if (key == "dt" .and. scale > 0.0_dp) x = x*scale
-      if (key == "rate_hz" .and. word == "khz") x = 1.0e3_dp*x
+      if (key /= "dt" .and. word == "khz") x = 1.0e3_dp*x
       if (.not. (x >= smallest_rate .and. x <= largest_rate)) then
          call warn(bytes, first, last, line, key, "is not a positive number", warnings)
          return

@@ -63,10 +63,10 @@ contains
 
    !> Seconds in the unit that the stamps themselves suggest.
    !>
-   !> A rate that was given decides where it fits one unit within a factor of 3. Else: stamps with
-   !> decimals are seconds; whole ones are told by their size where they count from 1970, else by
-   !> their mean step: up to 1.5 seconds, below 1000 milliseconds, below 10^6 microseconds,
-   !> nanoseconds.
+   !> A rate that was given decides where it fits one unit within a factor of 3. Else they are told
+   !> by their size where they count from 1970, else by their mean step: up to 1.5 (1 where
+   !> stamps are equal) seconds, below 1000 milliseconds, below 10^6 microseconds, nanoseconds.
+   !> Seconds with decimals are sure.
    pure subroutine infer_scale(stamps, rate_hz, scale, sure, offset)
       !> As read, NaN where missing: [n]
       real(dp), intent(in), contiguous :: stamps(:)
@@ -82,10 +82,11 @@ contains
       real(dp) :: first, last, step, total
       integer(int64) :: i, count, forward
       integer :: k
-      logical :: whole
+      logical :: whole, equal
 
       scale = 1.0_dp
       whole = .true.
+      equal = .false.
       count = 0
       forward = 0
       first = 0.0_dp
@@ -96,6 +97,7 @@ contains
          if (count == 0) first = stamps(i)
          if (count > 0 .and. stamps(i) >= last) then
             total = total + (stamps(i) - last)
+            equal = equal .or. .not. stamps(i) > last
             forward = forward + 1
          end if
          last = stamps(i)
@@ -104,6 +106,7 @@ contains
       end do
       sure = .not. whole
       if (count < 2) return
+      if (present(offset)) first = first + offset
       step = total/real(max(forward, 1_int64), dp)
       if (rate_hz > 0.0_dp) then
          do k = 1, 4
@@ -113,8 +116,8 @@ contains
             return
          end do
       end if
-      if (.not. whole) return
-      if (present(offset)) first = first + offset
+      sure = .not. whole .and. step <= 1.5_dp .and. abs(first) <= 1.0e11_dp
+      if (sure) return
       if (abs(first) > 1.0e17_dp) then
          scale = units(4)
       else if (abs(first) > 1.0e14_dp) then
@@ -123,7 +126,7 @@ contains
          scale = units(2)
       else if (abs(first) > 1.0e9_dp .and. step < 10.0_dp) then
          scale = units(1)
-      else if (step > 1.5_dp) then
+      else if (step > merge(1.0_dp, 1.5_dp, equal)) then
          scale = units(2)
          if (step >= 1.0e3_dp) scale = units(3)
          if (step >= 1.0e6_dp) scale = units(4)
