@@ -60,12 +60,13 @@ contains
 
    contains
 
-      !> Reads the head with an option more; names the option where that succeeds and few lines are bad.
+      !> Reads the head with an option more, or with that and --bad-lines; names it where that succeeds and few lines are bad.
       subroutine try(name, value)
          character(*), intent(in) :: name, value
          type(reader_options) :: options
          type(record_type) :: record
          type(error_type), allocatable :: failed
+         character(:), allocatable :: also
 
          if (value == "" .and. name /= "decimal-comma") return
          options = recording%options
@@ -79,10 +80,17 @@ contains
          end select
          options%bytes => head
          call read_record(recording%path, options, record, failed)
+         also = ""
+         if (allocated(failed) .and. (name == "skip" .or. name == "where")) then
+            also = " --bad-lines missing"
+            options%bad_lines_missing = .true.
+            call read_record(recording%path, options, record, failed)
+         end if
          if (allocated(failed)) return
          if (size(record%value, 1) < 2 .or. 8*record%audit%bad_lines > size(record%value, 1)) return
          list = list//"; --"//name
          if (len(value) > 0) list = list//" "//shell_word(value)
+         list = list//also
       end subroutine try
    end subroutine add_remedies
 
@@ -107,7 +115,7 @@ contains
       end do
    end subroutine take_lines
 
-   !> The kind of a record: the label before several values, or the first word.
+   !> The kind of a record: its first label, or the first word.
    subroutine find_kind(bytes, line)
       !> The line
       integer(int8), intent(in), contiguous :: bytes(:)
@@ -122,7 +130,7 @@ contains
       call find_marks(plain, 1_int64, size(plain, kind=int64), .true., marks)
       call split_line(plain, 1_int64, size(plain, kind=int64), split%mixed, fields)
       word = index(line%pattern, "t")
-      if (marks%labels == 1 .and. word == 0 .and. len(line%pattern) > 1) then
+      if (marks%labels > 0 .and. word == 0 .and. len(line%pattern) > 1) then
          call name_fields(bytes, 1_int64, fields, names, array)
          if (names%known) line%kind = "1="//names%name(1)%text(:index(names%name(1)%text//"[", "[") - 1)
       else if (word > 0 .and. index(line%pattern, "n") > 0) then
@@ -130,7 +138,7 @@ contains
       end if
    end subroutine find_kind
 
-   !> Kinds of records that are met three times at least, those that are met most first; none where there is only one.
+   !> Kinds of records that are met three times at least, those that are met most first; none where all lines are of one.
    subroutine list_kinds(line, known, kinds)
       type(line_type), intent(in) :: line(:)
       !> Sensors that are distinguished by a column of numbers; unallocated: none
@@ -138,6 +146,7 @@ contains
       type(text_type), allocatable, intent(out) :: kinds(:)
       type(text_type), allocatable :: found(:)
       integer :: times(64), i, k
+      logical :: several
 
       allocate (kinds(0), found(0))
       times = 0
@@ -150,7 +159,8 @@ contains
          if (k > size(found)) call add_text(found, line(i)%kind)
          times(k) = times(k) + 1
       end do
-      do while (size(kinds) < most_kinds .and. size(found) > 1 .and. any(times > 2))
+      several = size(found) > 1 .or. any([(.not. allocated(line(i)%kind) .and. len(line(i)%pattern) > 0, i=1, size(line))])
+      do while (size(kinds) < most_kinds .and. several .and. any(times > 2))
          k = maxloc(times, dim=1)
          call add_text(kinds, found(k)%text)
          times(k) = 0

@@ -280,8 +280,9 @@ contains
       character(:), allocatable :: descr, what, advice
 
       if (ahead(cursor) == "[") then
-         call unsuitable(cursor, "the array's type is structured", "save the fields as columns: "// &
-            "numpy.save(file, numpy.column_stack([array[name] for name in array.dtype.names]))", error)
+         call unsuitable(cursor, "the array's type is structured", "a table with a column for each field: python3 -c "// &
+            """import numpy; a = numpy.load('"//cursor%name//"'); n = a.dtype.names; numpy.savetxt('rows.csv', "// &
+            "numpy.column_stack([a[i] for i in n]), delimiter=',', header=','.join(n), comments='')""", error)
          return
       end if
       call read_string(cursor, descr, error)
