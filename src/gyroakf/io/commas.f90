@@ -263,9 +263,7 @@ contains
       integer(int64) :: i
 
       if (mode == comma_mode%decimal) then
-         do i = first, last
-            bytes(i) = merge(point, bytes(i), bytes(i) == comma)
-         end do
+         where (bytes(first:last) == comma) bytes(first:last) = point
       else if (mode == comma_mode%seconds) then
          do i = first, last
             if (bytes(i) /= comma) cycle

@@ -159,16 +159,14 @@ contains
 
       q = p
       found = .true.
-      if (bytes(q) == iachar("T") .or. bytes(q) == iachar("t")) then
-         p = p + 1
-         call scan_clock(bytes, p, quoted, whole, part, found)
-         return
-      end if
       do while (bytes(q) == blank)
          q = q + 1
       end do
-      if (q == p) return
-      if (bytes(q + 1) /= colon .and. .not. (is_digit(bytes(q + 1)) .and. bytes(q + 2) == colon)) return
+      if (bytes(p) == iachar("T") .or. bytes(p) == iachar("t")) then
+         q = p + 1
+      else if (q == p .or. (bytes(q + 1) /= colon .and. .not. (is_digit(bytes(q + 1)) .and. bytes(q + 2) == colon))) then
+         return
+      end if
       p = q
       call scan_clock(bytes, p, quoted, whole, part, found)
    end subroutine scan_time_behind

@@ -219,13 +219,10 @@ contains
    subroutine find_last(lines, from)
       type(lines_type), intent(inout) :: lines
       integer(int64), intent(in) :: from
-      integer(int64) :: i
 
       if (lines%only_returns) call turn_returns(lines%bytes(from:lines%filled))
-      do i = lines%filled, from, -1
-         if (lines%bytes(i) == line_feed) exit
-      end do
-      lines%last = merge(i, 0_int64, i >= from)
+      lines%last = findloc(lines%bytes(from:lines%filled), line_feed, dim=1, back=.true., kind=int64)
+      if (lines%last > 0) lines%last = lines%last + from - 1
       lines%bytes(lines%filled + 1:lines%filled + digits_ahead) = line_feed
    end subroutine find_last
 
@@ -275,19 +272,11 @@ contains
       type(line_map_type), intent(in) :: map
       !> From 1
       integer(int64), intent(in) :: row
-      integer :: before, behind_it, middle
+      integer :: before
 
       line_of = row
-      before = 0
-      behind_it = map%count + 1
-      do while (behind_it - before > 1)
-         middle = before + (behind_it - before)/2
-         if (map%row(middle) > row) then
-            behind_it = middle
-         else
-            before = middle
-         end if
-      end do
+      if (map%count == 0) return
+      before = count(map%row(:map%count) <= row)
       if (before > 0) line_of = map%line(before) + row - map%row(before)
    end function line_of
 

@@ -131,7 +131,6 @@ contains
       !> Where angles begin again, in units of the file; 0: they do not
       real(dp), intent(in) :: wrap
       real(dp) :: factor
-      integer(int64) :: i
       integer :: j
 
       factor = scale
@@ -147,9 +146,7 @@ contains
       if (input == "angle") call difference(record, wrap, error)
       if (allocated(error) .or. abs(factor - 1.0_dp) <= 0.0_dp) return
       do j = 1, size(record%value, 2)
-         do i = 1, size(record%value, 1, kind=int64)
-            record%value(i, j) = record%value(i, j)*factor
-         end do
+         record%value(:, j) = record%value(:, j)*factor
       end do
    end subroutine make_rates
 
@@ -159,10 +156,7 @@ contains
       real(dp), intent(in) :: change, modulus
 
       wrapped = change
-      if (modulus <= 0.0_dp .or. abs(change) <= 0.5_dp*modulus) then
-         if (modulus > 0.0_dp .and. change <= -0.5_dp*modulus) wrapped = change + modulus
-         return
-      end if
+      if (modulus <= 0.0_dp .or. (change > -0.5_dp*modulus .and. change <= 0.5_dp*modulus)) return
       wrapped = modulo(change, modulus)
       if (wrapped > 0.5_dp*modulus) wrapped = wrapped - modulus
    end function wrapped
