@@ -124,8 +124,6 @@ contains
          scale = units(3)
       else if (abs(first) > 1.0e11_dp) then
          scale = units(2)
-      else if (abs(first) > 1.0e9_dp .and. step < 10.0_dp) then
-         scale = units(1)
       else if (step > merge(1.0_dp, 1.5_dp, equal)) then
          scale = units(2)
          if (step >= 1.0e3_dp) scale = units(3)
