@@ -138,6 +138,9 @@ contains
       call note_failure(channel, "verdict on drift", error)
       if (.not. channel%verdict%known) return
       call decide(noise, real(size(x, kind=int64)/block_count, dp), channel%verdict)
+      if (channel%verdict%drift == "flicker" .and. channel%allan(stage%input)%fitted) then    ! not where outliers hide B
+         if (.not. channel%allan(stage%input)%noise%coefficient(term_flicker)%detected) channel%verdict%drift = "none"
+      end if
       call give_reasons(record, channel%verdict)
       call withhold(channel)
    end subroutine judge
