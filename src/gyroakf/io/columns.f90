@@ -222,14 +222,30 @@ contains
       if (names%known) own_length = len(names%name(column)%text)
    end function own_length
 
+   !> The length of [[name_of]].
+   pure integer function name_length(names, column)
+      type(column_names_type), intent(in) :: names
+      integer, intent(in) :: column
+
+      name_length = own_length(names, column)
+      if (name_length == 0) name_length = len("column") + integer_length(int(column, int64))
+   end function name_length
+
+   !> The length of [[label_of]].
+   pure integer function label_length(names, column)
+      type(column_names_type), intent(in) :: names
+      integer, intent(in) :: column
+
+      label_length = name_length(names, column) + merge(len("column ''"), len(" "), own_length(names, column) > 0)
+   end function label_length
+
    !> The name of a column, "column3" where it has none.
    pure function name_of(names, column) result(name)
       !> Of the file
       type(column_names_type), intent(in) :: names
       !> Counted from 1
       integer, intent(in) :: column
-      character(merge(own_length(names, column), len("column") + integer_length(int(column, int64)), &
-                      own_length(names, column) > 0)) :: name
+      character(name_length(names, column)) :: name
 
       if (own_length(names, column) > 0) then
          name = names%name(column)%text
@@ -243,8 +259,7 @@ contains
       !> As those of [[name_of]]
       type(column_names_type), intent(in) :: names
       integer, intent(in) :: column
-      character(len("column ") + merge(2 + own_length(names, column), integer_length(int(column, int64)), &
-                                       own_length(names, column) > 0)) :: label
+      character(label_length(names, column)) :: label
 
       if (own_length(names, column) > 0) then
          label = "column '"//names%name(column)%text//"'"

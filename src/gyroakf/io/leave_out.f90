@@ -21,12 +21,12 @@ contains
    pure subroutine find_texts(field, texts)
       !> Of [[gyroakf_io_selection:first_rows]]
       type(text_type), intent(in) :: field(:, :)
-      !> [column]
+      !> False where there is no row: [column]
       logical, allocatable, intent(out) :: texts(:)
       integer :: i, j
 
       allocate (texts(size(field, 2)))
-      texts(:) = .true.
+      texts(:) = size(field, 1) > 0
       do j = 1, size(texts)
          do i = 1, size(field, 1)
             if (texts(j)) texts(j) = is_text(field(i, j)%text)

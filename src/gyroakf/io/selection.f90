@@ -136,7 +136,7 @@ contains
       if (len(text) == 0 .or. scan(text, " =()[]$*?#;&|<>'""") > 0) text = integer_text(int(column, int64))
    end subroutine find_selector
 
-   !> The fields of the first rows up to one that has too few; only those that are wanted.
+   !> The fields of the first rows that have enough and are wanted.
    pure subroutine first_rows(bytes, first, last, layout, field)
       !> Holds rows from first on, up to the line feed at last
       integer(int8), intent(in), contiguous :: bytes(:)
@@ -158,10 +158,13 @@ contains
          if (.not. is_comment(bytes, at, to - 1) .and. first_visible(bytes, at, to - 1) < to) then
             call split_line(bytes, at, to - 1, split%mixed, fields)
             call join_fields(bytes, layout, fields)
+            if (fields%count < layout%columns .and. any(bytes(at:to - 1) == iachar(achar(9)))) then    ! empty between tabs
+               call split_line(bytes, at, to - 1, split%tabs, fields)
+               call join_fields(bytes, layout, fields)
+            end if
             wanted = layout%where_column == 0
             if (.not. wanted) wanted = agrees(bytes, fields, layout)
-            if (wanted) then
-               if (fields%count < layout%columns) exit
+            if (wanted .and. fields%count >= layout%columns) then
                rows = rows + 1
                do j = 1, layout%columns
                   field(rows, j)%text = bytes_text(bytes, fields%first(j), fields%last(j))

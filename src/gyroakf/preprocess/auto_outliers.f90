@@ -230,10 +230,12 @@ contains
       before = 0.0_dp
       do k = 1, blocks
          own = loud(k)
-         loud(k) = max(before, own, loud(min(k + 1, blocks)))/max(typical, tiny(1.0_dp))
+         loud(k) = max(before, own, loud(min(k + 1, blocks)))
          before = own
-         if (loud(k) <= loud_from .or. .not. typical > 0.0_dp) loud(k) = 1.0_dp
+         if (loud(k) <= loud_from*typical .or. .not. typical > 0.0_dp) loud(k) = typical
       end do
+      if (typical > 0.0_dp) loud = loud/typical
+      if (.not. typical > 0.0_dp) loud = 1.0_dp
    end subroutine compare_loudness
 
    !> Replaces the residuals of loud blocks by those over their loudness.
