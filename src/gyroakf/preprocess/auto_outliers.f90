@@ -209,7 +209,7 @@ contains
    !> Makes the medians of blocks loudness: over their median, the largest of a block and its neighbors, 1 up to 1.5.
    subroutine compare_loudness(n, loud, error)
       integer(int64), intent(in) :: n
-      real(dp), intent(inout) :: loud(:)
+      real(dp), intent(inout), contiguous :: loud(:)
       type(error_type), allocatable, intent(out) :: error
       integer(int8), allocatable :: known(:)
       real(dp) :: typical, before, own
