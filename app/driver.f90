@@ -20,7 +20,7 @@ module gyroakf_app_driver
       & simulate_config, selftest_config
    use gyroakf_app_gnuplot, only : check_gnuplot
    use gyroakf_app_interrupt, only : guard_files, interrupt_signal, watch_signals
-   use gyroakf_app_job, only : analyse, inspect
+   use gyroakf_app_job, only : analyze, inspect
    use gyroakf_app_many, only : work_on_many
    use gyroakf_app_progress_bar, only : bar_type, clear_bar, start_bar
    implicit none (type, external)
@@ -80,7 +80,7 @@ contains
       select type (config)
       type is (text_config); call write_text("-", config%text, error)
       type is (inspect_config); call inspect(config, bar, record, error)
-      type is (analysis_config); call analyse(config, bar, record, result, error)
+      type is (analysis_config); call analyze(config, bar, record, result, error)
       type is (simulate_config); call simulate(config, bar, error)
       type is (selftest_config); call test_itself(config, error)
       end select

@@ -23,7 +23,7 @@ module gyroakf_app_job
    use gyroakf_app_terminal, only : adapt_writer
    implicit none (type, external)
    private
-   public :: inspect, analyse
+   public :: inspect, analyze
 
 contains
 
@@ -84,7 +84,7 @@ contains
    end subroutine write_inspection
 
    !> run, allan, tests, ar, filter: the files first, standard output last.
-   subroutine analyse(config, bar, record, result, error)
+   subroutine analyze(config, bar, record, result, error)
       !> What is wanted
       type(analysis_config), intent(in) :: config
       !> Told how far it is; taken away before the report
@@ -107,7 +107,7 @@ contains
       call clear_bar(bar)
       if (.not. allocated(error) .and. interrupted()) call fatal_error(error, status%cancelled, "ended; the files are complete")
       if (.not. allocated(error)) call print_result(config, record, result, error)
-   end subroutine analyse
+   end subroutine analyze
 
    !> The figures, from the result files that are there.
    subroutine draw(config, record, result, error)

@@ -13,7 +13,7 @@ module gyroakf_app_many
    use gyroakf_app_file_list, only : read_list
    use gyroakf_app_folders, only : name_folders, summary_files
    use gyroakf_app_interrupt, only : guard_files, release_files
-   use gyroakf_app_job, only : analyse, inspect
+   use gyroakf_app_job, only : analyze, inspect
    use gyroakf_app_progress_bar, only : bar_type, clear_bar
    use gyroakf_app_reading, only : with_path
    use gyroakf_app_summary, only : write_summary
@@ -77,7 +77,7 @@ contains
          call inspect(job, bar, record, error)
          if (.not. allocated(error)) call summarise(job%command, path, folder, record, row)
       type is (analysis_config)
-         call analyse(job, bar, record, result, error)
+         call analyze(job, bar, record, result, error)
          if (.not. allocated(error)) call summarise(job%command, path, folder, record, row, result)
       end select
       if (.not. allocated(error)) return

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Correlation of Allan variances at neighbouring averaging times: why a fit must not take them for independent.
+!> Correlation of Allan variances at neighboring averaging times: why a fit must not take them for independent.
 program example_allan_covariance
    use gyroakf, only : covariance_basis, dp, int64, mixture_covariances
    implicit none (type, external)

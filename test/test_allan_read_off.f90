@@ -90,8 +90,8 @@ contains
       call check(error, read%value(2), 0.3_dp*10**(sum(edf*beside)/sum(edf)), thr=1e-14_dp, rel=.true.)
    end subroutine test_weights
 
-   !> Terms far apart: each is read, never below the truth, and above it by little: where a neighbour bends the
-   !> slope by 0.1, it has raised the deviation by 12 %, and K has a neighbour on both sides.
+   !> Terms far apart: each is read, never below the truth, and above it by little: where a neighbor bends the
+   !> slope by 0.1, it has raised the deviation by 12 %, and K has a neighbor on both sides.
    subroutine test_mixture(error)
       type(error_type), allocatable, intent(out) :: error
 

@@ -310,7 +310,7 @@ contains
       call check(error, .not. model%largest_order_chosen, "there was nothing to choose")
    end subroutine test_order_zero
 
-   !> Each error; the only pair of neighbours that gaps leave can be worth more than the variance.
+   !> Each error; the only pair of neighbors that gaps leave can be worth more than the variance.
    subroutine test_failures(error)
       !> Failure
       type(error_type), allocatable, intent(out) :: error

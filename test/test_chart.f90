@@ -76,7 +76,7 @@ contains
       end do
    end subroutine test_places
 
-   !> A model through the points is drawn in every column between them, never above or below its neighbours' rows.
+   !> A model through the points is drawn in every column between them, never above or below its neighbors' rows.
    subroutine test_model(error)
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: tau(3) = [1.0_dp, 10.0_dp, 1000.0_dp]

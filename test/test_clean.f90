@@ -255,7 +255,7 @@ contains
       call check(error, maxval(abs(b*2.0_dp**40 - a)), 0.0_dp, thr=1.0e-10_dp)
    end subroutine test_offset_scale
 
-   !> Nine of ten samples on one level: MAD 0. The neighbouring levels stay, the spike goes.
+   !> Nine of ten samples on one level: MAD 0. The neighboring levels stay, the spike goes.
    subroutine test_quantised(error)
       !> Failure
       type(error_type), allocatable, intent(out) :: error

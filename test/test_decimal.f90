@@ -53,7 +53,7 @@ contains
       call check(error, format_real(ieee_value(1.0_dp, ieee_negative_inf), 0), "-inf")
    end subroutine test_not_finite
 
-   !> A random number: any bits, or a short decimal, whose neighbours are ties.
+   !> A random number: any bits, or a short decimal, whose neighbors are ties.
    real(dp) function draw(state, i)
       integer(int64), intent(inout) :: state
       integer, intent(in) :: i

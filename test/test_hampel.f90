@@ -98,7 +98,7 @@ contains
       call check(error, removed == count(mark == 0_int8 .and. valid /= 0_int8) .and. removed == changed, "counts")
    end subroutine compare
 
-   !> 1 2 1 9 2 1 2 1 2 8 1, k = 2: the 9 has neighbours 2 1 2 1, median 2, MAD 1; the 8 those of 1 2 8 1, cut at the end.
+   !> 1 2 1 9 2 1 2 1 2 8 1, k = 2: the 9 has neighbors 2 1 2 1, median 2, MAD 1; the 8 those of 1 2 8 1, cut at the end.
    subroutine test_by_hand(error)
       !> Failure
       type(error_type), allocatable, intent(out) :: error
@@ -286,7 +286,7 @@ contains
    end subroutine test_offset_scale
 
    !> The share that is stated against that of 2e5 samples, to 4 of its standard errors and the 5 % that it promises; marks of
-   !> neighbours hang together, which doubles the variance.
+   !> neighbors hang together, which doubles the variance.
    subroutine test_false_alarms(error)
       !> Failure
       type(error_type), allocatable, intent(out) :: error

@@ -78,6 +78,12 @@ contains
       options%columns = "gy"
       call parse("g"//achar(27)//"x"//nl//repeat("1"//nl, 50), options, record, message)
       call check(error, message, "there is no column 'gy'; the file has 'g?x'")
+      if (allocated(error)) return
+      call parse(repeat("{"//char(165)//": {x"//achar(27)//": 1}, y"//char(176)//": 2}"//nl, 50), reader_options(), record, message)
+      call check(error, message, "")
+      if (allocated(error)) return
+      call check(error, record%channel(1)%text//","//record%channel(2)%text, &
+                 char(194)//char(165)//" x?,y"//char(194)//char(176))
    end subroutine test_names
 
    !> A long field without the start of a character in it.
@@ -164,7 +170,7 @@ contains
       call parse(content, options, record, message)
       call check(error, index(message, "odd:1:1: every column holds dates or times of day"), 1, more=message)
       if (allocated(error)) return
-      call said(error, content, "odd:1:1: there is no column besides the time in column 'when'", "besides it")
+      call said(error, content, "odd:1:1: there is no column besides the time in column 'when'", "besides the time")
    end subroutine test_only_dates
 
    !> Time stamps so close that the rate would overflow.

@@ -214,7 +214,7 @@ contains
       call check(error, scale, 1.3_dp, thr=0.1_dp)
    end subroutine test_robust
 
-   !> Smallest step between neighbours, not over a gap; 0 for a constant.
+   !> Smallest step between neighbors, not over a gap; 0 for a constant.
    subroutine test_step(error)
       !> Failure
       type(error_type), allocatable, intent(out) :: error

@@ -307,7 +307,7 @@ contains
                  "the rate has to lie between 1e-30 and 1e30 Hz, and is -5 Hz")
       if (allocated(error)) return
       call check(error, message("gx"//nl//"1"//nl//"-2e99", reader_options(), code), &
-                 "sample 2 of 'gx' is -2e+99; at most 1e+60 can be analysed")
+                 "sample 2 of 'gx' is -2e+99; at most 1e+60 can be analyzed")
       if (allocated(error)) return
       call check(error, message("1", reader_options(scale=0.0_dp), code), "the scale must not be 0")
       if (allocated(error)) return

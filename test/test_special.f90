@@ -172,7 +172,7 @@ contains
       call agree(error, chi_square_survival(x, 2.0_dp), exp(-0.5_dp*x), tolerance)
    end subroutine test_chi_square_two
 
-   !> Where one method hands over to another the function is continuous: neighbours by the
+   !> Where one method hands over to another the function is continuous: neighbors by the
    !> recurrence Q(a+1, x) = Q(a, x) + x^a exp(-x)/Gamma(a+1), across a = 10 and a = 20.
    subroutine test_chi_square_seams(error)
       !> Failure

@@ -27,7 +27,7 @@ contains
                    new_unittest("table", table), new_unittest("long_names", long_names)]
    end subroutine collect_summary
 
-   !> A file that was analysed, one that failed.
+   !> A file that was analyzed, one that failed.
    subroutine two_rows(rows, path)
       type(summary_row_type), intent(out) :: rows(2)
       character(*), intent(in) :: path

@@ -66,7 +66,7 @@ static void read_texts(results *r, const gyroakf_record *record) {
   add_text(r, error.message);
 }
 
-static void analyse(results *r, const double *x, int64_t n) {
+static void analyze(results *r, const double *x, int64_t n) {
   gyroakf_allan *curve = NULL;
   gyroakf_filter *filter = NULL;
   gyroakf_filter_options opt;
@@ -117,6 +117,6 @@ void work(results *r, const char *text) {
   add_text(r, error.message);
   if (record == NULL) return;
   read_texts(r, record);
-  analyse(r, gyroakf_record_values(record, 0), gyroakf_record_samples(record));
+  analyze(r, gyroakf_record_values(record, 0), gyroakf_record_samples(record));
   gyroakf_record_free(record);
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Builds the fuzz harness of the readers with address and undefined-behaviour sanitizers and run-time checks:
+# Builds the fuzz harness of the readers with address and undefined-behavior sanitizers and run-time checks:
 #
 #   GYROAKF_FUZZ=1 ./setup.sh ci/fuzz/build.sh        -> build/fuzz/reader
 #

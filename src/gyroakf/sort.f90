@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Sorting of real numbers, in time n log n whatever their order.
 !>
-!> Runs of 32 numbers are sorted by insertion, then neighbours are merged between the array and a work space of the
+!> Runs of 32 numbers are sorted by insertion, then neighbors are merged between the array and a work space of the
 !> same length, all pairs of a level by all threads. The sorted array does not depend on the threads.
 module gyroakf_sort
    use gyroakf_kinds, only : dp, int64

@@ -63,7 +63,7 @@ contains
       end do
    end function nearest_word
 
-   !> Least number of letters to insert, delete, replace or swap with the neighbour to turn one word into another
+   !> Least number of letters to insert, delete, replace or swap with the neighbor to turn one word into another
    !> (restricted Damerau-Levenshtein distance).
    pure integer function edit_distance(a, b)
       !> First word

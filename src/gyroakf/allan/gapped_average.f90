@@ -140,7 +140,7 @@ contains
       end do
    end subroutine list_chains
 
-   !> Some neighbouring terms.
+   !> Some neighboring terms.
    pure subroutine add_chain(phase, missing, m, coverage, first, terms, sums)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)

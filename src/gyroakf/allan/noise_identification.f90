@@ -160,7 +160,7 @@ contains
       end do
    end subroutine remove_line
 
-   !> Lag-1 autocorrelation over neighbouring pairs.
+   !> Lag-1 autocorrelation over neighboring pairs.
    pure subroutine lag_one(y, use_it, least, r, varies)
       !> Values
       real(dp), intent(in) :: y(:)

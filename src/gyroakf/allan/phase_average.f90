@@ -154,7 +154,7 @@ contains
       end do
    end subroutine sum_long
 
-   !> Sum of z(j)**2 over some neighbouring terms.
+   !> Sum of z(j)**2 over some neighboring terms.
    pure subroutine add_terms(phase, m, first, terms, total)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
@@ -235,7 +235,7 @@ contains
       z = z4
    end subroutine four_chains
 
-   !> The steps of the recursion from neighbouring places on.
+   !> The steps of the recursion from neighboring places on.
    pure subroutine third_differences(phase, m, first, d)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)

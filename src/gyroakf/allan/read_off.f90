@@ -12,10 +12,10 @@
 !> | R | +1 | $$R \tau/\sqrt 2$$ | tau = sqrt 2 |
 !>
 !> The rule. Points with at least `least_edf` degrees of freedom count. The local slope at a point is that of the straight line
-!> through the points within a quarter of a decade on both sides of it (and at least its two neighbours), weighted with their
-!> degrees of freedom; the first and the last point take that of their neighbour. The segment of a term is the longest row of
-!> at least two neighbouring points whose slopes lie within `tolerance` of the term's; a row shorter than `least_width` decades
-!> (each point reaches half way to its neighbours) is a bend that passes by, and the term is then not there. The line of the
+!> through the points within a quarter of a decade on both sides of it (and at least its two neighbors), weighted with their
+!> degrees of freedom; the first and the last point take that of their neighbor. The segment of a term is the longest row of
+!> at least two neighboring points whose slopes lie within `tolerance` of the term's; a row shorter than `least_width` decades
+!> (each point reaches half way to its neighbors) is a bend that passes by, and the term is then not there. The line of the
 !> term's slope is laid through the segment, weighted with the degrees of freedom, and extended to where it is read.
 !>
 !> Terms that overlap raise each other's lines: what is read is never below the truth but for scatter, and has no standard error.

@@ -27,7 +27,7 @@ module gyroakf_allan_second_difference
 
    !> What a record with gaps gives for one averaging factor
    type :: gap_sums_type
-      !> Sum of the squared differences of neighbouring window means
+      !> Sum of the squared differences of neighboring window means
       real(dp) :: squares = 0.0_dp
       !> Sum over the terms of 1/c_1 + 1/c_2 - 2/m, c the present samples of each window
       real(dp) :: inflation = 0.0_dp

@@ -7,7 +7,7 @@ module gyroakf_allan_whitening
    private
    public :: whitening
 
-   !> Eigenvalues of the correlation matrix below this share of the largest one carry no information: neighbouring averaging
+   !> Eigenvalues of the correlation matrix below this share of the largest one carry no information: neighboring averaging
    !> times say almost the same, and what differs is below the accuracy of the covariance
    real(dp), parameter :: eigenvalue_share = 1e-3_dp
 

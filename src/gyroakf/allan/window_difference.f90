@@ -58,7 +58,7 @@ contains
       end do
    end subroutine sum_separate_differences
 
-   !> Some neighbouring terms.
+   !> Some neighboring terms.
    pure real(dp) function separate_squares(phase, m, order, first, last) result(total)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
@@ -131,7 +131,7 @@ contains
       end do
    end subroutine sum_gapped_windows
 
-   !> Some neighbouring terms of a record with gaps.
+   !> Some neighboring terms of a record with gaps.
    pure subroutine gapped_terms(phase, missing, m, order, stride, coverage, first, last, sums)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)

@@ -77,7 +77,7 @@ contains
          run => run_vector
          if (filter%order == 1) run => run_scalar
       end select
-      ! an absent optional is not passed on: the undefined-behaviour sanitizer of gfortran 12 stops there
+      ! an absent optional is not passed on: the undefined-behavior sanitizer of gfortran 12 stops there
       if (present(valid) .and. present(normalised_innovation)) then
          call run(filter, z, x, valid, normalised_innovation)
       else if (present(valid)) then

@@ -23,7 +23,7 @@ module gyroakf_filter_scalar
    !> What changes from step to step, and what a step needs to know: plain numbers only, so that the
    !> compiler keeps a local of this type in registers. It does so only while no component is an argument of a procedure
    !> that is not inlined (no public one is in position-independent code): else every step goes through memory. What
-   !> adaptation changes has no neighbour here that is its neighbour in the filter: loaded as a pair, just after it was
+   !> adaptation changes has no neighbor here that is its neighbor in the filter: loaded as a pair, just after it was
    !> stored one by one, it would hold up the next step
    type :: lane_type
       real(dp) :: phi, phi2, state, p, r_mean, q, weight, r, forgetting, q_mean

@@ -66,10 +66,8 @@ contains
             call take_name(word, names%name(count)%text, names%unit(count)%text)
          end if
       end do
-      if (count < fields%count) then
-         names%name = names%name(:count)
-         names%unit = names%unit(:count)
-      end if
+      names%name = names%name(:count)
+      names%unit = names%unit(:count)
       call keep_apart(names)
    end subroutine read_names
 

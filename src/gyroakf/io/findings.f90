@@ -26,7 +26,7 @@ contains
             "; the first is in line "//integer_text(record%audit%line_of_first(k)))
       end do
       if (record%audit%jumps > 0) call add_text(record%warnings, "a jump of the time stamps is too long to be filled with "// &
-         "missing samples; the parts before and after it are joined: analyse them apart with --from and --to")
+         "missing samples; the parts before and after it are joined: analyze them apart with --from and --to")
       call explain_rates(record)
       call tell_odd(record)
       if (record%audit%jitter_max > 1.0_dp*record%sample_interval .and. record%rate_known .and. .not. placed(record)) then
@@ -88,7 +88,7 @@ contains
          if (audit%rate_changes > 0) call add_text(record%warnings, "the rate changes from "//format_real(audit%rate_before, 6)// &
             " Hz to "//format_real(audit%rate_after, 6)//" Hz in line "//integer_text(audit%line_of_change)// &
             trim(merge(", the first of several changes", "                              ", audit%rate_changes > 1))// &
-            "; analyse the parts apart with --from and --to")
+            "; analyze the parts apart with --from and --to")
       end associate
    end subroutine tell_odd
 

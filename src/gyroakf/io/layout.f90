@@ -17,7 +17,7 @@ module gyroakf_io_layout
       !> The last column may be left away: the row that it was counted in ended with a separator
       logical :: last_optional = .false.
       !> Columns of dates and times of day: one of the components of stamp_kind, negative where it is added to what another column
-      !> of the same slot gave: [column]; unallocated where all are numbers
+      !> of the same slot gave: [column]
       integer, allocatable :: kind(:)
       !> Stamps are counted from this day or whole number
       integer(int64) :: origin = 0

@@ -26,11 +26,8 @@ contains
       integer :: i, j
 
       allocate (texts(size(field, 2)))
-      texts(:) = size(field, 1) > 0
       do j = 1, size(texts)
-         do i = 1, size(field, 1)
-            if (texts(j)) texts(j) = is_text(field(i, j)%text)
-         end do
+         texts(j) = size(field, 1) > 0 .and. all([(is_text(field(i, j)%text), i=1, size(field, 1))])
       end do
    end subroutine find_texts
 

@@ -153,8 +153,7 @@ contains
 
    !> Where a tick of the clock is about the step or several steps, the two beat: the lag of a clock that counts in nearly a whole
    !> number of steps jumps by one at each beat. Where no window averages beats, one lost sample cannot be told from them;
-   !> where a tick holds
-   !> more than two samples, losses of less than 1.2 ticks cannot (samples that are delivered together beat together).
+   !> where a tick holds more than two samples, losses of less than 1.2 ticks cannot (samples that are delivered together do too).
    pure real(dp) function beat_bound(cadence, step, window)
       type(cadence_type), intent(in) :: cadence
       real(dp), intent(in) :: step
@@ -259,7 +258,7 @@ contains
       call take_out(t, taken, level)
    end subroutine find_rises
 
-   !> Takes losses out of the levels: of the block that holds one and its neighbours as many samples as stand behind it.
+   !> Takes losses out of the levels: of the block that holds one and its neighbors as many samples as stand behind it.
    pure subroutine take_out(t, taken, level)
       real(dp), intent(in), contiguous :: t(:)
       integer(int64), intent(in), contiguous :: taken(:)
@@ -302,7 +301,7 @@ contains
       is_loss = .true.
    end function is_loss
 
-   !> The sample behind the longest step in a block and its neighbours' edges.
+   !> The sample behind the longest step in a block and its neighbors' edges.
    pure integer(int64) function longest_step(t, block)
       real(dp), intent(in), contiguous :: t(:)
       integer(int64), intent(in) :: block

@@ -11,8 +11,8 @@ module gyroakf_io_machine_memory
 
 contains
 
-   !> Bytes that can be had without taking them from somebody: the least of what the machine has available and of the
-   !> limits of the container, of its control groups and of the shell. 0 where nobody says (not on Linux).
+   !> Bytes that can be had without taking them from another process: the least of what the machine has available and
+   !> of the limits of the container, of its control groups and of the shell; 0 where none is known (not on Linux).
    !>
    !> Limits are taken whole: what other processes of the container use is not subtracted, for much of it is cache that gives way.
    integer(int64) function free_memory() result(bytes)
@@ -23,7 +23,7 @@ contains
       if (least < no_limit) bytes = int(least, int64)
    end function free_memory
 
-   !> Bytes that a line `key NUMBER kB` of a file tells; none where there is no such line.
+   !> Bytes from the line `key NUMBER kB` of a file; [[no_limit]] where there is no such line.
    real(dp) function memory_of(path, key) result(bytes)
       !> Of the form of /proc/meminfo
       character(*), intent(in) :: path

@@ -10,6 +10,7 @@ module gyroakf_io_marks
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_text, only : bytes_text, fields_type, last_visible, line_feed_from
    use gyroakf_record, only : add_text, text_type
+   use gyroakf_utf8, only : make_readable
    implicit none (type, external)
    private
    public :: marks_type, find_marks, strip_lines, name_fields
@@ -257,6 +258,7 @@ contains
    pure subroutine find_labels(gap, labels)
       character(*), intent(in) :: gap
       type(text_type), allocatable, intent(out) :: labels(:)
+      character(:), allocatable :: label
       integer :: from, mark, start, finish
 
       allocate (labels(0))
@@ -266,7 +268,9 @@ contains
          if (mark < from) return
          start = verify(gap(from:mark), separators//opening//closing//quotes) + from - 1
          finish = verify(gap(:mark - 1), separators//quotes, back=.true.)
-         if (start >= from .and. finish >= start) call add_text(labels, gap(start:finish))
+         label = gap(start:max(start - 1, finish))
+         call make_readable(label)
+         if (len(label) > 0) call add_text(labels, label)
          from = mark + 1
       end do
    end subroutine find_labels

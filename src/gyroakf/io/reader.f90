@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> A recording from a file, from standard input, from a FIFO, or of samples that are in memory already.
 !>
-!> What the file says about rate, unit and columns is used, an option overrides it, and where nobody says anything
+!> What the file says about rate, unit and columns is used, an option overrides it, and where neither says anything
 !> nothing is assumed. Everything that was decided on the way is in the record: `rate_source`, `unit_source`, `warnings`.
 module gyroakf_io_reader
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_is_nan

@@ -3,8 +3,8 @@
 !>
 !> `nearest` moves each sample to the slot of the grid that is nearest to its stamp; no value changes. `linear` interpolates
 !> between the two samples around each instant of the grid. That averages: with \(w\) the phase of the instant between its
-!> neighbours, white noise keeps \(f = \overline{w^2 + (1-w)^2}\) of its variance (2/3 where the phases are uniform),
-!> neighbours are correlated by \((1-f)/2\), and where the phase drifts slowly the Allan variance of \(m\) samples becomes
+!> neighbors, white noise keeps \(f = \overline{w^2 + (1-w)^2}\) of its variance (2/3 where the phases are uniform),
+!> neighbors are correlated by \((1-f)/2\), and where the phase drifts slowly the Allan variance of \(m\) samples becomes
 !> $$\sigma^2(m\tau_0) = \frac{N^2}{m\tau_0}\left(1 - \frac{3(1-f)}{2m}\right),$$
 !> at long times unchanged, at the first one half.
 module gyroakf_io_resample
@@ -192,9 +192,9 @@ contains
 
       lost = 1.0_dp - record%audit%white_noise
       if (lost < 1.0e-3_dp) return
-      call add_text(record%warnings, "linear interpolation averages neighbours: white noise keeps "// &
+      call add_text(record%warnings, "linear interpolation averages neighbors: white noise keeps "// &
          format_real(record%audit%white_noise, 3)//" of its variance (2/3 where the stamps lie anywhere between the instants "// &
-         "of the grid) and neighbours are correlated; its Allan variance at m samples is low by about "// &
+         "of the grid) and neighbors are correlated; its Allan variance at m samples is low by about "// &
          format_real(1.5_dp*lost, 2)//"/m, AR models and tests of whiteness see the filter; --resample nearest changes no value")
    end subroutine warn_of_averages
 

@@ -7,7 +7,7 @@ module gyroakf_io_row
    use gyroakf_io_commas, only : comma_advice, comma_found, decimal_comma
    use gyroakf_io_layout, only : layout_type, problem_type
    use gyroakf_io_number, only : is_missing_field, number, scan_number
-   use gyroakf_io_row_problem, only : count_problem, excerpt, field_problem, kind_of, mend, set_problem
+   use gyroakf_io_row_problem, only : count_problem, excerpt, field_problem, mend, set_problem
    use gyroakf_io_text, only : fields_type, split, split_line
    implicit none (type, external)
    private
@@ -139,7 +139,7 @@ contains
       integer :: found
 
       wrong = .false.
-      if (kind_of(layout, column) /= stamp_kind%number) then
+      if (layout%kind(column) /= stamp_kind%number) then
          call read_stamp(bytes, first, last, layout, column, value, wrong)
          return
       end if
@@ -168,7 +168,7 @@ contains
       logical :: found
 
       wrong = .false.
-      kind = kind_of(layout, column)
+      kind = abs(layout%kind(column))
       found = .false.
       if (last >= first) then
          p = first

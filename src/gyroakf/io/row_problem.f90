@@ -9,7 +9,7 @@ module gyroakf_io_row_problem
    use gyroakf_io_text, only : bytes_text, fields_type
    implicit none (type, external)
    private
-   public :: count_problem, field_problem, excerpt, kind_of, set_problem, mend
+   public :: count_problem, field_problem, excerpt, set_problem, mend
 
    !> The minus sign of mathematics, in UTF-8
    character(*), parameter :: dash = char(226)//char(136)//char(146)
@@ -17,15 +17,6 @@ module gyroakf_io_row_problem
    integer(int8), parameter :: carriage_return = 13
 
 contains
-
-   !> What is expected in a column, a component of stamp_kind.
-   pure integer function kind_of(layout, column)
-      type(layout_type), intent(in) :: layout
-      integer, intent(in) :: column
-
-      kind_of = stamp_kind%number
-      if (allocated(layout%kind)) kind_of = abs(layout%kind(column))
-   end function kind_of
 
    !> What is wrong with the field in first:last.
    subroutine field_problem(bytes, first, last, layout, column, problem)
@@ -39,7 +30,7 @@ contains
       real(dp) :: x
       integer :: found, kind
 
-      kind = kind_of(layout, column)
+      kind = abs(layout%kind(column))
       if (kind /= stamp_kind%number) then
          advice = "a date as in the first row"
          if (kind == stamp_kind%clock) advice = "a time of day as in the first row"

@@ -44,7 +44,7 @@ contains
       type(quick_type) :: quick
 
       odd = .false.
-      stamped = allocated(layout%kind)
+      stamped = any(layout%kind /= stamp_kind%number)
       if (layout%columns == 1 .and. layout%stored == 1 .and. .not. stamped) call parse_column(bytes, at, last, value(:, 1), rows)
       room = size(value, 1, kind=int64)
       do while (at <= last .and. rows < room)

@@ -82,7 +82,7 @@ contains
                if (abs(record%value(i, j)) <= largest) cycle
                call fatal_error(error, status%non_finite, "sample "//integer_text(i)//" of '"//record%channel(j)%text// &
                                 "' is "//format_real(record%value(i, j), 6)//"; at most "//format_real(largest, 3)// &
-                                " can be analysed")
+                                " can be analyzed")
                return
             end if
             if (.not. allocated(record%present)) then
@@ -113,7 +113,7 @@ contains
          if (largest <= 0.0_dp .or. largest >= least_value) cycle
          call fatal_error(error, status%non_finite, "no value of '"//record%channel(j)%text//"' is larger than "// &
                           format_real(largest, 3)//"; the largest must be "//format_real(least_value, 3)//" at least to be "// &
-                          "analysed: multiply them by a constant (--scale)")
+                          "analyzed: multiply them by a constant (--scale)")
          return
       end do
    end subroutine refuse_tiny

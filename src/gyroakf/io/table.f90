@@ -111,6 +111,7 @@ contains
          return
       end if
       table%layout%columns = int(columns)
+      allocate (table%layout%kind(columns), source=stamp_kind%number)
       call choose(options, [logical ::], table, fraction, nano, error)
       if (.not. allocated(error)) call set_slots(0, table)
    end subroutine begin_numbers
@@ -430,7 +431,8 @@ contains
       integer, intent(out) :: fraction
       logical, intent(out) :: nano
       type(error_type), allocatable, intent(out) :: error
-      integer :: i, j, n
+      character(:), allocatable :: word
+      integer :: i, n
 
       n = table%layout%columns
       if (allocated(options%time_column)) then
@@ -454,21 +456,18 @@ contains
       if (table%asked) then
          call choose_columns(options%columns, table%names, n, table%chosen, error)
          if (allocated(error)) return
-         i = findloc([(is_stamp(table%layout, table%chosen(j)), j=1, size(table%chosen))], .true., dim=1)
+         i = findloc(is_stamp(table%layout%kind(table%chosen)), .true., dim=1)
          if (i > 0) call fatal_error(error, status%invalid_argument, label_of(table%names, table%chosen(i))// &
                                      " holds dates or times of day, not values")
       else
          call choose_by_class(options, fraction, table)
       end if
       if (allocated(error)) return
-      if (size(table%chosen) == 0 .and. table%time == 0) then
-         call fatal_error(error, status%parse, table%name//":"//integer_text(table%names%line)// &
-                          ":1: every column holds dates or times of day"//new_line("a")//"a record needs a column of numbers")
-      else if (size(table%chosen) == 0) then
-         call fatal_error(error, status%parse, table%name//":"//integer_text(table%names%line)// &
-                          ":1: there is no column besides the time in "//label_of(table%names, table%time)// &
-                          new_line("a")//"a record needs a column of numbers besides it")
-      end if
+      if (size(table%chosen) > 0) return
+      word = "every column holds dates or times of day"
+      if (table%time > 0) word = "there is no column besides the time in "//label_of(table%names, table%time)
+      call fatal_error(error, status%parse, table%name//":"//integer_text(table%names%line)//":1: "//word//new_line("a")// &
+                       "a record needs a column of numbers besides the time")
    end subroutine choose
 
    !> The columns that are kept where none was asked for: those that are analyzed; and where the time is not known, what may be it
@@ -480,7 +479,7 @@ contains
       logical :: number(table%layout%columns), kept(table%layout%columns)
       integer :: i
 
-      number = [(i /= table%time .and. i /= fraction .and. .not. is_stamp(table%layout, i), i=1, size(number))]
+      number = [(i /= table%time .and. i /= fraction, i=1, size(number))] .and. .not. is_stamp(table%layout%kind)
       kept(:) = .false.
       kept(pack([(i, i=1, size(kept))], number)) = analyzed_columns(pack(table%class, number), options%input /= "rate")
       associate (class => table%class)
@@ -501,20 +500,17 @@ contains
    pure integer function first_stamps(layout)
       type(layout_type), intent(in) :: layout
 
-      first_stamps = 0
-      if (.not. allocated(layout%kind)) return
       first_stamps = findloc(layout%kind, stamp_kind%moment, dim=1)
       if (first_stamps == 0) first_stamps = findloc(layout%kind, stamp_kind%clock, dim=1)
       if (first_stamps == 0) first_stamps = findloc(layout%kind, stamp_kind%date, dim=1)
    end function first_stamps
 
    !> True for a column of dates or times of day.
-   pure logical function is_stamp(layout, column)
-      type(layout_type), intent(in) :: layout
-      integer, intent(in) :: column
+   elemental logical function is_stamp(kind)
+      !> A component of stamp_kind
+      integer, intent(in) :: kind
 
-      is_stamp = .false.
-      if (allocated(layout%kind)) is_stamp = layout%kind(column) /= stamp_kind%number .and. layout%kind(column) /= stamp_kind%long
+      is_stamp = kind /= stamp_kind%number .and. kind /= stamp_kind%long
    end function is_stamp
 
    !> Where the columns are kept: the chosen ones in their order, then the time, unless it is one of them. A date and a time of day

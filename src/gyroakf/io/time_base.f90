@@ -14,7 +14,6 @@ module gyroakf_io_time_base
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_resample, only : resample
-   use gyroakf_io_row_problem, only : kind_of
    use gyroakf_io_shape, only : fill_gaps, wrap_of
    use gyroakf_io_stamps, only : infer_scale, named_scale, unwrap_days
    use gyroakf_io_table, only : table_type
@@ -49,7 +48,7 @@ contains
          return
       end if
       associate (slot => table%layout%slot)         ! a time of day without a date begins again at midnight
-         if (kind_of(table%layout, table%time) == stamp_kind%clock .and. count(slot == slot(table%time)) == 1) then
+         if (abs(table%layout%kind(table%time)) == stamp_kind%clock .and. count(slot == slot(table%time)) == 1) then
             call unwrap_days(stamps)
          end if
       end associate
@@ -210,7 +209,7 @@ contains
       integer :: kind
 
       scale = 0.0_dp
-      kind = kind_of(table%layout, table%time)
+      kind = abs(table%layout%kind(table%time))
       if (kind /= stamp_kind%number .and. kind /= stamp_kind%long) then
          scale = 1.0_dp
       else if (allocated(options%time_unit)) then

@@ -71,9 +71,9 @@ contains
       if (channel%available%preprocess) then
          call compute_moments(cleaned, channel%cleaned, present_samples)
          call warn_outliers(channel, record%sample_interval, record%rate_known)
-         call analyse(record, x, cleaned, options, channel, error, present_samples, valid, progress)
+         call analyze(record, x, cleaned, options, channel, error, present_samples, valid, progress)
       else
-         call analyse(record, x, x, options, channel, error, valid, valid, progress)
+         call analyze(record, x, x, options, channel, error, valid, valid, progress)
       end if
       if (allocated(error)) return
       if (allocated(cleaned) .and. .not. options%keep_series) deallocate (cleaned)
@@ -95,7 +95,7 @@ contains
    end subroutine run_channel
 
    !> Everything after cleaning.
-   subroutine analyse(record, x, z, options, channel, error, valid, recorded, progress)
+   subroutine analyze(record, x, z, options, channel, error, valid, recorded, progress)
       !> Sample interval and unit
       type(record_type), intent(in) :: record
       !> As read, and cleaned: [n]
@@ -161,7 +161,7 @@ contains
          if (allocated(error)) return
          call compare_coefficients(channel)
       end if
-   end subroutine analyse
+   end subroutine analyze
 
    !> Stationarity, normality, whiteness.
    subroutine run_tests(z, options, channel, shared, error, valid, progress)

@@ -6,7 +6,7 @@
 !> | `pauta` | mean and standard deviation (divisor n - 1) of the inliers | 3 |
 !> | `auto`  | running median, and the median distance from it ([[find_auto_outliers]]) | for the length of the record |
 !> | `mad`   | median and 1.4826 MAD | 4.5 |
-!> | `hampel` | median and 1.4826 MAD of the sample's neighbourhood (gyroakf_preprocess_local_outliers) | 3 |
+!> | `hampel` | median and 1.4826 MAD of the sample's neighborhood (gyroakf_preprocess_local_outliers) | 3 |
 !>
 !> Mean and standard deviation of n samples let none of them be further off than (n-1)/sqrt(n) standard deviations: 3 sigma
 !> rejects nothing below 11 samples.

@@ -74,7 +74,7 @@ contains
 
    !> Share of white normal noise that the Hampel filter marks.
    !>
-   !> A sample over the scatter of its m = 2k+1 neighbours is distributed nearly like Student's t; its degrees of freedom and its
+   !> A sample over the scatter of its m = 2k+1 neighbors is distributed nearly like Student's t; its degrees of freedom and its
    !> scale were fitted to 2e7/m simulated windows each for k = 2 .. 150 and t = 2 .. 5. What it says is within 5 % of the simulated
    !> share down to 1e-4 (k = 1: 15 % above it). With t = 3: 4.8 % for k = 3, 1.4 % for k = 10, 0.66 % for k = 25,
    !> 0.36 % for k = 100.

@@ -37,8 +37,8 @@ contains
 
    !> Finds the step that the samples are multiples of, if any.
    !>
-   !> The smallest non-zero difference of neighbours is tried: the distance of the extremes makes it exact, then every sample
-   !> has to stand on the grid. A series whose neighbours never differ by a single step, or of which some samples were
+   !> The smallest non-zero difference of neighbors is tried: the distance of the extremes makes it exact, then every sample
+   !> has to stand on the grid. A series whose neighbors never differ by a single step, or of which some samples were
    !> interpolated, is not recognised; its step does not matter, or is no step of the series.
    !> Source of the correction: Sheppard, Proc. London Math. Soc. 29 (1898) 353-380.
    subroutine find_quantisation(x, std, result, error, valid)
@@ -171,7 +171,7 @@ contains
       end do
    end subroutine check_chunk
 
-   !> Smallest non-zero difference of present neighbours, 0 where there is none, and the largest
+   !> Smallest non-zero difference of present neighbors, 0 where there is none, and the largest
    !> absolute value.
    subroutine quantisation_step(x, step, largest, valid)
       !> Series: [n]
