@@ -144,6 +144,7 @@ contains
       pipeline%clean%degree = -1
       pipeline%do_allan = command == "allan"
       pipeline%do_tests = command == "tests"
+      pipeline%test_cleaned = pipeline%do_tests
       pipeline%do_ar = command == "ar" .or. command == "filter"
       pipeline%do_filter = command == "filter"
       if (command == "ar") pipeline%ar%max_order = 12

@@ -40,6 +40,7 @@ contains
          new_unittest("channels", test_channels), &
          new_unittest("outlier-times", test_outlier_times), &
          new_unittest("raw", test_raw), &
+         new_unittest("tested", test_tested), &
          new_unittest("single-rooms", test_single_rooms), &
          new_unittest("series", test_series), &
          new_unittest("differences", test_differences)]
@@ -493,5 +494,37 @@ contains
       ! 200000 differences of +1 and -1, as many of each, over several blocks
       call check(error, difference_variance(long), 200000.0_dp/199999, thr=1.0e-13_dp)
    end subroutine test_differences
+
+   !> The record is tested with its trend, whatever the AR model and the filters take; the paper tests the cleaned series.
+   subroutine test_tested(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(pipeline_result_type) :: level, plain, paper
+      type(pipeline_options) :: options
+      integer :: i
+
+      call paper_record(record)
+      record%value(:, 1) = record%value(:, 1) + [(1.0e-5_dp*i, i=1, 12000)]
+      options%do_allan = .false.
+      options%do_filter = .false.
+      options%clean%method = "none"
+      options%clean%degree = 3
+      if (.not. run(record, level, options)) return
+      options%test_cleaned = .true.
+      if (.not. run(record, paper, options)) return
+      options%clean%degree = -1
+      if (.not. run(record, plain, options)) return
+      associate (a => level%channel(1), b => plain%channel(1), c => paper%channel(1))
+         call check(error, trim(a%tested)//", "//trim(b%tested)//", "//trim(c%tested), &
+                    "record as read, record as read, cleaned series")
+         if (allocated(error)) return
+         call check(error, a%ljung_box%largest_rho > 0.6_dp .and. c%ljung_box%largest_rho < 0.5_dp)
+         if (allocated(error)) return
+         call check(error, abs(a%adf%statistic - b%adf%statistic) <= 0 .and. all(a%histogram%count == b%histogram%count) .and. &
+                    abs(a%jarque_bera%statistic - b%jarque_bera%statistic) <= 0 .and. abs(a%adf%statistic - c%adf%statistic) > 1)
+         if (allocated(error)) return
+         call check(error, abs(a%ar%noise_variance - c%ar%noise_variance), 0.0_dp, thr=1.0e-12_dp)
+      end associate
+   end subroutine test_tested
 
 end module test_pipeline

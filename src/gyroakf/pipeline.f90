@@ -54,6 +54,7 @@ contains
          options%clean%threshold = 3.0_dp
          options%clean%degree = 3
          options%clean%max_passes = 20
+         options%test_cleaned = .true.
          options%ar%method = "yw"
          options%ar%criterion = "aic"
          options%ar%max_order = 3

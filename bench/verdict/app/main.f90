@@ -5,11 +5,12 @@
 !>
 !> CASE is a name of the list below, or all (default), of RECORDS records (default 200), their seeds from SEED on. The first cases
 !> are of 1,000, 10,000 and 100,000 samples, one a second; a K of 100/n is as large as N = 1 at n/58 samples. The last ones
-!> have N 18, B 6 deg/h (and s), 10 Hz, 2 h.
+!> have N 18, B 6 deg/h (and s), 10 Hz, 2 h. `detrended` prints how often the ADF test of the preset paper, of all samples without
+!> their cubic, calls a random walk of 12,000 samples stationary.
 program verdict
    use, intrinsic :: iso_fortran_env, only : error_unit, output_unit
-   use gyroakf, only : channel_result_type, dp, error_type, int64, pipeline_options, pipeline_result_type, record_type, &
-      & run_pipeline, simulate_options, simulate_record
+   use gyroakf, only : apply_preset, channel_result_type, dp, error_type, int64, pipeline_options, pipeline_result_type, &
+      & record_type, run_pipeline, simulate_options, simulate_record
    implicit none (type, external)
 
    !> A record whose truth is known
@@ -52,8 +53,10 @@ program verdict
       if (i == 2) read (word, *) records
       if (i == 3) read (word, *) seed
    end do
+   if (name == "all" .or. name == "detrended") call study_detrended(12000_int64, records, seed)
+   if (name == "detrended") stop
    if (name /= "all" .and. .not. any(cases%name == name)) then
-      write (error_unit, "(*(a, 1x))") "cases: all", (trim(cases(i)%name), i=1, size(cases))
+      write (error_unit, "(*(a, 1x))") "cases: all detrended", (trim(cases(i)%name), i=1, size(cases))
       stop 1, quiet=.true.
    end if
    write (output_unit, "(a)") "| case | samples | drifts % | stationary % | not described % | ramp % | warm-up % | "// &
@@ -111,6 +114,36 @@ contains
          & ratio, " |"
       flush (output_unit)
    end subroutine study
+
+   !> The size of a test for a unit root where a cubic was removed.
+   subroutine study_detrended(samples, records, seed)
+      integer(int64), intent(in) :: samples
+      integer, intent(in) :: records, seed
+      type(simulate_options) :: simulated
+      type(pipeline_options) :: options
+      type(pipeline_result_type) :: result
+      type(record_type) :: record
+      type(error_type), allocatable :: failure
+      integer :: i, stationary
+
+      simulated%samples = samples
+      simulated%coefficient(4) = 1
+      call apply_preset("paper", options, failure)
+      options%clean%method = "none"
+      options%do_ar = .false.
+      options%do_filter = .false.
+      options%do_allan = .false.
+      stationary = 0
+      do i = 1, records
+         simulated%seed = seed + i - 1
+         call simulate_record(simulated, record, failure)
+         if (.not. allocated(failure)) call run_pipeline(record, options, result, failure)
+         if (allocated(failure)) error stop "detrended"
+         if (result%channel(1)%adf%stationary) stationary = stationary + 1
+      end do
+      write (output_unit, "(a, i0, a, f0.1, a, /)") "random walks of ", samples, &
+         & " samples without their cubic: ADF at 5 % calls ", 100*real(stationary, dp)/records, " % stationary"
+   end subroutine study_detrended
 
    !> Simulates and judges one record.
    subroutine one_record(case, samples, seed, channel)

@@ -8,7 +8,7 @@ module gyroakf_pipeline_channel
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_record, only : add_text, record_type
    use gyroakf_preprocess_clean, only : clean_series
-   use gyroakf_stats_moments, only : compute_moments
+   use gyroakf_stats_moments, only : compute_moments, moments_type
    use gyroakf_stats_normality, only : test_jarque_bera
    use gyroakf_pipeline_channel_correlation, only : run_stationarity, run_correlation
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
@@ -57,6 +57,7 @@ contains
       integer(int8), allocatable :: present_samples(:)
 
       call compute_moments(x, channel%raw, valid)
+      channel%level = channel%raw
       channel%cleaned = channel%raw
       channel%clean%mean = channel%raw%mean
       channel%clean%variance = channel%raw%variance
@@ -70,6 +71,9 @@ contains
       end if
       if (channel%available%preprocess) then
          call compute_moments(cleaned, channel%cleaned, present_samples)
+         channel%level = channel%cleaned
+         if (options%clean%degree >= 0) call compute_moments(x, channel%level, present_samples)
+         if (channel%clean%removed > 0) channel%tested = "record without its outliers"
          call warn_outliers(channel, record%sample_interval, record%rate_known)
          call analyze(record, x, cleaned, options, channel, error, present_samples, valid, progress)
       else
@@ -107,15 +111,21 @@ contains
       integer(int8), intent(in), optional :: valid(:), recorded(:)
       class(progress_type), intent(inout), optional :: progress
       type(autocovariance_type) :: shared
+      logical :: trend
 
       if (options%do_tests .or. options%do_allan) call find_step(x, channel, error, valid, progress)
       if (allocated(error)) return
       if (options%do_tests .or. options%do_allan) call examine_means(x, channel, error, valid)
       if (allocated(error)) return
-      call plan_pass(size(z, kind=int64), options, channel%cleaned, shared)
-      if (options%do_tests) call run_tests(z, options, channel, shared, error, valid, progress)
-      if (allocated(error)) return
-      if (options%do_tests) call run_distribution(z, options, channel, error, valid, progress)
+      trend = channel%available%preprocess .and. options%clean%degree >= 0
+      if (options%do_tests .and. trend .and. .not. options%test_cleaned) then
+         call run_tests(x, channel%level, options, channel, shared, error, valid, progress)
+         call plan_pass(size(z, kind=int64), options, channel%cleaned, shared)
+      else
+         if (trend) channel%tested = "cleaned series"
+         if (options%do_tests) call run_tests(z, channel%cleaned, options, channel, shared, error, valid, progress)
+         if (.not. options%do_tests) call plan_pass(size(z, kind=int64), options, channel%cleaned, shared)
+      end if
       if (allocated(error)) return
       if (options%do_ar .or. options%do_filter) then
          call tell_progress("AR model", 0_int64, size(z, kind=int64), error, progress)
@@ -163,30 +173,35 @@ contains
       end if
    end subroutine analyze
 
-   !> Stationarity, normality, whiteness.
-   subroutine run_tests(z, options, channel, shared, error, valid, progress)
+   !> Stationarity, normality, whiteness, distribution.
+   subroutine run_tests(z, moments, options, channel, shared, error, valid, progress)
       real(dp), intent(in), contiguous :: z(:)
+      !> Of the series
+      type(moments_type), intent(in) :: moments
       type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(inout) :: channel
       !> Filled
-      type(autocovariance_type), intent(inout) :: shared
+      type(autocovariance_type), intent(out) :: shared
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
       class(progress_type), intent(inout), optional :: progress
 
       call tell_progress("testing", 0_int64, 3*size(z, kind=int64), error, progress)
       if (allocated(error)) return
+      call plan_pass(size(z, kind=int64), options, moments, shared)
       call run_adf(z, options, channel, shared, error, valid, progress)
       if (allocated(error)) return
       call run_stationarity(z, options, channel, error, valid, progress)
       if (allocated(error)) return
-      call test_jarque_bera(channel%cleaned, channel%jarque_bera, error)
+      call test_jarque_bera(moments, channel%jarque_bera, error)
       if (is_fatal(error)) return
       channel%available%jarque_bera = .not. allocated(error)
       call note_failure(channel, "Jarque-Bera test", error)
       call tell_progress("testing", 2*size(z, kind=int64), 3*size(z, kind=int64), error, progress)
       if (allocated(error)) return
       call run_correlation(z, options, channel, error, valid, shared, progress)
+      if (allocated(error)) return
+      call run_distribution(z, moments, options, channel, error, valid, progress)
    end subroutine run_tests
 
    !> The AR model, of the whole series or of the paper's orders.

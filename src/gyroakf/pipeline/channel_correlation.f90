@@ -19,7 +19,7 @@ contains
 
    !> KPSS test.
    subroutine run_stationarity(z, options, channel, error, valid, progress)
-      !> The cleaned series: [n]
+      !> The series: [n]
       real(dp), intent(in), contiguous :: z(:)
       !> Options of the main job
       type(pipeline_options), intent(in) :: options
@@ -40,7 +40,7 @@ contains
 
    !> Autocorrelation and Ljung-Box test of a series.
    subroutine run_correlation(z, options, channel, error, valid, shared, progress)
-      !> The cleaned series: [n]
+      !> The series: [n]
       real(dp), intent(in), contiguous :: z(:)
       !> Options of the main job
       type(pipeline_options), intent(in) :: options

@@ -6,6 +6,7 @@ module gyroakf_pipeline_channel_distribution
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_record, only : add_text
    use gyroakf_io_writer, only : format_real
+   use gyroakf_stats_moments, only : moments_type
    use gyroakf_stats_normality, only : judge_normality
    use gyroakf_stats_anderson_darling, only : test_anderson_darling, rounding_statistic
    use gyroakf_stats_histogram, only : histogram_options, compute_histogram
@@ -42,13 +43,15 @@ contains
       call note_failure(channel, "quantisation", error)
    end subroutine find_step
 
-   !> Anderson-Darling test and histogram of the cleaned series.
-   subroutine run_distribution(z, options, channel, error, valid, progress)
-      !> Cleaned: [n]
+   !> Anderson-Darling test and histogram.
+   subroutine run_distribution(z, moments, options, channel, error, valid, progress)
+      !> The series that is tested: [n]
       real(dp), intent(in), contiguous :: z(:)
+      !> Of it
+      type(moments_type), intent(in) :: moments
       !> Samples of the Anderson-Darling test, bins
       type(pipeline_options), intent(in) :: options
-      !> `cleaned`, `quantisation` and `jarque_bera` are filled
+      !> `quantisation` and `jarque_bera` are filled
       type(channel_result_type), intent(inout) :: channel
       !> no_memory, cancelled and the like; all else is noted in the channel
       type(error_type), allocatable, intent(out) :: error
@@ -68,7 +71,7 @@ contains
       if (allocated(error)) return
       bins = options%histogram
       bins%step = channel%quantisation%step
-      call compute_histogram(z, channel%cleaned, bins, channel%histogram, error, valid)
+      call compute_histogram(z, moments, bins, channel%histogram, error, valid)
       if (is_fatal(error)) return
       channel%available%histogram = .not. allocated(error)
       call note_failure(channel, "histogram", error)
@@ -87,8 +90,7 @@ contains
          if (channel%available%anderson_darling .and. test%stride == 1 .and. &
              rounding < negligible_rounding) p_value = test%p_value
       end associate
-      channel%normality = judge_normality(channel%cleaned%skewness, channel%cleaned%kurtosis, &
-                                          p_value)
+      channel%normality = judge_normality(channel%jarque_bera%skewness, channel%jarque_bera%kurtosis, p_value)
    end subroutine judge_distribution
 
    !> The step is as large as what is measured.

@@ -48,7 +48,6 @@ contains
       real(dp), allocatable :: z(:), drift(:)
       real(dp) :: differences
 
-      call compute_moments(x, channel%level, valid)
       call reserve(z, size(x, kind=int64), error)
       if (allocated(error)) return
       z(:) = x - channel%level%mean

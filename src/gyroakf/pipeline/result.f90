@@ -68,6 +68,8 @@ module gyroakf_pipeline_result
       logical :: do_tests = .true., do_ar = .true., do_filter = .true., do_allan = .true.
       !> Trend and outliers; degree -1 and method "none" take the record as it is, without a copy
       type(clean_options) :: clean
+      !> The tests take the series without its trend: their critical values do not hold then
+      logical :: test_cleaned = .false.
       !> Augmented Dickey-Fuller test
       type(adf_options) :: adf
       !> Order and coefficients of the AR model
@@ -84,11 +86,11 @@ module gyroakf_pipeline_result
       character(:), allocatable :: other_kinds
       !> Coefficients from the curves
       type(noise_options) :: noise
-      !> Anderson-Darling test of the cleaned series: longer ones are thinned
+      !> Anderson-Darling test: longer ones are thinned
       type(anderson_darling_options) :: anderson_darling = anderson_darling_options(200000_int64)
       !> Bins of its histogram; the step is found
       type(histogram_options) :: histogram
-      !> Lags of the Ljung-Box test of the cleaned series
+      !> Lags of the Ljung-Box test
       integer :: ljung_box_lags = 20
       !> Lags of the autocorrelation and of the Ljung-Box test where they are asked for; 0: ljung_box_lags, a fifth of the samples
       !> at most
@@ -241,13 +243,15 @@ module gyroakf_pipeline_result
       type(available_type) :: available
       !> What the report says of drift and stationarity
       type(verdict_type) :: verdict
-      !> Of the record as read, and of the cleaned series
-      type(moments_type) :: raw, cleaned
+      !> Of the record as read, of that without its outliers, and of the cleaned series
+      type(moments_type) :: raw, level, cleaned
+      !> What was tested: the record with its trend and without its outliers; with `test_cleaned` the cleaned series
+      character(27) :: tested = "record as read"
       type(clean_type) :: clean
       type(adf_type) :: adf
       type(jarque_bera_type) :: jarque_bera
       type(ljung_box_type) :: ljung_box
-      !> Normality of the cleaned series
+      !> Normality of the series that was tested
       type(anderson_darling_type) :: anderson_darling
       type(histogram_type) :: histogram
       !> Verdict of [[judge_normality]] by the Anderson-Darling test of all samples; by Jarque-Bera
@@ -256,7 +260,7 @@ module gyroakf_pipeline_result
       !> The grid of the record as read, compared with the standard deviation of the cleaned series
       type(quantisation_type) :: quantisation
       type(kpss_type) :: kpss
-      !> Autocorrelation of the cleaned series
+      !> Autocorrelation of the series that was tested
       type(correlation_type) :: correlation
       !> Fisher's test, of a part of a long record
       type(periodicity_type) :: periodicity
@@ -276,9 +280,8 @@ module gyroakf_pipeline_result
       !> The paper's filters
       type(filter_result_type) :: kf, akf
       type(filter_figures_type) :: kf_figures, akf_figures
-      !> Record as read without its outliers: what the drift is identified in
-      type(moments_type) :: level
-      !> Drift identified from it, its processes as stated, and its filters; their outputs and means hold the level
+      !> Drift identified from the record without its outliers, its processes as stated, and its filters; their outputs and
+      !> means hold the level
       type(drift_identification_type) :: drift
       type(drift_process_type), allocatable :: drift_process(:)
       !> Standard error of the white noise's standard deviation, 0 where it is not known

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> One pass over the cleaned series for all that is made of lagged products: the Dickey-Fuller test takes it, and on the way the
+!> One pass over a series for all that is made of lagged products: the Dickey-Fuller test takes it, and on the way the
 !> autocovariances are made that the Ljung-Box test and the AR model need. The moments, one pass before, give the mean.
 module gyroakf_pipeline_shared_pass
    use gyroakf_kinds, only : dp, int8, int64
@@ -39,7 +39,7 @@ contains
 
    !> The Dickey-Fuller test; the autocovariances are made on the way, or in a pass of their own where the test came to nothing.
    subroutine run_adf(z, options, channel, shared, error, valid, progress)
-      !> The cleaned series: [n]
+      !> The series: [n]
       real(dp), intent(in), contiguous :: z(:)
       !> Of the main job
       type(pipeline_options), intent(in) :: options

@@ -70,6 +70,7 @@ contains
       type(channel_result_type), intent(in) :: channel
 
       call open_object(json, "tests")
+      call put_member(json, "series", trim(channel%tested))
       call put_adf(json, channel)
       call put_kpss(json, channel)
       if (channel%available%jarque_bera) then

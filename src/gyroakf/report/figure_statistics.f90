@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Figures of the cleaned series' statistics: histogram, autocorrelation, spectrum, and the data that they draw.
+!> Figures of a channel's statistics: histogram, autocorrelation, spectrum, and the data that they draw.
 module gyroakf_report_figure_statistics
    use gyroakf_kinds, only : dp
    use gyroakf_ar_spectrum, only : ar_spectrum
@@ -28,7 +28,7 @@ contains
       character(*), intent(in) :: unit
       integer :: curves
 
-      call begin_script(writer, name, form, "Distribution of "//channel%name//", cleaned", .false.)
+      call begin_script(writer, name, form, "Distribution of "//channel%name//", "//trim(channel%tested), .false.)
       call put_axes(writer, "rate, "//unit, "density, 1/("//unit//")", "")
       call put_line(writer, "set yrange [0:*]")
       curves = 0

@@ -107,7 +107,7 @@ contains
          case ("before_after"); call write_stages_figure(writer, name, form, channel, "allan"//suffix, time, unit)
          case ("histogram"); call write_histogram_figure(writer, name, form, channel, unit)
          case ("innovations"); call write_innovations_figure(writer, name, form, channel, time, unit)
-         case ("correlation"); call write_correlation_figure(writer, name, form, channel%name//", cleaned")
+         case ("correlation"); call write_correlation_figure(writer, name, form, channel%name//", "//trim(channel%tested))
          case ("residuals"); call write_correlation_figure(writer, name, form, "the residuals of the AR model of "//channel%name)
          case default; call write_spectrum_figure(writer, name, form, channel, unit)
          end select

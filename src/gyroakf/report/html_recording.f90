@@ -237,8 +237,8 @@ contains
       case ("before_after"); text = "Allan deviation as read, cleaned, and after each filter"
       case ("filters"); text = "The cleaned series and what the paper's filters make of it; the drift and the record without it"
       case ("innovations"); text = "Normalised innovations of the adaptive filters, and the variance R that these estimate"
-      case ("histogram"); text = "Histogram of the cleaned series and the normal distribution of its mean and variance"
-      case ("correlation"); text = "Autocorrelation of the cleaned series, with the limits of white noise"
+      case ("histogram"); text = "Histogram of the tested series and the normal distribution of its mean and variance"
+      case ("correlation"); text = "Autocorrelation of the tested series, with the limits of white noise"
       case ("residuals"); text = "Autocorrelation of the AR model's residuals, with the limits of white noise"
       case default; text = "Power spectral density of the cleaned series, with its limits, and that of the AR model"
       end select

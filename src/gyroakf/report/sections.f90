@@ -3,7 +3,7 @@
 module gyroakf_report_sections
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : channel_result_type
-   use gyroakf_report_text_layout, only : put_heading
+   use gyroakf_report_text_layout, only : put_heading, put_item
    use gyroakf_report_text_normality, only : put_normality
    use gyroakf_report_text_adf_table, only : put_adf_details
    use gyroakf_report_stationarity, only : put_stationarity, put_whiteness
@@ -22,14 +22,14 @@ contains
       !> Tests are filled as far as they are available
       type(channel_result_type), intent(in) :: channel
 
-      if (channel%available%preprocess) then
-         call put_heading(writer, "Tests of the cleaned series")
-      else
-         call put_heading(writer, "Tests")
-      end if
+      call put_heading(writer, "Tests of the "//trim(channel%tested))
       if (command == "tests") then
          call put_stationarity(writer, channel)
          if (channel%available%adf) call put_adf_details(writer, channel%adf)
+      end if
+      if (channel%tested == "cleaned series") then
+         call put_item(writer, "Trend removed", "critical values and p-values of tests of a unit root do not hold: of random "// &
+                       "walks without their cubic about half are called stationary at 5 %")
       end if
       call put_normality(writer, channel)
       call put_whiteness(writer, channel)

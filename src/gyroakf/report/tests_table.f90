@@ -41,8 +41,7 @@ contains
 
       call new_table(table, 1 + test_count(channel), 6, left=2)
       table%name = "tests"
-      table%caption = "Tests of the series"
-      if (channel%available%preprocess) table%caption = "Tests of the cleaned series"
+      table%caption = "Tests of the "//trim(channel%tested)
       table%note = "A null hypothesis is rejected at 5 %."
       call set_row(table, 1, [character(15) :: "test", "null hypothesis", "statistic", "5 % critical", "p", "rejected"])
       row = 1

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> histogram.csv: the distribution of the cleaned samples as a table for plots.
+!> histogram.csv: the distribution of the samples as a table for plots.
 module gyroakf_report_text_histogram
    use gyroakf_kinds, only : dp
    use gyroakf_io_writer, only : writer_type, put, put_line, put_real
