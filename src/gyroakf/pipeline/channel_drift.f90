@@ -6,14 +6,16 @@ module gyroakf_pipeline_channel_drift
    use gyroakf_progress, only : progress_type
    use gyroakf_units, only : unit_type
    use gyroakf_allan_noise_fit, only : coefficient_type
+   use gyroakf_allan_noise_model, only : term_walk
+   use gyroakf_io_decimal, only : format_real
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_identification, only : drift_identification_options, identify_drift_model
    use gyroakf_pipeline_coefficients, only : state_one
-   use gyroakf_pipeline_result, only : channel_result_type, drift_process_type, pipeline_options
+   use gyroakf_pipeline_result, only : channel_result_type, drift_process_type, pipeline_options, stage
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure
    implicit none (type, external)
    private
-   public :: find_drift, smoothed_share
+   public :: find_drift, judge_model, smoothed_share
 
    !> What counts as drift where nobody says: slower than so many samples, and than so many seconds
    real(dp), parameter :: drift_samples = 5.0_dp, drift_seconds = 1.0_dp
@@ -124,6 +126,39 @@ contains
       k%detected = .true.
       call state_one(k, 4, rate_known, unit, process%k)
    end subroutine state_walk
+
+   !> Whether the model describes the record: its Kalman filter leaves white innovations, and the Allan deviation does not exclude its
+   !> K. K is stated only then, and where the verdict does not exclude a random walk.
+   pure subroutine judge_model(channel)
+      !> `drift_doubt` is set, and whether K is stated
+      type(channel_result_type), intent(inout) :: channel
+      !> Autocorrelation that a good model does not leave, its significance, and how many standard errors two K may differ
+      real(dp), parameter :: colored = 0.1_dp, significant = 0.01_dp, most_errors = 3.0_dp
+      integer :: i, which
+
+      which = merge(stage%outliers_removed, stage%input, channel%allan(stage%outliers_removed)%available)
+      associate (test => channel%drift_kf%ljung_box, allan => channel%allan(which)%stated%term(term_walk))
+         if (channel%available%drift_kf .and. test%p_value < significant .and. test%largest_rho > colored) then
+            channel%drift_doubt = "the innovations of its Kalman filter are not white, with an autocorrelation of "// &
+                                  format_real(test%largest_rho, 2)
+         end if
+         do i = 1, size(channel%drift_process)
+            if (.not. channel%drift_process(i)%walk) cycle
+            associate (k => channel%drift_process(i)%k)
+               if (allan%state == "limit" .and. k%value > allan%upper_limit) then
+                  channel%drift_doubt = "its K = "//format_real(k%value, 3)//" is above the limit of the Allan deviation, "// &
+                                        format_real(allan%upper_limit, 3)
+               else if (allan%state == "value" .and. &
+                        abs(k%value - allan%value) > most_errors*hypot(k%std_error, allan%std_error)) then
+                  channel%drift_doubt = "its K = "//format_real(k%value, 3)//" is not that of the Allan deviation, "// &
+                                        format_real(allan%value, 3)
+               end if
+               k%detected = .not. allocated(channel%drift_doubt) .and. (.not. channel%verdict%known .or. &
+                            index(channel%verdict%drift, "random_walk") > 0 .or. channel%verdict%drift == "unit_root")
+            end associate
+         end do
+      end associate
+   end subroutine judge_model
 
    !> Share of a constant rotation that the smoothed drift takes up: all of it with a random walk, else that of the drift in the
    !> spectrum of the model at frequency 0.

@@ -16,7 +16,7 @@ module gyroakf_pipeline_drift_filters
    use gyroakf_stats_differences, only : difference_variance
    use gyroakf_stats_moments, only : compute_moments, moments_type
    use gyroakf_pipeline_coefficients, only : run_allan
-   use gyroakf_pipeline_channel_drift, only : find_drift, smoothed_share
+   use gyroakf_pipeline_channel_drift, only : find_drift, judge_model, smoothed_share
    use gyroakf_pipeline_channel_filters, only : figures_of, reserve
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stage
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure
@@ -56,6 +56,7 @@ contains
       differences = difference_variance(z, valid)
       call run_one(z, differences, .false., options, channel, error, valid, progress)
       if (.not. allocated(error)) then
+         call judge_model(channel)
          call run_one(z, differences, .true., options, channel, error, valid, progress)
       end if
       if (.not. allocated(error)) call reserve(drift, size(x, kind=int64), error)

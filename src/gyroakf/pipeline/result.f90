@@ -194,7 +194,7 @@ module gyroakf_pipeline_result
       real(dp) :: phi = 0.0_dp, phi_error = 0.0_dp, time = 0.0_dp, time_error = 0.0_dp
       !> Standard deviation in the unit of the record: of the process; of a random walk that of a step, with its standard error
       real(dp) :: std = 0.0_dp, std_error = 0.0_dp
-      !> A random walk as the coefficient K of Table III, in its unit
+      !> A random walk as the coefficient K of Table III, in its unit; `detected` where it is stated
       type(stated_coefficient_type) :: k
    end type drift_process_type
 
@@ -284,6 +284,8 @@ module gyroakf_pipeline_result
       !> means hold the level
       type(drift_identification_type) :: drift
       type(drift_process_type), allocatable :: drift_process(:)
+      !> Why no drift model describes the record; unallocated where the identified one does
+      character(:), allocatable :: drift_doubt
       !> Standard error of the white noise's standard deviation, 0 where it is not known
       real(dp) :: white_std_error = 0.0_dp
       !> Correlation time of the drift, and the shortest that counts as drift, both in s (samples without a rate)

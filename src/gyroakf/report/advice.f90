@@ -80,7 +80,14 @@ contains
                            "under the noise of the record: there is nothing that a filter could follow and subtract.")
          return
       end if
-      text = "The drift filters model the record as "//model_text(record, channel)//"."
+      if (allocated(channel%drift_doubt)) then
+         text = "No drift model describes this record: "//channel%drift_doubt//"; what the drift filters follow is not known "// &
+                "to be drift."
+      else if (channel%verdict%stationary) then
+         text = "The noise is stationary; what the drift filters follow is its slow part, as "//model_text(record, channel)//"."
+      else
+         text = "The drift filters model the record as "//model_text(record, channel)//"."
+      end if
       if (channel%available%drift_kf) text = text//" The drift KF can follow this while the sensor is known to be at rest; "// &
          "of a constant rotation it takes "//number(channel%drift_kf_figures%passed_percent, 3)//" % for drift, so what is "// &
          "subtracted while the vehicle turns is the turn: at rest estimate, in motion only predict."

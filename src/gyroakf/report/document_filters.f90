@@ -102,6 +102,11 @@ contains
       call open_object(json, "drift")
       associate (drift => channel%drift)
          call put_member(json, "found", drift%found)
+         if (allocated(channel%drift_doubt)) then
+            call put_member(json, "doubt", channel%drift_doubt)
+         else
+            call put_null(json, "doubt")
+         end if
          call put_member(json, "tau_s", channel%drift_tau)
          call put_member(json, "name", trim(drift%name))
          call put_member(json, "source", trim(drift%source))
@@ -178,8 +183,8 @@ contains
             call put_known(json, "correlation_s", process%time, process%time > 0.0_dp)
             call put_known(json, "correlation_s_std_error", process%time_error, known .and. process%time > 0.0_dp)
             call put_member(json, "std", process%std)
-            call put_known(json, "k", process%k%value, process%walk)
-            call put_known(json, "k_std_error", process%k%std_error, known .and. process%walk)
+            call put_known(json, "k", process%k%value, process%k%detected)
+            call put_known(json, "k_std_error", process%k%std_error, known .and. process%k%detected)
             if (process%walk) then
                call put_member(json, "k_unit", process%k%unit)
             else

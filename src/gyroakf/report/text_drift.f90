@@ -29,8 +29,13 @@ contains
          call put_heading(writer, "Drift: what is slower than "//number(channel%drift_tau, 3)//time_unit(record)// &
                           " (--drift-tau) in the record as read"//trim(merge(" without its outliers", "                     ", &
                                                                              channel%available%preprocess)))
-         call put_item(writer, "Model", model_text(record, channel)//trim(merge("                   ", &
-                                                                                ": there is no drift", drift%found)))
+         if (allocated(channel%drift_doubt)) then
+            call put_item(writer, "Model", "no drift model describes this record: "//channel%drift_doubt)
+            call put_item(writer, "Nearest", model_text(record, channel))
+         else
+            call put_item(writer, "Model", model_text(record, channel)//trim(merge("                   ", &
+                                                                                   ": there is no drift", drift%found)))
+         end if
          do i = size(channel%drift_process), 1, -1
             call put_process(writer, record, channel%drift_process(i))
          end do
@@ -106,8 +111,9 @@ contains
       character(:), allocatable :: text
 
       if (process%walk) then
-         call put_item(writer, "Random walk", "drift: K = "//with_error(process%k%value, process%k%std_error)//" "// &
-                       process%k%unit//", steps of "//number(process%std, 3)//" "//unit_name(record)//" a sample")
+         text = ""
+         if (process%k%detected) text = "drift: K = "//with_error(process%k%value, process%k%std_error)//" "//process%k%unit//", "
+         call put_item(writer, "Random walk", text//"steps of "//number(process%std, 3)//" "//unit_name(record)//" a sample")
          return
       end if
       text = "noise, too fast to be drift: "
