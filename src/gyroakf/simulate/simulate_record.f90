@@ -488,8 +488,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: least = 1.0_dp/largest
 
-      if (.not. (within(options%contamination(1), 0.0_dp, 1.0_dp) .and. &
-                 within(options%contamination(2), 0.0_dp, largest))) then
+      if (.not. all(within(options%contamination, 0.0_dp, [1.0_dp, largest]))) then
          call complain(error, "contamination must be a share of 0 .. 1 and a size >= 0")
       else if (.not. within(options%warm_up(1), -largest, largest) .or. &
                (abs(options%warm_up(1)) > 0 .and. .not. within(options%warm_up(2), least, largest))) then
@@ -510,12 +509,10 @@ contains
       integer, intent(in) :: group
       character(*), intent(in) :: name
       type(error_type), allocatable, intent(out) :: error
-      character(1) :: digit
 
       if (.not. allocated(list)) return
       if (mod(size(list), group) == 0 .and. all(within(list, 1.0_dp/largest, largest))) return
-      write (digit, "(i1)") group
-      call complain(error, "every "//name//" needs "//digit//" numbers > 0")
+      call complain(error, "the numbers of a "//name//" must be complete and > 0")
    end subroutine check_processes
 
    !> Filters and the distribution of the white noise.
