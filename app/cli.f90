@@ -9,7 +9,6 @@ module gyroakf_app_cli
    use gyroakf_io_place, only : integer_text
    use gyroakf_app_argument, only : argument_list
    use gyroakf_pipeline, only : apply_preset
-   use gyroakf_simulate_simulate_record, only : paper_preset
    use gyroakf_app_check, only : check_job
    use gyroakf_app_config, only : cli_config, text_config, reading_config, analysis_config, simulate_config, new_config
    use gyroakf_app_config_file, only : add_config, config_text
@@ -19,7 +18,7 @@ module gyroakf_app_cli
    use gyroakf_app_option, only : option_type, options, command_names, find_option, belongs_to, suggest_word, takes_value
    use gyroakf_app_setting_input, only : set_input, set_common
    use gyroakf_app_setting_method, only : set_method
-   use gyroakf_app_setting_record, only : set_record
+   use gyroakf_app_setting_record, only : set_preset, set_record
    use gyroakf_app_value, only : value_type, convert_value
    use gyroakf_app_words, only : given_type, words_type, sort_words, is_given, value_of, shell_word, usage_error
    implicit none (type, external)
@@ -260,10 +259,7 @@ contains
       class is (reading_config)
          if (option%group == "input") call set_input(config%reader, option, value, error)
       type is (simulate_config)
-         if (preset) then
-            config%record = paper_preset(config%record%seed)
-            config%digits = 9
-         end if
+         if (preset) call set_preset(config, option, value%text, error)
          if (.not. preset) call set_record(config, option, value, error)
       end select
       if (allocated(error)) return

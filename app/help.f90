@@ -33,7 +33,7 @@ module gyroakf_app_help
       "A. P. Sage and G. W. Husa, Adaptive filtering with unknown prior statistics, Joint Automatic Control Conference (1969)."]
 
    !> Commands and examples of them
-   character(92), parameter :: examples(2, 28) = reshape([character(92) :: &
+   character(92), parameter :: examples(2, 29) = reshape([character(92) :: &
       "run", "gyroakf log.csv --rate 100 --unit deg/s", &
       "run", "gyroakf run log.csv --column gx,gy,gz --time-column t --unit deg/s --out results", &
       "run", "gyroakf run mems.txt --preset paper --json - > results.json", &
@@ -57,11 +57,12 @@ module gyroakf_app_help
       "filter", "gyroakf filter log.csv --akf robust --forgetting 0.995", &
       "filter", "gyroakf filter log.csv --rate 1000 --out results --series-format npy", &
       "simulate", "gyroakf simulate --preset paper --output mems.txt", &
+      "simulate", "gyroakf simulate --preset adis16405 --warmup 0.01,600 --output adis16405.npy", &
       "simulate", "gyroakf simulate --samples 360000 --rate 100 --coefficients N=0.005,B=0.001 --seed 7", &
       "simulate", "gyroakf simulate --rate 10 --coefficients N=0.005 --ar 0.99 --ar-variance 1e-4", &
       "simulate", "gyroakf simulate --ar 0.7,-0.2 --ar-variance 1e-4 --missing 0.003 | gyroakf run -", &
       "simulate", "gyroakf simulate --samples 1000000 --rate 100 --coefficients N=0.005 --output still.npy", &
-      "selftest", "gyroakf selftest"], [2, 28])
+      "selftest", "gyroakf selftest"], [2, 29])
 
 contains
 

@@ -14,7 +14,7 @@ module gyroakf_app_option
       !> With its dashes
       character(20) :: name = ""
       !> What stands for its value in the help; the words themselves, separated by |, where kind is "choice" or "choices"
-      character(40) :: value = ""
+      character(64) :: value = ""
       !> flag: no value; text; choice: one of the words; choices: some of them, separated by commas; real; positive;
       !> share: 0 < x <= 1; natural: 0, 1, ...; count: 1, 2, ...; later: known, but not in this version
       character(8) :: kind = "flag"
@@ -164,8 +164,9 @@ module gyroakf_app_option
                   "the fit ends at this averaging time (default: the last)")]
 
    type(option_type), parameter :: record_options(*) = [ &
-      option_type("--preset", "paper", "choice", "simulate", "record", &
-                  "the paper's record: 12000 samples at 5 Hz, AR(1), cubic trend, 12 outliers; other options change it"), &
+      option_type("--preset", "paper|adis16405|adis16405-xl|mti-g|xsens-dot|ring-laser|mpu6050", "choice", "simulate", &
+                  "record", "the paper's record: 12000 samples at 5 Hz, AR(1), cubic trend, 12 outliers; or a stand-in "// &
+                  "of a sensor's recording; other options change it"), &
       option_type("--samples", "N", "count", "simulate", "record", "number of samples (default 12000)"), &
       option_type("--rate", "HZ", "positive", "simulate", "record", "sample rate (default 5)"), &
       option_type("--dt", "S", "positive", "simulate", "record", "sample interval, instead of --rate"), &
@@ -174,19 +175,29 @@ module gyroakf_app_option
       option_type("--coefficients", "Q=..,N=..,B=..,K=..,R=..", "text", "simulate", "record", &
                   "noise terms in the output unit u and seconds: Q in u s, N in u sqrt(s), B in u, K in u/sqrt(s), "// &
                   "R in u/s"), &
-      option_type("--tails", "normal|laplace|t5", "choice", "simulate", "record", &
-                  "distribution of the white noise N at the same variance: normal (default), "// &
-                  "Laplace, Student's t with 5 degrees of freedom"), &
+      option_type("--tails", "normal|laplace|t5|mixture", "choice", "simulate", "record", &
+                  "distribution of the white noise N at the same variance: normal (default), Laplace, Student's t with "// &
+                  "5 degrees of freedom, two normal distributions of standard deviations 1:8"), &
       option_type("--ar", "PHI[,...]", "text", "simulate", "record", &
-                  "coefficients of an AR(p) term; exp(-dt/T) is a Markov process of correlation time T"), &
+                  "coefficients of an AR(p) term"), &
       option_type("--ar-variance", "V", "positive", "simulate", "record", "variance of the AR(p) term"), &
+      option_type("--markov", "SIGMA,T[,...]", "text", "simulate", "record", &
+                  "first-order Gauss-Markov processes: standard deviation and correlation time in s of each"), &
+      option_type("--vibration", "AMPLITUDE,HZ,WIDTH[,...]", "text", "simulate", "record", &
+                  "vibration lines: narrow-band noise with the power of a sine of that amplitude, frequency and width at "// &
+                  "half the power in Hz"), &
+      option_type("--warmup", "A,S", "text", "simulate", "record", "warm-up A exp(-t/S)"), &
+      option_type("--motion", "NUMBER,SIZE,S[,END]", "text", "simulate", "record", &
+                  "half sines of height SIZE and length S seconds, of random sign, at random places (before END seconds)"), &
       option_type("--trend", "C0[,C1,...]", "text", "simulate", "record", "trend, in powers of the sample index 0, 1, ..."), &
       option_type("--offset", "X", "real", "simulate", "record", "constant rate"), &
       option_type("--outlier-count", "N", "natural", "simulate", "record", "number of outliers"), &
       option_type("--outlier-size", "K", "real", "simulate", "record", "their size in standard deviations of the rest"), &
+      option_type("--contamination", "SHARE,SIGMA", "text", "simulate", "record", &
+                  "outliers in this share of the samples, of 4 to SIGMA standard deviations of the rest"), &
       option_type("--lowpass", "HZ[,ORDER]", "text", "simulate", "record", &
-                  "Butterworth low-pass filter of order 1 (default) or 2 on the noise terms, "// &
-                  "trend and offset; outliers, rounding and losses come after it"), &
+                  "Butterworth low-pass filter of order 1 (default) or 2 on everything but outliers, rounding and "// &
+                  "losses, which come after it"), &
       option_type("--resonance", "HZ,Q", "text", "simulate", "record", &
                   "mechanical resonance, as a low-pass section of second order with quality "// &
                   "factor Q, 0.5 to 100"), &
@@ -196,7 +207,7 @@ module gyroakf_app_option
       option_type("--output", "FILE", "text", "simulate", "record", &
                   "write FILE instead of standard output; FILE.npy and FILE.f64 are binary"), &
       option_type("--truth", "FILE", "text", "simulate", "record", &
-                  "write the true drift too: all but quantisation and white noise (Q, N), "// &
+                  "write the true drift too: all but quantisation and white noise (Q, N), vibration, motion, "// &
                   "outliers, rounding and losses; filtered as the record")]
 
    type(option_type), parameter :: common_options(*) = [ &

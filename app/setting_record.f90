@@ -4,17 +4,51 @@ module gyroakf_app_setting_record
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_number, only : parse_number, number
-   use gyroakf_simulate_simulate_record, only : simulate_options
+   use gyroakf_simulate_simulate_record, only : simulate_options, paper_preset
    use gyroakf_units, only : term_names
    use gyroakf_app_config, only : simulate_config
-   use gyroakf_app_option, only : option_type
+   use gyroakf_app_option, only : option_type, options, find_option
+   use gyroakf_app_sensor, only : sensor_options
    use gyroakf_app_setting_input, only : check_unit
-   use gyroakf_app_value, only : value_type, value_error, not_wired, convert_list
+   use gyroakf_app_value, only : value_type, value_error, not_wired, convert_value, convert_list
    implicit none (type, external)
    private
-   public :: set_record, check_record
+   public :: set_preset, set_record, check_record
 
 contains
+
+   !> Applies --preset of simulate: the paper's record, or the options of a sensor.
+   subroutine set_preset(config, option, name, error)
+      !> What is changed
+      type(simulate_config), intent(inout) :: config
+      !> The row of --preset
+      type(option_type), intent(in) :: option
+      !> One of its words
+      character(*), intent(in) :: name
+      !> usage
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: words
+      type(option_type) :: next
+      type(value_type) :: value
+      integer :: blank
+
+      if (name == "paper") then
+         config%record = paper_preset(config%record%seed)
+         config%digits = 9
+         return
+      end if
+      words = sensor_options(name)
+      if (words == "") call not_wired(option, error)
+      do while (words /= "" .and. .not. allocated(error))
+         blank = index(words, " ")
+         next = options(find_option(words(:blank - 1), "simulate"))
+         words = words(blank + 1:)
+         blank = index(words, " ")
+         call convert_value(next, words(:blank - 1), value, error)
+         if (.not. allocated(error)) call set_record(config, next, value, error)
+         words = words(blank + 1:)
+      end do
+   end subroutine set_preset
 
    !> Applies an option of the group "record" but --preset.
    subroutine set_record(config, option, value, error)
@@ -57,7 +91,8 @@ contains
       case ("--outlier-count"); record%outliers = value%count
       case ("--outlier-size"); record%outlier_size = value%number
       case ("--tails"); record%tails = value%text
-      case ("--lowpass", "--resonance"); call set_filter(option, value%text, record, error)
+      case ("--lowpass", "--resonance", "--contamination", "--warmup", "--motion", "--markov", "--vibration")
+         call set_parts(option, value%text, record, error)
       case ("--lsb"); record%lsb = value%number
       case ("--missing"); record%missing = value%number
          if (value%number < 0 .or. value%number > 0.9_dp) call value_error(option, "'"//value%text//"' is not from 0 to 0.9", error)
@@ -65,30 +100,43 @@ contains
       end select
    end subroutine set_term
 
-   !> HZ[,ORDER] of the low-pass filter, HZ,Q of the resonance; the library judges their ranges.
-   subroutine set_filter(option, text, record, error)
+   !> Options of several numbers, all positive but the amplitude of a warm-up; the library judges their ranges.
+   subroutine set_parts(option, text, record, error)
       type(option_type), intent(in) :: option
       character(*), intent(in) :: text
       type(simulate_options), intent(inout) :: record
       type(error_type), allocatable, intent(out) :: error
       type(option_type) :: positive
       real(dp), allocatable :: list(:)
+      integer :: n
+      logical :: fits
 
       positive = option
-      positive%kind = "positive"
+      if (option%name /= "--warmup") positive%kind = "positive"
       call convert_list(positive, text, list, error)
       if (allocated(error)) return
-      if (option%name == "--resonance" .and. size(list) == 2) then
+      n = size(list)
+      list = [list, 0.0_dp, 0.0_dp, 0.0_dp]             ! for the parts that are not given
+      select case (option%name)
+      case ("--resonance"); fits = n == 2
          record%resonance_hz = list(1)
          record%resonance_q = list(2)
-      else if (option%name == "--lowpass" .and. size(list) <= 2) then
+      case ("--lowpass"); fits = n <= 2
          record%lowpass_hz = list(1)
-         list = [list, 1.0_dp]                          ! the order where none is given
-         record%lowpass_order = findloc([1.0_dp, 2.0_dp], list(2), dim=1)
-      else
-         call value_error(option, "'"//text//"' has the wrong number of parts", error)
-      end if
-   end subroutine set_filter
+         record%lowpass_order = findloc([1.0_dp, 2.0_dp], merge(list(2), 1.0_dp, n > 1), dim=1)
+      case ("--contamination"); fits = n == 2
+         record%contamination = list(:2)
+      case ("--warmup"); fits = n == 2
+         record%warm_up = list(:2)
+      case ("--motion"); fits = n == 3 .or. n == 4
+         record%motion = list(:4)
+      case ("--markov"); fits = mod(n, 2) == 0
+         record%markov = list(:n)
+      case default; fits = mod(n, 3) == 0
+         record%vibration = list(:n)
+      end select
+      if (.not. fits) call value_error(option, "'"//text//"' has the wrong number of parts", error)
+   end subroutine set_parts
 
    !> What is wrong with the options as a whole.
    subroutine check_record(record, error)

@@ -89,6 +89,7 @@ program test_main
    use test_sage_husa, only : collect_sage_husa
    use test_selftest, only : collect_selftest
    use test_simulate, only : collect_simulate
+   use test_simulate_disturbance, only : collect_simulate_disturbance
    use test_simulate_sensor, only : collect_simulate_sensor
    use test_status, only : collect_status
    use test_special, only : collect_special
@@ -195,6 +196,7 @@ program test_main
    call add("sage_husa", collect_sage_husa)
    call add("selftest", collect_selftest)
    call add("simulate", collect_simulate)
+   call add("simulate_disturbance", collect_simulate_disturbance)
    call add("simulate_sensor", collect_simulate_sensor)
    call add("status", collect_status)
    call add("special", collect_special)

@@ -94,6 +94,15 @@ order of the low-pass filter must be 1 or 2 ; simulate --lowpass 1,1.5
 below half the rate ; simulate --lowpass 2.5
 '1' has the wrong number of parts ; simulate --resonance 1
 Q of the resonance must be 0.5 .. 100 ; simulate --resonance 1,0.4
+'0.1' has the wrong number of parts ; simulate --contamination 0.1
+contamination must be a share of 0 .. 1 ; simulate --contamination 1.1,5
+'1,2,3' has the wrong number of parts ; simulate --warmup 1,2,3
+warm-up must be a finite amplitude and a time constant > 0 s ; simulate --warmup 1,0
+'1,2' has the wrong number of parts ; simulate --motion 1,2
+motion must be a whole number of bursts ; simulate --motion 1.5,2,3
+'1,2,3' has the wrong number of parts ; simulate --markov 1,2,3
+'0' is not larger than 0 ; simulate --markov 1,0
+'1,2' has the wrong number of parts ; simulate --vibration 1,2
 'foo' is not one of these ; simulate --preset foo
 it is at least 1 ; x.txt --threads 0
 --from is not before --to ; x.txt --from 5 --to 3

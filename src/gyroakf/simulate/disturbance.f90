@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: MIT
-!> What disturbs a simulated record besides its noise: trend, outliers, rounding, lost samples.
+!> What disturbs a simulated record besides its noise: trend, warm-up, motion, outliers, rounding, lost samples.
 module gyroakf_simulate_disturbance
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_random, only : random_type, next_uniform
    implicit none (type, external)
    private
-   public :: add_polynomial, add_outliers, round_to_step, lose_samples
+   public :: add_polynomial, add_warm_up, add_motion, add_outliers, round_to_step, lose_samples
 
 contains
 
@@ -31,16 +31,62 @@ contains
       end do
    end subroutine add_polynomial
 
-   !> Adds outliers: at distinct random places, of random sign, of 0.75 .. 1.25 times the given size (uniform).
+   !> Adds a warm-up: \(A e^{-t/T}\) from the sample of index 0 on, the constant A before it.
+   pure subroutine add_warm_up(x, amplitude, samples, first)
+      !> Series: [n]
+      real(dp), intent(inout), contiguous :: x(:)
+      !> A, unit of x, of either sign
+      real(dp), intent(in) :: amplitude
+      !> Time constant T in samples, > 0
+      real(dp), intent(in) :: samples
+      !> Index of x(1), of either sign
+      integer(int64), intent(in) :: first
+      integer(int64) :: i
+
+      do i = 1, size(x, kind=int64)
+         x(i) = x(i) + amplitude*exp(-max(first + i - 1, 0_int64)/samples)
+      end do
+   end subroutine add_warm_up
+
+   !> Adds bursts of motion: half sines of one length and height, of random sign, at random places.
+   pure subroutine add_motion(x, number, height, samples, random)
+      !> Series that the bursts lie in, wholly if it is long enough: [n]; bursts that overlap are added
+      real(dp), intent(inout), contiguous :: x(:)
+      !> How many, >= 0
+      integer(int64), intent(in) :: number
+      !> Height, unit of x
+      real(dp), intent(in) :: height
+      !> Length in samples, > 0
+      real(dp), intent(in) :: samples
+      !> Where places and signs come from
+      type(random_type), intent(inout) :: random
+      real(dp), parameter :: pi = 3.14159265358979323846_dp
+      integer(int64) :: i, k, place, length
+      real(dp) :: u, v
+
+      length = ceiling(min(samples, real(size(x, kind=int64), dp)), int64)
+      do k = 1, number
+         call next_uniform(random, u)
+         call next_uniform(random, v)
+         place = int(u*(size(x, kind=int64) - length + 1), int64)
+         do i = 1, length
+            x(place + i) = x(place + i) + sign(height, v - 0.5_dp)*sin(pi*(i - 0.5_dp)/samples)
+         end do
+      end do
+   end subroutine add_motion
+
+   !> Adds outliers: at distinct random places, of random sign, uniformly distributed about their mean size.
    !>
    !> The places are drawn by Floyd's method: every set of places is equally likely.
-   subroutine add_outliers(x, number, size_in_deviations, random, error)
+   subroutine add_outliers(x, number, size_in_deviations, spread, random, error)
       !> Series: [n]; its standard deviation about its mean is the measure of the sizes
       real(dp), intent(inout), contiguous :: x(:)
       !> How many, 0 .. n
       integer(int64), intent(in) :: number
       !> Mean size in standard deviations of x, >= 0
       real(dp), intent(in) :: size_in_deviations
+      !> Largest relative distance of a size from the mean size
+      real(dp), intent(in) :: spread
       !> Where places, signs and sizes come from
       type(random_type), intent(inout) :: random
       !> invalid_argument: x is constant, its standard deviation measures nothing; no_memory
@@ -69,7 +115,7 @@ contains
          taken(place) = 1
          call next_uniform(random, u)
          ! u < 1/2 and u > 1/2 give the signs, its rest 0 .. 1/2 the size
-         x(place) = x(place) + sign(size_in_deviations*deviation*(0.75_dp + mod(u, 0.5_dp)), u - 0.5_dp)
+         x(place) = x(place) + sign(size_in_deviations*deviation*(1 - spread + 4*spread*mod(u, 0.5_dp)), u - 0.5_dp)
       end do
    end subroutine add_outliers
 

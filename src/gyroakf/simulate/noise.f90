@@ -21,7 +21,7 @@ module gyroakf_simulate_noise
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_fft, only : convolve
-   use gyroakf_random, only : random_type, next_normal, next_laplace, next_t5
+   use gyroakf_random, only : random_type, next_normal, next_uniform, next_laplace, next_t5
    implicit none (type, external)
    private
    public :: add_quantisation_noise, add_white, add_flicker, add_random_walk, add_ramp, add_autoregressive
@@ -70,7 +70,8 @@ contains
       real(dp), intent(in) :: n
       !> Sample interval, s, > 0
       real(dp), intent(in) :: t0
-      !> Distribution of the g, of variance 1: laplace, t5 ([[gyroakf_random:next_t5]]), else normal
+      !> Distribution of the g, of variance 1: laplace, t5 ([[gyroakf_random:next_t5]]), mixture (of two
+      !> normal distributions with the ratio 8 of their standard deviations in equal shares), else normal
       character(*), intent(in) :: tails
       !> Where the variates come from
       type(random_type), intent(inout) :: random
@@ -78,7 +79,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Told how far it is; may cancel
       class(progress_type), intent(inout), optional :: progress
-      real(dp) :: g, scale
+      real(dp), parameter :: narrow = 1/sqrt(32.5_dp), wide = 8*narrow
+      real(dp) :: g, u, scale
       integer(int64) :: i
 
       scale = n/sqrt(t0)
@@ -88,6 +90,9 @@ contains
          select case (tails)
          case ("laplace"); call next_laplace(random, g)
          case ("t5"); call next_t5(random, g)
+         case ("mixture"); call next_normal(random, g)
+            call next_uniform(random, u)
+            g = g*merge(wide, narrow, u < 0.5_dp)
          case default; call next_normal(random, g)
          end select
          x(i) = x(i) + scale*g

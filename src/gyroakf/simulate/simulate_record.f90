@@ -15,7 +15,7 @@ module gyroakf_simulate_simulate_record
    use gyroakf_random, only : random_type, seed_random
    use gyroakf_simulate_noise, only : add_quantisation_noise, add_white, add_flicker, add_random_walk, add_ramp, &
       & add_autoregressive
-   use gyroakf_simulate_disturbance, only : add_polynomial, add_outliers, round_to_step, lose_samples
+   use gyroakf_simulate_disturbance, only : add_polynomial, add_warm_up, add_motion, add_outliers, round_to_step, lose_samples
    use gyroakf_simulate_sensor_filter, only : section_type, make_section, settling_samples, &
       & apply_section
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
@@ -38,7 +38,7 @@ module gyroakf_simulate_simulate_record
       !> Q N B K R, see [[gyroakf_simulate_noise]]: u s, u sqrt(s), u, u/sqrt(s), u/s; >= 0, R of either sign
       real(dp) :: coefficient(5) = 0.0_dp
       !> Distribution of the white noise N, of the same variance: normal, laplace, t5 (Student's t,
-      !> 5 degrees of freedom)
+      !> 5 degrees of freedom), mixture (of two normal distributions, see [[add_white]])
       character(7) :: tails = "normal"
       !> Coefficients of an autoregressive process: [p]; none if unallocated or empty
       real(dp), allocatable :: ar(:)
@@ -52,6 +52,20 @@ module gyroakf_simulate_simulate_record
       integer(int64) :: outliers = 0
       !> Their mean size in standard deviations of the noise, >= 0; each is 0.75 .. 1.25 times that, of random sign
       real(dp) :: outlier_size = 0.0_dp
+      !> Contamination: share of the samples, 0 .. 1, and largest size of its outliers in standard deviations of the
+      !> noise; they are uniform from 4 to that size, of random sign
+      real(dp) :: contamination(2) = 0.0_dp
+      !> Warm-up A exp(-t/T): A in u, of either sign, and T in s, > 0; none if A is 0
+      real(dp) :: warm_up(2) = 0.0_dp
+      !> Motion: number of half sines, their height in u and length in s, > 0, and the end in s of the part of the
+      !> record that they lie in, 0: its end
+      real(dp) :: motion(4) = 0.0_dp
+      !> Gauss-Markov processes of first order: standard deviation in u and correlation time in s of each in turn,
+      !> all > 0; none if unallocated
+      real(dp), allocatable :: markov(:)
+      !> Vibration lines: amplitude in u (of the sine of the same power), frequency in Hz and its width at half the
+      !> power in Hz of each in turn, all > 0; none if unallocated
+      real(dp), allocatable :: vibration(:)
       !> Cutoff frequency of a Butterworth low-pass filter, Hz, below rate_hz/2; 0 none
       real(dp) :: lowpass_hz = 0.0_dp
       !> Its order, 1 or 2
@@ -68,10 +82,13 @@ module gyroakf_simulate_simulate_record
 
    !> The streams of the terms; numbers are never changed, new ones at the end
    integer, parameter :: stream_q = 1, stream_n = 2, stream_b = 3, stream_k = 4, stream_ar = 5, stream_outliers = 6, &
-      & stream_missing = 7
+      & stream_missing = 7, stream_markov = 8, stream_vibration = 9, stream_motion = 10, stream_contamination = 11
 
    !> No value may become larger: squares and sums of them still fit
    real(dp), parameter :: largest = 1.0e140_dp
+
+   !> Least size of the outliers of a contamination, standard deviations
+   real(dp), parameter :: least_size = 4.0_dp
 
    !> What the filters may take ahead of the record to settle
    real(dp), parameter :: most_ahead = 1.0e8_dp
@@ -114,8 +131,9 @@ contains
 
    !> Makes a record of one channel, "gx".
    !>
-   !> Its true drift is what moves slowly or stays: 1/f noise B, random walk K, ramp R, the AR process, trend and offset; not
-   !> quantisation noise Q and white noise N, outliers and rounding. It is known where samples are lost, too.
+   !> Its true drift is what moves slowly or stays: 1/f noise B, random walk K, ramp R, the AR process, Gauss-Markov
+   !> processes, warm-up, trend and offset; not quantisation noise Q and white noise N, vibration, motion, outliers and
+   !> rounding. It is known where samples are lost, too.
    !>
    !> Noise, trend and offset pass the filters of the sensor, settled at the first sample; they
    !> begin as early as that takes, the random walk at 0 there.
@@ -245,8 +263,59 @@ contains
          call add_deterministic(options, -ahead, x)
       else
          call add_noise(options, part == all_noise, x, error, progress)
+         if (.not. allocated(error)) call add_processes(options, part == all_noise, x, error, progress)
+         if (part == all_noise .and. options%motion(1) > 0) call move(options, x(ahead + 1:))
       end if
    end subroutine add_part
+
+   !> Gauss-Markov processes of first order, and vibration lines as autoregressive processes of second order.
+   subroutine add_processes(options, fast, x, error, progress)
+      type(simulate_options), intent(in) :: options
+      !> With what is no drift: vibration
+      logical, intent(in) :: fast
+      real(dp), intent(inout), contiguous :: x(:)
+      type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
+      real(dp), parameter :: pi = 3.14159265358979323846_dp
+      type(random_type) :: random
+      integer :: k
+      real(dp) :: t0, r
+
+      t0 = 1/options%rate_hz
+      if (allocated(options%markov)) then
+         call seed_random(random, options%seed, stream_markov)
+         do k = 1, size(options%markov), 2
+            associate (p => options%markov(k:k + 1))
+               call add_autoregressive(x, [exp(-t0/p(2))], p(1)**2, random, error, progress)
+            end associate
+            if (allocated(error)) return
+         end do
+      end if
+      if (.not. (fast .and. allocated(options%vibration))) return
+      call seed_random(random, options%seed, stream_vibration)
+      do k = 1, size(options%vibration), 3
+         associate (p => options%vibration(k:k + 2))
+            r = exp(-pi*p(3)*t0)                       ! its spectrum falls to half at +- p(3)/2
+            call add_autoregressive(x, [2*r*cos(2*pi*p(2)*t0), -r**2], p(1)**2/2, random, error, progress)
+         end associate
+         if (allocated(error)) return
+      end do
+   end subroutine add_processes
+
+   !> Bursts of motion in the first part of a record.
+   subroutine move(options, x)
+      type(simulate_options), intent(in) :: options
+      real(dp), intent(inout), contiguous :: x(:)
+      type(random_type) :: random
+      integer(int64) :: last
+
+      call seed_random(random, options%seed, stream_motion)
+      last = size(x, kind=int64)
+      associate (m => options%motion)
+         if (m(4) > 0) last = ceiling(min(m(4)*options%rate_hz, real(last, dp)), int64)
+         call add_motion(x(:last), int(m(1), int64), m(2), m(3)*options%rate_hz, random)
+      end associate
+   end subroutine move
 
    !> The noise terms that are switched on, each from its stream.
    subroutine add_noise(options, fast, x, error, progress)
@@ -290,7 +359,7 @@ contains
       end if
    end subroutine add_noise
 
-   !> Outliers on the noise, then what is deterministic, then rounding and losses.
+   !> Outliers and contamination on the noise, then what is deterministic, then rounding and losses.
    subroutine add_disturbances(options, record, error)
       type(simulate_options), intent(in) :: options
       type(record_type), intent(inout) :: record
@@ -301,9 +370,17 @@ contains
       associate (x => record%value(:, 1))
          if (options%outliers > 0) then
             call seed_random(random, options%seed, stream_outliers)
-            call add_outliers(x, options%outliers, options%outlier_size, random, error)
+            call add_outliers(x, options%outliers, options%outlier_size, 0.25_dp, random, error)
             if (allocated(error)) return
          end if
+         associate (share => options%contamination(1), largest_size => options%contamination(2))
+            if (share > 0) then
+               call seed_random(random, options%seed, stream_contamination)
+               call add_outliers(x, nint(share*options%samples, int64), (largest_size + least_size)/2, &
+                                 (largest_size - least_size)/(largest_size + least_size), random, error)
+               if (allocated(error)) return
+            end if
+         end associate
          call add_signal(options, deterministic, x, error)
          if (allocated(error)) return
          if (options%lsb > 0) call round_to_step(x, options%lsb)
@@ -320,7 +397,7 @@ contains
       end associate
    end subroutine add_disturbances
 
-   !> Ramp, trend, offset.
+   !> Ramp, trend, offset, warm-up.
    pure subroutine add_deterministic(options, first, x)
       type(simulate_options), intent(in) :: options
       !> Sample index of x(1)
@@ -332,6 +409,9 @@ contains
       end associate
       if (allocated(options%trend)) call add_polynomial(x, options%trend, first)
       if (abs(options%offset) > 0) call add_polynomial(x, [options%offset], first)
+      associate (w => options%warm_up)
+         if (abs(w(1)) > 0) call add_warm_up(x, w(1), w(2)*options%rate_hz, first)
+      end associate
    end subroutine add_deterministic
 
    !> Counts, range and smallest step, as a reader would find them.
@@ -397,9 +477,43 @@ contains
          call complain(error, "share of missing samples must be >= 0 and < 1")
       else
          call check_series(options, error)
+         if (.not. allocated(error)) call check_disturbances(options, error)
          if (.not. allocated(error)) call check_sensor(options, error)
       end if
    end subroutine check_options
+
+   !> Contamination, warm-up, motion, Gauss-Markov processes, vibration.
+   subroutine check_disturbances(options, error)
+      type(simulate_options), intent(in) :: options
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: least = 1.0_dp/largest
+
+      if (.not. all(within(options%contamination, 0.0_dp, [1.0_dp, largest]))) then
+         call complain(error, "contamination must be a share of 0 .. 1 and a size >= 0")
+      else if (.not. within(options%warm_up(1), -largest, largest) .or. &
+               (abs(options%warm_up(1)) > 0 .and. .not. within(options%warm_up(2), least, largest))) then
+         call complain(error, "warm-up must be a finite amplitude and a time constant > 0 s")
+      else if (.not. all(within(options%motion, 0.0_dp, [1.0e9_dp, largest, largest, largest]))) then
+         call complain(error, "motion must be 0 to 1e9 bursts, a height and a length > 0, and an end")
+      else if (abs(modulo(options%motion(1), 1.0_dp)) > 0 .or. &
+               (options%motion(1) > 0 .and. .not. options%motion(3) > 0)) then
+         call complain(error, "motion must be a whole number of bursts of a length > 0")
+      end if
+      if (.not. allocated(error)) call check_processes(options%markov, 2, "Gauss-Markov process", error)
+      if (.not. allocated(error)) call check_processes(options%vibration, 3, "vibration line", error)
+   end subroutine check_disturbances
+
+   !> Groups of positive numbers
+   subroutine check_processes(list, group, name, error)
+      real(dp), allocatable, intent(in) :: list(:)
+      integer, intent(in) :: group
+      character(*), intent(in) :: name
+      type(error_type), allocatable, intent(out) :: error
+
+      if (.not. allocated(list)) return
+      if (mod(size(list), group) == 0 .and. all(within(list, 1.0_dp/largest, largest))) return
+      call complain(error, "the numbers of a "//name//" must be complete and > 0")
+   end subroutine check_processes
 
    !> Filters and the distribution of the white noise.
    subroutine check_sensor(options, error)
@@ -417,8 +531,8 @@ contains
          call complain(error, "frequency of the resonance must be > 0 Hz and below half the rate")
       else if (.not. within(options%resonance_q, 0.5_dp, 100.0_dp)) then
          call complain(error, "Q of the resonance must be 0.5 .. 100")
-      else if (.not. any(options%tails == [character(7) :: "normal", "laplace", "t5"])) then
-         call complain(error, "distribution of the white noise must be normal, laplace or t5")
+      else if (.not. any(options%tails == [character(7) :: "normal", "laplace", "t5", "mixture"])) then
+         call complain(error, "distribution of the white noise must be normal, laplace, t5 or mixture")
       else if (sum(settling_samples(filters_of(options))) > most_ahead) then
          call complain(error, "a filter takes more than 1e8 samples to settle: its "// &
                        "frequency is too near 0 or half the rate")
