@@ -158,6 +158,8 @@ contains
       channel%drift_process(2)%k = channel%allan(stage%input)%stated%term(4)
       channel%drift_process(2)%k%value = 4.83_dp
       channel%drift_process(2)%k%detected = .true.
+      channel%verdict%stationary = .false.
+      channel%verdict%drift = "random_walk"
       channel%drift_process(2)%k%std_error = 1.2_dp
       call fill_filter(channel%drift_kf, 1.0e-5_dp, 1.0_dp)
       call fill_filter(channel%drift_akf, 1.1e-5_dp, 1.0_dp)

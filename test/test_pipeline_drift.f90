@@ -20,6 +20,7 @@ contains
 
       testsuite = [ &
          new_unittest("drift", test_drift), &
+         new_unittest("walk-stated", test_walk_stated), &
          new_unittest("compensated", test_compensated), &
          new_unittest("stated-figures", test_stated_figures), &
          new_unittest("drift-options", test_drift_options)]
@@ -65,6 +66,40 @@ contains
          call check(error, c%drift_kf%nis_mean > c%drift_kf%nis_low .and. c%drift_kf%nis_mean < c%drift_kf%nis_high)
       end associate
    end subroutine test_drift
+
+   !> K of the drift model is stated beside a random walk; not beside flicker, whose approximation it is, nor where innovations are
+   !> not white.
+   subroutine test_walk_stated(error)
+      type(error_type), allocatable, intent(out) :: error
+      !> N, B, K, a vibration
+      real(dp), parameter :: truth(4, 3) = reshape([0.3_dp, 0.0_dp, 0.02_dp, 0.0_dp, 0.3_dp, 0.1_dp, 0.0_dp, 0.0_dp, &
+                                                    0.05_dp, 0.02_dp, 0.02_dp, 2.0_dp], [4, 3])
+      type(simulate_options) :: options
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      type(gyro_error), allocatable :: failed
+      integer :: i
+
+      options%samples = 30000
+      options%rate_hz = 10
+      do i = 1, 3
+         options%coefficient(2:4) = truth(:3, i)
+         if (truth(4, i) > 0) options%vibration = [truth(4, i), 2.3_dp, 0.02_dp]
+         call simulate_record(options, record, failed)
+         call check(error, run(record, result), "it fails")
+         if (allocated(error)) return
+         associate (c => result%channel(1))
+            call check(error, allocated(c%drift_process) .and. (i == 2 .or. c%drift%found), c%verdict%drift)
+            if (allocated(error)) return
+            call check(error, any(c%drift_process%k%detected) .eqv. i == 1, "stated")
+            if (allocated(error)) return
+            call check(error, allocated(c%drift_doubt) .or. i < 3, "doubt")
+            if (allocated(error)) return
+            if (i == 1) call check(error, .not. allocated(c%drift_doubt))
+            if (allocated(error)) return
+         end associate
+      end do
+   end subroutine test_walk_stated
 
    !> Shares of variances, and the correlation time of a process.
    subroutine test_stated_figures(error)

@@ -55,8 +55,10 @@ def drift_contradictions(channel, text):
     if noise and not noise.group(1).startswith(word):
         yield f"text: \"{noise.group(1)}\"; JSON: {word}"
     if verdict["stationary"]:
-        if walks:
-            yield f"verdict {verdict['drift']}; the drift model has a random walk"
+        if any(walk["k"] is not None for walk in walks):
+            yield f"verdict {verdict['drift']}; the drift model has a random walk with a K"
+        if walks and not re.search(r"no drift model describes|approximation of the slow\s+part of stationary", text):
+            yield f"verdict {verdict['drift']}; the text has a random walk as drift"
         if verdict["trend"]:
             yield "verdict stationary; a trend is stated"
     if verdict["stationary"] is False and drift and not drift["found"]:

@@ -15,10 +15,13 @@ name,options,terms,N,B,K,verdict,what
 mti-g,--preset mti-g --samples 30000,N,1.822,,,none,
 xsens-dot,--preset xsens-dot,NB,0.365,5.0,,none|flicker,
 markov,"--rate 10 --samples 20000 --unit deg/h --coefficients N=18 --markov 20,1",N,0.558,,,none|colored,
+mems,"--rate 10 --samples 72000 --unit deg/h --coefficients N=18,B=6",NB,0.3,6,,none|flicker,
+ramp,"--rate 10 --samples 72000 --unit deg/h --coefficients N=18,B=6,R=0.02",NB,0.3,6,,trend,
+ring-laser,--preset ring-laser,QN,,,,none|colored,
 walk,"--rate 10 --samples 20000 --unit deg/h --coefficients N=18,K=1",NK,0.3,,60,random_walk,
 END
    if "$root/bench/real/zoo.sh" "$gyroakf" 1 z.csv >z_out 2>&1; then pass; else fail "zoo.sh: $(tail -n 1 z_out)"; fi
-   is "rows" "$(grep -cE '^[a-z-]+ +1 ' z_out)" 4
+   is "rows" "$(grep -cE '^[a-z-]+ +1 ' z_out)" 7
    is "what is wrong" "$(sed -n '/^Verdicts/,$p' z_out | tr '\n' ' ')" \
       "Verdicts that are wrong: 0  Values that are wrong: 0  Contradictions: 0 "
    # a document that denies the drift of its report
@@ -28,7 +31,7 @@ END
    { sed 's/"drift": "random_walk"/"drift": "none"/' "\$4" >z_json && cp z_json "\$4"; }
 END
    chmod +x z_denies
-   sed '2,4d' z.csv >z_walk.csv
+   sed '2,7d' z.csv >z_walk.csv
    "$root/bench/real/zoo.sh" "$PWD/z_denies" 1 z_walk.csv >z_out 2>&1
    holds "a wrong verdict" "walk, seed 1: verdict none" z_out
    holds "a contradiction" "walk, seed 1: verdict none; K = " z_out

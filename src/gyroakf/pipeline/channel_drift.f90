@@ -127,8 +127,8 @@ contains
       call state_one(k, 4, rate_known, unit, process%k)
    end subroutine state_walk
 
-   !> Whether the model describes the record: its Kalman filter leaves white innovations, and the Allan deviation does not exclude its
-   !> K. K is stated only then, and where the verdict does not exclude a random walk.
+   !> Whether the model describes the record: its Kalman filter leaves white innovations, and the Allan deviation does not exclude
+   !> its K. K is stated only then, and where the verdict does not exclude a random walk.
    pure subroutine judge_model(channel)
       !> `drift_doubt` is set, and whether K is stated
       type(channel_result_type), intent(inout) :: channel
@@ -154,7 +154,7 @@ contains
                                         format_real(allan%value, 3)
                end if
                k%detected = .not. allocated(channel%drift_doubt) .and. (.not. channel%verdict%known .or. &
-                            index(channel%verdict%drift, "random_walk") > 0 .or. channel%verdict%drift == "unit_root")
+                            (index(channel%verdict%drift, "random_walk") > 0 .and. allan%state /= "withheld"))
             end associate
          end do
       end associate

@@ -32,6 +32,8 @@ contains
          if (allocated(channel%drift_doubt)) then
             call put_item(writer, "Model", "no drift model describes this record: "//channel%drift_doubt)
             call put_item(writer, "Nearest", model_text(record, channel))
+         else if (drift%found .and. channel%verdict%stationary) then
+            call put_item(writer, "Model", model_text(record, channel)//": an approximation of the slow part of stationary noise")
          else
             call put_item(writer, "Model", model_text(record, channel)//trim(merge("                   ", &
                                                                                    ": there is no drift", drift%found)))
