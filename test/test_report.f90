@@ -11,6 +11,7 @@ module test_report
    use gyroakf_report_text_layout, only : put_item, put_heading, report_width, fixed, scientific, p_value_text, plural
    use gyroakf_report_text_table, only : table_type, new_table, set_cell, put_table
    use gyroakf_utf8, only : text_width
+   use gyroakf_report_text_answer, only : rounded
    use gyroakf_report_text_report, only : write_report, report_inspect
    use gyroakf_report_document, only : write_document
    use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, series_output_type
@@ -35,6 +36,7 @@ contains
          new_unittest("table-by-characters", test_table), &
          new_unittest("run", test_run), &
          new_unittest("run-tables", test_run_tables), &
+         new_unittest("answer", test_answer), &
          new_unittest("periodicity", test_periodicity_text), &
          new_unittest("periodicity-verdicts", test_periodicity_verdicts), &
          new_unittest("run-nothing-known", test_nothing_known), &
@@ -203,6 +205,29 @@ contains
       call check(error, index(text, "  Two-sided       0.0158 deg/s/sqrt(Hz) = ") > 0 .and. &
                  index(text, "  One-sided       0.02234 deg/s/sqrt(Hz) = ") > 0 .and. index(text, "As read in SI, and") > 0)
    end subroutine test_run_tables
+
+   !> The head of the report: a row for each channel, a table for each unit, numbers rounded to their errors.
+   subroutine test_answer(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(100), parameter :: lines(3) = [character(100) :: &
+         "      deg/s      deg/sqrt(h)         deg/h  deg/h^1.5    deg/h    s", &
+         "  gx  0.001  0.948 +/- 0.012  14.4 +/- 3.6      < 648       18  100", &
+         "  gx  stationary, flicker"]
+      character(:), allocatable :: text
+      integer :: i
+
+      text = rounded(2.48376_dp, 0.0169_dp)//"; "//rounded(37.61_dp, 1.94_dp)//"; "//rounded(1873.0_dp, 351.0_dp)
+      call check(error, text, "2.484 +/- 0.017; 37.6 +/- 1.9; 1870 +/- 350")
+      if (allocated(error)) return
+      text = rounded(6.1e-4_dp, 1.6e-4_dp)//"; "//rounded(0.5_dp, 0.0_dp)//"; "//rounded(1.25e-9_dp, 1.0e-11_dp)
+      call check(error, text, "0.00061 +/- 0.00016; 0.5; 1.25e-09 +/- 1e-11")
+      if (allocated(error)) return
+      call run_text("run", .true., text)
+      do i = 1, size(lines)
+         call check(error, index(text(:900), lf//trim(lines(i))//lf) > 0, text(:900))
+         if (allocated(error)) return
+      end do
+   end subroutine test_answer
 
    !> Fisher's test and the spectrum.
    subroutine test_periodicity_text(error)

@@ -88,7 +88,6 @@ contains
          text = fixed(value, 1)
       else
          text = fixed(value, 0)
-         text = text(:len(text) - 1)                       ! without the point
       end if
    end function criterion
 

@@ -316,6 +316,7 @@ contains
       write (layout, "(a, i0, a)") "(f64.", decimals, ")"
       write (buffer, layout) value
       text = trim(adjustl(buffer))
+      if (decimals == 0) text = text(:len(text) - 1)
    end function fixed
 
    !> An integer.

@@ -8,6 +8,7 @@ module gyroakf_report_text_report
    use gyroakf_report_text_layout, only : put_title, put_heading, put_item
    use gyroakf_report_input, only : put_input, report_inspect
    use gyroakf_report_removed, only : put_alerts, put_removed
+   use gyroakf_report_text_answer, only : put_answer
    use gyroakf_report_sections, only : put_tests
    use gyroakf_report_models, only : put_ar_table
    use gyroakf_report_text_drift, only : put_drift_model
@@ -45,6 +46,7 @@ contains
       if (present(chart)) drawn = chart
 
       call put_title(writer, "gyroakf "//release_string//": "//report_subject(command)//preset_name(options))
+      if (command == "run" .or. command == "allan") call put_answer(writer, record, result)
       call put_input(writer, record)
       do c = 1, size(result%channel)
          call view_channel(record, c, view)

@@ -1,0 +1,164 @@
+! SPDX-License-Identifier: MIT
+!> The head of a report: a row for each channel with its noise, and what a Kalman filter takes of it.
+module gyroakf_report_text_answer
+   use gyroakf_kinds, only : dp
+   use gyroakf_io_writer, only : writer_type, put_line
+   use gyroakf_record, only : record_type, view_channel
+   use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, pipeline_result_type, stage, &
+      stated_coefficient_type
+   use gyroakf_report_input, only : has_unit, unit_name
+   use gyroakf_report_text_layout, only : fixed, number, put_item, put_paragraph
+   use gyroakf_report_text_table, only : new_table, put_table, set_cell, set_row, table_type
+   use gyroakf_report_verdicts, only : verdict_text
+   implicit none (type, external)
+   private
+   public :: put_answer, rounded
+
+   integer, parameter :: term_n = 2, term_k = 4
+
+contains
+
+   !> A table for each group of channels of one unit, and the numbers of a Kalman filter.
+   subroutine put_answer(writer, record, result)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> For units and rate
+      type(record_type), intent(in) :: record
+      !> Nothing is written where no Allan deviation was fitted
+      type(pipeline_result_type), intent(in) :: result
+      integer :: first, last
+      logical :: fitted
+
+      fitted = .false.
+      last = 0
+      do while (last < size(result%channel))
+         first = last + 1
+         last = first
+         do while (last < size(result%channel))
+            if (unit_of(result%channel(last + 1)) /= unit_of(result%channel(first))) exit
+            last = last + 1
+         end do
+         if (.not. any(result%channel(first:last)%allan(stage%input)%fitted)) cycle
+         fitted = .true.
+         call put_group(writer, record, result%channel(first:last), first)
+      end do
+      if (.not. fitted) return
+      call put_paragraph(writer, "+/-: standard error; <: 95 % limit of what is not detected; -: withheld, or not sought. "// &
+                         "minimum: lowest Allan deviation, at its averaging time", 2)
+   end subroutine put_answer
+
+   !> Unit of N, "" where it is not stated.
+   pure function unit_of(channel) result(unit)
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: unit
+
+      unit = ""
+      if (allocated(channel%allan(stage%input)%stated%term(term_n)%unit)) unit = channel%allan(stage%input)%stated%term(term_n)%unit
+   end function unit_of
+
+   !> The channels of one unit.
+   subroutine put_group(writer, record, channel, first)
+      type(writer_type), intent(inout) :: writer
+      type(record_type), intent(in) :: record
+      type(channel_result_type), intent(in) :: channel(:)
+      !> Number of the first one
+      integer, intent(in) :: first
+      type(table_type) :: table
+      type(record_type) :: view
+      integer :: c, row
+
+      call put_line(writer, "")
+      call view_channel(record, first, view)
+      call new_table(table, 2 + size(channel) + count(channel%allan(stage%outliers_removed)%available), 8, head=2)
+      call set_row(table, 1, [character(7) :: "", "mean", "N", "B", "K", "minimum", "at", "noise"])
+      if (has_unit(view)) call set_cell(table, 2, 2, unit_name(view))
+      associate (term => channel(1)%allan(stage%input)%stated%term)
+         call set_row(table, 2, [character(24) :: "", table%cell(2, 2)%text, term(term_n)%unit, term(3)%unit, term(term_k)%unit, &
+                                 term(3)%unit, trim(merge("s      ", "samples", record%rate_known))])
+      end associate
+      row = 2
+      do c = 1, size(channel)
+         row = row + 1
+         call set_cell(table, row, 1, channel(c)%name)
+         call set_cell(table, row, 8, verdict_text(channel(c)))
+         call fill_row(table, row, channel(c)%raw%mean, channel(c)%allan(stage%input))
+         if (.not. channel(c)%allan(stage%outliers_removed)%available) cycle
+         row = row + 1
+         call set_cell(table, row, 1, " no outliers")
+         call fill_row(table, row, channel(c)%level%mean, channel(c)%allan(stage%outliers_removed))
+      end do
+      call put_table(writer, table)
+      call put_filter_numbers(writer, view, channel)
+   end subroutine put_group
+
+   !> Mean, N, B, K and the lowest Allan deviation of a series.
+   subroutine fill_row(table, row, mean, allan)
+      type(table_type), intent(inout) :: table
+      integer, intent(in) :: row
+      real(dp), intent(in) :: mean
+      type(allan_result_type), intent(in) :: allan
+      integer :: term
+
+      call set_cell(table, row, 2, number(mean, 3))
+      do term = term_n, term_k
+         call set_cell(table, row, 1 + term, coefficient_text(allan%stated%term(term)))
+      end do
+      if (.not. allan%read_off%known) return
+      call set_cell(table, row, 6, number(allan%read_off%minimum, 3))
+      call set_cell(table, row, 7, number(allan%read_off%minimum_tau, 4))
+   end subroutine fill_row
+
+   !> "2.484 +/- 0.007", "< 130", "-".
+   pure function coefficient_text(stated) result(text)
+      type(stated_coefficient_type), intent(in) :: stated
+      character(:), allocatable :: text
+
+      text = "-"
+      if (.not. stated%fitted) return
+      text = "< "//number(stated%upper_limit, 3)
+      if (stated%detected) text = rounded(stated%value, stated%std_error)
+   end function coefficient_text
+
+   !> A number rounded to two digits of its standard error: "2.484 +/- 0.017"; four digits where there is none.
+   pure function rounded(value, std_error) result(text)
+      !> Any
+      real(dp), intent(in) :: value
+      !> 0: not known
+      real(dp), intent(in) :: std_error
+      character(:), allocatable :: text
+      real(dp) :: unit
+      integer :: decimals
+
+      text = number(value, 4)
+      if (.not. std_error > 0.0_dp) return
+      decimals = 1 - floor(log10(std_error))
+      if (abs(value) < 1.0e6_dp .and. abs(decimals) <= 7) then
+         unit = 10.0_dp**(-decimals)
+         text = fixed(unit*anint(value/unit), max(0, decimals))//" +/- "//fixed(unit*anint(std_error/unit), max(0, decimals))
+      else
+         text = text//" +/- "//number(std_error, 2)
+      end if
+   end function rounded
+
+   !> N and K of the channel with the largest N, in SI, as a Kalman filter at the rate of the record takes them.
+   subroutine put_filter_numbers(writer, record, channel)
+      type(writer_type), intent(inout) :: writer
+      type(record_type), intent(in) :: record
+      type(channel_result_type), intent(in) :: channel(:)
+      character(:), allocatable :: text, axis
+      integer :: c
+
+      c = maxloc(channel%allan(stage%input)%stated%term(term_n)%value_si, dim=1)
+      associate (n => channel(c)%allan(stage%input)%stated%term(term_n), k => channel(c)%allan(stage%input)%stated%term(term_k))
+         if (.not. (record%rate_known .and. n%detected .and. n%value_si > 0.0_dp)) return
+         axis = ""
+         if (size(channel) > 1) axis = " ("//channel(c)%name//", the largest N)"
+         text = "N "//number(n%value_si, 3)//" "//n%unit_si//" ("//number(n%value_si/sqrt(record%sample_interval), 3)// &
+                " of a sample)"
+         if (k%fitted .and. k%detected) text = text//", K "//number(k%value_si, 3)//" "//k%unit_si
+         if (k%fitted .and. .not. k%detected) text = text//", K < "//number(k%upper_limit_si, 2)//" "//k%unit_si
+         call put_item(writer, "Kalman filter", "at "//number(1.0_dp/record%sample_interval, 5)//" Hz in SI: "//text//axis)
+      end associate
+   end subroutine put_filter_numbers
+
+end module gyroakf_report_text_answer
