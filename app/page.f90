@@ -90,7 +90,7 @@ contains
       call summarise(config%command, config%path, config%out, record, row, result)
       call open_writer(writer, config%out//"/report.html", error)
       if (allocated(error)) return
-      call write_page(writer, about, config%command, record, config%pipeline, result, row, drawings)
+      call write_page(writer, about, config%command, record, result, row, drawings)
       call commit_writer(writer, error)
    end subroutine put_page
 

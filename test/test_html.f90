@@ -6,7 +6,7 @@ module test_html
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_report_html_recording, only : read_whole_file
    use gyroakf_io_writer, only : writer_type
-   use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
+   use gyroakf_pipeline_result, only : pipeline_result_type
    use gyroakf_record, only : record_type
    use gyroakf_report_html_figure, only : drawn_by, html_figure
    use gyroakf_report_html_markup, only : close_list, put_escaped, put_number_attribute
@@ -145,7 +145,7 @@ contains
       do i = 1, size(commands)
          call summarise(trim(commands(i)), "a&b.txt", "", record, row, result)
          call begin_text(writer)
-         call write_page(writer, about, trim(commands(i)), record, pipeline_options(), result, row, drawings)
+         call write_page(writer, about, trim(commands(i)), record, result, row, drawings)
          call end_text(writer, text)
          call check(error, index(text, "<!DOCTYPE html>"//lf) == 1 .and. index(text, "</html>"//lf) == len(text) - 7, commands(i))
          if (allocated(error)) return

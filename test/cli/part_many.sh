@@ -25,7 +25,7 @@ for command in run allan tests ar filter inspect; do
    if sed 's/many_1/many_'$command'/' many_1/summary.json | cmp -s - many_$command/summary.json; then pass
    else fail "$command: the summary depends on the threads"; fi
    is "$command: lines of summary.csv" "$(wc -l <many_$command/summary.csv)" 6
-   is "$command: columns of summary.csv" "$(awk -F, '{ print NF }' <(grep -v '"' many_$command/summary.csv) | sort -u)" 49
+   is "$command: columns of summary.csv" "$(awk -F, '{ print NF }' <(grep -v '"' many_$command/summary.csv) | sort -u)" 50
 done
 good "summary as JSON" tests many/f1.txt many/f2.txt --json -
 is "standard output is the document" "$(head -c 1 out)" "{"
@@ -66,6 +66,7 @@ for (file, channel), line in zip(channels, lines):
         for key in "value", "std_error", "upper_limit", "detected", "unit":
             assert (channel["coefficients"][term] or {}).get(key) == result["coefficients"]["input"][term][key] or \
                 channel["coefficients"][term] is None, (term, key)
+    assert (channel["drift"] or "") == line["drift"] and channel["drift"] in (result["verdict"]["drift"], None)
     assert channel["kf_variance"] == result["filters"]["kf"]["variance"]
     assert channel["akf_variance"] == result["filters"]["akf"]["variance"]
     assert channel["ar_order"] == result["ar"]["order"] and channel["adf_p_value"] == result["tests"]["adf"]["p_value"]

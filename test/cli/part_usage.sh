@@ -97,7 +97,7 @@ Q of the resonance must be 0.5 .. 100 ; simulate --resonance 1,0.4
 '0.1' has the wrong number of parts ; simulate --contamination 0.1
 contamination must be a share of 0 .. 1 ; simulate --contamination 1.1,5
 '1,2,3' has the wrong number of parts ; simulate --warmup 1,2,3
-warm-up must be a finite amplitude and a time constant > 0 s ; simulate --warmup 1,0
+the time constant of a warm-up must be > 0 s ; simulate --warmup 1,0
 '1,2' has the wrong number of parts ; simulate --motion 1,2
 motion must be a whole number of bursts ; simulate --motion 1.5,2,3
 '1,2,3' has the wrong number of parts ; simulate --markov 1,2,3

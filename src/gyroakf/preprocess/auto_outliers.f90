@@ -27,8 +27,8 @@ module gyroakf_preprocess_auto_outliers
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_select, only : find_median
    use gyroakf_special, only : normal_quantile
-   use gyroakf_preprocess_running_residual, only : block_residuals, block_size, find_coarse_step, present_bit, take_medians, &
-      & window
+   use gyroakf_preprocess_running_residual, only : block_residuals, block_size, find_coarse_step, half, present_bit, &
+      & take_medians, window
    implicit none (type, external)
    private
    public :: find_auto_outliers, auto_threshold
@@ -365,7 +365,7 @@ contains
       last = -window
       do i = 1, n
          if (iand(marks(i), exceeds_bit) == 0) cycle
-         associate (near => marks(max(1_int64, i - window/2):min(n, i + window/2)))
+         associate (near => marks(max(1_int64, i - half):min(n, i + half)))
             if (count(iand(near, exceeds_bit) /= 0) < crowd) cycle
          end associate
          if (i - last > window) then
@@ -397,7 +397,7 @@ contains
          call find_exceedances(y, -normal_quantile(0.5_dp*false_motion/real(size(y), dp)), 0.0_dp, known, loud, used, error, &
             & progress)
          if (allocated(error)) return
-         do k = 1 + window/2, size(y, kind=int64) - window/2
+         do k = 1 + half, size(y, kind=int64) - half
             if (iand(known(k), exceeds_bit) /= 0) marks((k - 1)*length + 1:k*length) = ior(marks((k - 1)*length + 1:k*length), &
                & motion_bit)
          end do

@@ -14,10 +14,10 @@ module gyroakf_preprocess_running_residual
    use gyroakf_sort, only : sort_values
    implicit none (type, external)
    private
-   public :: block_residuals, block_size, find_coarse_step, is_present, present_bit, take_medians, window
+   public :: block_residuals, block_size, find_coarse_step, half, is_present, present_bit, take_medians, window
 
-   !> Samples of a window, on either side of its center, and of a block
-   integer, parameter :: window = 11, half = window/2, block_size = 256
+   !> Samples on either side of the center of a window, of a window, and of a block
+   integer, parameter :: half = 5, window = 2*half + 1, block_size = 256
    !> Bit of a mark: the sample is present
    integer(int8), parameter :: present_bit = 1_int8
    !> Samples that a quantization is looked for in, and the share of them that is distinct where there is none

@@ -2,14 +2,14 @@
 !> report.html: the whole report of a recording as one file that needs nothing else.
 !>
 !>     call open_writer(writer, "results/report.html", error)
-!>     call write_page(writer, about, command, record, options, result, rows, drawings)
+!>     call write_page(writer, about, command, record, result, rows, drawings)
 !>     call commit_writer(writer, error)
 module gyroakf_report_html_page
    use, intrinsic :: iso_fortran_env, only : compiler_version
    use gyroakf_record, only : record_type
    use gyroakf_release, only : release_string
    use gyroakf_io_writer, only : writer_type, put, put_line
-   use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
+   use gyroakf_pipeline_result, only : pipeline_result_type
    use gyroakf_report_html_markup, only : close_list, put_element, put_escaped
    use gyroakf_report_html_recording, only : drawings_type, put_recording
    use gyroakf_report_html_script, only : put_script
@@ -31,7 +31,7 @@ module gyroakf_report_html_page
 contains
 
    !> The page of one recording.
-   subroutine write_page(writer, about, command, record, options, result, row, drawings)
+   subroutine write_page(writer, about, command, record, result, row, drawings)
       !> Open
       type(writer_type), intent(inout) :: writer
       !> What made it
@@ -40,8 +40,6 @@ contains
       character(*), intent(in) :: command
       !> What was read
       type(record_type), intent(in) :: record
-      !> What was asked for
-      type(pipeline_options), intent(in) :: options
       !> What came out
       type(pipeline_result_type), intent(in) :: result
       !> Its row of the summary
@@ -52,8 +50,8 @@ contains
 
       rows(1) = row
       call begin_page(writer, command, row%path)
-      call put_summary(writer, command, rows)
-      call put_recording(writer, about%number, command, record, options, result, drawings)
+      if (command /= "run" .and. command /= "allan") call put_summary(writer, command, rows)
+      call put_recording(writer, about%number, command, record, result, drawings)
       call end_page(writer, about, drawings%program)
    end subroutine write_page
 

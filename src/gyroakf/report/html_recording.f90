@@ -5,13 +5,14 @@ module gyroakf_report_html_recording
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_record, only : record_type, text_type, view_channel
    use gyroakf_io_writer, only : writer_type, put, put_line
-   use gyroakf_pipeline_result, only : channel_result_type, pipeline_options, pipeline_result_type, stage
+   use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage
    use gyroakf_report_advice, only : put_advice
    use gyroakf_report_document, only : gather_warnings
    use gyroakf_report_figures, only : figure_name, figure_kinds
    use gyroakf_report_html_figure, only : drawn_by, html_figure
    use gyroakf_report_html_markup, only : close_list, put_attribute, put_element, put_escaped
    use gyroakf_report_input, only : put_input, unit_name
+   use gyroakf_report_text_answer, only : put_answer
    use gyroakf_report_text_layout, only : count_text, put_point
    use gyroakf_report_text_noise, only : put_curves_of
    use gyroakf_report_text_report, only : put_sections
@@ -35,7 +36,7 @@ module gyroakf_report_html_recording
 contains
 
    !> The section of a recording.
-   subroutine put_recording(writer, number, command, record, options, result, drawings)
+   subroutine put_recording(writer, number, command, record, result, drawings)
       !> The page
       type(writer_type), intent(inout) :: writer
       !> Of the recording on the page, from 1: part of every name
@@ -44,8 +45,6 @@ contains
       character(*), intent(in) :: command
       !> What was read
       type(record_type), intent(in) :: record
-      !> What was asked for
-      type(pipeline_options), intent(in) :: options
       !> What came out
       type(pipeline_result_type), intent(in) :: result
       !> Its figures
@@ -61,12 +60,14 @@ contains
       call put_element(writer, "h2", path_of(record))
       writer%markup%level = 3
       call put_all_warnings(writer, record, result)
+      if (command == "run" .or. command == "allan") call put_answer(writer, record, result)
+      call close_list(writer)
       if (size(result%channel) > 1) call put_channel_list(writer, id, result)
       call put_input(writer, record)
       call close_list(writer)
       do c = 1, size(result%channel)
          call view_channel(record, c, view)
-         call put_channel(writer, id, c, command, view, options, result, drawings)
+         call put_channel(writer, id, c, command, view, result, drawings)
       end do
       call put_line(writer, "</section>")
    end subroutine put_recording
@@ -118,7 +119,7 @@ contains
    end subroutine put_channel_list
 
    !> One channel.
-   subroutine put_channel(writer, id, c, command, record, options, result, drawings)
+   subroutine put_channel(writer, id, c, command, record, result, drawings)
       type(writer_type), intent(inout) :: writer
       character(*), intent(in) :: id
       !> Number of the channel
@@ -126,7 +127,6 @@ contains
       character(*), intent(in) :: command
       !> Of this channel
       type(record_type), intent(in) :: record
-      type(pipeline_options), intent(in) :: options
       type(pipeline_result_type), intent(in) :: result
       type(drawings_type), intent(inout) :: drawings
       character(:), allocatable :: own
@@ -138,7 +138,7 @@ contains
       associate (channel => result%channel(c))
          if (command == "run") call put_advice(writer, record, channel)
          call put_figures(writer, own, c, record, result, drawings)
-         call put_sections(writer, command, record, options, channel, .false.)
+         call put_sections(writer, command, record, channel, .false.)
          if (command == "run" .and. channel%allan(stage%input)%available) then
             call close_list(writer)
             call put_line(writer, "<details><summary>The Allan deviation in numbers</summary>")

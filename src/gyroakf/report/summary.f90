@@ -12,7 +12,7 @@ module gyroakf_report_summary
    use gyroakf_report_json, only : close_array, close_object, flush_json, json_text, json_type, open_array, open_object, put_json, &
       & put_member, put_null
    use gyroakf_report_text_layout, only : plural, put_paragraph, report_width
-   use gyroakf_report_summary_row, only : column_heads, csv_head, make_failed_row, make_row, summary_row_type
+   use gyroakf_report_summary_row, only : column_heads, csv_head, drift_of, make_failed_row, make_row, summary_row_type
    use gyroakf_report_text_table, only : column_widths, new_table, put_table, set_cell, table_type
    use gyroakf_utf8, only : is_continuation, text_width
    implicit none (type, external)
@@ -192,6 +192,7 @@ contains
       call put_known(json, "drift_kf_variance", channel%drift_kf%variance, channel%available%drift_kf)
       call put_known(json, "drift_akf_variance", channel%drift_akf%variance, channel%available%drift_akf)
       call put_known(json, "akf_dc_gain", channel%akf%dc_gain, channel%available%akf)
+      call put_text(json, "drift", drift_of(channel))
    end subroutine put_methods
 
    !> A count, null where it is not known.

@@ -11,9 +11,10 @@ module gyroakf_report_summary_row
    use gyroakf_report_csv, only : quoted
    use gyroakf_report_document, only : gather_warnings
    use gyroakf_report_text_layout, only : count_text, number
+   use gyroakf_report_verdicts, only : verdict_text
    implicit none (type, external)
    private
-   public :: summary_row_type, make_row, make_failed_row, csv_head, column_heads
+   public :: summary_row_type, make_row, make_failed_row, csv_head, column_heads, drift_of
 
    !> One file
    type :: summary_row_type
@@ -132,7 +133,7 @@ contains
             & term_names(term)//"_detected,"//term_names(term)//"_unit"
       end do
       line = line//",adf_p_value,jarque_bera_p_value,ljung_box_p_value,ar_order,ar_noise_variance,cleaned_variance,kf_variance,"// &
-         & "akf_variance,drift_kf_variance,drift_akf_variance,akf_dc_gain"
+         & "akf_variance,drift_kf_variance,drift_akf_variance,akf_dc_gain,drift"
    end function csv_head
 
    !> What all lines of a file begin with: the message is the error, or else the first warning.
@@ -180,7 +181,7 @@ contains
          & csv_number(channel%akf%variance, channel%available%akf)//","// &
          & csv_number(channel%drift_kf%variance, channel%available%drift_kf)//","// &
          & csv_number(channel%drift_akf%variance, channel%available%drift_akf)//","// &
-         & csv_number(channel%akf%dc_gain, channel%available%akf)
+         & csv_number(channel%akf%dc_gain, channel%available%akf)//","//quoted(drift_of(channel))
    end function csv_channel
 
    !> The five columns of a coefficient, each with a comma in front.
@@ -206,6 +207,16 @@ contains
       if (known) text = format_real(value, csv_digits)
    end function csv_number
 
+   !> The verdict on drift as results.json has it, "" where there is none.
+   pure function drift_of(channel) result(drift)
+      !> Any
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: drift
+
+      drift = ""
+      if (channel%verdict%known) drift = trim(channel%verdict%drift)
+   end function drift_of
+
    !> Unit of a channel, "" where it is not known.
    pure function unit_name(view) result(name)
       type(record_type), intent(in) :: view
@@ -229,7 +240,7 @@ contains
       case ("tests"); middle = [character(12) :: "ADF p", "Jarque-Bera", "Ljung-Box"]
       case ("ar"); middle = [character(12) :: "order", "noise var.", "phi 1"]
       case ("filter"); middle = [character(12) :: "variance", "KF", "AKF", "AKF passes"]
-      case default; middle = [character(12) :: "N", "B", "K"]
+      case default; middle = [character(12) :: "N", "B", "K", "noise"]
       end select
       allocate (heads(size(middle) + 4))
       heads(1)%text = "file"
@@ -284,6 +295,8 @@ contains
          cell(c, 4)%text = table_coefficient(channel%allan(stage%input)%stated%term(2))
          cell(c, 5)%text = table_coefficient(channel%allan(stage%input)%stated%term(3))
          cell(c, 6)%text = table_coefficient(channel%allan(stage%input)%stated%term(4))
+         cell(c, 7)%text = "-"
+         if (channel%verdict%known) cell(c, 7)%text = verdict_text(channel)
       end select
    end subroutine fill_cells
 

@@ -50,36 +50,33 @@ contains
       call put_input(writer, record)
       do c = 1, size(result%channel)
          call view_channel(record, c, view)
-         call put_channel(writer, command, view, options, result%channel(c), drawn)
+         call put_channel(writer, command, view, result%channel(c), drawn)
       end do
    end subroutine write_report
 
    !> One channel: its sections, and what to make of them.
-   subroutine put_channel(writer, command, record, options, channel, chart)
+   subroutine put_channel(writer, command, record, channel, chart)
       type(writer_type), intent(inout) :: writer
       character(*), intent(in) :: command
       type(record_type), intent(in) :: record
-      type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(in) :: channel
       !> Draw the deviation
       logical, intent(in) :: chart
 
       call put_heading(writer, "Channel "//channel%name, "=", verbatim=.true.)
-      call put_sections(writer, command, record, options, channel, chart)
+      call put_sections(writer, command, record, channel, chart)
       if (command == "run") call put_advice(writer, record, channel)
       call put_warnings(writer, channel)
    end subroutine put_channel
 
    !> The sections of a command, for one channel; those of `run` are in the order of the paper's results.
-   subroutine put_sections(writer, command, record, options, channel, chart)
+   subroutine put_sections(writer, command, record, channel, chart)
       !> The report
       type(writer_type), intent(inout) :: writer
       !> run, allan, tests, ar or filter
       character(*), intent(in) :: command
       !> For units and what is assumed
       type(record_type), intent(in) :: record
-      !> What was asked for
-      type(pipeline_options), intent(in) :: options
       !> What came out
       type(channel_result_type), intent(in) :: channel
       !> Draw the deviation in characters

@@ -490,9 +490,10 @@ contains
 
       if (.not. all(within(options%contamination, 0.0_dp, [1.0_dp, largest]))) then
          call complain(error, "contamination must be a share of 0 .. 1 and a size >= 0")
-      else if (.not. within(options%warm_up(1), -largest, largest) .or. &
-               (abs(options%warm_up(1)) > 0 .and. .not. within(options%warm_up(2), least, largest))) then
-         call complain(error, "warm-up must be a finite amplitude and a time constant > 0 s")
+      else if (.not. within(options%warm_up(1), -largest, largest)) then
+         call complain(error, "the amplitude of a warm-up must be finite")
+      else if (abs(options%warm_up(1)) > 0 .and. .not. within(options%warm_up(2), least, largest)) then
+         call complain(error, "the time constant of a warm-up must be > 0 s")
       else if (.not. all(within(options%motion, 0.0_dp, [1.0e9_dp, largest, largest, largest]))) then
          call complain(error, "motion must be 0 to 1e9 bursts, a height and a length > 0, and an end")
       else if (abs(modulo(options%motion(1), 1.0_dp)) > 0 .or. &
