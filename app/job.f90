@@ -31,7 +31,7 @@ contains
    subroutine inspect(config, bar, record, error)
       !> What is wanted
       type(inspect_config), intent(in) :: config
-      !> Told how far it is; taken away before the report
+      !> Progress of the run; taken away before the report
       type(bar_type), intent(inout) :: bar
       !> What was read
       type(record_type), intent(out) :: record
@@ -87,7 +87,7 @@ contains
    subroutine analyze(config, bar, record, result, error)
       !> What is wanted
       type(analysis_config), intent(in) :: config
-      !> Told how far it is; taken away before the report
+      !> Progress of the run; taken away before the report
       type(bar_type), intent(inout) :: bar
       !> What was read
       type(record_type), intent(out) :: record

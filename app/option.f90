@@ -171,7 +171,7 @@ module gyroakf_app_option
       option_type("--rate", "HZ", "positive", "simulate", "record", "sample rate (default 5)"), &
       option_type("--dt", "S", "positive", "simulate", "record", "sample interval, instead of --rate"), &
       option_type("--unit", "UNIT", "text", "simulate", "record", "unit of the values (default deg/s)"), &
-      option_type("--seed", "N", "natural", "simulate", "record", "seed of the random numbers (default 1)"), &
+      option_type("--seed", "N", "natural", "simulate", "record", "seed of the random numbers (default 1140)"), &
       option_type("--coefficients", "Q=..,N=..,B=..,K=..,R=..", "text", "simulate", "record", &
                   "noise terms in the output unit u and seconds: Q in u s, N in u sqrt(s), B in u, K in u/sqrt(s), "// &
                   "R in u/s"), &

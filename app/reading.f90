@@ -27,7 +27,7 @@ module gyroakf_app_reading
 
 contains
 
-   !> Where nobody gave a bound of the memory it is what the machine, the container and the shell leave.
+   !> Without `--memory` the bound is what the machine, the container and the shell leave.
    subroutine find_bound(reader)
       !> Its `memory` is set
       type(reader_options), intent(inout) :: reader

@@ -509,11 +509,14 @@ contains
       options%do_filter = .false.
       options%clean%method = "none"
       options%clean%degree = 3
-      if (.not. run(record, level, options)) return
+      call check(error, run(record, level, options))
+      if (allocated(error)) return
       options%test_cleaned = .true.
-      if (.not. run(record, paper, options)) return
+      call check(error, run(record, paper, options))
+      if (allocated(error)) return
       options%clean%degree = -1
-      if (.not. run(record, plain, options)) return
+      call check(error, run(record, plain, options))
+      if (allocated(error)) return
       associate (a => level%channel(1), b => plain%channel(1), c => paper%channel(1))
          call check(error, trim(a%tested)//", "//trim(b%tested)//", "//trim(c%tested), &
                     "record as read, record as read, cleaned series")

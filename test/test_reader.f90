@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Reading recordings: every feature of the text format.
 module test_reader
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use testdrive, only : new_unittest, unittest_type, error_type, check, test_failed
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type
@@ -49,6 +50,7 @@ contains
          new_unittest("part", test_part), &
          new_unittest("skip-bad-lines", test_bad_lines), &
          new_unittest("audit-of-values", test_audit_values), &
+         new_unittest("survey", test_survey), &
          new_unittest("from-memory", test_memory), &
          new_unittest("long-line", test_long_line), &
          new_unittest("many-rows", test_many_rows)]
@@ -161,6 +163,27 @@ contains
       if (allocated(error)) return
       call check(error, .not. allocated(record%present), "no mask without missing samples")
    end subroutine test_missing
+
+   !> Range and smallest step of every column, also where the first values are missing; not known where all are.
+   subroutine test_survey(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(reader_options) :: options
+
+      options%survey = .true.
+      call check(error, shown("a,b"//nl//"nan,2"//nl//"3,2"//nl//"-1,2"//nl//"-0.5,2"//nl, options, record), &
+                 "nan 2 / 3 2 / -1 2 / -0.5 2 ")
+      if (allocated(error)) return
+      associate (a => record%column(1), b => record%column(2))
+         call check(error, maxval(abs([a%minimum + 1, a%maximum - 3, a%step - 0.5_dp, b%minimum - 2, b%maximum - 2, &
+                                       b%step])) <= 0.0_dp)
+         if (allocated(error)) return
+      end associate
+      call check(error, shown("a,b"//nl//"nan,2"//nl//"nan,3"//nl, options, record), &
+                 "2 / 3 ")
+      if (allocated(error)) return
+      call check(error, ieee_is_nan(record%column(1)%step), "a column of missing values has no step")
+   end subroutine test_survey
 
    subroutine test_quotes(error)
       type(error_type), allocatable, intent(out) :: error

@@ -8,10 +8,10 @@ module test_report
    use gyroakf_units, only : unit_type, parse_unit
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
-   use gyroakf_report_text_layout, only : put_item, put_heading, report_width, fixed, scientific, p_value_text, plural
+   use gyroakf_report_text_layout, only : put_item, put_heading, report_width, fixed, scientific, p_value_text, plural, &
+      rounded
    use gyroakf_report_text_table, only : table_type, new_table, set_cell, put_table
    use gyroakf_utf8, only : text_width
-   use gyroakf_report_text_answer, only : rounded
    use gyroakf_report_text_report, only : write_report, report_inspect
    use gyroakf_report_document, only : write_document
    use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, series_output_type
@@ -187,8 +187,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(100), parameter :: lines(8) = [character(100) :: &
          "    * 1  4.3600e-04  -58801.12  0.00  0.00  0.00  0.0000e+00  -4.900012", &
-         "  KF (paper)  0.000e+00 1.4908e-04 28.4 % 0.48 0.6072 0.750   0.2 coloured", &
-         "  AKF (paper) 0.000e+00 2.0000e-05  3.8 % 0.48 0.2100 0.750   0.2 coloured", &
+         "  KF (paper)  0.000e+00 1.4908e-04 28.4 % 0.48 0.6072 0.750   0.2 colored", &
+         "  AKF (paper) 0.000e+00 2.0000e-05  3.8 % 0.48 0.2100 0.750   0.2 colored", &
          "             arcsec  deg/sqrt(h)    deg/h  deg/h^1.5  deg/h^2", &
          "  as read    < 10.8        0.948     14.4      < 648        -", &
          "                       +/- 0.012  +/- 3.6", &
@@ -219,8 +219,9 @@ contains
       text = rounded(2.48376_dp, 0.0169_dp)//"; "//rounded(37.61_dp, 1.94_dp)//"; "//rounded(1873.0_dp, 351.0_dp)
       call check(error, text, "2.484 +/- 0.017; 37.6 +/- 1.9; 1870 +/- 350")
       if (allocated(error)) return
-      text = rounded(6.1e-4_dp, 1.6e-4_dp)//"; "//rounded(0.5_dp, 0.0_dp)//"; "//rounded(1.25e-9_dp, 1.0e-11_dp)
-      call check(error, text, "0.00061 +/- 0.00016; 0.5; 1.25e-09 +/- 1e-11")
+      text = rounded(6.1e-4_dp, 1.6e-4_dp)//"; "//rounded(0.5_dp, 0.0_dp)//"; "//rounded(1.25e-9_dp, 1.0e-11_dp)// &
+             "; "//rounded(0.0341_dp, 9.96e-5_dp)
+      call check(error, text, "0.00061 +/- 0.00016; 0.5; 1.25e-09 +/- 1e-11; 0.03410 +/- 0.00010")
       if (allocated(error)) return
       call run_text("run", .true., text)
       do i = 1, size(lines)
@@ -458,16 +459,16 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(110), parameter :: fragments(18) = [character(110) :: &
          "no outliers 4.300e-03 5.5000e-04  100 %", &
-         "drift KF 0.000e+00 1.0000e-05  1.8 % 0.48 1.0000 0.750   0.2 coloured", &
+         "drift KF 0.000e+00 1.0000e-05  1.8 % 0.48 1.0000 0.750   0.2 colored", &
          "smoother 0.000e+00 1.2000e-05  1.8 %      1.0000", &
          "compensated 1.000e-06 5.3800e-04 97.8 %      0.0000", &
          "(95 % of such filters within 0.980 to 1.020)", "a rotation passes into it: estimate it at rest, only predict it", &
          "In-sample: the drift was taken from the same record", "b = 0.98, adapts R", &
          "Drift: what is slower than 1 s (--drift-tau) in the record as read without its outliers", &
          "Model random walk + AR(1) of 0.224 s + white noise Random", &
-         "noise, too fast to be drift: correlation time 0.2243 +/- 0.012 s", &
-         "Random walk drift: K = 4.83 +/- 1.2 deg/h^1.5, steps of 1e-05 deg/s a sample", &
-         "White noise standard deviation 0.005 +/- 0.0021 deg/s", "largest likelihood of the middle 8 of 12 samples", &
+         "noise, too fast to be drift: correlation time 0.224 +/- 0.012 s", &
+         "Random walk drift: K = 4.8 +/- 1.2 deg/h^1.5, steps of 1e-05 deg/s a sample", &
+         "White noise standard deviation 0.0050 +/- 0.0021 deg/s", "largest likelihood of the middle 8 of 12 samples", &
          "* random walk, AR(1) -58726.91 -58697.34", &
          "The drift filters model the record as random walk + AR(1) of 0.224 s + white noise.", &
          "of a constant rotation it takes 100 % for drift", &

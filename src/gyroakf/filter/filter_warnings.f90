@@ -8,7 +8,7 @@ module gyroakf_filter_filter_warnings
    use gyroakf_filter_filter_types, only : filter_type
    implicit none (type, external)
    private
-   public :: filter_facts, filter_warnings
+   public :: colored, filter_facts, filter_warnings, significant
 
    !> Share of the measurements with Q or R at a bound, or gated, that is worth a word
    real(dp), parameter :: often = 0.05_dp
@@ -17,7 +17,7 @@ module gyroakf_filter_filter_warnings
    !> Gain above which a filter that adapts R only passes the series through
    real(dp), parameter :: passing = 0.9_dp
    !> Autocorrelation of the innovations that a good model does not leave
-   real(dp), parameter :: coloured = 0.1_dp
+   real(dp), parameter :: colored = 0.1_dp
    !> Significance that is asked for beside it: a short series has such autocorrelations by chance
    real(dp), parameter :: significant = 0.01_dp
    !> DC gain below which a true rotation is visibly attenuated
@@ -50,13 +50,13 @@ contains
          call add_text(warnings, "of a constant true rotation the output keeps "//trim(percent(facts%dc_gain)) &
                        //": do not navigate with it")
       end if
-      if (facts%largest_rho > coloured .and. facts%p_value < significant) then
+      if (facts%largest_rho > colored .and. facts%p_value < significant) then
          call add_text(warnings, "the innovations are not white: an autocorrelation of "//trim(decimal(facts%largest_rho)) &
                        //" within 20 lags (p "//trim(probability(facts%p_value)) &
                        //", a good model leaves less than 0.10); the model does not describe the series")
       end if
       if (facts%nis_mean < lowest_nis .or. facts%nis_mean > highest_nis) then
-         call add_text(warnings, "the mean normalised innovation squared is "//trim(decimal(facts%nis_mean)) &
+         call add_text(warnings, "the mean normalized innovation squared is "//trim(decimal(facts%nis_mean)) &
                        //" (1 is consistent): the variances that the filter states are not those of the series")
       end if
       if (.not. any(abs(filter%phi) > 0.0_dp)) then

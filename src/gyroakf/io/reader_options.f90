@@ -59,7 +59,7 @@ module gyroakf_io_reader_options
       integer(int64) :: memory = 0, work_bytes = 0, channel_bytes = 0
       !> The same for `part_samples` of the channel that is worked on, or all of them where they are fewer
       integer(int64) :: part_bytes = 0, part_samples = 0
-      !> `memory` is what the machine has left, nobody gave it
+      !> `memory` is what the machine has left, not an option
       logical :: memory_found = .false.
       !> Where associated they are read instead of a file, and the path is a name for messages; they have to stay until the end
       integer(int8), pointer, contiguous :: bytes(:) => null()

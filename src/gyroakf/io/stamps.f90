@@ -70,7 +70,7 @@ contains
    pure subroutine infer_scale(stamps, rate_hz, scale, sure, offset)
       !> As read, NaN where missing: [n]
       real(dp), intent(in), contiguous :: stamps(:)
-      !> Hz, 0 where nobody gave one
+      !> Hz, 0 where none is given
       real(dp), intent(in) :: rate_hz
       !> s
       real(dp), intent(out) :: scale

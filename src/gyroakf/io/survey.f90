@@ -65,21 +65,29 @@ contains
       real(dp) :: before, change
       integer(int64) :: i
       integer :: k
+      logical :: known
 
-      before = ieee_value(1.0_dp, ieee_quiet_nan)
+      known = .false.
+      before = 0.0_dp
       change = huge(change)
       do k = 1, store%count
          do i = 1, store%chunk(k)%rows
             associate (x => store%chunk(k)%value(i, slot))
                if (ieee_is_nan(x)) cycle
-               if (.not. minimum <= x) minimum = x
-               if (.not. maximum >= x) maximum = x
-               if (abs(x - before) > 0.0_dp) change = min(change, abs(x - before))
+               if (.not. known) then
+                  known = .true.
+                  minimum = x
+                  maximum = x
+               else
+                  minimum = min(minimum, x)
+                  maximum = max(maximum, x)
+                  if (abs(x - before) > 0.0_dp) change = min(change, abs(x - before))
+               end if
                before = x
             end associate
          end do
       end do
-      if (.not. ieee_is_nan(minimum)) step = merge(change, 0.0_dp, change < huge(change))
+      if (known) step = merge(change, 0.0_dp, change < huge(change))
    end subroutine find_range
 
 end module gyroakf_io_survey

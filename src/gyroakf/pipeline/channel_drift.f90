@@ -9,6 +9,7 @@ module gyroakf_pipeline_channel_drift
    use gyroakf_allan_noise_model, only : term_walk
    use gyroakf_io_decimal, only : format_real
    use gyroakf_filter_components, only : component_model_type
+   use gyroakf_filter_filter_warnings, only : colored, significant
    use gyroakf_filter_drift_identification, only : drift_identification_options, identify_drift_model
    use gyroakf_pipeline_coefficients, only : state_one
    use gyroakf_pipeline_result, only : channel_result_type, drift_process_type, pipeline_options, stage
@@ -132,8 +133,8 @@ contains
    pure subroutine judge_model(channel)
       !> `drift_doubt` is set, and whether K is stated
       type(channel_result_type), intent(inout) :: channel
-      !> Autocorrelation that a good model does not leave, its significance, and how many standard errors two K may differ
-      real(dp), parameter :: colored = 0.1_dp, significant = 0.01_dp, most_errors = 3.0_dp
+      !> Standard errors that two K may differ
+      real(dp), parameter :: most_errors = 3.0_dp
       integer :: i, which
 
       which = merge(stage%outliers_removed, stage%input, channel%allan(stage%outliers_removed)%available)

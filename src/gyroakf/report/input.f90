@@ -219,7 +219,7 @@ contains
       has_unit = record%unit%quantity /= quantity%unknown .and. allocated(record%unit%name)
    end function has_unit
 
-   !> The unit's name, "input units" where nobody gave one.
+   !> The unit's name, "input units" where none is known.
    pure function unit_name(record) result(name)
       !> What was read
       type(record_type), intent(in) :: record

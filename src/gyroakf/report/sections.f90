@@ -17,10 +17,11 @@ contains
    subroutine put_tests(writer, command, channel)
       !> The report
       type(writer_type), intent(inout) :: writer
-      !> "tests" tells the tests of a unit root of all samples too, which reject one for every sensor of a long record
+      !> "tests" has the unit-root tests of all samples too; on a long record they reject a unit root for any sensor
       character(*), intent(in) :: command
       !> Tests are filled as far as they are available
       type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
 
       call put_heading(writer, "Tests of the "//trim(channel%tested))
       if (command == "tests") then
@@ -28,8 +29,10 @@ contains
          if (channel%available%adf) call put_adf_details(writer, channel%adf)
       end if
       if (channel%tested == "cleaned series") then
-         call put_item(writer, "Trend removed", "critical values and p-values of tests of a unit root do not hold: of random "// &
-                       "walks without their cubic about half are called stationary at 5 %")
+         text = "critical values and p-values of tests of a unit root do not hold"
+         if (channel%clean%trend%degree == 3) text = text// &
+            ": of random walks without their cubic about half are called stationary at 5 %"
+         call put_item(writer, "Trend removed", text)
       end if
       call put_normality(writer, channel)
       call put_whiteness(writer, channel)

@@ -55,7 +55,7 @@ contains
              trim(merge("line ", "level", channel%kpss%regression == "ct"))//", bandwidth "//count_text(channel%kpss%lags)
    end function kpss_text
 
-   !> Whiteness by the size of the effect: significance alone would call every long record coloured.
+   !> Whiteness by the size of the effect: significance alone would call every long record colored.
    subroutine put_whiteness(writer, channel)
       !> The report
       type(writer_type), intent(inout) :: writer

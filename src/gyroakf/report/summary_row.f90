@@ -214,7 +214,7 @@ contains
       character(:), allocatable :: drift
 
       drift = ""
-      if (channel%verdict%known) drift = trim(channel%verdict%drift)
+      if (channel%verdict%wanted) drift = trim(channel%verdict%drift)
    end function drift_of
 
    !> Unit of a channel, "" where it is not known.

@@ -7,12 +7,12 @@ module gyroakf_report_text_answer
    use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, pipeline_result_type, stage, &
       stated_coefficient_type
    use gyroakf_report_input, only : has_unit, unit_name
-   use gyroakf_report_text_layout, only : fixed, number, put_item, put_paragraph
+   use gyroakf_report_text_layout, only : number, put_item, put_paragraph, rounded
    use gyroakf_report_text_table, only : new_table, put_table, set_cell, set_row, table_type
    use gyroakf_report_verdicts, only : verdict_text
    implicit none (type, external)
    private
-   public :: put_answer, rounded
+   public :: put_answer
 
    integer, parameter :: term_n = 2, term_k = 4
 
@@ -118,27 +118,6 @@ contains
       text = "< "//number(stated%upper_limit, 3)
       if (stated%detected) text = rounded(stated%value, stated%std_error)
    end function coefficient_text
-
-   !> A number rounded to two digits of its standard error: "2.484 +/- 0.017"; four digits where there is none.
-   pure function rounded(value, std_error) result(text)
-      !> Any
-      real(dp), intent(in) :: value
-      !> 0: not known
-      real(dp), intent(in) :: std_error
-      character(:), allocatable :: text
-      real(dp) :: unit
-      integer :: decimals
-
-      text = number(value, 4)
-      if (.not. std_error > 0.0_dp) return
-      decimals = 1 - floor(log10(std_error))
-      if (abs(value) < 1.0e6_dp .and. abs(decimals) <= 7) then
-         unit = 10.0_dp**(-decimals)
-         text = fixed(unit*anint(value/unit), max(0, decimals))//" +/- "//fixed(unit*anint(std_error/unit), max(0, decimals))
-      else
-         text = text//" +/- "//number(std_error, 2)
-      end if
-   end function rounded
 
    !> N and K of the channel with the largest N, in SI, as a Kalman filter at the rate of the record takes them.
    subroutine put_filter_numbers(writer, record, channel)

@@ -6,7 +6,7 @@ module gyroakf_report_text_drift
    use gyroakf_record, only : record_type
    use gyroakf_pipeline_result, only : channel_result_type, drift_process_type
    use gyroakf_report_input, only : unit_name
-   use gyroakf_report_text_layout, only : put_heading, put_item, number, fixed, count_text
+   use gyroakf_report_text_layout, only : put_heading, put_item, number, rounded, fixed, count_text
    use gyroakf_report_text_table, only : table_type, new_table, set_cell, put_table
    implicit none (type, external)
    private
@@ -43,7 +43,7 @@ contains
          end do
          if (drift%white_std > 0.0_dp) then
             call put_item(writer, "White noise", "standard deviation "// &
-                          with_error(drift%white_std, channel%white_std_error)//" "//unit_name(record))
+                          rounded(drift%white_std, channel%white_std_error)//" "//unit_name(record))
          else if (drift%source == "likelihood") then
             call put_item(writer, "White noise", "none: the likelihood does not tell it from 0")
          end if
@@ -114,26 +114,17 @@ contains
 
       if (process%walk) then
          text = ""
-         if (process%k%detected) text = "drift: K = "//with_error(process%k%value, process%k%std_error)//" "//process%k%unit//", "
+         if (process%k%detected) text = "drift: K = "//rounded(process%k%value, process%k%std_error)//" "//process%k%unit//", "
          call put_item(writer, "Random walk", text//"steps of "//number(process%std, 3)//" "//unit_name(record)//" a sample")
          return
       end if
       text = "noise, too fast to be drift: "
       if (process%slow) text = "drift: "
-      if (process%time > 0.0_dp) text = text//"correlation time "//with_error(process%time, process%time_error)// &
+      if (process%time > 0.0_dp) text = text//"correlation time "//rounded(process%time, process%time_error)// &
          time_unit(record)//", "
-      call put_item(writer, "AR(1)", text//"phi = "//with_error(process%phi, process%phi_error)//", standard deviation "// &
+      call put_item(writer, "AR(1)", text//"phi = "//rounded(process%phi, process%phi_error)//", standard deviation "// &
                     number(process%std, 3)//" "//unit_name(record))
    end subroutine put_process
-
-   !> A number and its standard error, where it is known.
-   pure function with_error(value, error) result(text)
-      real(dp), intent(in) :: value, error
-      character(:), allocatable :: text
-
-      text = number(value, 4)
-      if (error > 0.0_dp) text = text//" +/- "//number(error, 2)
-   end function with_error
 
    !> What was compared.
    subroutine put_candidates(writer, channel)

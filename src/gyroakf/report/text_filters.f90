@@ -146,7 +146,7 @@ contains
       call set_cell(table, row, 9, trim(verdict(filter%ljung_box)))
    end subroutine add_filter
 
-   !> Whiteness in a word: significance alone would call every long record coloured.
+   !> Whiteness in a word: significance alone would call every long record colored.
    pure function verdict(test) result(text)
       type(ljung_box_type), intent(in) :: test
       character(8) :: text
@@ -156,7 +156,7 @@ contains
       else if (test%largest_rho < negligible_rho) then
          text = "nearly"
       else
-         text = "coloured"
+         text = "colored"
       end if
    end function verdict
 

@@ -15,7 +15,7 @@ module gyroakf_report_text_layout
    private
    public :: report_width, pad_right, pad_left
    public :: put_title, put_heading, put_item, put_paragraph, put_point, put_items
-   public :: number, scientific, fixed, count_text, p_value_text, plural
+   public :: number, rounded, scientific, fixed, count_text, p_value_text, plural
 
    !> No line is longer
    integer, parameter :: report_width = 80
@@ -318,6 +318,29 @@ contains
       text = trim(adjustl(buffer))
       if (decimals == 0) text = text(:len(text) - 1)
    end function fixed
+
+   !> A number rounded to two digits of its standard error, "2.484 +/- 0.017"; four digits where there is none.
+   pure function rounded(value, std_error) result(text)
+      !> Any
+      real(dp), intent(in) :: value
+      !> 0: not known
+      real(dp), intent(in) :: std_error
+      character(:), allocatable :: text
+      real(dp) :: unit
+      integer :: decimals
+
+      text = number(value, 4)
+      if (.not. ieee_is_finite(std_error)) return
+      if (.not. std_error > 0.0_dp) return
+      decimals = 1 - floor(log10(std_error))
+      if (abs(decimals) > 7 .or. .not. abs(value) < 1.0e6_dp) then
+         text = text//" +/- "//number(std_error, 2)
+         return
+      end if
+      if (anint(std_error*10.0_dp**decimals) > 99.0_dp) decimals = decimals - 1
+      unit = 10.0_dp**(-decimals)
+      text = fixed(unit*anint(value/unit), max(0, decimals))//" +/- "//fixed(unit*anint(std_error/unit), max(0, decimals))
+   end function rounded
 
    !> An integer.
    pure function count_text(value) result(text)

@@ -13,7 +13,7 @@ module gyroakf_report_text_normality
    !> A test decides at this level
    real(dp), parameter :: level = 0.05_dp
    !> The samples are called dependent where whiteness is rejected and an autocorrelation is as large as this
-   real(dp), parameter :: coloured = 0.05_dp
+   real(dp), parameter :: colored = 0.05_dp
    !> A step is spoken of from this share of the standard deviation on, or where it adds so much to A2
    real(dp), parameter :: visible_step = 0.1_dp, visible_rounding = 0.1_dp
 
@@ -36,7 +36,7 @@ contains
             channel%anderson_darling%stride)//" sample, "//count_text(channel%anderson_darling%samples)//" of them")
       end if
       if (channel%available%ljung_box .and. channel%ljung_box%p_value < level .and. &
-          channel%ljung_box%largest_rho > coloured) then
+          channel%ljung_box%largest_rho > colored) then
          call put_item(writer, "", "these tests take the samples as independent; with an autocorrelation of "// &
                        number(channel%ljung_box%largest_rho, 2)//" the errors are larger, the p-values too small")
       end if
