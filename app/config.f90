@@ -73,6 +73,8 @@ module gyroakf_app_config
       character(:), allocatable :: kalibr, latex
       !> Draw the Allan deviation in characters
       logical :: chart = .true.
+      !> The report has everything, not the first screen alone
+      logical :: details = .false.
       !> File of the true drift; unallocated: none
       character(:), allocatable :: truth
    end type analysis_config

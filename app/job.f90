@@ -261,7 +261,7 @@ contains
       call open_writer(writer, "-", error)
       if (allocated(error)) return
       call adapt_writer(writer, config%colour, config%ascii)
-      call write_report(writer, config%command, record, config%pipeline, result, config%chart)
+      call write_report(writer, config%command, record, config%pipeline, result, config%chart, config%details)
       call commit_writer(writer, error)
    end subroutine print_result
 

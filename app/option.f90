@@ -238,6 +238,7 @@ module gyroakf_app_option
                   "colours in the report on standard output; auto (default): on a terminal, unless NO_COLOR is set"), &
       option_type("--ascii", "", "flag", reading, "output", &
                   "the report on standard output in ASCII (default where the locale is not UTF-8)"), &
+      option_type("--details", "", "flag", analysing, "output", "print every table, test and model (default: one screen)"), &
       option_type("--force", "", "flag", any_command, "output", "overwrite results that are there already (default: keep them)"), &
       option_type("--quiet", "", "flag", reading//" selftest", "output", "print no report"), &
       option_type("--list", "FILE", "text", reading, "work", &

@@ -218,10 +218,11 @@ contains
             config%kalibr = value%text
             if (value%text == "-") call value_error(option, "it needs the name of a file", error)
          end select
-      case ("--latex", "--chart")
+      case ("--latex", "--chart", "--details")
          select type (config)
          type is (analysis_config)
             if (option%name == "--latex") config%latex = value%text
+            if (option%name == "--details") config%details = .true.
             if (option%name == "--chart") config%chart = value%text == "on"
          end select
       case ("--color", "--ascii")

@@ -4,7 +4,7 @@ module test_report
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : gyro_error => error_type
-   use gyroakf_record, only : record_type
+   use gyroakf_record, only : add_text, record_type, text_type
    use gyroakf_units, only : unit_type, parse_unit
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
@@ -37,6 +37,7 @@ contains
          new_unittest("run", test_run), &
          new_unittest("run-tables", test_run_tables), &
          new_unittest("answer", test_answer), &
+         new_unittest("screen", test_screen), &
          new_unittest("periodicity", test_periodicity_text), &
          new_unittest("periodicity-verdicts", test_periodicity_verdicts), &
          new_unittest("run-nothing-known", test_nothing_known), &
@@ -210,9 +211,9 @@ contains
    subroutine test_answer(error)
       type(error_type), allocatable, intent(out) :: error
       character(100), parameter :: lines(3) = [character(100) :: &
-         "      deg/s      deg/sqrt(h)         deg/h  deg/h^1.5    deg/h    s", &
-         "  gx  0.001  0.948 +/- 0.012  14.4 +/- 3.6      < 648       18  100", &
-         "  gx  stationary, flicker"]
+         "      deg/s      deg/sqrt(h)         deg/h  deg/h^1.5    deg/h       s", &
+         "  gx  0.001  0.948 +/- 0.012  14.4 +/- 3.6      < 648       18     100", &
+         "  Noise           stationary, flicker"]
       character(:), allocatable :: text
       integer :: i
 
@@ -229,6 +230,48 @@ contains
          if (allocated(error)) return
       end do
    end subroutine test_answer
+
+   !> The first screen: what was read, a row for each channel, one chart, what several channels share told once.
+   subroutine test_screen(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(4), parameter :: commands(4) = [character(4) :: "run", "tests", "ar", "filt"]
+      character(100), parameter :: fragments(7) = [character(100) :: &
+         "  Record          data/gyro.txt: 12 samples, 5 Hz", "  gx  0.001  0.948 +/- 0.012  14.4 +/- 3.6", &
+         "  gz  0.001  0.948 +/- 0.012  14.4 +/- 3.6", "against tau in s: x gx, z gz", &
+         "  Warning         gx, gz: of both", "  Warning         gz: of one", "  Note            the paper's filters pass"]
+      character(:), allocatable :: text
+      type(writer_type) :: writer
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      integer :: i, lines
+
+      call make_record(record, .true.)
+      call make_result(record, result)
+      if (allocated(result%channel(1)%warnings)) deallocate (result%channel(1)%warnings)
+      call add_text(result%channel(1)%warnings, "of both")
+      record%value = reshape([record%value, record%value], [12, 2])
+      record%channel = [record%channel, text_type("gz")]
+      result%channel = [result%channel, result%channel]
+      result%channel(2)%name = "gz"
+      call add_text(result%channel(2)%warnings, "of one")
+      do i = 1, size(commands)
+         call begin_text(writer)
+         call write_report(writer, trim(commands(i)), record, pipeline_options(), result, commands(i) == "run", &
+                           .false.)
+         call end_text(writer, text)
+         lines = count([(text(lines:lines) == lf, lines=1, len(text))])
+         call check(error, lines < 60 .and. longest_line(text) <= report_width .and. index(text, "Channel gx") == 0, text)
+         if (allocated(error)) return
+         if (i == 1) then
+            do lines = 1, size(fragments)
+               call check(error, index(text, trim(fragments(lines))) > 0, trim(fragments(lines))//": "//text)
+               if (allocated(error)) return
+            end do
+            call check(error, index(text, "o measured") == 0 .and. index(text, "1/2") > 0, text)
+            if (allocated(error)) return
+         end if
+      end do
+   end subroutine test_screen
 
    !> Fisher's test and the spectrum.
    subroutine test_periodicity_text(error)

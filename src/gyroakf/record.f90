@@ -12,6 +12,8 @@ module gyroakf_record
    !> A string of its own length, for lists
    type :: text_type
       character(:), allocatable :: text
+      !> Of a list of warnings: a note, which tells what was done; a warning tells what can make a number wrong
+      logical :: note = .false.
    end type text_type
 
    !> What was found while reading
@@ -124,11 +126,13 @@ module gyroakf_record
 contains
 
    !> Appends a text to a list (of warnings, of names); the list may be unallocated.
-   pure subroutine add_text(list, text)
+   pure subroutine add_text(list, text, note)
       !> Grows by one
       type(text_type), allocatable, intent(inout) :: list(:)
       !> The new last entry
       character(*), intent(in) :: text
+      !> It is a note (default: it is not)
+      logical, intent(in), optional :: note
       type(text_type), allocatable :: longer(:)
       integer :: i, n
 
@@ -137,8 +141,10 @@ contains
       allocate (longer(n + 1))
       do i = 1, n
          call move_alloc(list(i)%text, longer(i)%text)
+         longer(i)%note = list(i)%note
       end do
       longer(n + 1)%text = text
+      if (present(note)) longer(n + 1)%note = note
       call move_alloc(longer, list)
    end subroutine add_text
 

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> What the user must know about a filter's result, in sentences.
+!> What the user must know about a filter's result, in sentences: warnings, and notes.
 !>
 !> A verdict goes by the size of the effect, with the numbers in it.
 module gyroakf_filter_filter_warnings
@@ -43,25 +43,27 @@ contains
       type(filter_facts), intent(in) :: facts
       !> Sentences, [0 ...]
       type(text_type), allocatable, intent(out) :: warnings(:)
+      logical :: paper
 
       allocate (warnings(0))
+      paper = filter%drift_model%count == 0         ! its variances are not meant to be those of the series
       call judge_adaptation(filter, facts, warnings)
-      if (facts%dc_gain < attenuated .and. filter%drift_model%count == 0) then     ! a drift filter's output is not the rotation
+      if (facts%dc_gain < attenuated .and. paper) then     ! a drift filter's output is not the rotation
          call add_text(warnings, "of a constant true rotation the output keeps "//trim(percent(facts%dc_gain)) &
-                       //": do not navigate with it")
+                       //": do not navigate with it", note=.true.)
       end if
       if (facts%largest_rho > colored .and. facts%p_value < significant) then
          call add_text(warnings, "the innovations are not white: an autocorrelation of "//trim(decimal(facts%largest_rho)) &
                        //" within 20 lags (p "//trim(probability(facts%p_value)) &
-                       //", a good model leaves less than 0.10); the model does not describe the series")
+                       //", a good model leaves less than 0.10); the model does not describe the series", note=paper)
       end if
       if (facts%nis_mean < lowest_nis .or. facts%nis_mean > highest_nis) then
          call add_text(warnings, "the mean normalized innovation squared is "//trim(decimal(facts%nis_mean)) &
-                       //" (1 is consistent): the variances that the filter states are not those of the series")
+                       //" (1 is consistent): the variances that the filter states are not those of the series", note=paper)
       end if
       if (.not. any(abs(filter%phi) > 0.0_dp)) then
          call add_text(warnings, "the model is white noise: there is nothing to predict, " &
-                       //"and the output is the series times the gain")
+                       //"and the output is the series times the gain", note=.true.)
       end if
    end subroutine filter_warnings
 
@@ -78,11 +80,11 @@ contains
       associate (options => filter%options)
          if (options%estimate_process_variance .and. options%estimate_measurement_variance) then
             call add_text(warnings, "Q and R are both adapted but not identifiable together: their sum follows the data, " &
-                          //"their ratio, and with it the gain, does not")
+                          //"their ratio, and with it the gain, does not", note=.true.)
          end if
          if (options%estimate_process_mean .and. options%estimate_measurement_mean) then
             call add_text(warnings, "q and r are both adapted but not identifiable together: " &
-                          //"a constant offset may be in either")
+                          //"a constant offset may be in either", note=.true.)
          end if
          if (filter%adaptive .and. facts%gain < min(collapsed, 0.01_dp*filter%steady_gain(1))) then
             call add_text(warnings, "the gain has collapsed to "//trim(decimal(facts%gain)) &

@@ -108,7 +108,7 @@ contains
       end do
       if (sure .and. commas) then
          mode = comma_mode%decimal
-         call add_text(warnings, "the commas between digits are read as decimal commas")
+         call add_text(warnings, "the commas between digits are read as decimal commas", note=.true.)
       else if (likely > 0) then
          call place_error(error, lines%source%name, lines%number + line, lines%bytes, likely_at, likely_last, likely, &
                           comma_found, comma_advice)

@@ -36,7 +36,7 @@ contains
       end if
       if (table%headings > 0) call add_text(record%warnings, counted(table%headings, "line")// &
          trim(merge(" repeats", " repeat ", table%headings == 1))//" the names of the columns, as in files that were put "// &
-         "behind one another: left out; the first is line "//integer_text(table%first_heading))
+         "behind one another: left out; the first is line "//integer_text(table%first_heading), note=.true.)
       if (table%bad_lines > 0) call add_text(record%warnings, counted(table%bad_lines, "line")// &
          " could not be read and "//trim(merge("counts", "count ", table%bad_lines == 1))//" as missing; the first is line "// &
          integer_text(table%first_bad_line))
@@ -76,12 +76,12 @@ contains
 
       associate (audit => record%audit)
          if (audit%repeated > 0) call add_text(record%warnings, counted(audit%repeated, "row")//" with stamp and values of the "// &
-            "row above: left out; the first is in line "//integer_text(audit%line_of_repeat))
+            "row above: left out; the first is in line "//integer_text(audit%line_of_repeat), note=.true.)
          if (audit%untimed > 0 .and. audit%has_stamps) call add_text(record%warnings, counted(audit%untimed, "row")// &
             " without a time: left out; the first is in line "//integer_text(audit%line_of_untimed))
          if (audit%rollovers > 0) call add_text(record%warnings, "the time starts again after "// &
             format_real(audit%rollover_period, 12)//" s in "//counted(audit%rollovers, "place")// &
-            " and is continued; the first is in line "//integer_text(audit%line_of_rollover))
+            " and is continued; the first is in line "//integer_text(audit%line_of_rollover), note=.true.)
          if (audit%bursts > 0) call add_text(record%warnings, "samples were delivered late and several at once in "// &
             counted(audit%bursts, "place")//", up to "//integer_text(audit%longest_burst)//" at once; the first is in line "// &
             integer_text(audit%line_of_burst))

@@ -158,7 +158,7 @@ contains
                              label_of(table%names, table%chosen(j))//" holds no number"//new_line("a")//"choose another column")
             return
          end if
-         call add_text(record%warnings, label_of(table%names, table%chosen(j))//" holds no number and is left out")
+         call add_text(record%warnings, label_of(table%names, table%chosen(j))//" holds no number and is left out", note=.true.)
       end do
       keep(:) = keep .and. holds
       if (any(keep)) return

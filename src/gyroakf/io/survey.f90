@@ -68,21 +68,20 @@ contains
       logical :: known
 
       known = .false.
-      before = 0.0_dp
       change = huge(change)
       do k = 1, store%count
          do i = 1, store%chunk(k)%rows
             associate (x => store%chunk(k)%value(i, slot))
                if (ieee_is_nan(x)) cycle
-               if (.not. known) then
-                  known = .true.
-                  minimum = x
-                  maximum = x
-               else
+               if (known) then
                   minimum = min(minimum, x)
                   maximum = max(maximum, x)
                   if (abs(x - before) > 0.0_dp) change = min(change, abs(x - before))
+               else
+                  minimum = x
+                  maximum = x
                end if
+               known = .true.
                before = x
             end associate
          end do

@@ -191,7 +191,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       if (setting == 0) return
-      call add_text(table%warnings, "what stands above the table up to line "//integer_text(setting)//" is taken for settings")
+      call add_text(table%warnings, "what stands above line "//integer_text(setting + 1)//" is taken for settings", note=.true.)
       if (table%names%line > setting) return
       if (named(table%names, columns) .or. equal) call fatal_error(error, status%parse, table%name//":"//integer_text(setting)// &
          ":1: the line is neither a row nor names, and stands between both"//new_line("a")//"mend the line")
@@ -418,7 +418,7 @@ contains
       if (.not. table%supposed%known) return
       if (.not. fits_names(fields, size(table%supposed%name))) return
       table%names = table%supposed
-      call add_text(table%warnings, "the names of the columns are taken from line "//integer_text(table%names%line))
+      call add_text(table%warnings, "the names of the columns are taken from line "//integer_text(table%names%line), note=.true.)
    end subroutine take_names
 
    !> The columns that are kept.

@@ -238,7 +238,7 @@ contains
       character(80) :: text
 
       write (text, '("the record is short: AR orders up to ", i0, " are compared")') most
-      call add_text(channel%warnings, trim(text))
+      call add_text(channel%warnings, trim(text), note=.true.)
    end subroutine warn_capped
 
    !> The paper compares the orders from 1 on: the best of them, where order 0 would win.

@@ -125,7 +125,7 @@ contains
          channel%predictable_percent = 100.0_dp*(1.0_dp - channel%ar%noise_variance/channel%ar%variance)
       end if
       if (channel%ar%order == 0) call add_text(channel%warnings, "no autocorrelation is found (order 0): the paper's "// &
-         "filters have nothing to separate, and halve whatever passes")
+         "filters have nothing to separate, and halve whatever passes", note=.true.)
    end subroutine warn_order
 
    !> What the tests and the model say against the use of their results.
@@ -136,7 +136,7 @@ contains
       if (.not. channel%available%ar) return
       if (channel%ar%largest_order_chosen) call add_text(channel%warnings, "the largest order compared, "// &
          integer_text(int(channel%ar%order, int64))//", was chosen: the series is not a short AR process; "// &
-         "compare BIC, raise --max-order, or expect a drift under white noise")
+         "compare BIC, raise --max-order, or expect a drift under white noise", note=.true.)
       associate (test => channel%ar%residual_ljung_box)
          if (test%lags > 0 .and. test%p_value < significant .and. test%largest_rho > coloured) then
             call add_text(channel%warnings, "the residuals of AR("//integer_text(int(channel%ar%order, int64))// &
@@ -167,7 +167,7 @@ contains
             trim(merge("time ", "times", size(curve%left_out) == 1))//", tau = "//text//unit
          if (curve%left_out(size(curve%left_out)) > curve%m(size(curve%m))) text = text//": the curve ends at tau = "// &
             format_real(curve%tau(size(curve%tau)), 6)//unit
-         call add_text(channel%warnings, text//"; --min-coverage sets the share of a window that must be present")
+         call add_text(channel%warnings, text//"; --min-coverage sets the share of a window that must be present", note=.true.)
       end associate
    end subroutine warn_curve
 
@@ -182,7 +182,7 @@ contains
             call add_text(channel%warnings, "Allan deviation: "//not_described)
          else if (noise%left_out > 0) then
             call add_text(channel%warnings, "a filter in the sensor, a line or correlated noise bends the Allan curve at its "// &
-               "first "//integer_text(int(noise%left_out, int64))//" octaves: they are excluded from the fit")
+               "first "//integer_text(int(noise%left_out, int64))//" octaves: they are excluded from the fit", note=.true.)
          end if
          if (noise%unquantized%state == "withheld") call add_text(channel%warnings, "the step of the samples, "// &
             format_real(channel%quantisation%step, 4)//", is not small beside the noise: N is that of the record as quantized, "// &
@@ -199,7 +199,7 @@ contains
       type(channel_result_type), intent(inout) :: channel
 
       call add_text(channel%warnings, "the filters work on the series less its mean of "// &
-                    format_real(channel%cleaned%mean, 5)//"; their outputs are without it")
+                    format_real(channel%cleaned%mean, 5)//"; their outputs are without it", note=.true.)
    end subroutine warn_centred
 
    !> The length of `moment`.

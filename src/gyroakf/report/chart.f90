@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> An Allan deviation drawn in characters: both axes logarithmic, points with their limits, the fitted model, and how steep the
+!> Allan deviations drawn in characters: both axes logarithmic, points with their limits, the fitted model, and how steep the
 !> slopes -1/2 (white noise), 0 (bias instability) and +1/2 (random walk) are in this picture.
 module gyroakf_report_chart
    use gyroakf_kinds, only : dp
@@ -10,7 +10,7 @@ module gyroakf_report_chart
    private
    public :: draw_chart, chart_columns, chart_rows
 
-   !> Characters of the area inside the axes
+   !> Characters of the area inside the axes, rows where no number is given
    integer, parameter :: chart_columns = 62, chart_rows = 16
    !> Characters before the axis, and the least range of an axis in decades
    integer, parameter :: label_width = 9
@@ -20,15 +20,16 @@ module gyroakf_report_chart
    !> What a cell shows beside dots (1 to 255) and letters (their number more than `letter`)
    integer, parameter :: nothing = 0, bar = 256, point = 257, letter = 1000
 
-   !> The axes: logarithms at the borders, columns and rows of a decade
+   !> The axes: logarithms at the borders, and rows of characters
    type :: frame_type
       real(dp) :: left = 0.0_dp, right = 1.0_dp, bottom = 0.0_dp, top = 1.0_dp
+      integer :: rows = chart_rows
    end type frame_type
 
 contains
 
    !> Draws a curve; what is not a positive number is left out. No lines where nothing is left.
-   pure subroutine draw_chart(tau, deviation, lower, upper, unicode, lines, model)
+   pure subroutine draw_chart(tau, deviation, lower, upper, unicode, lines, model, rows, mark)
       !> [n] averaging times
       real(dp), intent(in) :: tau(:)
       !> [n] deviations and their limits
@@ -39,11 +40,16 @@ contains
       type(text_type), allocatable, intent(out) :: lines(:)
       !> [n] fitted deviations
       real(dp), intent(in), optional :: model(:)
-      integer :: cell(0:chart_columns - 1, 0:chart_rows - 1)
+      !> Rows inside the axes, 1 or more (default [[chart_rows]])
+      integer, intent(in), optional :: rows
+      !> [n] what marks the points (default o): of several curves, one behind the other, a letter each
+      character(1), intent(in), optional :: mark(:)
+      integer, allocatable :: cell(:, :)
       type(frame_type) :: frame
       logical :: usable(size(tau))
-      integer :: i
+      integer :: column, row, i
 
+      if (present(rows)) frame%rows = rows
       do i = 1, size(tau)
          usable(i) = is_drawn(tau(i)) .and. is_drawn(deviation(i))
       end do
@@ -53,13 +59,17 @@ contains
       end if
       call set_range(log10(pack(tau, usable)), 0.0_dp, frame%left, frame%right)
       call set_range(log10(pack(deviation, usable)), 0.05_dp, frame%bottom, frame%top)
-      cell = nothing
+      allocate (cell(0:chart_columns - 1, 0:frame%rows - 1), source=nothing)
       if (present(model)) call draw_model(cell, frame, tau, model)
       do i = 1, size(tau)
          if (usable(i)) call draw_limits(cell, frame, log10(tau(i)), lower(i), upper(i))
       end do
       do i = 1, size(tau)
-         if (usable(i)) cell(column_of(frame, log10(tau(i)))/dots_across, row_of(frame, log10(deviation(i)))/dots_down) = point
+         if (.not. usable(i)) cycle
+         column = column_of(frame, log10(tau(i)))/dots_across
+         row = row_of(frame, log10(deviation(i)))/dots_down
+         cell(column, row) = point
+         if (present(mark)) cell(column, row) = letter + iachar(mark(i))
       end do
       call draw_slopes(cell, frame)
       call frame_lines(cell, frame, unicode, lines)
@@ -100,9 +110,8 @@ contains
    pure integer function row_of(frame, y)
       type(frame_type), intent(in) :: frame
       real(dp), intent(in) :: y
-      integer, parameter :: last = dots_down*chart_rows - 1
 
-      row_of = nint(real(last, dp)*max(0.0_dp, min(1.0_dp, (frame%top - y)/(frame%top - frame%bottom))))
+      row_of = nint(real(dots_down*frame%rows - 1, dp)*max(0.0_dp, min(1.0_dp, (frame%top - y)/(frame%top - frame%bottom))))
    end function row_of
 
    !> Sets a dot where nothing but dots is.
@@ -162,13 +171,13 @@ contains
       integer :: length, rise, across, down, corner, i, k, slope
       real(dp) :: steepness
 
-      steepness = 0.5_dp*(frame%right - frame%left)/real(chart_columns, dp)*real(chart_rows, dp)/(frame%top - frame%bottom)
+      steepness = 0.5_dp*(frame%right - frame%left)/real(chart_columns, dp)*real(frame%rows, dp)/(frame%top - frame%bottom)
       length = int(min(12.0_dp, real(chart_columns, dp)/(frame%right - frame%left), 3.49_dp/steepness))
       rise = nint(real(length, dp)*steepness)
-      if (rise < 1 .or. length < 3) return
+      if (rise < 1 .or. length < 3 .or. 2*rise >= frame%rows) return
       do corner = 1, 4                                    ! top right, bottom left, top left, bottom right
          across = merge(chart_columns - length - 6, 1, corner == 1 .or. corner == 4)
-         down = merge(rise, chart_rows - 1 - rise, corner == 1 .or. corner == 3)
+         down = merge(rise, frame%rows - 1 - rise, corner == 1 .or. corner == 3)
          if (all(cell(across:across + length + 4, down - rise:down + rise) == nothing)) exit
       end do
       if (corner > 4) return
@@ -194,9 +203,9 @@ contains
       logical :: is_tick(0:chart_columns - 1)
       integer :: row, column, i
 
-      allocate (lines(chart_rows + 2))
+      allocate (lines(frame%rows + 2))
       call find_ticks(frame%bottom, frame%top, tick)
-      do row = 0, chart_rows - 1
+      do row = 0, frame%rows - 1
          label = ""
          do i = 1, size(tick)
             if (row_of(frame, log10(tick(i)))/dots_down == row) label = tick_text(tick(i))
@@ -222,8 +231,8 @@ contains
          if (unicode) text = text//trim(merge("┴", "─", is_tick(column)))
          if (.not. unicode) text = text//merge("+", "-", is_tick(column))
       end do
-      lines(chart_rows + 1)%text = text
-      lines(chart_rows + 2)%text = trim(below)
+      lines(frame%rows + 1)%text = text
+      lines(frame%rows + 2)%text = trim(below)
    end subroutine frame_lines
 
    !> The decades of an axis, and twice and five times these where it has less than two.

@@ -104,6 +104,8 @@ contains
       end if
       call put_member(json, "bad_lines", record%audit%bad_lines)
       call put_member(json, "warnings", warnings)
+      call gather_warnings(record, warnings, result, notes=.true.)
+      call put_member(json, "notes", warnings)
       call put_text_or_null(json, "stored_type", record%stored_type)
       call put_stamps(json, record)
       call close_object(json)
@@ -172,35 +174,41 @@ contains
    end subroutine put_channel
 
    !> Warnings of the record, then of the channels, with the channel's name where there are several.
-   pure subroutine gather_warnings(record, warnings, result)
+   pure subroutine gather_warnings(record, warnings, result, notes)
       !> What was read
       type(record_type), intent(in) :: record
       !> One sentence each
       type(text_type), allocatable, intent(out) :: warnings(:)
       !> What came out
       type(pipeline_result_type), intent(in), optional :: result
+      !> They are the notes instead (default: warnings)
+      logical, intent(in), optional :: notes
+      logical :: note
       integer :: c
 
+      note = .false.
+      if (present(notes)) note = notes
       allocate (warnings(0))
-      call add_list(warnings, record%warnings, "")
+      call add_list(warnings, record%warnings, "", note)
       if (.not. present(result)) return
       if (.not. allocated(result%channel)) return
       do c = 1, size(result%channel)
-         call add_list(warnings, result%channel(c)%warnings, result%channel(c)%name//": ")
-         call add_list(warnings, result%channel(c)%unavailable, result%channel(c)%name//": not available: ")
+         call add_list(warnings, result%channel(c)%warnings, result%channel(c)%name//": ", note)
+         call add_list(warnings, result%channel(c)%unavailable, result%channel(c)%name//": not available: ", note)
       end do
    end subroutine gather_warnings
 
-   !> Appends a list to a list.
-   pure subroutine add_list(warnings, list, prefix)
+   !> Appends the warnings of a list, or its notes, to a list.
+   pure subroutine add_list(warnings, list, prefix, note)
       type(text_type), allocatable, intent(inout) :: warnings(:)
       type(text_type), allocatable, intent(in) :: list(:)
       character(*), intent(in) :: prefix
+      logical, intent(in) :: note
       integer :: i
 
       if (.not. allocated(list)) return
       do i = 1, size(list)
-         call add_text(warnings, prefix//list(i)%text)
+         if (list(i)%note .eqv. note) call add_text(warnings, prefix//list(i)%text)
       end do
    end subroutine add_list
 

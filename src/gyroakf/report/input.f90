@@ -11,7 +11,7 @@ module gyroakf_report_input
    use gyroakf_report_text_table, only : table_type, new_table, set_cell, put_table
    implicit none (type, external)
    private
-   public :: report_inspect, put_input, has_unit, unit_name, duration_text
+   public :: report_inspect, put_input, put_source, has_unit, unit_name, duration_text
 
 contains
 
@@ -33,26 +33,84 @@ contains
       type(writer_type), intent(inout) :: writer
       !> What was read
       type(record_type), intent(in) :: record
-      character(:), allocatable :: names
-      integer :: i
 
       call put_heading(writer, "Input", "-")
       call put_item(writer, "File", text_or(record%path, "(in memory)")//" ("//format_text(record)//")", verbatim=.true.)
-      names = ""
-      if (allocated(record%channel)) then
-         do i = 1, size(record%channel)
-            names = names//merge(": ", ", ", i == 1)//record%channel(i)%text
-         end do
-      end if
       call put_item(writer, "Samples", count_text(sample_count(record))//" in "// &
-                    plural(size(record%value, 2, kind=int64), "channel")//names, verbatim=.true.)
+                    plural(size(record%value, 2, kind=int64), "channel")//": "//channel_names(record), verbatim=.true.)
+      call put_rate(writer, record)
+      call put_units(writer, record)
+      call put_missing(writer, record)
+      if (allocated(record%resample)) call put_resample(writer, record)
+      call put_items(writer, "Warning", record%warnings)
+   end subroutine put_input
+
+   !> The same in two lines, without what the time stamps show and the warnings.
+   subroutine put_source(writer, record)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> What was read
+      type(record_type), intent(in) :: record
+      character(:), allocatable :: text
+
+      text = text_or(record%path, "(in memory)")//": "//plural(sample_count(record), "sample")
+      if (record%rate_known) text = text//", "//rate_text(record)
+      text = text//", "
+      if (record%audit%missing == 0) text = text//"none missing"
+      if (record%audit%missing > 0) text = text//plural(record%audit%missing, "value")//" ("// &
+         number(100*real(record%audit%missing, dp)/real(sample_count(record)*size(record%value, 2), dp), 3)//" %) missing"
+      if (record%audit%gaps > 0) text = text//" in "//plural(record%audit%gaps, "gap")
+      call put_item(writer, "Record", text, verbatim=.true.)
+      if (.not. record%rate_known) call put_rate(writer, record)
+      if (allocated(record%channel_unit) .or. .not. has_unit(record)) then
+         call put_units(writer, record)
+      else
+         call put_item(writer, "Channels", channel_names(record)//" in "//unit_name(record)//source(record%unit_source), &
+                       verbatim=.true.)
+      end if
+   end subroutine put_source
+
+   !> "gx, gy, gz".
+   pure function channel_names(record) result(names)
+      type(record_type), intent(in) :: record
+      character(:), allocatable :: names
+      integer :: i
+
+      names = ""
+      if (.not. allocated(record%channel)) return
+      do i = 1, size(record%channel)
+         if (i > 1) names = names//", "
+         names = names//record%channel(i)%text
+      end do
+   end function channel_names
+
+   !> "5 Hz (as the file says); 2400 s (40 min)".
+   pure function rate_text(record) result(text)
+      type(record_type), intent(in) :: record
+      character(:), allocatable :: text
+
+      text = number(1.0_dp/record%sample_interval, 7)//" Hz"//source(record%rate_source)//"; "// &
+             duration_text(real(sample_count(record), dp)*record%sample_interval)
+   end function rate_text
+
+   !> The rate, or what would give it.
+   subroutine put_rate(writer, record)
+      type(writer_type), intent(inout) :: writer
+      type(record_type), intent(in) :: record
+
       if (record%rate_known) then
-         call put_item(writer, "Rate", number(1.0_dp/record%sample_interval, 7)//" Hz"//source(record%rate_source)//"; "// &
-                       duration_text(real(sample_count(record), dp)*record%sample_interval))
+         call put_item(writer, "Rate", rate_text(record))
       else
          call put_item(writer, "Rate", "not known: times are in samples, and results per sample; --rate HZ (or --dt S) "// &
                        "gives seconds and the usual units")
       end if
+   end subroutine put_rate
+
+   !> The units, or what would give them.
+   subroutine put_units(writer, record)
+      type(writer_type), intent(inout) :: writer
+      type(record_type), intent(in) :: record
+
       if (allocated(record%channel_unit)) then
          call put_item(writer, "Units", channel_units_text(record)//source(record%unit_source), verbatim=.true.)
       else if (has_unit(record)) then
@@ -61,10 +119,7 @@ contains
          call put_item(writer, "Unit", "not known: results are in input units; --unit deg/s (or rad/s, deg/h, ...) gives "// &
                        "the usual ones")
       end if
-      call put_missing(writer, record)
-      if (allocated(record%resample)) call put_resample(writer, record)
-      call put_items(writer, "Warning", record%warnings)
-   end subroutine put_input
+   end subroutine put_units
 
    !> "text", or "npy, float32".
    pure function format_text(record) result(text)

@@ -13,7 +13,7 @@ module gyroakf_report_models
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
    private
-   public :: put_ar_table, make_ar_table
+   public :: put_ar_table, make_ar_table, upper_case
 
 contains
 

@@ -11,7 +11,7 @@ module gyroakf_report_removed
    use gyroakf_report_input, only : unit_name
    implicit none (type, external)
    private
-   public :: put_alerts, put_removed
+   public :: put_alerts, put_removed, cleaning_text
 
    !> The variance before the cut is told where it is larger by this
    real(dp), parameter :: cut_matters = 1.001_dp
@@ -101,6 +101,18 @@ contains
       if (clean%half_width > 0) text = text//"windows of "//count_text(int(2*clean%half_width + 1, int64))//" samples, "
       text = text//plural(int(clean%passes, int64), "round")//")"
    end function outlier_text
+
+   !> Outliers and trend in a line: "12 outliers (0.1 %) beyond 4.493 sigma (auto); cubic trend".
+   pure function cleaning_text(clean) result(text)
+      !> What was removed
+      type(clean_type), intent(in) :: clean
+      character(:), allocatable :: text
+
+      text = "no outliers looked for"
+      if (clean%method /= "none") text = plural(clean%removed, "outlier")//" ("//number(100*clean%fraction, 3)//" %) beyond "// &
+         number(clean%threshold, 4)//" sigma ("//trim(clean%method)//")"
+      if (clean%trend%degree >= 0) text = text//"; "//degree_name(clean%trend%degree)//" trend"
+   end function cleaning_text
 
    !> How many samples without outliers the rule would have marked.
    pure function chance_text(clean) result(text)

@@ -7,7 +7,7 @@ module gyroakf_report_tests_table
    use gyroakf_report_text_table, only : table_type, new_table, set_cell, set_row
    implicit none (type, external)
    private
-   public :: make_tests_table, has_tests
+   public :: make_tests_table, has_tests, kpss_p_text, bare
 
    !> A test rejects at this level
    real(dp), parameter :: level = 0.05_dp
@@ -42,8 +42,8 @@ contains
       call new_table(table, 1 + test_count(channel), 6, left=2)
       table%name = "tests"
       table%caption = "Tests of the "//trim(channel%tested)
-      table%note = "A null hypothesis is rejected at 5 %."
-      call set_row(table, 1, [character(15) :: "test", "null hypothesis", "statistic", "5 % critical", "p", "rejected"])
+      table%note = "Critical values and rejections are those of a significance of 5 %."
+      call set_row(table, 1, [character(15) :: "test", "null hypothesis", "statistic", "critical", "p", "rejected"])
       row = 1
       associate (is => channel%available)
          if (is%adf) call add_test(table, row, "augmented Dickey-Fuller", "unit root", channel%adf%statistic, &
@@ -61,6 +61,7 @@ contains
 
    !> Beyond its table the probability is known as a bound.
    pure function kpss_p_text(channel) result(text)
+      !> With its KPSS test
       type(channel_result_type), intent(in) :: channel
       character(:), allocatable :: text
 
@@ -70,6 +71,16 @@ contains
       case default; text = p_value_text(channel%kpss%p_value)
       end select
    end function kpss_p_text
+
+   !> "0.03", "< 0.01" of "p = 0.03", "p < 0.01".
+   pure function bare(p) result(text)
+      !> With its "p"
+      character(*), intent(in) :: p
+      character(:), allocatable :: text
+
+      text = p(3:)
+      if (text(:2) == "= ") text = text(3:)
+   end function bare
 
    !> One row.
    pure subroutine add_test(table, row, name, hypothesis, statistic, p, rejected, critical)
@@ -88,8 +99,7 @@ contains
       call set_cell(table, row, 2, hypothesis)
       call set_cell(table, row, 3, number(statistic, 4))
       if (present(critical)) call set_cell(table, row, 4, number(critical, 4))
-      if (p(:4) == "p = ") call set_cell(table, row, 5, p(5:))
-      if (p(:4) /= "p = ") call set_cell(table, row, 5, p(3:))
+      call set_cell(table, row, 5, bare(p))
       call set_cell(table, row, 6, trim(merge("yes", "no ", rejected)))
    end subroutine add_test
 

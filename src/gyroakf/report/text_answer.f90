@@ -7,8 +7,8 @@ module gyroakf_report_text_answer
    use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, pipeline_result_type, stage, &
       stated_coefficient_type
    use gyroakf_report_input, only : has_unit, unit_name
-   use gyroakf_report_text_layout, only : number, put_item, put_paragraph, rounded
-   use gyroakf_report_text_table, only : new_table, put_table, set_cell, set_row, table_type
+   use gyroakf_report_text_layout, only : number, put_item, put_paragraph, report_width, rounded
+   use gyroakf_report_text_table, only : column_widths, new_table, put_table, set_cell, set_row, table_type
    use gyroakf_report_verdicts, only : verdict_text
    implicit none (type, external)
    private
@@ -43,8 +43,7 @@ contains
          call put_group(writer, record, result%channel(first:last), first)
       end do
       if (.not. fitted) return
-      call put_paragraph(writer, "+/-: standard error; <: 95 % limit of what is not detected; -: withheld, or not sought. "// &
-                         "minimum: lowest Allan deviation, at its averaging time", 2)
+      call put_paragraph(writer, "+/-: standard error; <: 95 % limit, not detected; -: withheld", 2)
    end subroutine put_answer
 
    !> Unit of N, "" where it is not stated.
@@ -53,7 +52,9 @@ contains
       character(:), allocatable :: unit
 
       unit = ""
-      if (allocated(channel%allan(stage%input)%stated%term(term_n)%unit)) unit = channel%allan(stage%input)%stated%term(term_n)%unit
+      associate (n => channel%allan(stage%input)%stated%term(term_n))
+         if (allocated(n%unit)) unit = n%unit
+      end associate
    end function unit_of
 
    !> The channels of one unit.
@@ -65,12 +66,13 @@ contains
       integer, intent(in) :: first
       type(table_type) :: table
       type(record_type) :: view
+      integer, allocatable :: width(:)
       integer :: c, row
 
       call put_line(writer, "")
       call view_channel(record, first, view)
-      call new_table(table, 2 + size(channel) + count(channel%allan(stage%outliers_removed)%available), 8, head=2)
-      call set_row(table, 1, [character(7) :: "", "mean", "N", "B", "K", "minimum", "at", "noise"])
+      call new_table(table, 2 + size(channel) + count(outliers_matter(channel)), 8, head=2)
+      call set_row(table, 1, [character(7) :: "", "mean", "N", "B", "K", "minimum", "at tau", "noise"])
       if (has_unit(view)) call set_cell(table, 2, 2, unit_name(view))
       associate (term => channel(1)%allan(stage%input)%stated%term)
          call set_row(table, 2, [character(24) :: "", table%cell(2, 2)%text, term(term_n)%unit, term(3)%unit, term(term_k)%unit, &
@@ -82,14 +84,60 @@ contains
          call set_cell(table, row, 1, channel(c)%name)
          call set_cell(table, row, 8, verdict_text(channel(c)))
          call fill_row(table, row, channel(c)%raw%mean, channel(c)%allan(stage%input))
-         if (.not. channel(c)%allan(stage%outliers_removed)%available) cycle
+         if (.not. outliers_matter(channel(c))) cycle
          row = row + 1
          call set_cell(table, row, 1, " no outliers")
          call fill_row(table, row, channel(c)%level%mean, channel(c)%allan(stage%outliers_removed))
       end do
-      call put_table(writer, table)
+      call column_widths(table, width)
+      if (2 + sum(width) + size(width) - 1 > report_width) then
+         table%cell = table%cell(:, :7)
+         table%exact = table%exact(:, :7)
+         call put_table(writer, table)
+         call put_verdicts(writer, channel)
+      else
+         call put_table(writer, table)
+      end if
       call put_filter_numbers(writer, view, channel)
    end subroutine put_group
+
+   !> The verdicts below a table that has no room for them: "gx, gy: stationary; gz: drifts: random walk".
+   subroutine put_verdicts(writer, channel)
+      type(writer_type), intent(inout) :: writer
+      type(channel_result_type), intent(in) :: channel(:)
+      character(:), allocatable :: text, names
+      integer :: c, i
+
+      text = ""
+      do c = 1, size(channel)
+         names = ""
+         do i = 1, size(channel)
+            if (verdict_text(channel(i)) /= verdict_text(channel(c))) cycle
+            if (i < c) exit
+            names = names//", "//channel(i)%name
+         end do
+         if (names == "") cycle
+         if (text /= "") text = text//"; "
+         if (size(channel) > 1) text = text//names(3:)//": "
+         text = text//verdict_text(channel(c))
+      end do
+      call put_item(writer, "Noise", text, verbatim=.true.)
+   end subroutine put_verdicts
+
+   !> Without the outliers another term is detected, or one is more than its standard error away.
+   elemental logical function outliers_matter(channel)
+      type(channel_result_type), intent(in) :: channel
+      integer :: i
+
+      outliers_matter = .false.
+      if (.not. channel%allan(stage%outliers_removed)%available) return
+      do i = term_n, term_k
+         associate (a => channel%allan(stage%input)%stated%term(i), b => channel%allan(stage%outliers_removed)%stated%term(i))
+            if (a%detected .neqv. b%detected) outliers_matter = .true.
+            if (a%detected .and. b%detected .and. abs(a%value - b%value) > a%std_error) outliers_matter = .true.
+         end associate
+      end do
+   end function outliers_matter
 
    !> Mean, N, B, K and the lowest Allan deviation of a series.
    subroutine fill_row(table, row, mean, allan)

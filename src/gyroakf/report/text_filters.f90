@@ -14,7 +14,7 @@ module gyroakf_report_text_filters
    use gyroakf_report_stationarity, only : whiteness_text, negligible_rho
    implicit none (type, external)
    private
-   public :: put_filter_table, make_filter_table, put_filter_details, put_rmse
+   public :: put_filter_table, make_filter_table, whiteness_word, put_filter_details, put_rmse
 
 contains
 
@@ -143,11 +143,12 @@ contains
       call set_exact(table, row, 5, "filters."//member//".gain", filter%gain)
       call set_exact(table, row, 7, "filters."//member//".nis_mean", filter%nis_mean)
       call set_cell(table, row, 8, number(filter%ljung_box%largest_rho, 2))
-      call set_cell(table, row, 9, trim(verdict(filter%ljung_box)))
+      call set_cell(table, row, 9, trim(whiteness_word(filter%ljung_box)))
    end subroutine add_filter
 
    !> Whiteness in a word: significance alone would call every long record colored.
-   pure function verdict(test) result(text)
+   pure function whiteness_word(test) result(text)
+      !> Of residuals or innovations
       type(ljung_box_type), intent(in) :: test
       character(8) :: text
 
@@ -158,7 +159,7 @@ contains
       else
          text = "colored"
       end if
-   end function verdict
+   end function whiteness_word
 
    !> Gain, Q, R, counts and warnings of every filter.
    subroutine put_filter_details(writer, channel)

@@ -133,7 +133,7 @@ contains
                        colour_of(label))
    end subroutine put_item
 
-   !> The same label for every text of a list, which are shown as they are.
+   !> The same label for every text of a list, which are shown as they are; that of a note is "Note".
    subroutine put_items(writer, label, list)
       !> The report
       type(writer_type), intent(inout) :: writer
@@ -145,7 +145,11 @@ contains
 
       if (.not. allocated(list)) return
       do i = 1, size(list)
-         call put_item(writer, label, list(i)%text, verbatim=.true.)
+         if (list(i)%note) then
+            call put_item(writer, "Note", list(i)%text, verbatim=.true.)
+         else
+            call put_item(writer, label, list(i)%text, verbatim=.true.)
+         end if
       end do
    end subroutine put_items
 

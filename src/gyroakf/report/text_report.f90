@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> The terminal reports, at most 80 columns wide; they print numbers of the result and compute nothing.
+!> The reports of a terminal, at most 80 columns wide: the first screen, and all details. They print numbers of the result and
+!> compute nothing.
 module gyroakf_report_text_report
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_io_writer, only : writer_type, put_line
@@ -9,6 +10,7 @@ module gyroakf_report_text_report
    use gyroakf_report_input, only : put_input, report_inspect
    use gyroakf_report_removed, only : put_alerts, put_removed
    use gyroakf_report_text_answer, only : put_answer
+   use gyroakf_report_text_screen, only : put_screen
    use gyroakf_report_sections, only : put_tests
    use gyroakf_report_models, only : put_ar_table
    use gyroakf_report_text_drift, only : put_drift_model
@@ -25,7 +27,7 @@ module gyroakf_report_text_report
 contains
 
    !> The report of a command: what was read, then each channel.
-   subroutine write_report(writer, command, record, options, result, chart)
+   subroutine write_report(writer, command, record, options, result, chart, details)
       !> Open; "-" is standard output
       type(writer_type), intent(inout) :: writer
       !> run, allan, tests, ar or filter
@@ -38,13 +40,20 @@ contains
       type(pipeline_result_type), intent(in) :: result
       !> Draw the Allan deviations in characters (default: yes)
       logical, intent(in), optional :: chart
+      !> Everything (default); false: the first screen
+      logical, intent(in), optional :: details
       type(record_type) :: view
       logical :: drawn
       integer :: c
 
       drawn = .true.
       if (present(chart)) drawn = chart
-
+      if (present(details)) then
+         if (.not. details) then
+            call put_screen(writer, command, record, result, drawn)
+            return
+         end if
+      end if
       call put_title(writer, "gyroakf "//release_string//": "//report_subject(command)//preset_name(options))
       if (command == "run" .or. command == "allan") call put_answer(writer, record, result)
       call put_input(writer, record)

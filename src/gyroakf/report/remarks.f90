@@ -1,0 +1,142 @@
+! SPDX-License-Identifier: MIT
+!> Warnings, what is not available, and notes of a whole result; what holds for several channels is told once, with their names.
+module gyroakf_report_remarks
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_io_writer, only : writer_type
+   use gyroakf_pipeline_result, only : pipeline_result_type
+   use gyroakf_record, only : record_type, text_type
+   use gyroakf_report_text_layout, only : fixed, plural, put_item
+   implicit none (type, external)
+   private
+   public :: put_remarks
+
+   !> Kinds of remarks in their order, and their labels
+   integer, parameter :: warning = 1, missing = 2, note = 3
+   character(13), parameter :: label(3) = [character(13) :: "Warning", "Not available", "Note"]
+
+   !> One sentence
+   type :: remark_type
+      integer :: kind = warning
+      character(:), allocatable :: text
+      !> Of its channels; "" for the record
+      character(:), allocatable :: names
+   end type remark_type
+
+contains
+
+   !> Warnings first, then what is not available, then the first notes.
+   subroutine put_remarks(writer, command, record, result, most_notes)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> run, allan, tests, ar or filter
+      character(*), intent(in) :: command
+      !> What was read
+      type(record_type), intent(in) :: record
+      !> What came out
+      type(pipeline_result_type), intent(in) :: result
+      !> Further ones are counted
+      integer, intent(in) :: most_notes
+      type(remark_type), allocatable :: remark(:)
+      character(:), allocatable :: text
+      integer :: i, kind, told
+
+      allocate (remark(0))
+      if (command == "run" .or. command == "filter") call add_passing(remark, result)
+      call add_list(remark, record%warnings, warning, "", "")
+      do i = 1, size(result%channel)
+         associate (channel => result%channel(i))
+            call add_list(remark, channel%warnings, warning, channel%name, "")
+            call add_list(remark, channel%drift_kf%warnings, warning, channel%name, "drift KF: ")
+            call add_list(remark, channel%drift_akf%warnings, warning, channel%name, "drift AKF: ")
+            call add_list(remark, channel%unavailable, missing, channel%name, "")
+         end associate
+      end do
+      do kind = warning, note
+         told = 0
+         do i = 1, size(remark)
+            if (remark(i)%kind /= kind) cycle
+            told = told + 1
+            if (kind == note .and. told > most_notes) cycle
+            text = remark(i)%text
+            if (size(result%channel) > 1 .and. remark(i)%names /= "") text = remark(i)%names//": "//text
+            call put_item(writer, trim(label(kind)), text, verbatim=.true.)
+         end do
+      end do
+      if (told > most_notes) call put_item(writer, "", plural(int(told - most_notes, int64), "further note")//": --details")
+   end subroutine put_remarks
+
+   !> The texts of a list; one that is there already gets the name.
+   pure subroutine add_list(remark, list, kind, name, prefix)
+      type(remark_type), allocatable, intent(inout) :: remark(:)
+      type(text_type), allocatable, intent(in) :: list(:)
+      !> Of what is no note
+      integer, intent(in) :: kind
+      character(*), intent(in) :: name
+      !> Before each text
+      character(*), intent(in) :: prefix
+      integer :: i
+
+      if (.not. allocated(list)) return
+      do i = 1, size(list)
+         call add_remark(remark, merge(note, kind, list(i)%note), prefix//list(i)%text, name)
+      end do
+   end subroutine add_list
+
+   !> One remark.
+   pure subroutine add_remark(remark, kind, text, name)
+      type(remark_type), allocatable, intent(inout) :: remark(:)
+      integer, intent(in) :: kind
+      character(*), intent(in) :: text, name
+      integer :: i
+
+      do i = 1, size(remark)
+         if (remark(i)%kind /= kind .or. remark(i)%text /= text) cycle
+         remark(i)%names = remark(i)%names//", "//name
+         return
+      end do
+      remark = [remark, remark_type(kind, text, name)]
+   end subroutine add_remark
+
+   !> The share of a constant rotation that the paper's filters let pass.
+   pure subroutine add_passing(remark, result)
+      type(remark_type), allocatable, intent(inout) :: remark(:)
+      type(pipeline_result_type), intent(in) :: result
+      character(:), allocatable :: text
+      real(dp) :: kf(2), akf(2)
+      integer :: i
+
+      kf = [huge(kf), -huge(kf)]
+      akf = kf
+      do i = 1, size(result%channel)
+         associate (channel => result%channel(i))
+            if (channel%available%kf) call widen(kf, channel%kf_figures%passed_percent)
+            if (channel%available%akf) call widen(akf, channel%akf_figures%passed_percent)
+         end associate
+      end do
+      text = ""
+      if (kf(1) <= kf(2)) text = ", KF "//range_text(kf)
+      if (akf(1) <= akf(2)) text = text//", AKF "//range_text(akf)
+      if (text == "") return
+      call add_remark(remark, note, "the paper's filters pass a constant rotation in part (DC gain: "//text(3:)// &
+                      "): their outputs are no input for navigation", "")
+   end subroutine add_passing
+
+   !> Takes a value into a range.
+   pure subroutine widen(range, value)
+      real(dp), intent(inout) :: range(2)
+      real(dp), intent(in) :: value
+
+      range = [min(range(1), value), max(range(2), value)]
+   end subroutine widen
+
+   !> "61 %", "17 to 50 %".
+   pure function range_text(range) result(text)
+      real(dp), intent(in) :: range(2)
+      character(:), allocatable :: text
+
+      text = fixed(range(1), 0)
+      if (fixed(range(2), 0) /= text) text = text//" to "//fixed(range(2), 0)
+      text = text//" %"
+   end function range_text
+
+end module gyroakf_report_remarks

@@ -1,0 +1,141 @@
+! SPDX-License-Identifier: MIT
+!> The first screen of a command: what was read, the results of all channels, a chart, and what can make a number wrong.
+module gyroakf_report_text_screen
+   use gyroakf_kinds, only : dp
+   use gyroakf_io_writer, only : put_line, writer_type
+   use gyroakf_pipeline_result, only : pipeline_result_type, stage
+   use gyroakf_record, only : record_type, text_type, view_channel
+   use gyroakf_report_chart, only : draw_chart
+   use gyroakf_report_input, only : put_source, unit_name
+   use gyroakf_report_remarks, only : put_remarks
+   use gyroakf_report_text_answer, only : put_answer
+   use gyroakf_report_text_layout, only : put_heading, put_item
+   use gyroakf_report_text_overview, only : put_overview
+   implicit none (type, external)
+   private
+   public :: put_screen
+
+   !> Rows of the chart, and notes that are told
+   integer, parameter :: chart_rows = 9, most_notes = 3
+
+contains
+
+   !> One screen; [[write_report]] has everything else with `details`.
+   subroutine put_screen(writer, command, record, result, chart)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> run, allan, tests, ar or filter
+      character(*), intent(in) :: command
+      !> What was read
+      type(record_type), intent(in) :: record
+      !> What came out
+      type(pipeline_result_type), intent(in) :: result
+      !> Draw the Allan deviations in characters
+      logical, intent(in) :: chart
+
+      call put_source(writer, record)
+      if (command == "run" .or. command == "allan") call put_answer(writer, record, result)
+      if (command /= "allan") call put_overview(writer, command, record, result)
+      if (chart) call put_curves(writer, record, result)
+      call put_line(writer, "")
+      call put_remarks(writer, command, record, result, most_notes)
+      call put_item(writer, "More", "--details; --out DIR (page, figures, CSV); --json FILE")
+   end subroutine put_screen
+
+   !> The Allan deviation of a single channel with its limits and the fit; of several those that have the unit of the first.
+   subroutine put_curves(writer, record, result)
+      type(writer_type), intent(inout) :: writer
+      type(record_type), intent(in) :: record
+      type(pipeline_result_type), intent(in) :: result
+      type(text_type), allocatable :: lines(:)
+      type(record_type) :: first
+      character(:), allocatable :: legend
+      integer :: i
+
+      call view_channel(record, 1, first)
+      allocate (lines(0))
+      if (size(result%channel) > 1) then
+         call draw_overlay(writer, record, result, lines, legend)
+      else if (result%channel(1)%allan(stage%input)%available) then
+         legend = "o measured, | limits"
+         associate (allan => result%channel(1)%allan(stage%input), curve => result%channel(1)%allan(stage%input)%curve)
+            if (allan%fitted) then
+               legend = legend//", . fitted"
+               call draw_chart(curve%tau, curve%deviation, curve%lower, curve%upper, writer%unicode, lines, allan%noise%model, &
+                               chart_rows)
+            else
+               call draw_chart(curve%tau, curve%deviation, curve%lower, curve%upper, writer%unicode, lines, rows=chart_rows)
+            end if
+         end associate
+      end if
+      if (size(lines) == 0) return
+      call put_heading(writer, "Allan deviation in "//unit_name(first)//" against tau in "// &
+                       trim(merge("s      ", "samples", record%rate_known))//": "//legend)
+      do i = 1, size(lines)
+         call put_line(writer, lines(i)%text)
+      end do
+   end subroutine put_curves
+
+   !> The curves of several channels, a letter each.
+   subroutine draw_overlay(writer, record, result, lines, legend)
+      type(writer_type), intent(in) :: writer
+      type(record_type), intent(in) :: record
+      type(pipeline_result_type), intent(in) :: result
+      type(text_type), allocatable, intent(out) :: lines(:)
+      !> "x gx, y gy"
+      character(:), allocatable, intent(out) :: legend
+      type(record_type) :: first, view
+      real(dp), allocatable :: tau(:), deviation(:)
+      character(1), allocatable :: mark(:)
+      logical :: drawn(size(result%channel))
+      character(1) :: letter
+      integer :: c
+
+      call view_channel(record, 1, first)
+      do c = 1, size(result%channel)
+         call view_channel(record, c, view)
+         drawn(c) = unit_name(view) == unit_name(first) .and. result%channel(c)%allan(stage%input)%available
+      end do
+      allocate (tau(0), deviation(0), mark(0))
+      legend = ""
+      do c = 1, size(result%channel)
+         if (.not. drawn(c)) cycle
+         letter = mark_of(result, drawn, c)
+         legend = legend//", "//letter//" "//result%channel(c)%name
+         associate (curve => result%channel(c)%allan(stage%input)%curve)
+            tau = [tau, curve%tau]
+            deviation = [deviation, curve%deviation]
+            mark = [mark, spread(letter, 1, size(curve%tau))]
+         end associate
+      end do
+      legend = legend(min(3, len(legend) + 1):)
+      call draw_chart(tau, deviation, deviation, deviation, writer%unicode, lines, rows=chart_rows, mark=mark)
+   end subroutine draw_overlay
+
+   !> The last letter of a channel's name, where that tells the channels apart; else a, b, c, ...
+   pure character(1) function mark_of(result, drawn, c)
+      type(pipeline_result_type), intent(in) :: result
+      !> The channels in the chart: [channel]
+      logical, intent(in) :: drawn(:)
+      integer, intent(in) :: c
+      character(size(drawn)) :: last
+      integer :: i, n
+
+      n = 0
+      do i = 1, size(drawn)
+         if (.not. drawn(i)) cycle
+         n = n + 1
+         last(n:n) = " "
+         associate (name => result%channel(i)%name)
+            if (len(name) > 0) last(n:n) = name(len(name):)
+         end associate
+         if (i == c) mark_of = last(n:n)
+      end do
+      do i = 1, n
+         if (iachar(last(i:i)) > iachar(" ") .and. iachar(last(i:i)) < 127 .and. index(last(:n), last(i:i)) == i) cycle
+         mark_of = achar(iachar("a") + modulo(count(drawn(:c)) - 1, 26))
+         return
+      end do
+   end function mark_of
+
+end module gyroakf_report_text_screen
