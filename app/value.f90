@@ -4,7 +4,7 @@ module gyroakf_app_value
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_number, only : parse_number, number
-   use gyroakf_app_option, only : option_type, suggest_word
+   use gyroakf_app_option, only : option_type, suggest_word, takes_value
    implicit none (type, external)
    private
    public :: value_type, convert_value, convert_list, value_error, not_wired, is_word
@@ -33,7 +33,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       value%text = text
-      if (option%kind == "flag") return
+      if (.not. takes_value(option)) return
       if (option%kind == "later") then
          call fatal_error(error, status%usage, "option '"//trim(option%name)//"' is not available in this version")
          return

@@ -23,7 +23,7 @@ for command in run inspect allan tests ar filter simulate selftest; do
    [ $command != simulate ] || output=--output=o.txt
    good "every option of $command written" $command --write-config config_all.toml --force $output
    run $command --help
-   grep -oE '^  --[a-z-]+' out | sed 's/^  --//' | grep -vxE 'help|version|citation|man|completion|config|write-config' |
+   grep -oE '^  (-., )?--[a-z-]+' out | sed 's/^.*--//' | grep -vxE 'help|version|citation|man|completion|config|write-config' |
       while read -r name; do grep -qE "^(# )?$name = " config_all.toml || echo "$name"; done >missing
    is "options of $command in its file" "$(cat missing)" ""
 done
