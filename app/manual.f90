@@ -48,7 +48,7 @@ contains
 
       text = ""
       do i = 1, size(options)
-         if (options(i)%group /= group_titles(1, group) .or. options(i)%kind == "later") cycle
+         if (options(i)%group /= group_titles(1, group)) cycle
          text = text//".TP"//nl//"\fB"//roff(option_names(options(i)))//"\fR"
          if (options(i)%value /= "") text = text//" \fI"//roff(trim(options(i)%value))//"\fR"
          text = text//nl//roff(trim(options(i)%help))//nl//".br"//nl//"Commands: "//trim(options(i)%commands)//"."//nl

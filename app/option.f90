@@ -16,7 +16,7 @@ module gyroakf_app_option
       !> What stands for its value in the help; the words themselves, separated by |, where kind is "choice" or "choices"
       character(64) :: value = ""
       !> flag: no value; all: no value, or =all; text; choice: one of the words; choices: some of them, separated by commas; real;
-      !> positive; share: 0 < x <= 1; natural: 0, 1, ...; count: 1, 2, ...; later: known, but not in this version
+      !> positive; share: 0 < x <= 1; natural: 0, 1, ...; count: 1, 2, ...
       character(8) :: kind = "flag"
       !> The commands that know it
       character(51) :: commands = ""
@@ -24,8 +24,6 @@ module gyroakf_app_option
       character(6) :: group = "common"
       !> What it does
       character(190) :: help = ""
-      !> Words that are known, but not in this version, separated by |
-      character(32) :: later = ""
       !> Short form with its dash, "" for none
       character(2) :: short = ""
       !> Shown by `gyroakf --help`, which leaves the others to `--help=all`

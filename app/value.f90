@@ -34,10 +34,6 @@ contains
 
       value%text = text
       if (.not. takes_value(option)) return
-      if (option%kind == "later") then
-         call fatal_error(error, status%usage, "option '"//trim(option%name)//"' is not available in this version")
-         return
-      end if
       if (text == "") then
          call value_error(option, "the value is empty", error)
          return
@@ -111,12 +107,7 @@ contains
       character(*), intent(in) :: text
       type(error_type), allocatable, intent(out) :: error
 
-      if (is_word(text, option%value)) return
-      if (is_word(text, option%later)) then
-         call value_error(option, "'"//text//"' is not available in this version", error)
-      else
-         call value_error(option, "'"//text//"' is not one of these", error)
-      end if
+      if (.not. is_word(text, option%value)) call value_error(option, "'"//text//"' is not one of these", error)
    end subroutine check_choice
 
    !> Some of the option's words, separated by commas.
