@@ -246,7 +246,7 @@ module gyroakf_app_option
       option_type("--ascii", "", "flag", reading, "output", &
                   "the report on standard output in ASCII (default where the locale is not UTF-8)"), &
       option_type("--force", "", "flag", any_command, "output", &
-                  "overwrite results that are there already (default: keep them)"), &
+                  "overwrite existing files that are no results of gyroakf; without it they are kept"), &
       option_type("--quiet", "", "flag", reading//" selftest", "output", "print no report", short="-q", &
                   frequent=.true.), &
       option_type("--list", "FILE", "text", reading, "work", &

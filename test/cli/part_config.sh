@@ -27,7 +27,7 @@ for command in run inspect allan tests ar filter simulate selftest; do
       while read -r name; do grep -qE "^(# )?$name = " config_all.toml || echo "$name"; done >missing
    is "options of $command in its file" "$(cat missing)" ""
 done
-bad "the file of options is kept" 2 "--force overwrites it" run --write-config empty.toml
+bad "the file of options is kept" 2 "already exists; use --force" run --write-config empty.toml
 
 # wrong NAME LINES FRAGMENT: a file of options with these lines is refused at its last one
 wrong() {
