@@ -2,6 +2,7 @@
 !> Completion scripts for bash, zsh and fish: `gyroakf --completion SHELL`, made from the table of options.
 module gyroakf_app_completion
    use gyroakf_app_option, only : option_type, options, commands, command_names, belongs_to, takes_value
+   use gyroakf_app_words, only : quoted => shell_quoted
    implicit none (type, external)
    private
    public :: completion_text
@@ -178,22 +179,5 @@ contains
          if (list(i:i) == "|") list(i:i) = " "
       end do
    end function spaced
-
-   !> A text in the single quotes of a shell.
-   function quoted(text) result(word)
-      character(*), intent(in) :: text
-      character(:), allocatable :: word
-      integer :: i
-
-      word = "'"
-      do i = 1, len(text)
-         if (text(i:i) == "'") then
-            word = word//"'\''"
-         else
-            word = word//text(i:i)
-         end if
-      end do
-      word = word//"'"
-   end function quoted
 
 end module gyroakf_app_completion

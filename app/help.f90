@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The texts of `--help`, `--version`, `--citation` and of a bare call; the options in them come from [[gyroakf_app_option]].
 module gyroakf_app_help
-   use gyroakf_app_option, only : option_type, options, commands, group_titles, belongs_to, option_names
+   use gyroakf_app_option, only : option_type, options, commands, all_names, group_titles, belongs_to, option_names
    use gyroakf_release, only : release_string
    implicit none (type, external)
    private
@@ -120,7 +120,8 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      text = "gyroakf "//command//": "//trim(purpose_of(command))//nl//nl//"Usage: gyroakf "//command
+      text = "gyroakf "//command//": "//trim(commands(findloc(all_names, command, dim=1))%purpose)//nl//nl// &
+         "Usage: gyroakf "//command
       if (command /= "simulate" .and. command /= "selftest") text = text//" FILE..."
       text = text//" [OPTIONS]"//nl
       do i = 1, size(group_titles, 2)
@@ -143,18 +144,6 @@ contains
          text = text//"  "//trim(examples(2, i))//nl
       end do
    end function first_examples
-
-   !> Purpose of a command, "" of an unknown one.
-   function purpose_of(command) result(purpose)
-      character(*), intent(in) :: command
-      character(:), allocatable :: purpose
-      integer :: i
-
-      purpose = ""
-      do i = 1, size(commands)
-         if (commands(i)%name == command) purpose = trim(commands(i)%purpose)
-      end do
-   end function purpose_of
 
    !> A title and the options of a group, as far as the command knows them; "" where it knows none.
    function options_of(command, group) result(text)
