@@ -4,16 +4,19 @@ module gyroakf_app_check
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_writer, only : is_file
    use gyroakf_record, only : text_type
-   use gyroakf_report_files, only : existing_result, result_files
+   use gyroakf_report_files, only : document_mark, foreign_file, is_marked, result_files, result_marks
+   use gyroakf_report_kalibr, only : kalibr_mark
+   use gyroakf_report_latex, only : latex_mark
    use gyroakf_app_config, only : cli_config, has_many_files, reading_config, analysis_config, simulate_config, &
       selftest_config
+   use gyroakf_app_folders, only : summary_files, summary_marks
    use gyroakf_app_setting_input, only : check_input
    use gyroakf_app_setting_method, only : check_method
    use gyroakf_app_setting_record, only : check_record
    use gyroakf_app_words, only : words_type, is_given, usage_error
    implicit none (type, external)
    private
-   public :: check_job, check_existing, keep_file, is_result
+   public :: check_job, check_existing, is_result
 
 contains
 
@@ -112,7 +115,8 @@ contains
       end select
    end subroutine check_many
 
-   !> Results that are there already are kept, unless --force says otherwise: found out before anything is read.
+   !> Files that are no results of gyroakf are kept, records and files of options too, unless --force says otherwise: found out
+   !> before anything is read.
    subroutine check_existing(config, error)
       !> A checked job
       class(cli_config), intent(in) :: config
@@ -124,8 +128,14 @@ contains
       path = existing(config%options_file)
       select type (config)
       class is (reading_config)
-         if (path == "") path = existing(config%json)
-         if (path == "" .and. allocated(config%out) .and. .not. has_many_files(config)) path = existing_result(config%out)
+         if (path == "") path = existing(config%json, document_mark)
+         if (path == "" .and. allocated(config%out)) then
+            if (has_many_files(config)) then
+               path = foreign_file(config%out, summary_files, summary_marks)
+            else
+               path = foreign_file(config%out, result_files, result_marks)
+            end if
+         end if
       type is (simulate_config)
          if (path == "") path = existing(config%output)
          if (path == "") path = existing(config%truth)
@@ -133,33 +143,27 @@ contains
       select type (config)
       type is (analysis_config)
          if (.not. has_many_files(config)) then
-            if (path == "") path = existing(config%kalibr)
-            if (path == "") path = existing(config%latex)
+            if (path == "") path = existing(config%kalibr, kalibr_mark)
+            if (path == "") path = existing(config%latex, latex_mark)
          end if
       end select
-      call keep_file(path, error)
+      if (path /= "") call fatal_error(error, status%io, path//": already exists; use --force to overwrite it")
    end subroutine check_existing
 
-   !> The error that a file is there.
-   subroutine keep_file(path, error)
-      !> "" for no file and no error
-      character(*), intent(in) :: path
-      !> io
-      type(error_type), allocatable, intent(out) :: error
-
-      if (path /= "") call fatal_error(error, status%io, path//": is there already and is kept"//new_line("a")// &
-                                       "--force overwrites it")
-   end subroutine keep_file
-
-   !> The path where a file is there, else "".
-   function existing(path)
+   !> The path where a file is there that was not written by gyroakf, else "".
+   function existing(path, mark)
       character(:), allocatable, intent(in) :: path
+      !> Of the files that gyroakf writes; absent: every file is kept
+      character(*), intent(in), optional :: mark
       character(:), allocatable :: existing
 
       existing = ""
       if (.not. allocated(path)) return
-      if (path == "-") return
-      if (is_file(path)) existing = path
+      if (path == "-" .or. .not. is_file(path)) return
+      if (present(mark)) then
+         if (is_marked(path, mark)) return
+      end if
+      existing = path
    end function existing
 
    !> The recording is not overwritten by a result, and no result by another.

@@ -15,7 +15,8 @@ module gyroakf_app_cli
    use gyroakf_app_completion, only : completion_text
    use gyroakf_app_help, only : program_help, command_help, version_text, citation_text
    use gyroakf_app_manual, only : manual_text
-   use gyroakf_app_option, only : option_type, options, command_names, find_option, belongs_to, suggest_word, takes_value
+   use gyroakf_app_option, only : option_type, options, all_names, command_names, find_option, belongs_to, suggest_word, &
+      takes_value
    use gyroakf_app_setting_input, only : set_input, set_common
    use gyroakf_app_setting_method, only : set_method
    use gyroakf_app_setting_record, only : set_preset, set_record
@@ -40,6 +41,7 @@ contains
       integer :: first
 
       call sort_words(arguments, words, error)
+      if (.not. allocated(error)) call take_verb(words, error)
       if (allocated(error)) return
       if (is_given(words, "--config")) call add_config(value_of(words, "--config"), words, error)
       if (allocated(error)) return
@@ -55,6 +57,24 @@ contains
          config%input_options = options_of("input", words, config%command)
       end select
    end subroutine get_config
+
+   !> `gyroakf help` is `gyroakf --help`, `gyroakf version` is `gyroakf --version`.
+   subroutine take_verb(words, error)
+      type(words_type), intent(inout) :: words
+      !> usage: help of a command that is none
+      type(error_type), allocatable, intent(out) :: error
+
+      do while (words%positional > 0 .and. .not. words%behind_dashes)
+         if (all(words%word(1)%text /= ["help   ", "version"])) return
+         words%used = words%used + 1
+         words%given(words%used)%row = find_option("--"//words%word(1)%text, "")
+         words%given(words%used)%value = ""
+         words%word = words%word(2:)
+         words%positional = words%positional - 1
+         if (words%positional == 0) return
+         if (all(all_names /= words%word(1)%text)) call unknown_command(words%word(1)%text, "", error)
+      end do
+   end subroutine take_verb
 
    !> The command line as it would be typed.
    function typed_line(arguments) result(line)
@@ -91,20 +111,33 @@ contains
    subroutine check_command(words, error)
       type(words_type), intent(in) :: words
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: word, known
+      character(:), allocatable :: word
       logical :: there
 
       word = words%word(1)%text
       if (words%behind_dashes .or. word == "-" .or. scan(word, "./\") > 0) return
       inquire (file=word, exist=there)
       if (there) return
-      known = suggest_word(word, command_names)
-      if (known /= "") then
-         call usage_error(error, "unknown command '"//word//"', and no file of that name; the nearest command is '"//known//"'")
-      else if (words%positional > 1) then
-         call usage_error(error, "unknown command '"//word//"'; the commands are "//list_of(command_names))
+      if (words%positional > 1 .or. suggest_word(word, all_names) /= "") then
+         call unknown_command(word, ", and no file of that name", error)
       end if
    end subroutine check_command
+
+   !> A word that is no command, with the nearest one, or all.
+   subroutine unknown_command(word, and, error)
+      character(*), intent(in) :: word
+      !> Stands behind it where one is near
+      character(*), intent(in) :: and
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: known
+
+      known = suggest_word(word, all_names)
+      if (known /= "") then
+         call usage_error(error, "unknown command '"//word//"'"//and//"; the nearest command is '"//known//"'")
+      else
+         call usage_error(error, "unknown command '"//word//"'; the commands are "//list_of(all_names))
+      end if
+   end subroutine unknown_command
 
    !> --help, --version, --citation, --man and --completion go before everything else.
    subroutine make_text(words, config, error)
@@ -118,7 +151,7 @@ contains
       do i = 1, words%used
          select case (options(words%given(i)%row)%name)
          case ("--help")
-            text = program_help()
+            text = program_help(whole=words%given(i)%value == "all")
             if (words%positional > 0) then
                if (any(command_names == words%word(1)%text)) text = command_help(words%word(1)%text)
             end if

@@ -2,6 +2,7 @@
 !> Completion scripts for bash, zsh and fish: `gyroakf --completion SHELL`, made from the table of options.
 module gyroakf_app_completion
    use gyroakf_app_option, only : option_type, options, commands, command_names, belongs_to, takes_value
+   use gyroakf_app_words, only : quoted => shell_quoted
    implicit none (type, external)
    private
    public :: completion_text
@@ -46,7 +47,7 @@ contains
          text = text//"      "//trim(command_names(j))//") words='"//names_of(command_names(j))//"' ;;"//nl
       end do
       text = text//"    esac"//nl//"  fi"//nl// &
-         "  [ $COMP_CWORD -gt 1 ] || [[ $cur == -* ]] || words='"//joined(" ")//"'"//nl// &
+         "  [[ $COMP_CWORD -gt 1 && $prev != help || $cur == -* ]] || words='"//joined(" ")//" help version'"//nl// &
          '  mapfile -t COMPREPLY < <(compgen -W "$words" -- "$cur")'//nl//"}"//nl// &
          "complete -o default -o bashdefault -F _gyroakf gyroakf"//nl
    end function bash_text
@@ -66,7 +67,9 @@ contains
       do j = 1, size(command_names)
          text = text//"  "//trim(command_names(j))//") _arguments -s \"//nl
          do i = 1, size(options)
-            if (belongs_to(options(i), command_names(j))) text = text//"    "//quoted(zsh_spec(options(i)))//" \"//nl
+            if (.not. belongs_to(options(i), command_names(j))) cycle
+            text = text//"    "//quoted(zsh_spec(options(i), options(i)%name))//" \"//nl
+            if (options(i)%short /= "") text = text//"    "//quoted(zsh_spec(options(i), options(i)%short))//" \"//nl
          end do
          text = text//"    '*:file:_files' ;;"//nl
       end do
@@ -74,13 +77,15 @@ contains
    end function zsh_text
 
    !> An option as _arguments has it.
-   function zsh_spec(option) result(spec)
+   function zsh_spec(option, name) result(spec)
       type(option_type), intent(in) :: option
+      !> The long or the short one
+      character(*), intent(in) :: name
       character(:), allocatable :: spec, help
       integer :: i
 
       help = trim(option%help)
-      spec = trim(option%name)//"["
+      spec = trim(name)//"["
       do i = 1, len(help)
          if (scan(help(i:i), "[]:\") > 0) spec = spec//"\"
          spec = spec//help(i:i)
@@ -112,6 +117,7 @@ contains
          if (belongs_to(options(i), "run")) condition = condition//"; or not __fish_seen_subcommand_from "//joined(" ")
          text = text//"complete -c gyroakf -n "//quoted(condition)//" -l "//trim(options(i)%name(3:))//" -d "// &
             quoted(trim(options(i)%help))
+         if (options(i)%short /= "") text = text//" -s "//options(i)%short(2:)
          if (has_words(options(i))) then
             text = text//" -x -a "//quoted(spaced(trim(options(i)%value)))
          else if (takes_value(options(i))) then
@@ -143,7 +149,9 @@ contains
 
       list = ""
       do i = 1, size(options)
-         if (belongs_to(options(i), command)) list = list//" "//trim(options(i)%name)
+         if (.not. belongs_to(options(i), command)) cycle
+         list = list//" "//trim(options(i)%name)
+         if (options(i)%short /= "") list = list//" "//options(i)%short
       end do
       list = list(2:)
    end function names_of
@@ -171,22 +179,5 @@ contains
          if (list(i:i) == "|") list(i:i) = " "
       end do
    end function spaced
-
-   !> A text in the single quotes of a shell.
-   function quoted(text) result(word)
-      character(*), intent(in) :: text
-      character(:), allocatable :: word
-      integer :: i
-
-      word = "'"
-      do i = 1, len(text)
-         if (text(i:i) == "'") then
-            word = word//"'\''"
-         else
-            word = word//text(i:i)
-         end if
-      end do
-      word = word//"'"
-   end function quoted
 
 end module gyroakf_app_completion

@@ -206,7 +206,7 @@ contains
          text = text//"# files = [""FILE""]"//nl
       end if
       do i = 1, size(options)
-         if (options(i)%kind == "later" .or. is_of_the_line(options(i)%name)) cycle
+         if (is_of_the_line(options(i)%name)) cycle
          if (belongs_to(options(i), command)) text = text//nl//lines_of(i, words)
       end do
    end function config_text

@@ -19,6 +19,7 @@ module gyroakf_app_driver
    use gyroakf_app_config, only : cli_config, has_many_files, text_config, reading_config, inspect_config, analysis_config, &
       & simulate_config, selftest_config
    use gyroakf_app_gnuplot, only : check_gnuplot
+   use gyroakf_app_help, only : usage_text
    use gyroakf_app_interrupt, only : guard_files, interrupt_signal, watch_signals
    use gyroakf_app_job, only : analyze, inspect
    use gyroakf_app_many, only : work_on_many
@@ -39,8 +40,15 @@ contains
 
       call watch_signals()
       call read_arguments(process_source(), arguments, error)
-      if (.not. allocated(error)) call get_config(arguments, config, error)
       code = 0
+      if (.not. allocated(error)) then
+         if (size(arguments%item) == 0) then
+            write (error_unit, "(a)") usage_text()
+            code = exit_code(status%usage)
+            return
+         end if
+         call get_config(arguments, config, error)
+      end if
       if (.not. allocated(error)) call execute(config, code, error)
       if (.not. allocated(error)) return
       write (error_unit, "(a)") "gyroakf: error: "//error%message

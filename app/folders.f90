@@ -3,12 +3,14 @@
 module gyroakf_app_folders
    use gyroakf_kinds, only : int64
    use gyroakf_record, only : text_type
+   use gyroakf_report_files, only : document_mark
    implicit none (type, external)
    private
-   public :: summary_files, name_folders
+   public :: summary_files, summary_marks, name_folders
 
-   !> What stands beside the folders
+   !> What stands beside the folders, and how it is recognized
    character(12), parameter :: summary_files(2) = [character(12) :: "summary.csv", "summary.json"]
+   character(23), parameter :: summary_marks(2) = [character(23) :: "path,folder,exit_code", document_mark]
 
    !> Names that are taken, found by a hash of theirs
    type :: name_table

@@ -1,11 +1,11 @@
 ! SPDX-License-Identifier: MIT
-!> The texts of `--help`, `--version` and `--citation`; the options in them come from [[gyroakf_app_option]].
+!> The texts of `--help`, `--version`, `--citation` and of a bare call; the options in them come from [[gyroakf_app_option]].
 module gyroakf_app_help
-   use gyroakf_app_option, only : option_type, options, commands, group_titles, belongs_to
+   use gyroakf_app_option, only : option_type, options, commands, all_names, group_titles, belongs_to, option_names
    use gyroakf_release, only : release_string
    implicit none (type, external)
    private
-   public :: program_help, command_help, version_text, citation_text
+   public :: program_help, command_help, usage_text, version_text, citation_text
    public :: about, usage_notes, run_is_default, reading_notes, exit_codes, examples, references
 
    character(*), parameter :: nl = new_line("a")
@@ -14,9 +14,10 @@ module gyroakf_app_help
    integer, parameter :: first_column = 31, last_column = 98
 
    !> What stands in the help and in the manual page
-   character(*), parameter :: about = "random errors of gyroscopes, from a recording to numbers"
+   character(*), parameter :: about = "gyroscope noise: Allan variance, AR models, adaptive Kalman filters"
+   character(*), parameter :: usage = "gyroakf [COMMAND] FILE... [OPTIONS]"
    character(*), parameter :: usage_notes = "FILE may be - (standard input); -- ends the options. Several files, or "// &
-      "--list FILE: each is worked on as if alone, then all are summed up; exit code: the largest of theirs."
+      "--list FILE: each is processed independently, then all are summarized; exit code: the highest of all files."
    character(*), parameter :: run_is_default = "Without a COMMAND gyroakf does the whole job (run)."
    character(*), parameter :: reading_notes = "Begin with gyroakf inspect FILE. "// &
       "Text and NumPy's .npy are recognized by their content; both may be compressed by gzip; zstd comes "// &
@@ -38,7 +39,7 @@ module gyroakf_app_help
       "run", "gyroakf run log.csv --column gx,gy,gz --time-column t --unit deg/s --out results", &
       "run", "gyroakf run mems.txt --preset paper --json - > results.json", &
       "run", "gyroakf run day/*.csv --rate 100 --unit deg/s --out results", &
-      "run", "zstd -dc log.csv.zst | gyroakf run - --rate 100 --unit deg/s --out results --force", &
+      "run", "zstd -dc log.csv.zst | gyroakf run - --rate 100 --unit deg/s --out results", &
       "inspect", "gyroakf inspect log.csv", &
       "inspect", "gyroakf inspect log.csv --column gx,gy,gz --time-column time_ms --json -", &
       "inspect", "gyroakf inspect imu.bin --format i16be --channels 6 --skip 512 --rate 200", &
@@ -83,20 +84,33 @@ contains
          wrapped(trim(references(4)), 3)
    end function citation_text
 
-   !> What `gyroakf --help` prints.
-   function program_help() result(text)
+   !> What a bare `gyroakf` prints.
+   function usage_text() result(text)
+      character(:), allocatable :: text
+
+      text = "gyroakf "//release_string//": "//about//nl//"Usage: "//usage//nl// &
+         "  gyroakf inspect log.csv"//nl//"  gyroakf allan log.csv --rate 100 --unit deg/s"//nl// &
+         "  gyroakf log.csv --rate 100 --unit deg/s --out results"//nl//"Commands and options: gyroakf help"
+   end function usage_text
+
+   !> What `gyroakf --help` and `gyroakf --help=all` print.
+   function program_help(whole) result(text)
+      !> All options, not only the most used
+      logical, intent(in) :: whole
       character(:), allocatable :: text
       integer :: i
 
-      text = "gyroakf "//release_string//": "//about//nl//nl//"Usage: gyroakf [COMMAND] FILE... [OPTIONS]"//nl// &
+      text = "gyroakf "//release_string//": "//about//nl//nl//"Usage: "//usage//nl// &
          wrapped(usage_notes, 8)//nl//"Commands"//nl
       do i = 1, size(commands)
          text = text//"  "//commands(i)%name//"  "//trim(commands(i)%purpose)//nl
       end do
       text = text//nl//run_is_default//nl
-      text = text//options_of("run", "input")//options_of("run", "output")//options_of("run", "work")//options_of("run", "common")
+      do i = 1, size(group_titles, 2)
+         text = text//options_of(trim(merge("any     ", "frequent", whole)), trim(group_titles(1, i)))
+      end do
       text = text//nl//"Examples"//nl//first_examples()//nl//wrapped(reading_notes, 1)//exit_codes//nl// &
-         "All options of a command: gyroakf COMMAND --help"//nl
+         "More options: gyroakf help COMMAND shows those of a command, gyroakf --help=all shows all."//nl
    end function program_help
 
    !> What `gyroakf COMMAND --help` prints.
@@ -106,7 +120,8 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      text = "gyroakf "//command//": "//trim(purpose_of(command))//nl//nl//"Usage: gyroakf "//command
+      text = "gyroakf "//command//": "//trim(commands(findloc(all_names, command, dim=1))%purpose)//nl//nl// &
+         "Usage: gyroakf "//command
       if (command /= "simulate" .and. command /= "selftest") text = text//" FILE..."
       text = text//" [OPTIONS]"//nl
       do i = 1, size(group_titles, 2)
@@ -130,28 +145,20 @@ contains
       end do
    end function first_examples
 
-   !> Purpose of a command, "" of an unknown one.
-   function purpose_of(command) result(purpose)
-      character(*), intent(in) :: command
-      character(:), allocatable :: purpose
-      integer :: i
-
-      purpose = ""
-      do i = 1, size(commands)
-         if (commands(i)%name == command) purpose = trim(commands(i)%purpose)
-      end do
-   end function purpose_of
-
    !> A title and the options of a group, as far as the command knows them; "" where it knows none.
    function options_of(command, group) result(text)
-      character(*), intent(in) :: command, group
+      !> A command; "any" for all options, "frequent" for the most used
+      character(*), intent(in) :: command
+      character(*), intent(in) :: group
       character(:), allocatable :: text
       integer :: i
 
       text = ""
       do i = 1, size(options)
-         if (options(i)%group /= group .or. .not. belongs_to(options(i), command)) cycle
-         text = text//option_lines(options(i))
+         if (options(i)%group /= group) cycle
+         if (command == "any" .or. (command == "frequent" .and. options(i)%frequent) .or. belongs_to(options(i), command)) then
+            text = text//option_lines(options(i))
+         end if
       end do
       if (text == "") return
       do i = 1, size(group_titles, 2)
@@ -165,7 +172,7 @@ contains
       character(:), allocatable :: text
       character(:), allocatable :: line
 
-      line = "  "//trim(option%name)//" "//trim(option%value)
+      line = "  "//option_names(option)//" "//trim(option%value)
       text = ""
       if (len_trim(line) > first_column - 3) then
          text = trim(line)//nl

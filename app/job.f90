@@ -10,7 +10,7 @@ module gyroakf_app_job
    use gyroakf_record, only : record_type, text_type
    use gyroakf_report_document, only : write_document
    use gyroakf_report_figures, only : figure_folder, write_figures
-   use gyroakf_report_files, only : write_results
+   use gyroakf_report_files, only : remove_others, write_results
    use gyroakf_report_kalibr, only : write_kalibr
    use gyroakf_report_latex, only : write_latex
    use gyroakf_report_text_report, only : write_report, report_inspect
@@ -64,6 +64,7 @@ contains
       character(*), intent(in) :: command_line
       type(error_type), allocatable, intent(out) :: error
       type(writer_type) :: report, document
+      character(12), parameter :: written(2) = [character(12) :: "report.txt", "results.json"]
 
       call guard_files()
       call make_directory(directory, error)
@@ -76,6 +77,7 @@ contains
          call begin_document(directory//"/results.json", record, command_line, document, error)
       end if
       if (.not. allocated(error)) call complete_writer(document, error)
+      if (.not. allocated(error)) call remove_others(directory, written)
       if (.not. allocated(error)) call commit_writer(report, error)
       if (.not. allocated(error)) call commit_writer(document, error)
       call discard_writer(report)

@@ -2,7 +2,7 @@
 !> The manual page, in roff: `gyroakf --man`. Every text in it is that of `--help`.
 module gyroakf_app_manual
    use gyroakf_app_help, only : about, usage_notes, run_is_default, reading_notes, exit_codes, examples, references
-   use gyroakf_app_option, only : option_type, options, commands, group_titles
+   use gyroakf_app_option, only : option_type, options, commands, group_titles, option_names
    use gyroakf_release, only : release_string
    implicit none (type, external)
    private
@@ -48,8 +48,8 @@ contains
 
       text = ""
       do i = 1, size(options)
-         if (options(i)%group /= group_titles(1, group) .or. options(i)%kind == "later") cycle
-         text = text//".TP"//nl//"\fB"//roff(trim(options(i)%name))//"\fR"
+         if (options(i)%group /= group_titles(1, group)) cycle
+         text = text//".TP"//nl//"\fB"//roff(option_names(options(i)))//"\fR"
          if (options(i)%value /= "") text = text//" \fI"//roff(trim(options(i)%value))//"\fR"
          text = text//nl//roff(trim(options(i)%help))//nl//".br"//nl//"Commands: "//trim(options(i)%commands)//"."//nl
       end do

@@ -4,11 +4,9 @@ module gyroakf_app_many
    use, intrinsic :: iso_fortran_env, only : error_unit
    use gyroakf_error, only : error_type, exit_code, status
    use gyroakf_pipeline, only : pipeline_result_type
-   use gyroakf_io_writer, only : is_file
    use gyroakf_record, only : record_type, text_type
-   use gyroakf_report_files, only : existing_result
    use gyroakf_report_summary, only : summarise, summarise_failure, summary_row_type
-   use gyroakf_app_check, only : is_result, keep_file
+   use gyroakf_app_check, only : check_existing, is_result
    use gyroakf_app_config, only : analysis_config, inspect_config, reading_config
    use gyroakf_app_file_list, only : read_list
    use gyroakf_app_folders, only : name_folders, summary_files
@@ -94,6 +92,7 @@ contains
       type(text_type), allocatable, intent(out) :: paths(:), folders(:)
       !> usage, io, parse
       type(error_type), allocatable, intent(out) :: error
+      class(reading_config), allocatable :: job
       integer :: i, j
       logical :: forbidden
 
@@ -120,15 +119,12 @@ contains
             if (paths(i)%text == config%out//"/"//trim(summary_files(j))) forbidden = .true.
          end do
          if (forbidden) call usage_error(error, "--out would overwrite the recording '"//paths(i)%text//"'")
-         if (.not. (forbidden .or. config%force)) call keep_file(existing_result(folders(i)%text), error)
          if (allocated(error)) return
-      end do
-      if (config%force) return
-      do j = 1, size(summary_files)
-         if (is_file(config%out//"/"//trim(summary_files(j)))) then
-            call keep_file(config%out//"/"//trim(summary_files(j)), error)
-            return
-         end if
+         allocate (job, source=config)
+         call prepare_one(job, paths(i)%text, folders(i)%text, i)
+         call check_existing(job, error)
+         if (allocated(error)) return
+         deallocate (job)
       end do
    end subroutine gather_files
 
@@ -143,6 +139,7 @@ contains
       config%quiet = .true.
       if (allocated(config%json)) deallocate (config%json)
       if (allocated(config%list)) deallocate (config%list)
+      if (allocated(config%options_file)) deallocate (config%options_file)
       if (allocated(config%out)) config%out = folder
       select type (config)
       type is (analysis_config)

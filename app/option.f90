@@ -6,8 +6,8 @@ module gyroakf_app_option
    use gyroakf_spelling, only : edit_distance, nearest_word
    implicit none (type, external)
    private
-   public :: option_type, options, commands, command_names, group_titles
-   public :: find_option, takes_value, belongs_to, is_of_the_line, suggest_option, suggest_word
+   public :: option_type, options, commands, all_names, command_names, group_titles
+   public :: find_option, option_names, takes_value, belongs_to, is_of_the_line, suggest_option, suggest_word
 
    !> One row
    type :: option_type
@@ -15,8 +15,8 @@ module gyroakf_app_option
       character(20) :: name = ""
       !> What stands for its value in the help; the words themselves, separated by |, where kind is "choice" or "choices"
       character(64) :: value = ""
-      !> flag: no value; text; choice: one of the words; choices: some of them, separated by commas; real; positive;
-      !> share: 0 < x <= 1; natural: 0, 1, ...; count: 1, 2, ...; later: known, but not in this version
+      !> flag: no value; all: no value, or =all; text; choice: one of the words; choices: some of them, separated by commas; real;
+      !> positive; share: 0 < x <= 1; natural: 0, 1, ...; count: 1, 2, ...
       character(8) :: kind = "flag"
       !> The commands that know it
       character(51) :: commands = ""
@@ -24,8 +24,10 @@ module gyroakf_app_option
       character(6) :: group = "common"
       !> What it does
       character(190) :: help = ""
-      !> Words that are known, but not in this version, separated by |
-      character(32) :: later = ""
+      !> Short form with its dash, "" for none
+      character(2) :: short = ""
+      !> Shown by `gyroakf --help`, which leaves the others to `--help=all`
+      logical :: frequent = .false.
    end type option_type
 
    !> Name and purpose of a command
@@ -45,10 +47,12 @@ module gyroakf_app_option
       command_type("ar", "order table by every criterion, coefficients with standard errors, residuals"), &
       command_type("filter", "Kalman filter and adaptive Kalman filter: filtered series and diagnostics"), &
       command_type("simulate", "a record with known noise: Q N B K R, AR terms, trend, outliers, seed"), &
-      command_type("selftest", "verify this build against published vectors and exact values")]
+      command_type("selftest", "verify this build against published vectors and exact values"), &
+      command_type("help", "this text; gyroakf help COMMAND: that of a command"), &
+      command_type("version", "the version")]
 
-   !> Their names alone
-   character(8), parameter :: command_names(*) = commands%name
+   !> Their names, and those of the commands with options: all but help and version, which stand for --help and --version
+   character(8), parameter :: all_names(*) = commands%name, command_names(*) = commands(:size(commands) - 2)%name
 
    character(*), parameter :: reading = "run inspect allan tests ar filter"
    character(*), parameter :: analysing = "run allan tests ar filter"
@@ -63,11 +67,12 @@ module gyroakf_app_option
       "output", "Results", "work", "Files, threads, memory", "common", "Common"], [2, 11])
 
    type(option_type), parameter :: input_options(*) = [ &
-      option_type("--rate", "HZ", "positive", reading, "input", "sample rate; overrides header and time stamps"), &
+      option_type("--rate", "HZ", "positive", reading, "input", "sample rate; overrides header and time stamps", &
+                  frequent=.true.), &
       option_type("--dt", "S", "positive", reading, "input", "sample interval, instead of --rate"), &
       option_type("--unit", "UNIT[,...]", "text", reading, "input", &
                   "unit of the values: rad/s, deg/s, deg/h, mdps, m/s^2, g, mg, ...; of the angle (rad, deg, "// &
-                  "arcsec) with --input increment or angle; a list has one unit for each channel"), &
+                  "arcsec) with --input increment or angle; a list has one unit for each channel", frequent=.true.), &
       option_type("--input", "rate|increment|angle", "choice", reading, "input", &
                   "what the values are: rates (default), angle increments per sample, or accumulated angles"), &
       option_type("--wrap", "auto|none|VALUE", "text", reading, "input", &
@@ -77,9 +82,10 @@ module gyroakf_app_option
                   "how samples get their place: by their index at the mean rate (default), on the slot of the grid nearest to "// &
                   "their time stamp, or interpolated onto the grid by the stamps"), &
       option_type("--scale", "F", "real", reading, "input", "multiply every value by F"), &
-      option_type("--column", "N|NAME[,...]", "text", reading, "input", "columns to read (default: all but the time)"), &
+      option_type("--column", "N|NAME[,...]", "text", reading, "input", "columns to read (default: all but the time)", &
+                  frequent=.true.), &
       option_type("--time-column", "N|NAME|none", "text", reading, "input", &
-                  "column of the time stamps (default: found by its name, else by its even rise)"), &
+                  "column of the time stamps (default: found by its name, else by its even rise)", frequent=.true.), &
       option_type("--time-unit", "UNIT", "text", reading, "input", &
                   "unit of the time column: s, ms, us, ns, min, h, or a multiple such as 100us (default: by its name, else by "// &
                   "its values)"), &
@@ -91,8 +97,8 @@ module gyroakf_app_option
                   "leave out the first N lines of a text, or the first N bytes before raw numbers"), &
       option_type("--where", "COLUMN=VALUE", "text", reading, "input", "read only the rows that hold VALUE in that column, "// &
                   "as of one of several sensors in a file"), &
-      option_type("--from", "S", "real", reading, "input", "begin S seconds after the first sample"), &
-      option_type("--to", "S", "positive", reading, "input", "end S seconds after the first sample"), &
+      option_type("--from", "S", "real", reading, "input", "begin S seconds after the first sample", frequent=.true.), &
+      option_type("--to", "S", "positive", reading, "input", "end S seconds after the first sample", frequent=.true.), &
       option_type("--decimal-comma", "", "flag", reading, "input", "every comma in the file is a decimal comma, as in 1,5; "// &
                   "recognised by itself where semicolons, tabs or blanks part the columns"), &
       option_type("--bad-lines", "error|missing", "choice", reading, "input", &
@@ -212,12 +218,13 @@ module gyroakf_app_option
 
    type(option_type), parameter :: common_options(*) = [ &
       option_type("--out", "DIR", "text", reading, "output", &
-                  "write the results as files into DIR, report.html among them; of many files into a folder each"), &
+                  "write the results as files into DIR, report.html among them; of many files into a folder each", &
+                  short="-o", frequent=.true.), &
       option_type("--json", "FILE", "text", reading, "output", &
-                  "write the results (of many files the summary) as JSON; - is standard output"), &
+                  "write the results (of many files the summary) as JSON; - is standard output", frequent=.true.), &
       option_type("--kalibr", "FILE", "text", "run allan", "output", &
                   "write N and K as Kalibr's imu.yaml: SI, of each sensor the largest axis; needs rate and unit; of many "// &
-                  "files into the folder of each"), &
+                  "files into the folder of each", frequent=.true.), &
       option_type("--latex", "FILE", "text", "run", "output", &
                   "write the tables (tests, AR models, filters, coefficients) as LaTeX for \input, with the package "// &
                   "booktabs; - is standard output; of many files into the folder of each"), &
@@ -238,9 +245,12 @@ module gyroakf_app_option
                   "colours in the report on standard output; auto (default): on a terminal, unless NO_COLOR is set"), &
       option_type("--ascii", "", "flag", reading, "output", &
                   "the report on standard output in ASCII (default where the locale is not UTF-8)"), &
-      option_type("--details", "", "flag", analysing, "output", "print every table, test and model (default: one screen)"), &
-      option_type("--force", "", "flag", any_command, "output", "overwrite results that are there already (default: keep them)"), &
-      option_type("--quiet", "", "flag", reading//" selftest", "output", "print no report"), &
+      option_type("--details", "", "flag", analysing, "output", &
+                  "print every table, test and model (default: one screen)", frequent=.true.), &
+      option_type("--force", "", "flag", any_command, "output", &
+                  "overwrite existing files that are no results of gyroakf; without it they are kept"), &
+      option_type("--quiet", "", "flag", reading//" selftest", "output", "print no report", short="-q", &
+                  frequent=.true.), &
       option_type("--list", "FILE", "text", reading, "work", &
                   "work on the files named in FILE too, one a line; - is standard input"), &
       option_type("--threads", "N", "count", any_command, "work", &
@@ -254,8 +264,9 @@ module gyroakf_app_option
                   "take options from FILE, name = value a line; those of the command line come on top"), &
       option_type("--write-config", "FILE", "text", any_command, "work", &
                   "write all options into FILE, those that are not given as comments; without a recording nothing else is done"), &
-      option_type("--help", "", "flag", any_command, "common", "this text, or that of a command"), &
-      option_type("--version", "", "flag", any_command, "common", "the version"), &
+      option_type("--help", "", "all", any_command, "common", &
+                  "the most used options, or all of a command; --help=all: all options", short="-h", frequent=.true.), &
+      option_type("--version", "", "flag", any_command, "common", "the version", short="-V", frequent=.true.), &
       option_type("--citation", "", "flag", any_command, "common", "what to cite"), &
       option_type("--man", "", "flag", any_command, "common", "the manual page, for man -l -"), &
       option_type("--completion", "bash|zsh|fish", "choice", any_command, "common", &
@@ -272,26 +283,37 @@ contains
 
    !> Row of an option for a command; where the command does not know it, its first row; 0 where no row has the name.
    pure integer function find_option(name, command)
-      !> With its dashes
+      !> With its dashes, long or short
       character(*), intent(in) :: name
       !> A command; "" for any
       character(*), intent(in) :: command
       integer :: i
 
       find_option = 0
+      if (name == "") return
       do i = 1, size(options)
-         if (options(i)%name /= name) cycle
+         if (options(i)%name /= name .and. options(i)%short /= name) cycle
          if (find_option == 0) find_option = i
          if (belongs_to(options(i), command)) find_option = i
       end do
    end function find_option
+
+   !> The short and the long form, as in "-o, --out".
+   pure function option_names(option) result(names)
+      !> A row
+      type(option_type), intent(in) :: option
+      character(:), allocatable :: names
+
+      names = trim(option%name)
+      if (option%short /= "") names = option%short//", "//names
+   end function option_names
 
    !> Whether a value follows.
    pure logical function takes_value(option)
       !> A row
       type(option_type), intent(in) :: option
 
-      takes_value = option%kind /= "flag"
+      takes_value = all(option%kind /= [character(4) :: "flag", "all"])
    end function takes_value
 
    !> Whether a command knows the option.

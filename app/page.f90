@@ -62,7 +62,7 @@ contains
       call check_gnuplot(error)
       if (allocated(error)) then
          drawings%missing = "No figures: gnuplot was not found when this page was made. Install it (apt install gnuplot-nox, "// &
-                            "dnf install gnuplot, brew install gnuplot) and run the command below again, with --force."
+                            "dnf install gnuplot, brew install gnuplot) and run the command below again."
          return
       end if
       call write_figures(folder, "svg", record, config%pipeline, result, figures, error)

@@ -4,7 +4,7 @@ module gyroakf_app_value
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_number, only : parse_number, number
-   use gyroakf_app_option, only : option_type, suggest_word
+   use gyroakf_app_option, only : option_type, suggest_word, takes_value
    implicit none (type, external)
    private
    public :: value_type, convert_value, convert_list, value_error, not_wired, is_word
@@ -33,11 +33,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       value%text = text
-      if (option%kind == "flag") return
-      if (option%kind == "later") then
-         call fatal_error(error, status%usage, "option '"//trim(option%name)//"' is not available in this version")
-         return
-      end if
+      if (.not. takes_value(option)) return
       if (text == "") then
          call value_error(option, "the value is empty", error)
          return
@@ -111,12 +107,7 @@ contains
       character(*), intent(in) :: text
       type(error_type), allocatable, intent(out) :: error
 
-      if (is_word(text, option%value)) return
-      if (is_word(text, option%later)) then
-         call value_error(option, "'"//text//"' is not available in this version", error)
-      else
-         call value_error(option, "'"//text//"' is not one of these", error)
-      end if
+      if (.not. is_word(text, option%value)) call value_error(option, "'"//text//"' is not one of these", error)
    end subroutine check_choice
 
    !> Some of the option's words, separated by commas.

@@ -85,7 +85,6 @@ contains
       name = arguments%item(i)%text
       equals = index(name, "=")
       if (equals > 0) name = name(:equals - 1)
-      if (name == "-h") name = "--help"
       row = find_option(name, "")
       if (row == 0) then
          call unknown_option(name, error)
@@ -94,11 +93,10 @@ contains
       words%used = words%used + 1
       words%given(words%used)%row = row
       if (equals > 0) then
-         if (.not. takes_value(options(row))) then
-            call usage_error(error, "option '"//name//"' takes no value")
-            return
-         end if
          words%given(words%used)%value = arguments%item(i)%text(equals + 1:)
+         if (takes_value(options(row)) .or. (options(row)%kind == "all" .and. words%given(words%used)%value == "all")) return
+         call usage_error(error, "option '"//name//"' takes no value"// &
+                          trim(merge(" but all", "        ", options(row)%kind == "all")))
       else if (takes_value(options(row))) then
          call take_next(arguments, i, options(row), words%given(words%used)%value, error)
       else
@@ -115,7 +113,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       if (i < size(arguments%item)) then
-         if (index(arguments%item(i + 1)%text, "--") /= 1) then
+         if (index(arguments%item(i + 1)%text, "--") /= 1 .and. find_option(arguments%item(i + 1)%text, "") == 0) then
             i = i + 1
             value = arguments%item(i)%text
             return
@@ -132,7 +130,7 @@ contains
 
       known = suggest_option(name)
       if (known == "") then
-         call usage_error(error, "unknown option '"//name//"'; gyroakf --help lists the options")
+         call usage_error(error, "unknown option '"//name//"'; gyroakf --help=all lists the options")
       else
          call usage_error(error, "unknown option '"//name//"'; the nearest is '"//known//"'")
       end if

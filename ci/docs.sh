@@ -106,11 +106,8 @@ shows() {
     }' "$1" "$2"
 }
 
-# run LINE: ends well; what it prints goes to $work/out. Results are written anew unless the line says --force
+# run LINE: ends well; what it prints goes to $work/out
 run() {
-  local folder
-  folder=$(sed -nE 's/.* --out ([^ ]+).*/\1/p' <<<"$1")
-  if [ -n "$folder" ] && [[ $1 != *--force* ]]; then rm -rf "./$folder"; fi
   timeout 60 bash -c "$1" >"$work/out" 2>"$work/err" </dev/null
 }
 

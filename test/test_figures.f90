@@ -8,7 +8,7 @@ module test_figures
    use gyroakf_pipeline_result, only : stage
    use gyroakf_record, only : record_type, text_type
    use gyroakf_report_figures, only : figure_formats, figure_kinds, write_figures
-   use gyroakf_report_files, only : existing_result, result_files, write_results
+   use gyroakf_report_files, only : foreign_file, result_files, result_marks, write_results
    use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record
    use scratch_file, only : file_exists, read_bytes, remove_file, remove_folder, scratch_path
    implicit none (type, external)
@@ -343,19 +343,22 @@ contains
 
       call make_run(["gx"], record, options, result)
       folder = scratch_path("results")
-      call check(error, existing_result(folder) == "", "files of a folder that is not there")
+      call check(error, foreign_file(folder, result_files, result_marks) == "", "files of a folder that is not there")
       if (allocated(error)) return
       call write_results(folder, "run", record, options, result, failed)
       call check_files("series.csv allan.csv coefficients.csv ar_spectrum.csv correlation.csv histogram.csv spectrum.csv "// &
                        "report.txt results.json")
-      if (.not. allocated(error)) call check(error, existing_result(folder) == folder//"/series.csv", "the first file")
+      if (.not. allocated(error)) call check(error, foreign_file(folder, result_files, result_marks) == "", &
+                                             "files of a run are recognized")
       options%keep_series = .false.
       options%do_ar = .false.
       options%do_tests = .false.
       result%channel(1)%available%correlation = .false.
       call write_results(folder, "allan", record, options, result, failed)
       call check_files("allan.csv coefficients.csv report.txt results.json")
-      if (.not. allocated(error)) call check(error, existing_result(folder) == folder//"/allan.csv", "the first file that is left")
+      call remove_file(folder//"/results.json")
+      if (.not. allocated(error)) call check(error, foreign_file(folder, result_files, result_marks) == folder//"/report.txt", &
+                                             "a report without its document")
       do i = 1, size(result_files)
          call remove_file(folder//"/"//trim(result_files(i)))
       end do

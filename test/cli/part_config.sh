@@ -23,11 +23,11 @@ for command in run inspect allan tests ar filter simulate selftest; do
    [ $command != simulate ] || output=--output=o.txt
    good "every option of $command written" $command --write-config config_all.toml --force $output
    run $command --help
-   grep -oE '^  --[a-z-]+' out | sed 's/^  --//' | grep -vxE 'help|version|citation|man|completion|config|write-config' |
+   grep -oE '^  (-., )?--[a-z-]+' out | sed 's/^.*--//' | grep -vxE 'help|version|citation|man|completion|config|write-config' |
       while read -r name; do grep -qE "^(# )?$name = " config_all.toml || echo "$name"; done >missing
    is "options of $command in its file" "$(cat missing)" ""
 done
-bad "the file of options is kept" 2 "--force overwrites it" run --write-config empty.toml
+bad "the file of options is kept" 2 "already exists; use --force" run --write-config empty.toml
 
 # wrong NAME LINES FRAGMENT: a file of options with these lines is refused at its last one
 wrong() {

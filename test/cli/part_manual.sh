@@ -8,11 +8,11 @@ sed 's/\\-/-/g; s/\\e/\\/g; s/\\f[BRI]//g; s/^\\&//' out >page
 for command in run inspect allan tests ar filter simulate selftest; do
    run $command --help
    # every option with its value and every line of its text, in the page
-   sed -nE 's/^  (--[^ ]+( [^ ]+)?)( .*|$)/\1/p' out | sed 's/ *$//' | while read -r option; do
+   sed -nE 's/^  ((-., )?--[^ ]+( [^ ]+)?)( .*|$)/\1/p' out | sed 's/ *$//' | while read -r option; do
       grep -qF -- "$option" page || echo "$option"
    done >missing
    is "options of '$command' in the manual page" "$(cat missing)" ""
-   sed -nE 's/^ {30}([^ ].*)$/\1/p; s/^  --.{26} +([^ ].*)$/\1/p' out | while IFS= read -r line; do
+   sed -nE 's/^ {30}([^ ].*)$/\1/p; s/^  -.{27} +([^ ].*)$/\1/p' out | while IFS= read -r line; do
       tr '\n' ' ' <page | grep -qF -- "$line" || echo "$line"
    done >missing
    is "texts of '$command' in the manual page" "$(cat missing)" ""
@@ -33,10 +33,13 @@ is "bash completes commands" "$(completed gyroakf al)" "allan"
 is "bash completes options" "$(completed gyroakf allan x.csv --tau)" "--taus"
 is "bash completes options of a command only" "$(completed gyroakf inspect x.csv --tau)" ""
 is "bash completes words" "$(completed gyroakf filter x.csv --akf '')" "paper robust"
+is "bash completes short options" "$(completed gyroakf allan x.csv -q)" "-q"
+is "bash completes help" "$(completed gyroakf hel) $(completed gyroakf help al)" "help allan"
 is "bash completes options without a command" "$(completed gyroakf x.csv --presen --pres)" "--preset"
 for shell in zsh fish; do
    good "completion for $shell" --completion $shell
    holds "$shell knows --taus" "taus" out
+   if grep -q -- "'-o\[write\| -s o" out; then pass; else fail "$shell does not know -o"; fi
    if command -v $shell >/dev/null; then
       if $shell -n out; then pass; else fail "$shell does not take its completion script"; fi
    fi

@@ -97,15 +97,14 @@ is "codes in summary.csv" "$(cut -d, -f3 some/summary.csv | tr '\n' ' ')" "exit_
 is "failed files in the document" "$(grep -c '"exit_code": 2' failed.json)" 3
 good "what --progress draws is none of the results" inspect many/f1.txt many/f2.txt --progress off
 
-# what is there already is kept, unless --force says otherwise
-bad "a summary that is there" 2 "is kept" inspect many/f3.txt many/two.csv --out some
-rm some/summary.*
-bad "results of a file that are there" 2 "some/f1/" inspect many/f3.txt many/f1.txt --out some
+# other files are kept, unless --force says otherwise
+echo old >some/f1/results.json
+bad "a file that is no result" 2 "some/f1/report.txt: already exists" inspect many/f3.txt many/f1.txt --out some
 if [ -e some/f3 ]; then fail "a folder although the others are kept"; else pass; fi
 good "--force" inspect many/f3.txt many/f1.txt --out some --force
 good "inspect into a folder" inspect many/f1.txt --out looked --quiet
 is "files of inspect" "$(cd looked && echo *)" "report.txt results.json"
-bad "inspect keeps them" 2 "is kept" inspect many/f1.txt --out looked
+good "inspect replaces them" inspect many/f1.txt --out looked --quiet
 
 # a list
 printf '# of today\n\n  many/f1.txt \r\nmany/f2.txt\n# many/f3.txt\nmany/sub/f2.csv' >list.txt

@@ -32,7 +32,7 @@ if cmp -s results/results.json all.json; then pass; else fail "results.json and 
 if cmp -s results/report.txt out; then pass; else fail "report.txt and standard output differ"; fi
 is "series.csv is complete" "$(grep -c '^[-0-9]' results/series.csv)" 12000
 sum=$(cat results/*[!l] | no_command_line | cksum)                # all but report.html, which has the command line in it
-good "run into the same directory again" run "$example" --out results --quiet --force
+good "run into the same directory again" run "$example" --out results --quiet
 is "--quiet prints nothing" "$(cat out)" ""
 is "the same results again" "$(cat results/*[!l] | no_command_line | cksum)" "$sum"
 is "nothing is left aside" "$(cd results && echo * .[!.]*)" "allan.csv ar_spectrum.csv coefficients.csv correlation.csv histogram.csv report.html report.txt results.json series.csv spectrum.csv .[!.]*"

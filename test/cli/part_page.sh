@@ -46,4 +46,6 @@ printf '#!/bin/sh\nexit 1\n' >page_gnuplot/gnuplot
 PATH=$work/page_gnuplot:$PATH good "gnuplot fails" page.txt --out page_fail.d --quiet
 holds "it tells how to see why" "plot svg tells" page_fail.d/report.html
 is "nothing is left of it" "$(find page_fail.d -name '*.part*' | wc -l)" 0
-bad "a page is kept" 2 "page_one.d/" page.txt --out page_one.d
+good "a page is replaced" page.txt --out page_one.d --plot none --quiet
+echo other >page_one.d/report.html
+bad "another page is kept" 2 "page_one.d/report.html: already exists" page.txt --out page_one.d

@@ -73,12 +73,11 @@ is "no chart in report.txt" "$(grep -c 'against tau\|1/2' nochart/report.txt)" 0
 bad "--chart of tests" 1 "not one of 'tests'" tests "$example" --chart on
 
 # tables
-good "tables" run "$example" --latex t.tex --json t_tables.json --force
+good "tables" run "$example" --latex t.tex --json t_tables.json
 holds "the report beside the tables" "Table III" out
 holds "Table I in LaTeX" '\caption{AR models' t.tex
 is "LaTeX is ASCII" "$(beyond t.tex)" 0
-bad "tables are kept" 2 "is kept" run "$example" --latex t.tex
-good "tables are replaced" run "$example" --latex t.tex --force --quiet
+good "tables are replaced" run "$example" --latex t.tex --quiet
 good "LaTeX on standard output" run "$example" --latex -
 if cmp -s out t.tex; then pass; else fail "--latex - is not the file"; fi
 bad "two on standard output" 1 "--json and --latex would both be on standard output" run "$example" --json - --latex -

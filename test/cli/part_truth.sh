@@ -9,7 +9,7 @@ if cmp -s t.txt t_alone.txt; then pass; else fail "--truth changes the record"; 
 holds "what the drift is" "# the true drift of: gyroakf simulate --samples 6000" t_drift.txt
 holds "its unit" "# unit: deg/s" t_drift.txt
 is "its samples" "$(grep -vc '^#' t_drift.txt)" 6000
-bad "a drift that is there" 2 "t_drift.txt: is there already" simulate "${terms[@]}" --output t2.txt --truth t_drift.txt
+bad "a drift that is there" 2 "t_drift.txt: already exists" simulate "${terms[@]}" --output t2.txt --truth t_drift.txt
 is "no record without its drift" "$(ls t2.txt 2>/dev/null)" ""
 
 # every filter against it

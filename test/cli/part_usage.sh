@@ -14,13 +14,55 @@ for command in "" run inspect allan tests ar filter simulate selftest; do
    good "-h of '$command'" $command -h
 done
 
+# help and version as commands; the short help and the whole one
+run
+is "a bare call" "$code $(wc -l <err) $(cat out)" "1 6 "
+holds "usage of a bare call" "Usage: gyroakf [COMMAND] FILE... [OPTIONS]" err
+holds "where it leads" "gyroakf help" err
+# same NAME ARGUMENTS -- ARGUMENTS: both print the same
+same() {
+   local name=$1 first; shift
+   first=()
+   while [ "$1" != -- ]; do first+=("$1"); shift; done
+   shift
+   good "$name" "${first[@]}"
+   cp out first
+   good "$name, the other way" "$@"
+   if cmp -s out first; then pass; else fail "$name: '${first[*]}' and '$*' print different texts"; fi
+}
+same "help" help -- --help
+same "help of help" help help -- --help
+for command in run inspect allan tests ar filter simulate selftest; do
+   same "help of $command" help $command -- $command --help
+   same "all of $command" help $command --help=all -- $command -h
+done
+same "version" version -- --version
+same "short version" -V -- --version
+good "help" help
+for option in '--rate HZ' '--unit UNIT' '--column N' '--to S' '-o, --out DIR' '--json FILE' '-q, --quiet' '-V, --version'; do
+   holds "$option in the short help" "  $option" out
+done
+is "it shows few of the options" "$(grep -cE '^  (-., )?--' out | awk '{ print $1 < 16 }')" 1
+holds "the short help leads to the rest" "gyroakf help COMMAND shows those of a command, gyroakf --help=all shows all" out
+good "the whole help" --help=all
+for command in run inspect allan tests ar filter simulate selftest; do "$gyroakf" help $command; done | grep -E '^  -' | sort -u >every
+is "options of all commands in it" "$(grep -E '^  -' out | sort -u | comm -13 - every)" ""
+bad "help of an unknown command" 1 "unknown command 'alan'; the nearest command is 'allan'" help alan
+bad "help of no command" 1 "unknown command 'x.txt'; the commands are run, inspect" help x.txt
+bad "part of the help" 1 "option '--help' takes no value but all" --help=part
+bad "help misspelt" 1 "the nearest command is 'help'" hlep
+bad "a file called help" 2 "help" -- help
+
 bad "unknown option" 1 "unknown option '--rat'; the nearest is '--rate'" x.txt --rat 5
 bad "last part of an option" 1 "the nearest is '--outlier-threshold'" x.txt --threshold=3
 bad "unknown option far from all" 1 "unknown option '--zzzzzzzzz'; gyroakf --help" x.txt --zzzzzzzzz
-bad "unknown short option" 1 "unknown option '-q'" x.txt -q
+bad "unknown short option" 1 "unknown option '-v'; gyroakf --help=all" x.txt -v
 bad "unknown command" 1 "unknown command 'alan', and no file of that name; the nearest command is 'allan'" alan
 bad "unknown command with a file" 1 "unknown command 'dance'; the commands are run, inspect" dance x.txt
 bad "flag with a value" 1 "option '--quiet' takes no value" x.txt --quiet=yes
+bad "short flag with a value" 1 "option '-q' takes no value" x.txt -q=yes
+bad "no value of a short option" 1 "option '--out' needs a value: --out DIR" x.txt -o
+bad "no value before a short option" 1 "option '--out' needs a value" x.txt -o -q
 bad "no value at the end" 1 "option '--json' needs a value: --json FILE" x.txt --json
 bad "no value before an option" 1 "option '--json' needs a value" x.txt --json --quiet
 

@@ -35,15 +35,51 @@ END
    then pass; else fail "series.csv and series.f64 hold other numbers"; fi
 fi
 
-# results that are there already are kept
-sum=$(cat w_csv/* | cksum)
-bad "results that are there" 2 "--force overwrites it" run w.txt --out w_csv
-is "they are kept" "$(cat w_csv/* | cksum)" "$sum"
+# what gyroakf wrote is replaced; other files, records and files of options are kept
+good "results again" run w.txt --out w_csv --json w_again.json --latex w.tex --kalibr w.yaml --rate 100 --unit deg/s --quiet
+good "and again" allan w.txt --out w_csv --json w_again.json --kalibr w.yaml --rate 100 --unit deg/s --quiet
+is "results of the earlier run are gone" "$(cd w_csv && echo *)" "allan.csv coefficients.csv report.html report.txt results.json"
+holds "those of the new one are there" "gyroakf allan w.txt" w_again.json
+holds "and in the page" "gyroakf allan w.txt" w_csv/report.html
+good "tables again" run w.txt --latex w.tex --quiet
+good "an inspection over them" inspect w.txt -o w_csv -q
+is "no page of the earlier run" "$(cd w_csv && echo *)" "report.txt results.json"
+good "binary series again" filter w.txt --out w_npy --series-format f64 --quiet
+is "one form of the series" "$(cd w_npy && echo series.*)" "series.f64"
+
+# kept NAME FILE ARGUMENTS...: the file is refused and stays as it is
+kept() {
+   local name=$1 file=$2 sum; shift 2
+   sum=$(cksum <"$file")
+   bad "$name" 2 "$file: already exists; use --force to overwrite it" "$@"
+   is "$name is kept" "$(cksum <"$file")" "$sum"
+}
+good "the series of a run" run w.txt --out w_csv --quiet
 echo old >w.json
-bad "a JSON file that is there" 2 "w.json: is there already" run w.txt --json w.json
-bad "a record that is there" 2 "w.txt: is there already" simulate --output w.txt
-is "it is kept, too" "$(cat w.json)" old
+mkdir w_mixed
+for name in $(ls w_csv) series.npy series.f64; do
+   mkdir w_mixed/$name && cp w_csv/* w_mixed/$name && cp w.txt w_mixed/$name/$name
+done
+for name in $(ls w_csv) series.npy series.f64; do
+   case $name in report.txt) continue ;; esac                     # beside results.json it is taken for that of the run
+   file=$name
+   [ $name != results.json ] || file=report.txt                   # refused first: nothing says that it is of gyroakf
+   kept "another $name" w_mixed/$name/$file run w.txt --out w_mixed/$name
+done
+kept "a JSON file" w.json run w.txt --json w.json
+printf '{\n  "result": {\n    "program": "gyroakf"\n  }\n}\n' >w_nested.json
+kept "a document around one" w_nested.json run w.txt --json w_nested.json
+kept "a record" w.txt simulate --output w.txt
+kept "a record as a result" w3.txt run w.txt --json w3.txt
+kept "a record as tables" w3.txt run w.txt --latex w3.txt
+sed -i 's/imu0 .*/imu7/' w.yaml
+kept "a file of Kalibr that was completed" w.yaml allan w.txt --rate 100 --unit deg/s --kalibr w.yaml
 good "by force" run w.txt --json w.json --out w_csv --series-format f64 --force --quiet
+cp w.txt w_csv/series.csv
+good "an inspection by force" inspect w.txt --out w_csv --force --quiet
+is "it removes results only" "$(cd w_csv && echo *)" "report.txt results.json series.csv"
+good "by force again" run w.txt --out w_csv --series-format f64 --force --quiet
+rm w_csv/series.csv
 is "an earlier run's series are gone" "$(ls w_csv | tr '\n' ' ')" "allan.csv ar_spectrum.csv coefficients.csv correlation.csv histogram.csv report.html report.txt results.json series.f64 spectrum.csv "
 good "a device is no result" run w.txt --json /dev/null
 
@@ -65,8 +101,12 @@ kill -TERM $process
 wait $process
 is "a request to end leaves nothing" "$? $(ls w_endless* 2>/dev/null)" "143 "
 good "many files" allan w.txt w.f64 --rate 100 --out w_many --quiet
-bad "many files whose results are there" 2 "w_many/w/" allan w.txt w.f64 --rate 100 --out w_many
-rm -r w_many/w w_many/w-2
-bad "a summary that is there" 2 "w_many/summary" allan w.txt w.f64 --rate 100 --out w_many
+good "many files again" allan w.txt w.f64 --rate 100 --unit deg/s --out w_many --kalibr imu.yaml --write-config w_many.toml --quiet
+good "and again" allan w.txt w.f64 --rate 100 --unit deg/s --out w_many --kalibr imu.yaml --quiet
+for file in w_many/summary.csv w_many/summary.json w_many/w-2/allan.csv w_many/w/imu.yaml; do
+   cp $file w_kept && echo old >$file
+   kept "another $file" $file allan w.txt w.f64 --rate 100 --unit deg/s --out w_many --kalibr imu.yaml
+   cp w_kept $file
+done
 good "many files beside the results of one" allan w.txt w.f64 --rate 100 --out w_csv --quiet
 is "their folders" "$(ls -d w_csv/*/ | tr '\n' ' ')" "w_csv/w-2/ w_csv/w/ "

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The result files of `--out DIR`: all are written aside first and renamed when the last one is complete.
 module gyroakf_report_files
+   use gyroakf_kinds, only : int64
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
@@ -16,28 +17,75 @@ module gyroakf_report_files
    use gyroakf_report_correlation_table, only : write_correlation
    implicit none (type, external)
    private
-   public :: write_results, result_files, existing_result, series_output_type
+   public :: write_results, remove_others, result_files, result_marks, foreign_file, is_marked, series_output_type
 
    !> In the order in which they are written; one of the first three
    character(16), parameter :: result_files(12) = [character(16) :: "series.csv", "series.npy", "series.f64", "allan.csv", &
       "coefficients.csv", "ar_spectrum.csv", "correlation.csv", "histogram.csv", "spectrum.csv", "report.txt", "results.json", &
       "report.html"]
 
+   !> Stands in every JSON document of gyroakf
+   character(*), parameter, public :: document_mark = new_line("a")//'  "program": "gyroakf"'
+
+   !> What stands in the result files; of those without a mark, in results.json, which has the command line
+   character(23), parameter :: result_marks(12) = [character(23) :: "drift_akf", "--series-format", "--series-format", &
+      "channel,series,kind,tau", "channel,series,term", "channel,frequency", "channel,lag", "channel,lower,upper", &
+      "channel,frequency", document_mark, document_mark, 'content="gyroakf ']
+   character(10), parameter :: unmarked(3) = ["series.npy", "series.f64", "report.txt"]
+
 contains
 
-   !> The first result file that a directory holds, "" where there is none.
-   function existing_result(directory) result(path)
+   !> The first file of a set in a directory that is not recognized as written by gyroakf, "" where there is none.
+   function foreign_file(directory, names, marks) result(path)
       !> May be missing
       character(*), intent(in) :: directory
-      character(:), allocatable :: path
+      !> Of the files, and what stands in each: [number of files]
+      character(*), intent(in) :: names(:), marks(:)
+      character(:), allocatable :: path, marked
+      integer :: i
+
+      do i = 1, size(names)
+         path = directory//"/"//trim(names(i))
+         marked = path
+         if (any(names(i) == unmarked)) marked = directory//"/results.json"
+         if (is_file(path) .and. .not. is_marked(marked, trim(marks(i)))) return
+      end do
+      path = ""
+   end function foreign_file
+
+   !> Whether a mark of gyroakf stands in the first 256 KiB of a file.
+   logical function is_marked(path, mark)
+      !> A regular file, and the mark
+      character(*), intent(in) :: path, mark
+      character(:), allocatable :: head
+      integer(int64) :: length
+      integer :: unit, failed
+
+      is_marked = .false.
+      open (newunit=unit, file=path, access="stream", form="unformatted", status="old", action="read", iostat=failed)
+      if (failed /= 0) return
+      inquire (unit=unit, size=length)
+      allocate (character(min(length, 262144_int64)) :: head)
+      read (unit, iostat=failed) head
+      is_marked = failed == 0 .and. index(head, mark) > 0
+      close (unit)
+   end function is_marked
+
+   !> Removes the results of an earlier run that a new one does not replace, so that no old numbers stand beside new ones.
+   subroutine remove_others(directory, written)
+      !> Of the results
+      character(*), intent(in) :: directory
+      !> Names of the files that the run writes
+      character(*), intent(in) :: written(:)
       integer :: i
 
       do i = 1, size(result_files)
-         path = directory//"/"//trim(result_files(i))
-         if (is_file(path)) return
+         if (any(written == result_files(i))) cycle
+         if (foreign_file(directory, result_files(i:i), result_marks(i:i)) == "") then
+            call remove_file(directory//"/"//trim(result_files(i)))
+         end if
       end do
-      path = ""
-   end function existing_result
+   end subroutine remove_others
 
    !> Writes the series (where they were kept), allan.csv and coefficients.csv (where there are curves),
    !> ar_spectrum.csv (where there are AR models), correlation.csv, histogram.csv and spectrum.csv
@@ -67,6 +115,7 @@ contains
       type(writer_type) :: writer(size(result_files))
       type(series_output_type) :: series
       logical :: wanted(size(result_files))
+      character(16), allocatable :: written(:)
       integer :: i
 
       if (present(output)) series = output
@@ -86,9 +135,10 @@ contains
          call discard_all(writer, wanted, i)
          return
       end do
+      allocate (written, source=pack(result_files, wanted))
+      call remove_others(directory, written)
       do i = 1, size(result_files)
          if (wanted(i)) call commit_writer(writer(i), error)
-         if (.not. wanted(i)) call remove_file(directory//"/"//trim(result_files(i)))
          if (.not. allocated(error)) cycle
          call discard_all(writer, wanted, size(result_files))
          return

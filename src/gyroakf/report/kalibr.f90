@@ -16,7 +16,10 @@ module gyroakf_report_kalibr
    use gyroakf_report_text_layout, only : scientific, number, count_text
    implicit none (type, external)
    private
-   public :: check_kalibr, write_kalibr
+   public :: check_kalibr, write_kalibr, kalibr_mark
+
+   !> Stands in the file until its topic is filled in by hand
+   character(*), parameter :: kalibr_mark = "rostopic: /imu0  # put your topic here"
 
    !> Places of N and K among Q N B K R
    integer, parameter :: white = 2, walk = 4
@@ -64,7 +67,7 @@ contains
       call put_line(writer, "# They are those of the sensor as it was recorded, at rest; Kalibr's documentation advises larger")
       call put_line(writer, "# ones for a low-cost sensor in motion.")
       call put_line(writer, "")
-      call put_line(writer, "rostopic: /imu0  # put your topic here")
+      call put_line(writer, kalibr_mark)
       call put_line(writer, "update_rate: "//rate_text(1.0_dp/record%sample_interval)//"  # Hz")
       call put_sensor(writer, record, result, quantity%acceleration, "accelerometer", "m/s^2", "m/s^3", "m/s^2 or g")
       call put_sensor(writer, record, result, quantity%angular_rate, "gyroscope", "rad/s", "rad/s^2", "rad/s or deg/s")

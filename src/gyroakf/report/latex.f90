@@ -12,7 +12,10 @@ module gyroakf_report_latex
    use gyroakf_report_tables, only : flat_text, make_tables
    implicit none (type, external)
    private
-   public :: write_latex, latex_text
+   public :: write_latex, latex_text, latex_mark
+
+   !> Begins the file
+   character(*), parameter :: latex_mark = "% Made by gyroakf "
 
    character(*), parameter :: digits = "0123456789"
 
@@ -30,7 +33,7 @@ contains
       type(record_type) :: view
       integer :: c, i
 
-      call put_line(writer, "% Made by gyroakf "//release_string//". In the preamble: \usepackage{booktabs}")
+      call put_line(writer, latex_mark//release_string//". In the preamble: \usepackage{booktabs}")
       do c = 1, size(result%channel)
          call view_channel(record, c, view)
          call make_tables(view, result%channel(c), tables)
