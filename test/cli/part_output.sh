@@ -115,42 +115,42 @@ is "tdev has the unit of an angle" "$(grep -c "tdev in deg/s times tau" kinds/re
 good "coefficients read off the curve" allan "$example" --json read.json
 near "N read off the curve" "$(sed -n '/"read_off"/,/}/p' read.json | number N /dev/stdin)" 0.9495 0.05
 is "no segment is null" "$(sed -n '/"read_off"/,/}/p' read.json | grep -c '"K": null')" 2
-holds "the report tells the minimum" "Lowest point    6.446 deg/h at tau = 102.4 s" <("$gyroakf" allan "$example")
+holds "the report tells the minimum" "Lowest point    6.446 deg/h at tau = 102.4 s" <("$gyroakf" allan "$example" --details)
 good "further kinds of a record with gaps" allan "$example" --kinds mdev,tdev,totdev --outliers pauta --outlier-threshold 2.5 --out gapped
 for kind in mdev tdev totdev; do
    is "the report has a table of $kind with gaps" "$(grep -c "^As read: $kind in deg/s" gapped/report.txt)" 1
 done
 is "no warning of a kind" "$(grep -c "is not computed" out)" 0
 good "a low-pass filter" simulate --samples 200000 --rate 100 --coefficients N=0.005 --lowpass 20,2 --seed 5 --output lowpass.txt
-good "its octaves are excluded" allan lowpass.txt --json lowpass.json
+good "its octaves are excluded" allan lowpass.txt --details --json lowpass.json
 holds "the report states it" "Excluded        octaves below tau = " out
 is "Q is withheld" "$(sed -n '/"input": {$/,/"N": {/p' lowpass.json | grep -c '"state": "withheld"')" 1
 good "a step of one standard deviation" simulate --samples 100000 --rate 100 --coefficients N=0.001 --lsb 0.01 --output lsb.txt
-good "N without quantization" allan lsb.txt --json lsb.json
+good "N without quantization" allan lsb.txt --details --json lsb.json
 near "is that before rounding" "$(sed -n '/"N_without_quantization"/,/}/p' lsb.json | number value /dev/stdin)" 0.06 0.0007
 holds "the report has it" "N without quantization 0.0" out
 good "a step of four" simulate --samples 100000 --rate 100 --coefficients N=0.001 --lsb 0.04 --output lsb.txt --force
-good "a coarse record" allan lsb.txt
+good "a coarse record" allan lsb.txt --details
 holds "withheld" "N without quantization is withheld" out
 holds "with a warning" "is not small beside the noise" out
 good "a slow Markov process alone" simulate --samples 200000 --rate 10 --ar 0.98 --ar-variance 1e-4 --seed 5 --output markov.txt
-good "no coefficient of it" allan markov.txt --json markov.json
+good "no coefficient of it" allan markov.txt --details --json markov.json
 holds "and why" "no run of octaves follows a sum of Q, N, B, K and R" out
 holds "the slopes tell the curve" "of log deviation against log tau" out
 is "all is withheld" "$(sed -n '/"input": {$/,/"read_off"/p' markov.json | grep -c '"state": "withheld"')" 5
 good "a record that grows louder" simulate --samples 20000 --rate 10 --coefficients N=0.01 --seed 3 --output quiet.txt
 awk '/^#/ { print; next } { print (++n > 10000 ? 1.2*$1 : $1) }' quiet.txt >loud.txt
-good "halves that differ" allan loud.txt --json loud.json
+good "halves that differ" allan loud.txt --details --json loud.json
 holds "the report says that the halves differ" "the second half has another Allan curve than the first" out
 near "the ratio of the halves" "$(sed -n '/"halves"/,/}/p' loud.json | sed -nE 's/.*"ratio": *\[([0-9.]+),.*/\1/p')" 1.2 0.03
-good "halves that do not" allan quiet.txt
+good "halves that do not" allan quiet.txt --details
 holds "the report says that they do not" "no difference is found between the Allan curves" out
 good "a list of averaging times" allan "$example" --taus 1,2,10,100
 # raw is raw: input is the same whatever is removed; what is left without outliers is a series of its own
 good "a record for outliers" simulate --samples 4000 --rate 50 --coefficients N=0.01 --seed 3 --output clean.txt
 awk '/^#/ { print; next } { u = (16807*u + 5) % 2147483647; print $1 + (u % 50 == 0 ? 3 : 0) }' clean.txt >spiky.txt
 good "raw record" allan spiky.txt --out raw
-good "without outliers" allan spiky.txt --outliers auto --out freed
+good "without outliers" allan spiky.txt --outliers auto --details --out freed
 is "first lines: the share and both N" "$(sed '1,/^====/d' out | sed -n 2,3p | xargs)" \
    "Outliers 2.05 % of the samples are rejected as outliers: N = 3.667 deg/sqrt(h) as read, 0.6203 deg/sqrt(h) without them"
 is "title of the second curve" "$(grep -c '^Without outliers: oadev' out)" 2

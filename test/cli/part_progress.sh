@@ -21,7 +21,7 @@ if command -v script >/dev/null && script -qec true /dev/null </dev/null >/dev/n
    script -qec "'$gyroakf' run '$work/long.txt'" /dev/null </dev/null >typed
    tr -d '\r' <typed | grep -v '^ *$' >got
    grep -v '^ *$' unwatched.txt >expected
-   if grep -q 'Table II' got; then pass; else fail "no report on a terminal"; fi
+   if grep -q 'KF (paper)' got; then pass; else fail "no report on a terminal"; fi
    script -qec "'$gyroakf' run '$work/long.txt' --progress off" /dev/null </dev/null >typed
    if grep -q '\[#' typed; then fail "--progress off draws on a terminal"; else pass; fi
    # a pipe that delivers for more than a second

@@ -67,7 +67,7 @@ good "one column by name" inspect stamped.csv --column gy --json -
 is "one channel" "$(no_command_line <out | grep -c '"g[xyz]"')" 1
 awk 'BEGIN { print "# rate_hz: 100\n# units: deg/s m/s^2\n# columns: gx ax"
    for (i = 0; i < 600; i++) print sin(i*i), cos(i*i) }' >mixed.txt
-good "a unit for each column" allan mixed.txt --json mixed.json
+good "a unit for each column" allan mixed.txt --details --json mixed.json
 holds "units by channel" "deg/s for gx; m/s^2 for ax" out
 holds "angle random walk of the gyroscope" "N angle random walk" out
 holds "velocity random walk of the accelerometer" "N velocity random walk" out

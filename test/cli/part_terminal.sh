@@ -37,20 +37,20 @@ LANG=C.UTF-8 LC_ALL=POSIX good "LC_ALL is first" run "$example"
 is "LC_ALL comes before LANG" "$(beyond out)" 0
 printf '# columns: tau Δω/√h\n' >names.txt
 awk 'BEGIN { for (i = 0; i < 300; i++) print (i*7919)%101, (i*104729)%211 }' >>names.txt
-LC_ALL=C good "names stay as the user has them" run names.txt --time-column none --rate 10
+LC_ALL=C good "names stay as the user has them" run names.txt --time-column none --rate 10 --details
 holds "a name beyond ASCII" "Channel Δω/√h" out
-LC_ALL=C.UTF-8 good "names stay in UTF-8" run names.txt --time-column none --rate 10
+LC_ALL=C.UTF-8 good "names stay in UTF-8" run names.txt --time-column none --rate 10 --details
 holds "a name that is a sign's" "Channel tau" out
 
 # colours
 escape=$(printf '\033')
-good "no colours into a file" run "$example" --out coloured --color always
+good "no colours into a file" run "$example" --rate 6 --details --out coloured --color always
 holds "colours on request" "$escape[1mTable II. Before" out
 holds "warnings are yellow" "$escape[33m  Warning" out
 is "report.txt has no colours" "$(grep -c "$escape" coloured/report.txt)" 0
-is "report.txt is ASCII" "$(LC_ALL=C.UTF-8 "$gyroakf" run "$example" --out coloured --force >/dev/null; beyond coloured/report.txt)" 0
+is "report.txt is ASCII" "$(LC_ALL=C.UTF-8 "$gyroakf" run "$example" --rate 6 --out coloured --force >/dev/null; beyond coloured/report.txt)" 0
 sed "s/$escape\[[0-9]*m//g" out >plain.txt
-good "no colours by themselves" run "$example"
+good "no colours by themselves" run "$example" --rate 6 --details
 if cmp -s plain.txt out; then pass; else fail "a report without its colours is another one"; fi
 good "NO_COLOR" run "$example" --color never
 is "--color never" "$(grep -c "$escape" out)" 0
@@ -65,7 +65,7 @@ fi
 
 # the chart
 good "a chart" allan "$example"
-holds "what the chart shows" "As read: oadev in deg/s against tau in s" out
+holds "what the chart shows" "Allan deviation in deg/s against tau in s: o measured, | limits, . fitted" out
 holds "slopes" "-1/2" out
 good "no chart" allan "$example" --chart off --out nochart
 is "no chart in the report" "$(grep -c 'against tau\|1/2' out)" 0
@@ -73,7 +73,7 @@ is "no chart in report.txt" "$(grep -c 'against tau\|1/2' nochart/report.txt)" 0
 bad "--chart of tests" 1 "not one of 'tests'" tests "$example" --chart on
 
 # tables
-good "tables" run "$example" --latex t.tex --json t_tables.json
+good "tables" run "$example" --details --latex t.tex --json t_tables.json
 holds "the report beside the tables" "Table III" out
 holds "Table I in LaTeX" '\caption{AR models' t.tex
 is "LaTeX is ASCII" "$(beyond t.tex)" 0

@@ -8,7 +8,7 @@ module gyroakf_report_text_overview
    use gyroakf_report_models, only : put_ar_table, upper_case
    use gyroakf_report_removed, only : cleaning_text
    use gyroakf_report_tests_table, only : bare, has_tests, kpss_p_text, make_tests_table
-   use gyroakf_report_text_filters, only : make_filter_table, whiteness_word
+   use gyroakf_report_text_filters, only : make_filter_table, put_rmse, whiteness_word
    use gyroakf_report_text_layout, only : count_text, number, p_value_text, put_item, put_paragraph, rounded, scientific
    use gyroakf_report_text_table, only : new_table, put_table, set_cell, set_row, table_type
    use gyroakf_report_verdicts, only : put_verdict, verdict_text
@@ -64,6 +64,7 @@ contains
          if (channel%available%preprocess) call put_item(writer, "Cleaned", cleaning_text(channel%clean))
          if (channel%available%ar) call put_item(writer, "AR("//count_text(int(channel%ar%order, int64))//")", model_text(channel))
          call put_series(writer, record, channel)
+         call put_rmse(writer, record, channel)
       end select
    end subroutine put_one
 
