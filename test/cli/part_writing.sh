@@ -70,3 +70,4 @@ rm -r w_many/w w_many/w-2
 bad "a summary that is there" 2 "w_many/summary" allan w.txt w.f64 --rate 100 --out w_many
 good "many files beside the results of one" allan w.txt w.f64 --rate 100 --out w_csv --quiet
 is "their folders" "$(ls -d w_csv/*/ | tr '\n' ' ')" "w_csv/w-2/ w_csv/w/ "
+is "the mode of a new folder" "$(umask 027; "$gyroakf" inspect w.txt --out w_mode/below --quiet; ls -ld w_mode w_mode/below | cut -c 1-10 | uniq)" drwxr-x---
