@@ -39,3 +39,5 @@ is "numbers are finite" "$(cat ./*.d/figures/*.svg | grep -cE 'NaN|Inf')" 0
 mkdir blocked.d
 : >blocked.d/figures
 bad "a file in the place of the folder" 2 "blocked.d/figures" figure.txt --out blocked.d --quiet
+good "results anew" allan figure.txt --rate 5 --unit deg/s --out run.d --quiet --force
+is "no figure of the run before" "$(names run.d/figures)" "./allan.svg ./series.svg "

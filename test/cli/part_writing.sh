@@ -36,15 +36,15 @@ END
 fi
 
 # results that are there already are kept
-sum=$(cat w_csv/* | cksum)
+sum=$(find w_csv -type f -exec cat {} + | cksum)
 bad "results that are there" 2 "--force overwrites it" run w.txt --out w_csv
-is "they are kept" "$(cat w_csv/* | cksum)" "$sum"
+is "they are kept" "$(find w_csv -type f -exec cat {} + | cksum)" "$sum"
 echo old >w.json
 bad "a JSON file that is there" 2 "w.json: is there already" run w.txt --json w.json
 bad "a record that is there" 2 "w.txt: is there already" simulate --output w.txt
 is "it is kept, too" "$(cat w.json)" old
 good "by force" run w.txt --json w.json --out w_csv --series-format f64 --force --quiet
-is "an earlier run's series are gone" "$(ls w_csv | tr '\n' ' ')" "allan.csv ar_spectrum.csv coefficients.csv correlation.csv histogram.csv report.html report.txt results.json series.f64 spectrum.csv "
+is "an earlier run's series are gone" "$(ls w_csv | tr '\n' ' ')" "allan.csv ar_spectrum.csv coefficients.csv correlation.csv figures histogram.csv report.html report.txt results.json series.f64 spectrum.csv "
 good "a device is no result" run w.txt --json /dev/null
 
 # nothing half written: a full disk, a folder that is read-only, a request to end
@@ -69,5 +69,5 @@ bad "many files whose results are there" 2 "w_many/w/" allan w.txt w.f64 --rate 
 rm -r w_many/w w_many/w-2
 bad "a summary that is there" 2 "w_many/summary" allan w.txt w.f64 --rate 100 --out w_many
 good "many files beside the results of one" allan w.txt w.f64 --rate 100 --out w_csv --quiet
-is "their folders" "$(ls -d w_csv/*/ | tr '\n' ' ')" "w_csv/w-2/ w_csv/w/ "
+is "their folders" "$(ls -d w_csv/*/ | tr '\n' ' ')" "w_csv/figures/ w_csv/w-2/ w_csv/w/ "
 is "the mode of a new folder" "$(umask 027; "$gyroakf" inspect w.txt --out w_mode/below --quiet; ls -ld w_mode w_mode/below | cut -c 1-10 | uniq)" drwxr-x---

@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: MIT
-!> Figures of the Allan deviation: one channel with its fitted model, and the channels of one unit over each other.
+!> Figures of the Allan deviation: one channel with its fitted model, and the channels of one unit
+!> over each other.
 module gyroakf_report_figure_allan
    use gyroakf_kinds, only : dp
-   use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, pipeline_result_type, stage, &
-      stated_coefficient_type
+   use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, pipeline_result_type, &
+      stage, stated_coefficient_type
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_report_input, only : has_unit, unit_name
    use gyroakf_report_sign, only : to_unicode
@@ -14,16 +15,19 @@ module gyroakf_report_figure_allan
    private
    public :: build_allan_figure, build_overlay
 
-   !> Terms that are drawn: K, B, N; slope of each, and its deviation at an averaging time of 1 over the coefficient
+   !> Terms that are drawn: K, B, N; slope of each, and its deviation at an averaging time of 1
+   !> over the coefficient
    integer, parameter :: drawn_terms(3) = [4, 3, 2]
    real(dp), parameter :: term_slope(5) = [-1.0_dp, -0.5_dp, 0.0_dp, 0.5_dp, 1.0_dp]
-   real(dp), parameter :: term_height(5) = [sqrt(3.0_dp), 1.0_dp, sqrt(2*log(2.0_dp)/acos(-1.0_dp)), sqrt(1/3.0_dp), sqrt(0.5_dp)]
+   real(dp), parameter :: term_height(5) = [sqrt(3.0_dp), 1.0_dp, sqrt(2*log(2.0_dp)/acos(-1.0_dp)), &
+                                          sqrt(1/3.0_dp), sqrt(0.5_dp)]
    !> Relative difference of averaging times that are the same
    real(dp), parameter :: tolerance = 1.0e-6_dp
 
 contains
 
-   !> Measured points with confidence limits, hollow where excluded from the fit; model, terms, minimum; curves of the filters.
+   !> Measured points with confidence limits, hollow where excluded from the fit; model, terms,
+   !> minimum; curves of the filters.
    subroutine build_allan_figure(record, channel, figure)
       !> [[view_channel]] of the channel
       type(record_type), intent(in) :: record
@@ -39,9 +43,11 @@ contains
       call set_curve(figure%series(1), channel%allan(stage%akf), "AKF output", 4)
       call set_curve(figure%series(2), channel%allan(stage%kf), "KF output", 2)
       associate (allan => channel%allan(stage%input))
-         figure%caption = "Error bars: "//number(100*allan%curve%confidence, 3)//" % confidence limits"
+         figure%caption = "Error bars: "//number(100*allan%curve%confidence, 3)// &
+            " % confidence limits"
          if (allan%fitted) then
-            figure%caption = figure%caption//"; hollow: excluded from the fit. Dashed: detected terms"
+            figure%caption = figure%caption// &
+               "; hollow: excluded from the fit. Dashed: detected terms"
             do i = 1, size(drawn_terms)
                call set_term(figure%series(2 + i), allan, drawn_terms(i))
             end do
@@ -55,7 +61,8 @@ contains
       end associate
    end subroutine build_allan_figure
 
-   !> Curves of the channels that have the unit of one of them, this being the first; without series where it is the only one.
+   !> Curves of the channels that have the unit of one of them, this being the first; without
+   !> series where it is the only one.
    subroutine build_overlay(record, result, first, figure)
       !> For units and rate
       type(record_type), intent(in) :: record
@@ -71,7 +78,8 @@ contains
 
       do c = 1, size(alike)
          call view_channel(record, c, view)
-         alike(c) = result%channel(c)%allan(stage%input)%available .and. unit_name(view) == unit_of(record, first)
+         alike(c) = unit_name(view) == unit_of(record, first)
+         if (.not. result%channel(c)%allan(stage%input)%available) alike(c) = .false.
       end do
       if (count(alike) < 2 .or. any(alike(:first - 1)) .or. .not. alike(first)) return
       call view_channel(record, first, view)
@@ -83,8 +91,10 @@ contains
       drawn = size(figure%series)
       do c = 1, size(alike)
          if (.not. alike(c)) cycle
-         call set_curve(figure%series(drawn), result%channel(c)%allan(stage%input), result%channel(c)%name, &
-                        1 + modulo(size(figure%series) - drawn, color_count))
+         associate (channel => result%channel(c))
+            call set_curve(figure%series(drawn), channel%allan(stage%input), channel%name, &
+                           1 + modulo(size(figure%series) - drawn, color_count))
+         end associate
          figure%series(drawn)%style = "both"
          drawn = drawn - 1
       end do
@@ -193,8 +203,9 @@ contains
       series%style = "mark"
       series%x = [allan%read%minimum_tau]
       series%y = [allan%read%minimum]
-      series%label = to_unicode("minimum "//number(allan%read_off%minimum, 3)//" "//allan%stated%term(3)%unit//" at "// &
-                                number(allan%read_off%minimum_tau, 3)//trim(merge(" s      ", " samples", rate_known)))
+      series%label = "minimum "//number(allan%read_off%minimum, 3)//" "// &
+         to_unicode(allan%stated%term(3)%unit)//" at "//number(allan%read_off%minimum_tau, 3)// &
+         trim(merge(" s      ", " samples", rate_known))
    end subroutine set_minimum
 
 end module gyroakf_report_figure_allan

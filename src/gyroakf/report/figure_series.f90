@@ -1,7 +1,9 @@
 ! SPDX-License-Identifier: MIT
-!> Figures of the series: the record with trend, drift and outliers; the cleaned series with the outputs of the filters.
+!> Figures of the series: the record with trend, drift and outliers; the cleaned series with the
+!> outputs of the filters.
 !>
-!> A long series is drawn by the lowest and the highest sample of each block: no peak is lost, and the figure of a long record is as
+!> A long series is drawn by the lowest and the highest sample of each block: no peak is lost, and
+!> the figure of a long record is as
 !> small as that of a short one.
 module gyroakf_report_figure_series
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
@@ -39,11 +41,15 @@ contains
       call begin_figure(record, channel%name//", record", unit, figure)
       figure%caption = "Lowest and highest sample of each block of a long record."
       allocate (figure%series(4))
-      call set_series(figure%series(1), "record", -1, record%sample_interval, record%value(:, number), present)
-      if (allocated(channel%series_present)) call set_outliers(figure%series(2), record, number, channel%series_present)
+      call set_series(figure%series(1), "record", -1, record%sample_interval, &
+                      record%value(:, number), present)
+      if (allocated(channel%series_present)) then
+         call set_outliers(figure%series(2), record, number, channel%series_present)
+      end if
       if (channel%clean%trend%degree >= 1) call set_trend(figure%series(3), record, channel)
-      if (allocated(channel%series_drift)) call set_series(figure%series(4), "drift (smoother)", 2, record%sample_interval, &
-                                                           channel%series_drift)
+      if (allocated(channel%series_drift)) then
+         call set_series(figure%series(4), "drift (smoother)", 2, record%sample_interval, channel%series_drift)
+      end if
    end subroutine build_record_figure
 
    !> The cleaned series and the outputs of the filters.
@@ -58,14 +64,17 @@ contains
       type(figure_type), intent(out) :: figure
 
       call begin_figure(record, channel%name//", cleaned and filtered", unit, figure)
-      figure%caption = "Lowest and highest sample of each block of a long record, and the outputs of the filters."
+      figure%caption = "Lowest and highest sample of each block of a long record."
       allocate (figure%series(3))
       associate (interval => record%sample_interval)
-         call set_series(figure%series(1), "cleaned", -1, interval, channel%series_cleaned, channel%series_present)
-         if (allocated(channel%series_kf)) call set_series(figure%series(2), "KF", 2, interval, channel%series_kf, &
-                                                           channel%series_present)
-         if (allocated(channel%series_akf)) call set_series(figure%series(3), "AKF", 1, interval, channel%series_akf, &
-                                                            channel%series_present)
+         call set_series(figure%series(1), "cleaned", -1, interval, channel%series_cleaned, &
+                         channel%series_present)
+         if (allocated(channel%series_kf)) then
+            call set_series(figure%series(2), "KF", 2, interval, channel%series_kf, channel%series_present)
+         end if
+         if (allocated(channel%series_akf)) then
+            call set_series(figure%series(3), "AKF", 1, interval, channel%series_akf, channel%series_present)
+         end if
       end associate
    end subroutine build_filter_figure
 
@@ -80,7 +89,8 @@ contains
       figure%y_label = to_unicode(unit)
    end subroutine begin_figure
 
-   !> Every sample of a short series, lowest and highest sample of each block of a long one; NaN where a block has none.
+   !> Every sample of a short series, lowest and highest sample of each block of a long one; NaN
+   !> where a block has none.
    subroutine set_series(series, label, color, interval, values, present)
       type(series_type), intent(inout) :: series
       character(*), intent(in) :: label

@@ -4,7 +4,8 @@
 !>     call write_figures("results/figures", record, result, error)
 module gyroakf_report_figures
    use gyroakf_error, only : error_type
-   use gyroakf_io_writer, only : commit_writer, make_directory, open_writer, writer_type
+   use gyroakf_io_writer, only : commit_writer, make_directory, open_writer, remove_file, &
+      writer_type
    use gyroakf_pipeline_result, only : pipeline_result_type, stage
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_report_figure_allan, only : build_allan_figure, build_overlay
@@ -18,13 +19,17 @@ module gyroakf_report_figures
    !> Below the folder of the results
    character(*), parameter :: figure_folder = "figures"
    !> In the order of a report; the first one is that of several channels
-   character(7), parameter :: figure_kinds(4) = [character(7) :: "overlay", "allan", "series", "filters"]
+   character(7), parameter :: figure_kinds(4) = &
+      [character(7) :: "overlay", "allan", "series", "filters"]
 
 contains
 
-   !> Writes all figures that the result has: KIND.svg, of several channels KIND-CHANNEL.svg.
+   !> Writes all figures that the result has: KIND.svg, of several channels KIND-CHANNEL.svg;
+   !> others of these names are
+   !> removed.
    subroutine write_figures(folder, record, result, error)
-      !> Made where it does not exist: [[gyroakf_report_figures:figure_folder]] in that of [[write_results]], or another
+      !> Made where it does not exist: [[gyroakf_report_figures:figure_folder]] in that of
+      !> [[write_results]], or another
       character(*), intent(in) :: folder
       !> With its samples
       type(record_type), intent(in) :: record
@@ -34,6 +39,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(figure_type) :: figure
       type(writer_type) :: writer
+      character(:), allocatable :: path
       integer :: c, i
 
       call make_directory(folder, error)
@@ -41,8 +47,12 @@ contains
       do c = 1, size(result%channel)
          do i = 1, size(figure_kinds)
             call build_figure(trim(figure_kinds(i)), record, result, c, figure)
-            if (.not. has_points(figure)) cycle
-            call open_writer(writer, folder//"/"//trim(figure_kinds(i))//suffix_of(result, c)//".svg", error)
+            path = folder//"/"//trim(figure_kinds(i))//suffix_of(result, c)//".svg"
+            if (.not. has_points(figure)) then
+               call remove_file(path)                      ! of an earlier run
+               cycle
+            end if
+            call open_writer(writer, path, error)
             if (allocated(error)) return
             call write_svg(writer, figure, .true.)
             call commit_writer(writer, error)
@@ -53,7 +63,8 @@ contains
 
    !> Builds a figure of a channel; without series where the channel has none of the kind.
    subroutine build_figure(kind, record, result, c, figure)
-      !> One of [[gyroakf_report_figures:figure_kinds]]; the overlay belongs to the first channel of a unit
+      !> One of [[gyroakf_report_figures:figure_kinds]]; the overlay belongs to the first channel
+      !> of a unit
       character(*), intent(in) :: kind
       !> With its samples
       type(record_type), intent(in) :: record
@@ -69,8 +80,12 @@ contains
       associate (channel => result%channel(c))
          select case (kind)
          case ("overlay"); call build_overlay(record, result, c, figure)
-         case ("allan"); if (channel%allan(stage%input)%available) call build_allan_figure(view, channel, figure)
-         case ("series"); if (allocated(record%value)) call build_record_figure(record, c, channel, unit_name(view), figure)
+         case ("allan")
+            if (channel%allan(stage%input)%available) call build_allan_figure(view, channel, figure)
+         case ("series")
+            if (allocated(record%value)) then
+               call build_record_figure(record, c, channel, unit_name(view), figure)
+            end if
          case default
             if (allocated(channel%series_kf) .or. allocated(channel%series_akf)) then
                call build_filter_figure(record, channel, unit_name(view), figure)
@@ -79,7 +94,8 @@ contains
       end associate
    end subroutine build_figure
 
-   !> "" of a single channel, else "-" and its name in letters that every file system takes, with its number where two are alike.
+   !> "" of a single channel, else "-" and its name in letters that every file system takes, with
+   !> its number where two are alike.
    function suffix_of(result, c) result(suffix)
       type(pipeline_result_type), intent(in) :: result
       integer, intent(in) :: c
@@ -98,7 +114,8 @@ contains
       end do
    end function suffix_of
 
-   !> Letters, digits, - and _; all else becomes _. File systems that do not tell A from a are why it is in lower case.
+   !> Letters, digits, - and _; all else becomes _. File systems that do not tell A from a are why
+   !> it is in lower case.
    pure function plain(name) result(text)
       character(*), intent(in) :: name
       character(len(name)) :: text

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
-!> What a page does: entries of a legend show and hide their series; the Allan deviation is read by pointing at it or with the
-!> arrow keys, from the table that holds its numbers; paper shows what is folded. Without scripts nothing is lost: the table is there.
+!> What a page does: entries of a legend show and hide their series; the Allan deviation is read by pointing at it or with
+!> the arrow keys, from the table that holds its numbers; paper shows what is folded. Without scripts nothing is lost: the
+!> table is there.
 module gyroakf_report_html_script
    use gyroakf_io_writer, only : writer_type, put_line
    implicit none (type, external)

@@ -1,18 +1,21 @@
 ! SPDX-License-Identifier: MIT
-!> A figure as SVG: one frame with axes, grid, ticks, a second axis, series and a legend, light and dark.
+!> A figure as SVG: one frame with axes, grid, ticks, a second axis, series and a legend, light and
+!> dark.
 !>
 !>     type(figure_type) :: figure
 !>     allocate (figure%series(1))
 !>     figure%series(1) = series_type(label="rate", x=time, y=rate)
 !>     call write_svg(writer, figure, .true.)
 !>
-!> Colors are those of Okabe and Ito, distinguishable by the color-blind. Series and their entries in the legend share
+!> Colors are those of Okabe and Ito, distinguishable by the color-blind. Series and their entries
+!> in the legend share
 !> `data-series`, by which the script of a page shows and hides them.
 module gyroakf_report_svg
    use gyroakf_kinds, only : dp
    use gyroakf_io_writer, only : writer_type, put, put_line
    use gyroakf_report_html_markup, only : put_attribute
-   use gyroakf_report_svg_axis, only : axis_type, find_ticks, is_inside, is_shown, position, scale_axis, set_range, tick_type
+   use gyroakf_report_svg_axis, only : axis_type, find_ticks, is_inside, is_shown, position, scale_axis, &
+      set_range, tick_type
    use gyroakf_report_svg_draw, only : put_circle, put_path, put_pixels, put_text
    use gyroakf_report_svg_style, only : put_own_style
    implicit none (type, external)
@@ -23,7 +26,8 @@ module gyroakf_report_svg
    type :: series_type
       !> In the legend; unallocated: not there
       character(:), allocatable :: label
-      !> "line", "points" (with error bars), "both", "guide" (dashed, no part of the ranges), "mark" (rings)
+      !> "line", "points" (with error bars), "both", "guide" (dashed, no part of the ranges),
+      !> "mark" (rings)
       character(6) :: style = "line"
       !> 0 is that of the text, 1 to color_count, -1 a soft one
       integer :: color = 0
@@ -45,14 +49,16 @@ module gyroakf_report_svg
       real(dp) :: right_factor = 1.0_dp
       !> Both axes are logarithmic, and slopes -1/2, 0 and +1/2 are shown in a corner
       logical :: logarithmic = .false.
-      !> In the order in which they are drawn, the reverse of that of the legend; those without points are in the legend alone
+      !> In the order in which they are drawn, the reverse of that of the legend; those without
+      !> points are in the legend alone
       type(series_type), allocatable :: series(:)
    end type figure_type
 
    !> Colors of series
    integer, parameter :: color_count = 6
    !> Pixels: the whole width, borders of the frame, of the legend its top, its rows and its columns
-   real(dp), parameter :: width = 720.0_dp, left = 84.0_dp, right = 636.0_dp, top = 58.0_dp, bottom = 368.0_dp, &
+   real(dp), parameter :: width = 720.0_dp, left = 84.0_dp, right = 636.0_dp, top = 58.0_dp, &
+      bottom = 368.0_dp, &
       legend_top = 446.0_dp, row_height = 26.0_dp, legend_column(0:1) = [12.0_dp, 356.0_dp]
    !> Room for a label along the axes
    real(dp), parameter :: x_room = 78.0_dp, y_room = 34.0_dp
@@ -163,13 +169,13 @@ contains
       do i = 1, size(tick)
          at = position(x, tick(i)%value)
          call put_path(writer, grid_class(tick(i)), [at, at], [bottom, top])
-         if (tick(i)%label /= "") call put_text(writer, "middle", at, bottom + 22.0_dp, trim(tick(i)%label))
+         call put_text(writer, "middle", at, bottom + 22.0_dp, trim(tick(i)%label))
       end do
       call find_ticks(y, y_room, tick)
       do i = 1, size(tick)
          at = position(y, tick(i)%value)
          call put_path(writer, grid_class(tick(i)), [left, right], [at, at])
-         if (tick(i)%label /= "") call put_text(writer, "end", left - 7.0_dp, at + 5.0_dp, trim(tick(i)%label))
+         call put_text(writer, "end", left - 7.0_dp, at + 5.0_dp, trim(tick(i)%label))
       end do
       call put_text(writer, "middle", (left + right)/2, bottom + 48.0_dp, figure%x_label)
       call put_text(writer, "start", 12.0_dp, top - 12.0_dp, figure%y_label)
@@ -180,10 +186,11 @@ contains
          do i = 1, size(tick)
             at = position(second, tick(i)%value)
             call put_path(writer, "frame", [right, right + 4.0_dp], [at, at])
-            if (tick(i)%label /= "") call put_text(writer, "start", right + 8.0_dp, at + 5.0_dp, trim(tick(i)%label))
+            call put_text(writer, "start", right + 8.0_dp, at + 5.0_dp, trim(tick(i)%label))
          end do
       end if
-      call put_path(writer, "frame", [left, right, right, left, left], [bottom, bottom, top, top, bottom])
+      call put_path(writer, "frame", [left, right, right, left, left], &
+                    [bottom, bottom, top, top, bottom])
    end subroutine put_axes
 
    !> Lines without a label are fainter.
@@ -205,9 +212,9 @@ contains
       real(dp) :: rise, length, at(2)
       integer :: corner, slope
 
-      rise = 0.5_dp*abs((y%to - y%from)/(y%last - y%first))*(x%last - x%first)/(x%to - x%from)   ! of a pixel across
+      rise = 0.5_dp*abs((y%to - y%from)/(y%last - y%first))*(x%last - x%first)/(x%to - x%from)
       length = min(60.0_dp, 36.0_dp/rise)
-      do corner = 1, 4                                     ! bottom left, top right, top left, bottom right
+      do corner = 1, 4                         ! bottom left, top right, top left, bottom right
          at = [left + 12.0_dp, bottom - 16.0_dp - rise*length]
          if (modulo(corner, 2) == 0) at(1) = right - length - room - 12.0_dp
          if (corner == 2 .or. corner == 3) at(2) = top + 16.0_dp + rise*length
@@ -217,7 +224,8 @@ contains
       call put_line(writer, "<g class=""soft"">")
       do slope = -1, 1
          call put_path(writer, "", at(1) + [0.0_dp, length], at(2) - rise*slope*[0.0_dp, length])
-         call put_text(writer, "start", at(1) + length + 5.0_dp, at(2) - rise*slope*length + 5.0_dp, trim(name(slope)))
+         call put_text(writer, "start", at(1) + length + 5.0_dp, at(2) - rise*slope*length + 5.0_dp, &
+                       trim(name(slope)))
       end do
       call put_line(writer, "</g>")
    end subroutine put_slopes
@@ -239,7 +247,8 @@ contains
                if (.not. is_inside(y, s%y(k))) cycle
                across = position(x, s%x(k)) - at(1)
                down = abs(position(y, s%y(k)) - at(2))
-               if (across > -6.0_dp .and. across < extent(1) .and. down < extent(2)) any_within = .true.
+               if (across < -6.0_dp .or. across > extent(1) .or. down > extent(2)) cycle
+               any_within = .true.
             end do
          end associate
       end do
@@ -255,7 +264,7 @@ contains
 
       if (.not. allocated(series%x)) return
       call put_group(writer, "series "//trim(series%style), series, number)
-      if (any(series%style == [character(6) :: "line", "both", "guide"])) call put_polyline(writer, series, x, y)
+      if (has_line(series)) call put_polyline(writer, series, x, y)
       if (any(series%style == [character(6) :: "points", "both", "mark"])) then
          do i = 1, size(series%x)
             if (.not. is_inside(x, series%x(i))) cycle
@@ -292,7 +301,9 @@ contains
       do i = 1, size(series%x)
          inside = is_inside(x, series%x(i))
          if (inside) inside = is_inside(y, series%y(i))
-         if (inside) call put_pixels(writer, step, [position(x, series%x(i)), position(y, series%y(i))], "")
+         if (inside) then
+            call put_pixels(writer, step, [position(x, series%x(i)), position(y, series%y(i))], "")
+         end if
          step = merge("L", "M", inside)
       end do
       call put_line(writer, """/>")
@@ -322,7 +333,8 @@ contains
       call put_circle(writer, class, at, merge(9.0_dp, 3.8_dp, class == "ring"), i)
    end subroutine put_point
 
-   !> The labels of the series, the last one first, in two columns below the frame, each behind a sample of what is drawn.
+   !> The labels of the series, the last one first, in two columns below the frame, each behind a
+   !> sample of what is drawn.
    subroutine put_legend(writer, figure)
       type(writer_type), intent(inout) :: writer
       type(figure_type), intent(in) :: figure
@@ -336,15 +348,33 @@ contains
             at = [legend_column(modulo(entry, 2)), legend_top + row_height*real(entry/2, dp)]
             entry = entry + 1
             call put_group(writer, "key "//trim(s%style), s, i)
-            if (allocated(s%x) .and. any(s%style == [character(6) :: "line", "both", "guide"])) then
-               call put_path(writer, "", at(1) + [0.0_dp, 28.0_dp], [at(2), at(2)])
-            end if
-            if (s%style == "points" .or. s%style == "both") call put_circle(writer, "dot", at + [14.0_dp, 0.0_dp], 3.8_dp, 0)
-            if (s%style == "mark") call put_circle(writer, "ring", at + [14.0_dp, 0.0_dp], 8.0_dp, 0)
+            if (allocated(s%x)) call put_sample(writer, s, at)
             call put_text(writer, "start", at(1) + 38.0_dp, at(2) + 5.0_dp, s%label)
             call put_line(writer, "</g>")
          end associate
       end do
    end subroutine put_legend
+
+   !> A sample of what a series draws.
+   subroutine put_sample(writer, series, at)
+      type(writer_type), intent(inout) :: writer
+      type(series_type), intent(in) :: series
+      !> Its left end
+      real(dp), intent(in) :: at(2)
+
+      if (has_line(series)) call put_path(writer, "", at(1) + [0.0_dp, 28.0_dp], [at(2), at(2)])
+      select case (series%style)
+      case ("points", "both"); call put_circle(writer, "dot", at + [14.0_dp, 0.0_dp], 3.8_dp, 0)
+      case ("mark"); call put_circle(writer, "ring", at + [14.0_dp, 0.0_dp], 8.0_dp, 0)
+      case default
+      end select
+   end subroutine put_sample
+
+   !> Whether a series is drawn as a line.
+   pure logical function has_line(series)
+      type(series_type), intent(in) :: series
+
+      has_line = any(series%style == [character(6) :: "line", "both", "guide"])
+   end function has_line
 
 end module gyroakf_report_svg

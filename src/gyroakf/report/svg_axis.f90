@@ -24,12 +24,15 @@ module gyroakf_report_svg_axis
       character(16) :: label = ""
    end type tick_type
 
-   !> Magnitudes that are drawn; shortest linear range as a share of the values, and logarithmic range in decades
-   real(dp), parameter :: smallest = 1.0e-290_dp, largest = 1.0e290_dp, least_share = 1.0e-9_dp, least_decades = 1.0_dp
+   !> Magnitudes that are drawn; shortest linear range as a share of the values, and logarithmic
+   !> range in decades
+   real(dp), parameter :: smallest = 1.0e-290_dp, largest = 1.0e290_dp, &
+      least_share = 1.0e-9_dp, least_decades = 1.0_dp
 
 contains
 
-   !> Whether an axis can show a value: finite, of a usual magnitude, positive on a logarithmic axis.
+   !> Whether an axis can show a value: finite, of a usual magnitude, positive on a logarithmic
+   !> axis.
    elemental logical function is_shown(axis, value)
       !> Its kind alone counts
       type(axis_type), intent(in) :: axis
@@ -112,7 +115,8 @@ contains
       is_inside = x >= axis%first .and. x <= axis%last
    end function is_inside
 
-   !> Ticks in steps of 1, 2 or 5 times a power of ten; of a logarithmic axis decades, and the lines between them.
+   !> Ticks in steps of 1, 2 or 5 times a power of ten; of a logarithmic axis decades, and the
+   !> lines between them.
    pure subroutine find_ticks(axis, room, tick)
       !> With its range
       type(axis_type), intent(in) :: axis
@@ -147,8 +151,8 @@ contains
       type(tick_type), allocatable, intent(out) :: tick(:)
       type(tick_type), allocatable :: all_ticks(:)
       real(dp) :: decades, value
-      integer :: decade, k, n, every
-      logical :: few
+      integer :: decade, k, n, every, digits
+      logical :: few, labeled
 
       decades = axis%last - axis%first
       every = max(1, ceiling(room*decades/abs(axis%to - axis%from)))
@@ -161,9 +165,10 @@ contains
             if (.not. is_inside(axis, value)) cycle
             n = n + 1
             all_ticks(n)%value = value
-            if ((k == 1 .and. modulo(decade, every) == 0) .or. (few .and. (k == 2 .or. k == 5))) then
-               all_ticks(n)%label = number(value, merge(6, 1, value >= 1.0_dp .and. value < 99999.0_dp))
-            end if
+            labeled = few .and. (k == 2 .or. k == 5)
+            if (k == 1) labeled = modulo(decade, every) == 0
+            digits = merge(6, 1, value >= 1.0_dp .and. value < 99999.0_dp)
+            if (labeled) all_ticks(n)%label = number(value, digits)
          end do
       end do
       allocate (tick(n), source=all_ticks(:n))

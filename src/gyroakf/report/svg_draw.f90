@@ -32,9 +32,10 @@ contains
       !> Its anchor: start, middle or end; or title
       character(*), intent(in) :: class
       real(dp), intent(in) :: x, y
-      !> Any
+      !> Any; nothing is written for ""
       character(*), intent(in) :: text
 
+      if (text == "") return
       call put_pixels(writer, "<text class="""//class//""" x=""", [x], """")
       call put_pixels(writer, " y=""", [y], """>")
       call put_escaped(writer, text)
@@ -52,7 +53,8 @@ contains
       call put_pixels(writer, "<path class="""//class//""" data-i=""", [real(number, dp)], "")
       call put_pixels(writer, """ d=""M", [at(1) - radius, at(2)], "")
       call put_pixels(writer, "a", [radius, radius, 0.0_dp, 1.0_dp, 0.0_dp, 2*radius, 0.0_dp], "")
-      call put_pixels(writer, "a", [radius, radius, 0.0_dp, 1.0_dp, 0.0_dp, -2*radius, 0.0_dp], "z""/>")
+      call put_pixels(writer, "a", [radius, radius, 0.0_dp, 1.0_dp, 0.0_dp, -2*radius, 0.0_dp], &
+                      "z""/>")
       call put_line(writer, "")
    end subroutine put_circle
 

@@ -30,7 +30,8 @@ module gyroakf_report_svg_style
 
 contains
 
-   !> The rules that a page needs for its figures; they take the variables --text, --soft, --card and --line of the page.
+   !> The rules that a page needs for its figures; they take the variables --text, --soft, --card
+   !> and --line of the page.
    subroutine put_svg_style(writer)
       !> Within a style element
       type(writer_type), intent(inout) :: writer
