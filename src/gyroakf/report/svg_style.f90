@@ -24,7 +24,7 @@ module gyroakf_report_svg_style
       ".fig .mark path { stroke-width: 2.4 }", &
       ".fig .both path, .fig .points path { stroke-width: 1.3 } .fig .dot { fill: currentColor }", &
       ".fig .hollow { fill: var(--card) }", &
-      ".fig .key { cursor: pointer } .fig .off { opacity: 0.4 } .fig .series.off { display: none }", &
+      ".plot .key { cursor: pointer } .fig .off { opacity: 0.4 } .fig .series.off { display: none }", &
       "@media (max-width: 40rem) { .fig text { font-size: 20px } }", &
       "@media print { .fig text { font-size: 13px } }"]
 
