@@ -9,8 +9,7 @@
 # where a package of the system is missing. After it plain `fpm run` and `fpm test` work too.
 #
 #   FPM_FFLAGS=...      other compiler flags; empty: fpm's own debug flags
-#   GYROAKF_PLOTS=1     install gnuplot too (figures)
-#   GYROAKF_PAGE=1      install gnuplot, a browser without a window and tidy too (ci/page.sh)
+#   GYROAKF_PAGE=1      install a browser without a window and tidy too (ci/page.sh)
 #   GYROAKF_LINT=1      install fortitude too (style checks)
 #   GYROAKF_SITE=1      install FORD too (ci/site.sh: pages of the doc comments)
 #   GYROAKF_FUZZ=1      install clang too (libFuzzer for ci/fuzz)
@@ -78,8 +77,7 @@ if { [ -n "$own_fpm" ] && ! is_fpm "$venv/bin/fpm"; } ||
    { [ -n "${GYROAKF_SITE:-}" ] && ! have ford && [ ! -x "$venv/bin/ford" ]; }; then
   have python3 && python3 -c 'import ensurepip, venv' >/dev/null 2>&1 || need="$need python"
 fi
-[ -z "${GYROAKF_PLOTS:-}" ] || have gnuplot || need="$need gnuplot"
-[ -z "${GYROAKF_PAGE:-}" ] || { have gnuplot && have tidy && { have chromium || have google-chrome || have chromium-browser; }; } ||
+[ -z "${GYROAKF_PAGE:-}" ] || { have tidy && { have chromium || have google-chrome || have chromium-browser; }; } ||
   need="$need page"
 [ -z "${GYROAKF_FUZZ:-}" ] || "$root/ci/fuzz/clang.sh" >/dev/null || need="$need clang"
 [ -z "${GYROAKF_CMAKE:-}" ] || { have cmake && have ninja && have pkg-config; } || need="$need cmake"
@@ -97,8 +95,7 @@ if [ -n "$need" ]; then
       libraries) add liblapack-dev libblas-dev zlib1g-dev ;;
       git) add git ca-certificates ;;
       python) add python3 python3-venv ca-certificates ;;
-      gnuplot) add gnuplot-nox ;;
-      page) add gnuplot-nox chromium tidy fonts-dejavu-core ;;
+      page) add chromium tidy fonts-dejavu-core ;;
       clang)
         add clang
         # where the sanitizers' libraries are a package of their own
@@ -114,15 +111,14 @@ if [ -n "$need" ]; then
       libraries) add lapack-devel blas-devel zlib-devel ;;
       git) add git-core ;;
       python) add python3 python3-pip ;;
-      gnuplot) add gnuplot ;;
-      page) add gnuplot chromium tidy ;;
+      page) add chromium tidy ;;
       clang) add clang compiler-rt ;;
       cmake) add cmake ninja-build pkgconf-pkg-config ;;
     esac; done
     again as_root dnf install -y $list >&2 || die "not installed; please run as root: dnf install$list"
   elif have brew; then
     for n in $need; do case $n in
-      compiler) add gcc ;; libraries) add lapack zlib ;; page) add gnuplot ;; clang) add llvm ;; cmake) add cmake ninja pkg-config ;; *) add "$n" ;;
+      compiler) add gcc ;; libraries) add lapack zlib ;; page) add tidy-html5 ;; clang) add llvm ;; cmake) add cmake ninja pkg-config ;; *) add "$n" ;;
     esac; done
     again brew install $list >&2
   elif have mamba || have conda; then

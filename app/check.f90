@@ -61,10 +61,6 @@ contains
       if (allocated(error)) return
       select type (config)
       type is (analysis_config)
-         if (allocated(config%plot) .and. .not. allocated(config%out)) then
-            call usage_error(error, "--plot needs --out DIR: the figures are drawn into DIR/plots, from the files there")
-            return
-         end if
          call check_method(config%pipeline, is_given(words, "--outlier-threshold"), is_given(words, "--outlier-rounds"), &
                            is_given(words, "--outlier-window"), error)
       end select

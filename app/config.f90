@@ -65,10 +65,6 @@ module gyroakf_app_config
       type(pipeline_options) :: pipeline
       !> How the series are written into `out`
       type(series_output_type) :: series
-      !> Format of the figures; unallocated: none are drawn
-      character(:), allocatable :: plot
-      !> Not even for report.html
-      logical :: no_figures = .false.
       !> Files of Kalibr's imu.yaml and of the tables in LaTeX ("-" is standard output); unallocated: none
       character(:), allocatable :: kalibr, latex
       !> Draw the Allan deviation in characters

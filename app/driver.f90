@@ -18,7 +18,6 @@ module gyroakf_app_driver
    use gyroakf_app_cli, only : get_config
    use gyroakf_app_config, only : cli_config, has_many_files, text_config, reading_config, inspect_config, analysis_config, &
       & simulate_config, selftest_config
-   use gyroakf_app_gnuplot, only : check_gnuplot
    use gyroakf_app_help, only : usage_text
    use gyroakf_app_interrupt, only : guard_files, interrupt_signal, watch_signals
    use gyroakf_app_job, only : analyze, inspect
@@ -68,11 +67,6 @@ contains
 
       code = 0
       call check_existing(config, error)
-      if (allocated(error)) return
-      select type (config)
-      type is (analysis_config)
-         if (allocated(config%plot)) call check_gnuplot(error)
-      end select
       if (allocated(error)) return
       if (allocated(config%options_file)) call write_text(config%options_file, config%options_text, error)
       if (allocated(error)) return

@@ -7,15 +7,13 @@ module gyroakf_app_job
    use gyroakf_io_writer, only : writer_type, open_writer, complete_writer, commit_writer, discard_writer, &
       & make_directory
    use gyroakf_pipeline, only : pipeline_result_type, channel_result_type
-   use gyroakf_record, only : record_type, text_type
+   use gyroakf_record, only : record_type
    use gyroakf_report_document, only : write_document
-   use gyroakf_report_figures, only : figure_folder, write_figures
    use gyroakf_report_files, only : remove_others, write_results
    use gyroakf_report_kalibr, only : write_kalibr
    use gyroakf_report_latex, only : write_latex
    use gyroakf_report_text_report, only : write_report, report_inspect
    use gyroakf_app_config, only : analysis_config, inspect_config
-   use gyroakf_app_gnuplot, only : draw_figures
    use gyroakf_app_page, only : make_page
    use gyroakf_app_interrupt, only : guard_files, interrupted, release_files
    use gyroakf_app_progress_bar, only : bar_type, clear_bar
@@ -103,27 +101,12 @@ contains
       if (allocated(error)) return
       call guard_files()
       call write_files(config, bar, record, result, error)
-      if (.not. allocated(error) .and. allocated(config%plot)) call draw(config, record, result, error)
       if (.not. allocated(error) .and. allocated(config%out)) call make_page(config, record, result, error)
       call release_files()
       call clear_bar(bar)
       if (.not. allocated(error) .and. interrupted()) call fatal_error(error, status%cancelled, "ended; the files are complete")
       if (.not. allocated(error)) call print_result(config, record, result, error)
    end subroutine analyze
-
-   !> The figures, from the result files that are there.
-   subroutine draw(config, record, result, error)
-      type(analysis_config), intent(in) :: config
-      type(record_type), intent(in) :: record
-      type(pipeline_result_type), intent(in) :: result
-      type(error_type), allocatable, intent(out) :: error
-      type(text_type), allocatable :: figures(:)
-      character(:), allocatable :: folder
-
-      folder = config%out//"/"//figure_folder
-      call write_figures(folder, config%plot, record, config%pipeline, result, figures, error)
-      if (.not. allocated(error)) call draw_figures(folder, config%plot, figures, error)
-   end subroutine draw
 
    !> The files that options name and the result files: all are complete before the first one appears.
    subroutine write_files(config, bar, record, result, error)

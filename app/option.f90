@@ -228,9 +228,6 @@ module gyroakf_app_option
       option_type("--latex", "FILE", "text", "run", "output", &
                   "write the tables (tests, AR models, filters, coefficients) as LaTeX for \input, with the package "// &
                   "booktabs; - is standard output; of many files into the folder of each"), &
-      option_type("--plot", "png|svg|pdf|none", "choice", analysing, "output", &
-                  "draw figures with gnuplot into DIR/plots of --out DIR, beside the scripts that draw them; none: not even "// &
-                  "for DIR/report.html, which has them where gnuplot is found"), &
       option_type("--series-format", "csv|npy|f64", "choice", "run filter", "output", &
                   "how --out writes the series: series.csv (default), series.npy or series.f64 (float64, a row per sample: "// &
                   "time, and of each channel raw, cleaned, kf, akf)"), &

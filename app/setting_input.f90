@@ -186,12 +186,6 @@ contains
       case ("--threads")
          config%threads = int(min(value%count, most_threads))
          if (value%count > most_threads) call value_error(option, "'"//value%text//"' is more than 4096", error)
-      case ("--plot")
-         select type (config)
-         type is (analysis_config)
-            if (value%text /= "none") config%plot = value%text
-            config%no_figures = value%text == "none"
-         end select
       case ("--json")
          select type (config)
          class is (reading_config)

@@ -236,6 +236,7 @@ contains
       channel%clean%fraction = 1.0_dp/12
       channel%clean%trend%degree = 3
       allocate (channel%clean%trend%power(0:3), source=trend)
+      allocate (channel%clean%trend%legendre(0:3), source=trend)
       channel%available%adf = .true.
       channel%adf%statistic = -71.5_dp
       channel%adf%p_value = 0

@@ -1,21 +1,26 @@
 ! SPDX-License-Identifier: MIT
-!> Figures and result files of a run: every script finds its data, the data are the result's numbers, no file of before is left.
+!> Figures and result files of a run: axes, ticks, pixels, what each figure holds; no file of an earlier run is left.
 module test_figures
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_positive_inf, ieee_quiet_nan, ieee_value
    use testdrive, only : check, error_type, new_unittest, unittest_type
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, run_pipeline
    use gyroakf_pipeline_result, only : stage
-   use gyroakf_record, only : record_type, text_type
-   use gyroakf_report_figures, only : figure_formats, figure_kinds, write_figures
+   use gyroakf_io_writer, only : writer_type
+   use gyroakf_record, only : add_text, record_type, text_type
+   use gyroakf_report_figure_series, only : max_blocks
+   use gyroakf_report_figures, only : build_figure, write_figures
    use gyroakf_report_files, only : foreign_file, result_files, result_marks, write_results
+   use gyroakf_report_svg, only : figure_type, has_points, series_type, write_svg
+   use gyroakf_report_svg_axis, only : axis_type, find_ticks, is_inside, is_shown, position, scale_axis, set_range, tick_type
+   use gyroakf_units, only : parse_unit
    use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record
+   use report_fixture, only : begin_text, end_text
    use scratch_file, only : file_exists, read_bytes, remove_file, remove_folder, scratch_path
    implicit none (type, external)
    private
    public :: collect_figures
-
-   character(1), parameter :: lf = new_line("a")
 
 contains
 
@@ -24,8 +29,12 @@ contains
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
-         new_unittest("scripts-and-data", test_scripts), &
-         new_unittest("numbers", test_numbers), &
+         new_unittest("axis", test_axis), &
+         new_unittest("ticks", test_ticks), &
+         new_unittest("svg", test_svg), &
+         new_unittest("slopes", test_slopes), &
+         new_unittest("run", test_run), &
+         new_unittest("long", test_long), &
          new_unittest("channels", test_channels), &
          new_unittest("what-there-is", test_some), &
          new_unittest("no-folder", test_no_folder), &
@@ -67,208 +76,295 @@ contains
       call run_pipeline(record, options, result, failed)
    end subroutine make_run
 
-   !> Removes the figures of a folder, and the folder.
-   subroutine remove_figures(folder, figures)
-      character(*), intent(in) :: folder
-      type(text_type), intent(in) :: figures(:)
-      integer :: i
+   !> Writes the figures of a run, takes their names and texts, and removes them.
+   subroutine take_figures(record, result, names, text)
+      type(record_type), intent(in) :: record
+      type(pipeline_result_type), intent(in) :: result
+      !> Names that may be there, separated by blanks; those that are
+      character(*), intent(in) :: names
+      type(text_type), allocatable, intent(out) :: text(:)
+      type(gyro_error), allocatable :: failed
+      character(:), allocatable :: folder, path, rest
+      integer :: at
 
-      do i = 1, size(figures)
-         call remove_file(folder//"/"//figures(i)%text//".gp")
-         call remove_file(folder//"/"//figures(i)%text//".dat")
-      end do
-      call remove_folder(folder)
-   end subroutine remove_figures
-
-   !> The lines of a block of a data file; all without a name. "" where there is none.
-   subroutine take_block(text, name, lines)
-      character(*), intent(in) :: text, name
-      character(:), allocatable, intent(out) :: lines
-      integer :: first, length
-
-      lines = ""
-      first = 1
-      if (name /= "") then
-         first = index(lf//text, lf//"# "//name//lf)
-         if (first == 0) return
-         first = first + len("# "//name) + 1
-      end if
-      length = index(text(first:)//lf//lf//lf, lf//lf//lf)
-      lines = text(first:min(len(text), first + length - 1))
-   end subroutine take_block
-
-   !> Numbers of a column of a block.
-   subroutine take_column(lines, column, values)
-      character(*), intent(in) :: lines
-      integer, intent(in) :: column
-      real(dp), allocatable, intent(out) :: values(:)
-      real(dp) :: row(8)
-      integer :: first, last, failed
-
-      allocate (values(0))
-      first = 1
-      do while (first <= len(lines))
-         last = first + index(lines(first:)//lf, lf) - 2
-         row = huge(1.0_dp)
-         if (last >= first) then
-            read (lines(first:last), *, iostat=failed) row(:column)
-            if (failed == 0) values = [values, row(column)]
+      folder = scratch_path("figures")
+      call write_figures(folder, record, result, failed)
+      allocate (text(0))
+      rest = names//" "
+      do while (rest /= "")
+         at = index(rest, " ")
+         path = folder//"/"//rest(:at - 1)//".svg"
+         rest = rest(at + 1:)
+         if (file_exists(path)) then
+            call add_text(text, read_bytes(path))
+         else
+            call add_text(text, "")
          end if
-         first = last + 2
-      end do
-   end subroutine take_column
-
-   !> Of every "'FILE' index 'NAME' using 1:2" of a script: the file is there, the block has lines, these have the columns.
-   subroutine check_script(folder, name, error)
-      character(*), intent(in) :: folder, name
-      type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: script, file, rest, block, lines
-      real(dp), allocatable :: values(:)
-      integer :: at, next, plots, column
-
-      script = read_bytes(folder//"/"//name//".gp")
-      file = ""
-      plots = 0
-      do
-         at = scan(script, lf)
-         if (at == 0) exit
-         rest = script(:at - 1)
-         script = script(at + 1:)
-         next = index(rest, "'")
-         if (next == 0 .or. (index(rest, "plot '") /= 1 .and. index(rest, "     '") /= 1)) cycle
-         rest = rest(next + 1:)
-         if (rest(1:1) /= "'") file = folder//"/"//rest(:index(rest, "'") - 1)
-         call check(error, file_exists(file), name//": no "//file)
-         if (allocated(error)) return
-         block = ""
-         if (index(rest, " index '") > 0) block = rest(index(rest, " index '") + 8:)
-         if (block /= "") block = block(:index(block, "'") - 1)
-         column = 2
-         if (index(rest, "using 1:") > 0) column = ichar(rest(index(rest, "using 1:") + 8:)) - ichar("0")
-         if (index(rest, "using 1:3:4") > 0) column = 4
-         call take_block(read_bytes(file), block, lines)
-         call take_column(lines, column, values)
-         call check(error, size(values) > 0, name//": no column "//achar(column + ichar("0"))//" of '"//block//"'")
-         if (allocated(error)) return
-         plots = plots + 1
-      end do
-      call check(error, plots > 0, name//": draws nothing")
-   end subroutine check_script
-
-   !> A run has all figures, in every format, and each finds what it draws.
-   subroutine test_scripts(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(record_type) :: record
-      type(pipeline_options) :: options
-      type(pipeline_result_type) :: result
-      type(text_type), allocatable :: figures(:)
-      type(gyro_error), allocatable :: failed
-      character(:), allocatable :: folder, script
-      integer :: f, i
-
-      call make_run(["gx"], record, options, result)
-      folder = scratch_path("figures")
-      do f = 1, size(figure_formats)
-         call write_figures(folder//"/plots", figure_formats(f), record, options, result, figures, failed)
-         call check(error, .not. allocated(failed) .and. size(figures) == size(figure_kinds), "figures of a whole run")
-         do i = 1, size(figures)
-            if (allocated(error)) exit
-            call check(error, figures(i)%text == trim(figure_kinds(i)), "order and names of the figures")
-            if (.not. allocated(error)) call check_script(folder//"/plots", figures(i)%text, error)
-            if (allocated(error)) exit
-            script = read_bytes(folder//"/plots/"//figures(i)%text//".gp")
-            call check(error, index(script, "figure = '"//figures(i)%text//"."//figure_formats(f)//"'") > 0 .and. &
-                       index(script, "set terminal "//figure_formats(f)) > 0, "format "//figure_formats(f))
-         end do
-         call remove_figures(folder//"/plots", figures)
-         if (allocated(error)) exit
+         call remove_file(path)
       end do
       call remove_folder(folder)
-   end subroutine test_scripts
+      if (allocated(failed) .or. file_exists(folder)) text = text(:0)
+   end subroutine take_figures
 
-   !> What is drawn is what came out.
-   subroutine test_numbers(error)
+   !> How often a text holds another.
+   pure integer function occurrences(text, part)
+      character(*), intent(in) :: text, part
+      integer :: at, next
+
+      occurrences = 0
+      at = 1
+      do
+         next = index(text(at:), part)
+         if (next == 0) return
+         occurrences = occurrences + 1
+         at = at + next
+      end do
+   end function occurrences
+
+   !> Values to pixels, forward and beyond the ends; what cannot be shown; a range without extent.
+   subroutine test_axis(error)
       type(error_type), allocatable, intent(out) :: error
-      type(record_type) :: record
-      type(pipeline_options) :: options
-      type(pipeline_result_type) :: result
-      type(text_type), allocatable :: figures(:)
-      type(gyro_error), allocatable :: failed
-      character(:), allocatable :: folder
+      type(axis_type) :: axis
 
-      call make_run(["gx"], record, options, result)
-      folder = scratch_path("figures")
-      call write_figures(folder, "svg", record, options, result, figures, failed)
-      associate (c => result%channel(1), curve => result%channel(1)%allan(stage%input)%curve)
-         call compare("allan", "input", 1, curve%tau)
-         call compare("allan", "input", 2, curve%deviation)
-         call compare("allan", "input", 3, curve%lower)
-         call compare("allan", "input", 4, curve%upper)
-         call compare("allan", "akf", 2, c%allan(stage%akf)%curve%deviation)
-         call compare("series", "raw", 2, pack(record%value(:, 1), record%present(:, 1) /= 0_int8))
-         call compare("series", "cleaned", 2, pack(c%series_cleaned, c%series_present /= 0_int8))
-         call compare("series", "drift", 2, c%series_drift)
-         call compare("series", "outliers", 2, pack(record%value(:, 1), record%present(:, 1) /= 0_int8 .and. &
-                                                   c%series_present == 0_int8))
-         call compare("histogram", "", 2, c%histogram%density)
-         call compare("histogram", "", 4, c%histogram%normal_density)
-         call compare("correlation", "autocorrelation", 2, c%correlation%acf(1:c%correlation%lags))
-         call compare("correlation", "partial", 2, c%correlation%pacf(1:c%correlation%partial_lags))
-         call compare("residuals", "autocorrelation", 2, c%ar%residual_correlation%acf(1:c%ar%residual_correlation%lags))
-         call compare("spectrum", "welch", 2, pack(c%spectrum%density, c%spectrum%frequency > 0))
-         if (.not. allocated(error)) call check(error, c%clean%removed >= 3, "the outliers were not found")
-      end associate
-      call remove_figures(folder, figures)
+      axis%from = 100.0_dp
+      axis%to = 300.0_dp
+      call set_range(axis, -1.0_dp, 3.0_dp, 0.0_dp)
+      call check(error, all(abs(position(axis, [-1.0_dp, 0.0_dp, 3.0_dp, 5.0_dp]) - [100, 150, 300, 400]) < 1.0e-9_dp), "linear")
+      if (allocated(error)) return
+      call check(error, all(is_inside(axis, [-1.0_dp, 3.0_dp])) .and. .not. any(is_inside(axis, [-1.1_dp, 3.1_dp])), "ends")
+      if (allocated(error)) return
+      call set_range(axis, 5.0_dp, 5.0_dp, 0.0_dp)
+      call check(error, axis%last > 5.0_dp .and. axis%first < 5.0_dp .and. is_inside(axis, 5.0_dp), "one value")
+      if (allocated(error)) return
+      call set_range(axis, 0.0_dp, 0.0_dp, 0.04_dp)
+      call check(error, axis%last > axis%first, "zeros alone")
+      if (allocated(error)) return
+      axis%logarithmic = .true.
+      call set_range(axis, 0.01_dp, 100.0_dp, 0.0_dp)
+      call check(error, all(abs(position(axis, [0.01_dp, 0.1_dp, 100.0_dp]) - [100, 150, 300]) < 1.0e-9_dp), "logarithmic")
+      if (allocated(error)) return
+      call check(error, .not. any(is_shown(axis, [0.0_dp, -1.0_dp, 1.0e300_dp, ieee_value(0.0_dp, ieee_quiet_nan), &
+                                                  ieee_value(0.0_dp, ieee_positive_inf)])), "not shown")
+      if (allocated(error)) return
+      axis = scale_axis(axis, 3600.0_dp)
+      call check(error, position(axis, 360.0_dp), 150.0_dp, thr=1.0e-9_dp, more="the second axis")
+      if (allocated(error)) return
+      call set_range(axis, 2.0_dp, 3.0_dp, 0.0_dp)
+      call check(error, axis%last - axis%first, 1.0_dp, thr=1.0e-9_dp, more="less than a decade")
+   end subroutine test_axis
+
+   !> Values and labels of ticks.
+   subroutine test_ticks(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(axis_type) :: axis
+
+      axis = axis_type(.false., -0.25_dp, 0.25_dp, 0.0_dp, 300.0_dp)
+      call expect(50.0_dp, "-0.2 -0.1 0 0.1 0.2")
+      axis = axis_type(.false., 0.0_dp, 2400.0_dp, 0.0_dp, 300.0_dp)
+      call expect(60.0_dp, "0 500 1000 1500 2000")
+      axis = axis_type(.false., 9.7999_dp, 9.8011_dp, 0.0_dp, 300.0_dp)
+      call expect(100.0_dp, "9.8 9.8005 9.801")
+      axis = axis_type(.true., -1.5_dp, 2.2_dp, 0.0_dp, 300.0_dp)
+      call expect(60.0_dp, "0.1 1 10 100")
+      call expect(100.0_dp, "1 100")
+      axis = axis_type(.true., -0.1_dp, 1.2_dp, 0.0_dp, 300.0_dp)
+      call expect(60.0_dp, "1 2 5 10")
 
    contains
 
-      !> A column of the data of a figure against the numbers it should have, which have ten digits there.
-      subroutine compare(name, block, column, expected)
-         character(*), intent(in) :: name, block
-         integer, intent(in) :: column
-         real(dp), intent(in) :: expected(:)
-         character(:), allocatable :: lines
-         real(dp), allocatable :: values(:)
+      !> The labels of an axis.
+      subroutine expect(room, labels)
+         real(dp), intent(in) :: room
+         character(*), intent(in) :: labels
+         type(tick_type), allocatable :: tick(:)
+         character(:), allocatable :: text
+         integer :: i
 
          if (allocated(error)) return
-         call take_block(read_bytes(folder//"/"//name//".dat"), block, lines)
-         call take_column(lines, column, values)
-         call check(error, size(values) == size(expected) .and. size(values) > 0, name//" "//block//": other lines")
+         call find_ticks(axis, room, tick)
+         text = ""
+         do i = 1, size(tick)
+            if (tick(i)%label /= "") text = text//" "//trim(tick(i)%label)
+         end do
+         call check(error, text, " "//labels)
+      end subroutine expect
+
+   end subroutine test_ticks
+
+   !> Points at their pixels, lines broken and points left out where a value cannot be shown, names that stay texts.
+   subroutine test_svg(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(figure_type) :: figure
+      type(writer_type) :: writer
+      character(:), allocatable :: text
+      real(dp) :: nan
+
+      nan = ieee_value(0.0_dp, ieee_quiet_nan)
+      call check(error, .not. has_points(figure), "an empty figure")
+      if (allocated(error)) return
+      figure%title = "<a & b>"
+      figure%caption = "c"
+      figure%x_label = "x"
+      figure%y_label = "y"
+      allocate (figure%series(3))
+      figure%series(1)%x = [nan]
+      figure%series(1)%y = [1.0_dp]
+      call check(error, .not. has_points(figure), "nothing but NaN")
+      if (allocated(error)) return
+      figure%series(2) = series_type(label="<g>", style="line", color=3, x=[0.0_dp, 1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp], &
+                                     y=[0.0_dp, 1.0_dp, nan, 1.0_dp, 0.0_dp])
+      figure%series(3) = series_type(style="points", x=[2.0_dp, nan], y=[0.0_dp, 0.5_dp], lower=[nan, 0.0_dp], &
+                                     upper=[1.0_dp, 1.0_dp], hollow=[.true., .false.])
+      call begin_text(writer)
+      call write_svg(writer, figure, .true.)
+      call end_text(writer, text)
+      call check(error, has_points(figure) .and. index(text, "<?xml") == 1 .and. index(text, "</svg>") > 0, "a document")
+      if (allocated(error)) return
+      call check(error, index(text, ">&lt;a &amp; b&gt;</text>") > 0 .and. index(text, ">&lt;g&gt;</text>") > 0, "escaped names")
+      if (allocated(error)) return
+      call check(error, index(text, "<path d=""M84 356.5L222 69.48M498 69.48L636 356.5""/>") > 0, "the line: "//text)
+      if (allocated(error)) return
+      call check(error, index(text, "<path class=""hollow"" data-i=""1"" d=""M356.2 356.5a") > 0, "the point")
+      if (allocated(error)) return
+      call check(error, index(text, """bar""") == 0 .and. index(text, "data-i=""2""") == 0 .and. index(text, "NaN") == 0, &
+                 "what cannot be shown")
+      if (allocated(error)) return
+      call check(error, index(text, "class=""series line c3"" data-series=""2""") > 0 .and. &
+                 index(text, "class=""key line c3"" data-series=""2""") > 0, "the legend's series")
+   end subroutine test_svg
+
+   !> The slopes stand in a corner without points, as steep as in the figure; a second axis; nothing in a full frame.
+   subroutine test_slopes(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(figure_type) :: figure
+      type(writer_type) :: writer
+      character(:), allocatable :: text
+
+      figure%title = "t"
+      figure%caption = "c"
+      figure%x_label = "x"
+      figure%y_label = "y"
+      figure%right_label = "deg/h"
+      figure%right_factor = 3600.0_dp
+      figure%logarithmic = .true.
+      allocate (figure%series(1))
+      figure%series(1) = series_type(style="both", x=[1.0_dp, 100.0_dp, 1.0e4_dp], y=[100.0_dp, 10.0_dp, 1.0_dp])
+      call begin_text(writer)
+      call write_svg(writer, figure, .false.)
+      call end_text(writer, text)
+      call check(error, index(text, "<path d=""M96 322.2L156 292.5""/>") > 0 .and. index(text, ">-1/2</text>") > 0, text)
+      if (allocated(error)) return
+      call check(error, index(text, ">deg/h</text>") > 0 .and. index(text, ">1e+05</text>") > 0, "the second axis")
+      if (allocated(error)) return
+      call check(error, index(text, "<?xml") == 0 .and. index(text, "<style>") == 0 .and. index(text, "xmlns") == 0, "in a page")
+      if (allocated(error)) return
+      figure%series(1)%x = [1.2_dp, 1.2_dp, 8.0e3_dp, 8.0e3_dp]
+      figure%series(1)%y = [100.0_dp, 1.0_dp, 100.0_dp, 1.0_dp]
+      call begin_text(writer)
+      call write_svg(writer, figure, .false.)
+      call end_text(writer, text)
+      call check(error, index(text, ">-1/2</text>"), 0)
+   end subroutine test_slopes
+
+   !> Figures of a run: the model, every averaging time, the terms with their numbers, filters, outliers, drift.
+   subroutine test_run(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(pipeline_options) :: options
+      type(pipeline_result_type) :: result
+      type(text_type), allocatable :: text(:)
+
+      call make_run(["gx"], record, options, result)
+      call take_figures(record, result, "allan series filters", text)
+      call check(error, size(text), 3, "the figures of one channel and no others")
+      if (allocated(error)) return
+      associate (c => result%channel(1))
+         call check(error, occurrences(text(1)%text, " data-i=") == size(c%allan(stage%input)%curve%tau) + 3, &
+                    "a point for every averaging time, two in the legend, the minimum")
          if (allocated(error)) return
-         call check(error, all(abs(values - expected) <= 1.0e-9_dp*abs(expected)), name//" "//block//": other numbers")
-      end subroutine compare
+         call expect(1, ">fitted model</text>")
+         call expect(1, ">N = ")
+         call expect(1, ">minimum ")
+         call expect(1, ">AKF output</text>")
+         call expect(1, "class=""bar""")
+         call expect(2, ">drift (smoother)</text>")
+         if (.not. allocated(error)) call check(error, occurrences(text(2)%text, " data-i="), 1 + int(c%clean%removed), "outliers")
+         call expect(3, ">cleaned</text>")
+         call expect(3, ">KF</text>")
+         call expect(3, ">AKF</text>")
+      end associate
 
-   end subroutine test_numbers
+   contains
 
-   !> Several channels have a figure each, named in letters that every file system takes and tells apart.
+      !> A figure holds a text, and nothing that is no number.
+      subroutine expect(which, part)
+         integer, intent(in) :: which
+         character(*), intent(in) :: part
+
+         if (allocated(error)) return
+         call check(error, index(text(which)%text, part) > 0, "no "//part)
+         if (allocated(error)) return
+         call check(error, index(text(which)%text, "NaN") + index(text(which)%text, "Inf"), 0)
+      end subroutine expect
+
+   end subroutine test_run
+
+   !> A long series keeps its peaks and has a bounded number of points.
+   subroutine test_long(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      type(figure_type) :: figure
+      integer, parameter :: n = 100000
+
+      allocate (record%value(n, 1), record%present(n, 1), result%channel(1))
+      record%value = 0.5_dp
+      record%value(77777, 1) = 8.0_dp
+      record%value(500:999, 1) = -9.0_dp
+      record%present = 1_int8
+      record%present(500:999, 1) = 0_int8
+      result%channel(1)%name = "gx"
+      call build_figure("series", record, result, 1, figure)
+      associate (series => figure%series(1))
+         call check(error, size(series%y) <= 2*max_blocks .and. count(.not. ieee_is_finite(series%y)) >= 1, "points")
+         if (allocated(error)) return
+         call check(error, any(abs(series%x - 77776.0_dp) < 0.5_dp), "the peak's place")
+         if (allocated(error)) return
+         call check(error, maxval(series%y, mask=ieee_is_finite(series%y)), 8.0_dp, more="the peak")
+         if (allocated(error)) return
+         call check(error, minval(series%y, mask=ieee_is_finite(series%y)), 0.5_dp, more="a missing sample")
+      end associate
+   end subroutine test_long
+
+   !> Several channels: names that every file system takes and tells apart, all of them in the overlay of their unit.
    subroutine test_channels(error)
       type(error_type), allocatable, intent(out) :: error
       type(record_type) :: record
       type(pipeline_options) :: options
       type(pipeline_result_type) :: result
-      type(text_type), allocatable :: figures(:)
+      type(text_type), allocatable :: text(:)
       type(gyro_error), allocatable :: failed
-      character(:), allocatable :: folder
-      character(8), parameter :: ending(3) = [character(8) :: "-gx-1", "-gx-2", "-it_s_c"]
-      integer :: c, i
+      integer :: i
 
-      call make_run(["Gx  ", "gX  ", "it's" ], record, options, result)
+      call make_run(["Gx  ", "gX  ", "it's"], record, options, result)
       result%channel(3)%name = "it's/c"
-      folder = scratch_path("figures")
-      call write_figures(folder, "svg", record, options, result, figures, failed)
-      call check(error, size(figures) == 3*size(figure_kinds), "a figure of each channel")
-      do c = 1, 3
-         do i = 1, size(figure_kinds)
-            if (allocated(error)) exit
-            associate (name => figures((c - 1)*size(figure_kinds) + i)%text)
-               call check(error, name == trim(figure_kinds(i))//trim(ending(c)), "the name "//name)
-               if (.not. allocated(error)) call check_script(folder, name, error)
-            end associate
-         end do
+      call take_figures(record, result, "overlay-gx-1 allan-gx-1 allan-gx-2 allan-it_s_c series-gx-1 series-gx-2 series-it_s_c "// &
+                        "filters-gx-1 filters-gx-2 filters-it_s_c", text)
+      call check(error, size(text), 10, "the figures and no others")
+      if (allocated(error)) return
+      do i = 1, size(text)
+         call check(error, index(text(i)%text, "</svg>") > 0)
+         if (allocated(error)) return
       end do
-      if (.not. allocated(error)) call check(error, index(read_bytes(folder//"/allan-it_s_c.gp"), "of it''s/c'") > 0, &
-                                             "a quote in a title")
-      call remove_figures(folder, figures)
+      call check(error, index(text(1)%text, ">Gx</text>") > 0 .and. index(text(1)%text, ">gX</text>") > 0 .and. &
+                 index(text(1)%text, ">it&#39;s/c</text>") > 0, "every channel in the overlay")
+      if (allocated(error)) return
+      allocate (record%channel_unit(3))
+      record%channel_unit(1:2) = record%unit
+      call parse_unit("m/s^2", record%channel_unit(3), failed)
+      call take_figures(record, result, "overlay-gx-1 allan-gx-1 allan-gx-2 allan-it_s_c series-gx-1 series-gx-2 series-it_s_c "// &
+                        "filters-gx-1 filters-gx-2 filters-it_s_c", text)
+      call check(error, size(text) == 10 .and. occurrences(text(1)%text, "class=""series both") == 2, "the unit of an overlay")
    end subroutine test_channels
 
    !> No figure of what was not kept or not computed.
@@ -277,34 +373,17 @@ contains
       type(record_type) :: record
       type(pipeline_options) :: options
       type(pipeline_result_type) :: result
-      type(text_type), allocatable :: figures(:)
-      type(gyro_error), allocatable :: failed
-      character(:), allocatable :: folder
-      integer :: i
+      type(text_type), allocatable :: text(:)
 
       call make_run(["gx"], record, options, result)
-      folder = scratch_path("figures")
-      options%keep_series = .false.
-      call write_figures(folder, "svg", record, options, result, figures, failed)
-      call check(error, all([(figures(i)%text /= "series" .and. figures(i)%text /= "filters", i=1, size(figures))]), &
-                 "series that were not kept")
-      if (.not. allocated(error)) call check(error, size(figures) == size(figure_kinds) - 2, "all others")
-      call remove_figures(folder, figures)
-      if (allocated(error)) return
       associate (c => result%channel(1))
-         c%allan(stage%outliers_removed:)%available = .false.
-         c%available%akf = .false.
-         c%available%drift_akf = .false.
-         c%available%ar = .false.
-         c%available%histogram = .false.
-         c%available%correlation = .false.
-         c%available%spectrum = .false.
+         c%allan%available = .false.
+         deallocate (c%series_kf, c%series_akf)
       end associate
-      call write_figures(folder, "svg", record, options, result, figures, failed)
-      call check(error, size(figures) == 1, "one curve alone")
-      if (.not. allocated(error)) call check(error, figures(1)%text == "allan", "the curve of the record")
-      if (.not. allocated(error)) call check_script(folder, "allan", error)
-      call remove_figures(folder, figures)
+      call take_figures(record, result, "series", text)
+      call check(error, size(text), 1, "the record alone")
+      if (allocated(error)) return
+      call check(error, index(text(1)%text, ">record</text>") > 0)
    end subroutine test_some
 
    !> A folder that cannot be made is an error of both.
@@ -313,7 +392,6 @@ contains
       type(record_type) :: record
       type(pipeline_options) :: options
       type(pipeline_result_type) :: result
-      type(text_type), allocatable :: figures(:)
       type(gyro_error), allocatable :: failed
       character(:), allocatable :: folder
       integer :: unit
@@ -322,7 +400,7 @@ contains
       open (newunit=unit, file=folder, status="replace")
       close (unit)
       allocate (result%channel(0))
-      call write_figures(folder, "svg", record, options, result, figures, failed)
+      call write_figures(folder, record, result, failed)
       call check(error, allocated(failed), "figures in a file")
       if (.not. allocated(error)) then
          call write_results(folder, "run", record, options, result, failed)

@@ -7,7 +7,6 @@ module test_filter_series
    use gyroakf_stats_autocovariance, only : compute_autocovariance
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, run_filter
    use gyroakf_filter_filter_series, only : filter_result_type, filter_series
-   use gyroakf_filter_trace, only : most_stretches, variance_step
    use gyroakf_filter_lag_sums, only : lag_sums_type, start_lag_sums, add_block, autocovariance_of, longest_lag
    use gyroakf_stats_whiteness, only : ljung_box_type, test_ljung_box
    use filter_library, only : fill_noise, make_series, paper_phi
@@ -38,55 +37,8 @@ contains
          & new_unittest("gate_is_named", test_gate), &
          & new_unittest("collapse_is_named", test_collapse), &
          & new_unittest("white_model_is_named", test_white), &
-         & new_unittest("trace", test_trace), &
          & new_unittest("refused", test_refused)]
    end subroutine collect_filter_series
-
-   !> Extremes of the innovations and of R, against the filter run step by step; stretches are bounded, gaps are left out.
-   subroutine test_trace(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
-      integer, parameter :: n = 7001, stretch = 5, hole = 31
-      type(filter_options) :: options
-      type(filter_type) :: filter, other
-      type(filter_result_type) :: result
-      real(dp) :: z(n), x(n), nu(n), r(n)
-      integer(int8) :: valid(n)
-      integer :: k, first, last, i
-
-      call make_series(71, 0.7_dp, 1.0_dp, 0.5_dp, z)
-      valid = 1
-      valid(hole*stretch + 1:(hole + 1)*stretch) = 0
-      options%estimate_measurement_variance = .true.
-      call new_filter(filter, [0.7_dp], 1.0_dp, 0.5_dp, options, failure)
-      other = filter
-      call filter_series(filter, z, x, result, failure, valid)
-      call check(error, .not. allocated(failure) .and. result%trace%stretch == stretch .and. &
-                 size(result%trace%innovation%at, 2) == (n + stretch - 1)/stretch)
-      if (allocated(error)) return
-      do k = 1, n
-         call run_filter(other, z(k:k), x(k:k), valid(k:k), nu(k:k))
-         r(k) = other%r
-      end do
-      call check(error, stretch <= variance_step .and. size(result%trace%variance%at, 2) <= most_stretches .and. &
-                 all(result%trace%innovation%at(:, hole + 1) == 0))
-      if (allocated(error)) return
-      do i = 1, size(result%trace%innovation%at, 2)
-         first = (i - 1)*stretch + 1
-         last = min(n, i*stretch)
-         if (i == hole + 1) cycle
-         associate (seen => result%trace)
-            call check(error, seen%innovation%value(1, i) <= minval(nu(first:last)) .and. &
-                       seen%innovation%value(1, i) >= minval(nu(first:last)) .and. &
-                       seen%innovation%value(2, i) >= maxval(nu(first:last)) .and. &
-                       seen%innovation%at(2, i) == first - 1 + maxloc(nu(first:last), 1), "innovations")
-            if (allocated(error)) return
-            call check(error, any(seen%variance%at(:, i) == last) .and. &
-                       any(abs(seen%variance%value(:, i) - r(last)) <= rounding*r(last)), "variance")
-            if (allocated(error)) return
-         end associate
-      end do
-   end subroutine test_trace
 
    !> Blocks of uneven length against all at once, with an offset
    subroutine test_lag_sums(error)

@@ -1,21 +1,17 @@
 ! SPDX-License-Identifier: MIT
-!> Tests of the page: texts that are escaped, parts of a report as elements, tables with their numbers, figures that are taken in.
+!> Tests of the page: texts that are escaped, parts of a report as elements, tables with their numbers, figures.
 module test_html
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp
-   use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_report_html_recording, only : read_whole_file
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_result_type
    use gyroakf_record, only : record_type
-   use gyroakf_report_html_figure, only : drawn_by, html_figure
    use gyroakf_report_html_markup, only : close_list, put_escaped, put_number_attribute
-   use gyroakf_report_html_page, only : drawings_type, page_about_type, write_page
+   use gyroakf_report_html_page, only : page_about_type, write_page
    use gyroakf_report_text_layout, only : put_heading, put_item, put_paragraph, put_point
    use gyroakf_report_summary, only : summarise, summary_row_type
    use gyroakf_report_text_table, only : new_table, put_table, set_cell, set_exact, table_type
    use report_fixture, only : begin_text, end_text, make_record, make_result
-   use scratch_file, only : remove_file, scratch_path, write_bytes
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
@@ -34,9 +30,7 @@ contains
          & new_unittest("escape", test_escape), &
          & new_unittest("parts", test_parts), &
          & new_unittest("table", test_table), &
-         & new_unittest("figure", test_figure), &
-         & new_unittest("page", test_page), &
-         & new_unittest("whole-file", test_whole_file)]
+         & new_unittest("page", test_page)]
    end subroutine collect_html
 
    !> Markup, quotes, control characters (also those of U+0080 to U+009F), bytes that are no UTF-8; letters stay.
@@ -103,26 +97,6 @@ contains
                  """0.33333333333333331"">1<br>± 2</td></tr>"//lf//"</tbody></table></div>"//lf)
    end subroutine test_table
 
-   !> Names get the prefix wherever they stand, gnuplot's title goes, what is no drawing is left out.
-   subroutine test_figure(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(writer_type) :: writer
-      character(:), allocatable :: text
-      character(*), parameter :: svg = "<?xml?><svg viewBox=""0 0 9 9""><title>Gnuplot</title><desc>Produced "// &
-         "by GNUPLOT 5 </desc><g id=""p"" fill=""url(#g)""><use xlink:href='#s' id='u'/></g></svg>"
-
-      call begin_text(writer)
-      call html_figure(writer, svg, "r1-", "What ""it"" shows.", " data-x=""y""")
-      call html_figure(writer, "no drawing", "r1-", "nothing", "")
-      call end_text(writer, text)
-      call check(error, text, "<figure data-x=""y""><div class=""plot"" tabindex=""0"" role=""group"" aria-label="// &
-                 """What &quot;it&quot; shows.""><svg role=""img"" aria-label=""What &quot;it&quot; shows."" "// &
-                 "viewBox=""0 0 9 9""><g id=""r1-p"" fill=""url(#r1-g)""><use xlink:href='#r1-s' id='r1-u'/></g></svg>"// &
-                 "</div>"//lf//"<figcaption>What &quot;it&quot; shows.</figcaption>"//lf//"</figure>"//lf)
-      if (allocated(error)) return
-      call check(error, drawn_by(svg)//"|"//drawn_by("<svg>"), "GNUPLOT 5|")
-   end subroutine test_figure
-
    !> A page of the fixture: begun and ended, what it says of itself, a hostile name, every report.
    subroutine test_page(error)
       type(error_type), allocatable, intent(out) :: error
@@ -131,7 +105,6 @@ contains
       type(record_type) :: record
       type(pipeline_result_type) :: result
       type(summary_row_type) :: row
-      type(drawings_type) :: drawings
       type(page_about_type) :: about
       character(:), allocatable :: text
       integer :: i
@@ -141,16 +114,16 @@ contains
       record%channel(1)%text = "</section>"
       result%channel(1)%name = record%channel(1)%text
       about%command_line = "gyroakf 'a b' && rm"
-      drawings%missing = "No figures."
       do i = 1, size(commands)
          call summarise(trim(commands(i)), "a&b.txt", "", record, row, result)
          call begin_text(writer)
-         call write_page(writer, about, trim(commands(i)), record, result, row, drawings)
+         call write_page(writer, about, trim(commands(i)), record, result, row)
          call end_text(writer, text)
          call check(error, index(text, "<!DOCTYPE html>"//lf) == 1 .and. index(text, "</html>"//lf) == len(text) - 7, commands(i))
          if (allocated(error)) return
          call check(error, index(text, "<code>gyroakf &#39;a b&#39; &amp;&amp; rm</code>") > 0 .and. &
-                    index(text, "<h3>Channel &lt;/section&gt;</h3>") > 0 .and. index(text, "<p>No figures.</p>") > 0, commands(i))
+                    index(text, "<h3>Channel &lt;/section&gt;</h3>") > 0 .and. occurrences(text, "<figure") == 2 .and. &
+                    occurrences(text, "<svg class=""fig"" role=""img"" aria-label=""") == 2, commands(i))
          if (allocated(error)) return
          call check(error, occurrences(text, "<section") == 2 .and. occurrences(text, "</section>") == 2 .and. &
                     occurrences(text, "<dl>") == occurrences(text, "</dl>") .and. &
@@ -173,28 +146,5 @@ contains
          at = at + next
       end do
    end function occurrences
-
-   !> Bytes as they are, none of an empty file, an error where there is no file.
-   subroutine test_whole_file(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
-      character(:), allocatable :: path, text
-
-      path = scratch_path("whole")
-      call write_bytes(path, "a"//lf//achar(0)//char(255))
-      call read_whole_file(path, text, failure)
-      call check(error, .not. allocated(failure) .and. text == "a"//lf//achar(0)//char(255) .and. len(text) == 4)
-      call write_bytes(path, "")
-      if (.not. allocated(error)) then
-         call read_whole_file(path, text, failure)
-         call check(error, .not. allocated(failure) .and. len(text) == 0)
-      end if
-      call remove_file(path)
-      if (allocated(error)) return
-      call read_whole_file(path, text, failure)
-      call check(error, allocated(failure))
-      if (allocated(error)) return
-      call check(error, failure%code == status%io)
-   end subroutine test_whole_file
 
 end module test_html

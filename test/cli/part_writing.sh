@@ -38,12 +38,12 @@ fi
 # what gyroakf wrote is replaced; other files, records and files of options are kept
 good "results again" run w.txt --out w_csv --json w_again.json --latex w.tex --kalibr w.yaml --rate 100 --unit deg/s --quiet
 good "and again" allan w.txt --out w_csv --json w_again.json --kalibr w.yaml --rate 100 --unit deg/s --quiet
-is "results of the earlier run are gone" "$(cd w_csv && echo *)" "allan.csv coefficients.csv report.html report.txt results.json"
+is "results of the earlier run are gone" "$(cd w_csv && echo *)" "allan.csv coefficients.csv figures report.html report.txt results.json"
 holds "those of the new one are there" "gyroakf allan w.txt" w_again.json
 holds "and in the page" "gyroakf allan w.txt" w_csv/report.html
 good "tables again" run w.txt --latex w.tex --quiet
 good "an inspection over them" inspect w.txt -o w_csv -q
-is "no page of the earlier run" "$(cd w_csv && echo *)" "report.txt results.json"
+is "no page of the earlier run" "$(cd w_csv && echo *)" "figures report.txt results.json"
 good "binary series again" filter w.txt --out w_npy --series-format f64 --quiet
 is "one form of the series" "$(cd w_npy && echo series.*)" "series.f64"
 
@@ -57,10 +57,10 @@ kept() {
 good "the series of a run" run w.txt --out w_csv --quiet
 echo old >w.json
 mkdir w_mixed
-for name in $(ls w_csv) series.npy series.f64; do
-   mkdir w_mixed/$name && cp w_csv/* w_mixed/$name && cp w.txt w_mixed/$name/$name
+for name in $(cd w_csv && echo *.*) series.npy series.f64; do
+   mkdir w_mixed/$name && cp w_csv/*.* w_mixed/$name && cp w.txt w_mixed/$name/$name
 done
-for name in $(ls w_csv) series.npy series.f64; do
+for name in $(cd w_csv && echo *.*) series.npy series.f64; do
    case $name in report.txt) continue ;; esac                     # beside results.json it is taken for that of the run
    file=$name
    [ $name != results.json ] || file=report.txt                   # refused first: nothing says that it is of gyroakf
@@ -77,10 +77,10 @@ kept "a file of Kalibr that was completed" w.yaml allan w.txt --rate 100 --unit 
 good "by force" run w.txt --json w.json --out w_csv --series-format f64 --force --quiet
 cp w.txt w_csv/series.csv
 good "an inspection by force" inspect w.txt --out w_csv --force --quiet
-is "it removes results only" "$(cd w_csv && echo *)" "report.txt results.json series.csv"
+is "it removes results only" "$(cd w_csv && echo *)" "figures report.txt results.json series.csv"
 good "by force again" run w.txt --out w_csv --series-format f64 --force --quiet
 rm w_csv/series.csv
-is "an earlier run's series are gone" "$(ls w_csv | tr '\n' ' ')" "allan.csv ar_spectrum.csv coefficients.csv correlation.csv histogram.csv report.html report.txt results.json series.f64 spectrum.csv "
+is "an earlier run's series are gone" "$(ls w_csv | tr '\n' ' ')" "allan.csv ar_spectrum.csv coefficients.csv correlation.csv figures histogram.csv report.html report.txt results.json series.f64 spectrum.csv "
 good "a device is no result" run w.txt --json /dev/null
 
 # nothing half written: a full disk, a folder that is read-only, a request to end
@@ -109,4 +109,5 @@ for file in w_many/summary.csv w_many/summary.json w_many/w-2/allan.csv w_many/w
    cp w_kept $file
 done
 good "many files beside the results of one" allan w.txt w.f64 --rate 100 --out w_csv --quiet
-is "their folders" "$(ls -d w_csv/*/ | tr '\n' ' ')" "w_csv/w-2/ w_csv/w/ "
+is "their folders" "$(ls -d w_csv/*/ | tr '\n' ' ')" "w_csv/figures/ w_csv/w-2/ w_csv/w/ "
+is "the mode of a new folder" "$(umask 027; "$gyroakf" inspect w.txt --out w_mode/below --quiet; ls -ld w_mode w_mode/below | cut -c 1-10 | uniq)" drwxr-x---

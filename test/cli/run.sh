@@ -5,7 +5,7 @@
 # Without a PART all of them, two at a time, those that take longest first.
 set -u
 [ $# -ge 1 ] && [ -x "$1" ] || { echo "usage: $0 PATH-OF-THE-BINARY [PART]" >&2; exit 1; }
-parts=(memory terminal progress output determinism zoo many selftest truth plots formats reading odd page writing usage config malformed
+parts=(memory terminal progress output determinism zoo many selftest truth figures formats reading odd page writing usage config malformed
    manual time names layouts)
 if [ $# -lt 2 ]; then
    said=$(printf '%s\n' "${parts[@]}" | xargs -P 2 -n 1 "$0" "$1")

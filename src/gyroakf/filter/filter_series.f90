@@ -16,7 +16,6 @@ module gyroakf_filter_filter_series
    use gyroakf_filter_state_space, only : dc_gain
    use gyroakf_filter_lag_sums, only : lag_sums_type, start_lag_sums, add_block, autocovariance_of, longest_lag
    use gyroakf_filter_measurement, only : is_sample
-   use gyroakf_filter_trace, only : start_trace, trace_innovations, trace_type, trace_variance, variance_step
    use gyroakf_filter_filter_warnings, only : filter_facts, filter_warnings
    implicit none (type, external)
    private
@@ -56,8 +55,6 @@ module gyroakf_filter_filter_series
       integer(int64) :: clamped = 0, gated = 0, steps = 0
       !> What the user must know, in sentences
       type(text_type), allocatable :: warnings(:)
-      !> Innovations and R over time, for a picture
-      type(trace_type) :: trace
    end type filter_result_type
 
    !> Mean and sum of squared deviations, merged block by block
@@ -70,7 +67,6 @@ module gyroakf_filter_filter_series
    type :: filter_run_type
       type(lag_sums_type) :: innovations
       type(moments_sum_type) :: output
-      type(trace_type) :: trace
       !> Innovations over their standard deviations, presence: of a block
       real(dp), allocatable :: normalised(:)
       integer(int8), allocatable :: here(:)
@@ -147,7 +143,6 @@ contains
       allocate (run%normalised(block_size), stat=stat)
       if (stat == 0) allocate (run%here(block_size), stat=stat)
       if (stat == 0) call start_lag_sums(run%innovations, block_size, stat)
-      if (stat == 0) call start_trace(run%trace, max(1_int64, samples), stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the blocks of a filter's innovations")
          return
@@ -195,39 +190,13 @@ contains
             run%here(:n) = merge(1_int8, 0_int8, is_sample(z(first:last)))
          end if
          begins = begins_here(filter)
-         call filter_block(filter, run, z(first:last), x(first:last))
+         call run_filter(filter, z(first:last), x(first:last), run%here(:n), run%normalised(:n))
          call add_moments(run%output, x(first:last), run%here(:n))
          if (begins) run%here(:n) = after_first(run%here(:n))
          call add_block(run%innovations, run%normalised(:n), run%here(:n))
-         call trace_innovations(run%trace, run%done, run%normalised(:n), run%here(:n))
          run%done = run%done + n
       end do
    end subroutine run_blocks
-
-   !> Filters a block, and looks at R on the way.
-   subroutine filter_block(filter, run, z, x)
-      type(filter_type), intent(inout) :: filter
-      !> `here` is filled
-      type(filter_run_type), intent(inout) :: run
-      !> Samples and output, [n], n at most block_size
-      real(dp), intent(in), contiguous :: z(:)
-      real(dp), intent(out), contiguous :: x(:)
-      integer :: first, last
-      integer(int64) :: left
-
-      if (.not. filter%adaptive) then
-         call run_filter(filter, z, x, run%here(:size(z)), run%normalised(:size(z)))
-         return
-      end if
-      last = 0
-      do while (last < size(z))
-         first = last + 1
-         left = run%trace%stretch - mod(run%done + last, run%trace%stretch)
-         last = min(last + int(min(left, variance_step)), size(z))
-         call run_filter(filter, z(first:last), x(first:last), run%here(first:last), run%normalised(first:last))
-         call trace_variance(run%trace, run%done + last, filter%r)
-      end do
-   end subroutine filter_block
 
    !> Measures what the filter did to the series.
    subroutine end_run(filter, run, result, error)
@@ -241,7 +210,6 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       result%steps = run%done
-      result%trace = run%trace
       result%clamped = filter%clamped - run%before(1)
       result%gated = filter%gated - run%before(2)
       result%mean = run%output%mean

@@ -267,10 +267,12 @@ contains
       integer(c_int) :: ignored
       integer :: i
 
-      do i = 2, len(path)
-         if (path(i:i) == "/") ignored = c_mkdir(path(:i - 1)//c_null_char, int(o'777', c_int))
+      do i = 2, len(path) + 1                              ! one call: gfortran passes the mode of a second one by reference
+         if (i <= len(path)) then
+            if (path(i:i) /= "/") cycle
+         end if
+         ignored = c_mkdir(path(:i - 1)//c_null_char, int(o'777', c_int))
       end do
-      ignored = c_mkdir(path//c_null_char, int(o'777', c_int))
       if (.not. is_directory(path)) call fatal_error(error, status%io, path//": the directory cannot be made")
    end subroutine make_directory
 

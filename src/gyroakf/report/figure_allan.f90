@@ -1,165 +1,211 @@
 ! SPDX-License-Identifier: MIT
-!> Figures of the Allan analysis: the curve with its limits, the fitted terms and what is read off it; the curves before and after.
-!>
-!> The curves stand in a data file beside the scripts; the terms are formulas with the fitted numbers in them.
+!> Figures of the Allan deviation: one channel with its fitted model, and the channels of one unit
+!> over each other.
 module gyroakf_report_figure_allan
    use gyroakf_kinds, only : dp
-   use gyroakf_io_writer, only : writer_type, format_real, put_line
-   use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, stage, stage_names
-   use gyroakf_report_figure_script, only : add_curve, begin_block, begin_script, black, blue, end_block, &
-      end_plot, green, grey, literal, orange, purple, put_axes, put_numbers, sky, yellow
-   use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, pipeline_result_type, &
+      stage, stated_coefficient_type
+   use gyroakf_record, only : record_type, view_channel
+   use gyroakf_report_input, only : has_unit, unit_name
+   use gyroakf_report_sign, only : to_unicode
+   use gyroakf_report_svg, only : color_count, figure_type, series_type
+   use gyroakf_report_text_layout, only : number, rounded
+   use gyroakf_units, only : coefficient_unit, coefficient_unit_type, term_names
    implicit none (type, external)
    private
-   public :: write_allan_figure, write_stages_figure, write_allan_data
+   public :: build_allan_figure, build_overlay
 
-   !> Q N B K R: what the line is called, and its formula behind the coefficient
-   character(1), parameter :: letters(5) = ["Q", "N", "B", "K", "R"]
-   character(24), parameter :: formulas(5) = [character(24) :: "sqrt(3)/x", "1/sqrt(x)", "sqrt(2*log(2)/pi)", "sqrt(x/3)", &
-                                              "x/sqrt(2)"]
-   character(9), parameter :: colours(5) = [purple, orange, green, yellow, sky]
-   !> Where each is read off the line of its slope: sqrt 3, 1, (anywhere), 3, sqrt 2; the height there over the coefficient
-   real(dp), parameter :: read_at(5) = [sqrt(3.0_dp), 1.0_dp, 0.0_dp, 3.0_dp, sqrt(2.0_dp)]
-   !> Curve, sign and words of each series
-   character(16), parameter :: stage_titles(6) = [character(16) :: "as read", "without outliers", "cleaned", "KF (paper)", &
-                                                   "AKF (paper)", "compensated"]
-   character(9), parameter :: stage_colours(6) = [black, sky, blue, orange, purple, green]
+   !> Terms that are drawn: K, B, N; slope of each, and its deviation at an averaging time of 1
+   !> over the coefficient
+   integer, parameter :: drawn_terms(3) = [4, 3, 2]
+   real(dp), parameter :: term_slope(5) = [-1.0_dp, -0.5_dp, 0.0_dp, 0.5_dp, 1.0_dp]
+   real(dp), parameter :: term_height(5) = [sqrt(3.0_dp), 1.0_dp, sqrt(2*log(2.0_dp)/acos(-1.0_dp)), &
+                                          sqrt(1/3.0_dp), sqrt(0.5_dp)]
+   !> Relative difference of averaging times that are the same
+   real(dp), parameter :: tolerance = 1.0e-6_dp
 
 contains
 
-   !> The curve of the record as read, or of the cleaned series where that is all there is.
-   subroutine write_allan_figure(writer, name, form, channel, time, unit)
-      !> Open
-      type(writer_type), intent(inout) :: writer
-      !> Of the figure; its format
-      character(*), intent(in) :: name, form
-      !> With a curve of the record as read
+   !> Measured points with confidence limits, hollow where excluded from the fit; model, terms,
+   !> minimum; curves of the filters.
+   subroutine build_allan_figure(record, channel, figure)
+      !> [[view_channel]] of the channel
+      type(record_type), intent(in) :: record
+      !> Its Allan deviation is available
       type(channel_result_type), intent(in) :: channel
-      !> Units of time and rate
-      character(*), intent(in) :: time, unit
-      character(:), allocatable :: input
-      integer :: curves, i
+      !> Ready to be written
+      type(figure_type), intent(out) :: figure
+      integer :: i
 
-      input = "'"//name//".dat' index 'input' using 1:"
-
+      call name_axes(record, figure)
+      figure%title = "Overlapping Allan deviation of "//channel%name
+      allocate (figure%series(8))
+      call set_curve(figure%series(1), channel%allan(stage%akf), "AKF output", 4)
+      call set_curve(figure%series(2), channel%allan(stage%kf), "KF output", 2)
       associate (allan => channel%allan(stage%input))
-         call begin_script(writer, name, form, "Overlapping Allan deviation of "//channel%name, .false.)
-         call put_axes(writer, "averaging time τ, "//time, "deviation, "//unit, "xy")
-            call put_line(writer, "set samples 300")
-         call put_line(writer, "set xrange ["//number(0.7_dp*allan%curve%tau(1))//":"// &
-                       number(1.5_dp*allan%curve%tau(size(allan%curve%tau)))//"]")
-         call put_line(writer, "set yrange ["//number(0.5_dp*minval(allan%curve%lower))//":"// &
-                       number(2.0_dp*maxval(allan%curve%upper))//"]")
-         call put_read_off(writer, allan)
-         curves = 0
-         call add_curve(writer, curves, input//"3:4", "filledcurves fc rgb "//blue, &
-                        format_real(100*allan%curve%confidence, 3)//" % limits")
+         figure%caption = "Error bars: "//number(100*allan%curve%confidence, 3)// &
+            " % confidence limits"
          if (allan%fitted) then
-            call add_curve(writer, curves, input//"5", "lines lw 2 lc rgb "//black, "fitted model")
-            do i = 1, size(letters)
-               call add_term(writer, curves, allan, i)
+            figure%caption = figure%caption// &
+               "; hollow: excluded from the fit. Dashed: detected terms"
+            do i = 1, size(drawn_terms)
+               call set_term(figure%series(2 + i), allan, drawn_terms(i))
             end do
+            call set_curve(figure%series(6), allan, "fitted model", 0)
+            figure%series(6)%y = allan%noise%model
          end if
-         call add_curve(writer, curves, "$read_off using 1:2", "points pt 6 ps 1.6 lw 2 lc rgb "//grey, "read off")
-         call add_curve(writer, curves, input//"2", "points pt 7 ps 0.6 lc rgb "//blue, "deviation")
-         call end_plot(writer, curves)
+         figure%caption = figure%caption//"."
+         if (allan%read_off%known) call set_minimum(figure%series(7), allan, record%rate_known)
+         call set_curve(figure%series(8), allan, channel%name, 1)
+         call set_points(figure%series(8), allan)
       end associate
-   end subroutine write_allan_figure
+   end subroutine build_allan_figure
 
-   !> The curves of all series that have one.
-   subroutine write_stages_figure(writer, name, form, channel, data, time, unit)
-      !> As of write_allan_figure
-      type(writer_type), intent(inout) :: writer
-      character(*), intent(in) :: name, form
-      type(channel_result_type), intent(in) :: channel
-      !> Name of the figure whose data these are
-      character(*), intent(in) :: data
-      character(*), intent(in) :: time, unit
-      integer :: curves, i
+   !> Curves of the channels that have the unit of one of them, this being the first; without
+   !> series where it is the only one.
+   subroutine build_overlay(record, result, first, figure)
+      !> For units and rate
+      type(record_type), intent(in) :: record
+      !> All channels
+      type(pipeline_result_type), intent(in) :: result
+      !> Number of the channel
+      integer, intent(in) :: first
+      !> Ready to be written
+      type(figure_type), intent(out) :: figure
+      type(record_type) :: view
+      logical :: alike(size(result%channel))
+      integer :: c, drawn
 
-      call begin_script(writer, name, form, "Allan deviation of "//channel%name//" before and after", .false.)
-      call put_axes(writer, "averaging time τ, "//time, "deviation, "//unit, "xy")
-      curves = 0
-      do i = 1, size(channel%allan)
-         if (.not. channel%allan(i)%available) cycle
-         call add_curve(writer, curves, "'"//data//".dat' index '"//trim(stage_names(i))//"' using 1:2", &
-                        "linespoints lw 1.5 pt "//digit(3 + i)//" ps 0.7 dt "//digit(i)//" lc rgb "//stage_colours(i), &
-                        trim(stage_titles(i)))
+      do c = 1, size(alike)
+         call view_channel(record, c, view)
+         alike(c) = unit_name(view) == unit_of(record, first)
+         if (.not. result%channel(c)%allan(stage%input)%available) alike(c) = .false.
       end do
-      call end_plot(writer, curves)
-   end subroutine write_stages_figure
-
-   !> The curves of all series that have one: averaging time, deviation, limits, fitted model.
-   subroutine write_allan_data(writer, channel)
-      !> Open
-      type(writer_type), intent(inout) :: writer
-      !> With its curves
-      type(channel_result_type), intent(in) :: channel
-      real(dp) :: point(5)
-      integer :: i, k
-
-      do i = 1, size(channel%allan)
-         if (.not. channel%allan(i)%available) cycle
-         call begin_block(writer, trim(stage_names(i)))
-         associate (allan => channel%allan(i), curve => channel%allan(i)%curve)
-            do k = 1, size(curve%tau)
-               point = [curve%tau(k), curve%deviation(k), curve%lower(k), curve%upper(k), ieee_value(0.0_dp, ieee_quiet_nan)]
-               if (allan%fitted) then
-                  if (allan%noise%model(k) > 0.0_dp) point(5) = allan%noise%model(k)
-               end if
-               call put_numbers(writer, point)
-            end do
+      if (count(alike) < 2 .or. any(alike(:first - 1)) .or. .not. alike(first)) return
+      call view_channel(record, first, view)
+      call name_axes(view, figure)
+      figure%title = "Overlapping Allan deviation of all channels"
+      if (has_unit(view)) figure%title = figure%title//" in "//to_unicode(unit_name(view))
+      figure%caption = "Confidence limits and models: figures of the channels."
+      allocate (figure%series(count(alike)))
+      drawn = size(figure%series)
+      do c = 1, size(alike)
+         if (.not. alike(c)) cycle
+         associate (channel => result%channel(c))
+            call set_curve(figure%series(drawn), channel%allan(stage%input), channel%name, &
+                           1 + modulo(size(figure%series) - drawn, color_count))
          end associate
-         call end_block(writer)
+         figure%series(drawn)%style = "both"
+         drawn = drawn - 1
       end do
-   end subroutine write_allan_data
+   end subroutine build_overlay
 
-   !> The line of a term that was found.
-   subroutine add_term(writer, curves, allan, term)
-      type(writer_type), intent(inout) :: writer
-      integer, intent(inout) :: curves
+   !> Unit of a channel.
+   function unit_of(record, channel) result(name)
+      type(record_type), intent(in) :: record
+      integer, intent(in) :: channel
+      character(:), allocatable :: name
+      type(record_type) :: view
+
+      call view_channel(record, channel, view)
+      name = unit_name(view)
+   end function unit_of
+
+   !> Labels of the axes; on the right the unit of B.
+   subroutine name_axes(record, figure)
+      type(record_type), intent(in) :: record
+      type(figure_type), intent(inout) :: figure
+      type(coefficient_unit_type) :: unit
+
+      figure%logarithmic = .true.
+      figure%x_label = "averaging time τ, "//trim(merge("s      ", "samples", record%rate_known))
+      figure%y_label = "Allan deviation, "//to_unicode(unit_name(record))
+      if (.not. has_unit(record)) return
+      unit = coefficient_unit(record%unit, 3, .not. record%rate_known)
+      if (unit%name == record%unit%name) return
+      figure%right_label = to_unicode(unit%name)
+      figure%right_factor = record%unit%to_si*unit%from_si
+   end subroutine name_axes
+
+   !> A line through the deviations of a curve, where there is one.
+   subroutine set_curve(series, allan, label, color)
+      type(series_type), intent(inout) :: series
+      type(allan_result_type), intent(in) :: allan
+      character(*), intent(in) :: label
+      integer, intent(in) :: color
+
+      if (.not. allan%available) return
+      series%label = label
+      series%color = color
+      series%x = allan%curve%tau
+      series%y = allan%curve%deviation
+   end subroutine set_curve
+
+   !> Error bars, and which points the fit excludes.
+   subroutine set_points(series, allan)
+      type(series_type), intent(inout) :: series
+      type(allan_result_type), intent(in) :: allan
+
+      series%style = "points"
+      series%lower = allan%curve%lower
+      series%upper = allan%curve%upper
+      if (.not. allan%fitted) return
+      series%hollow = allan%curve%tau < allan%noise%tau_first*(1 - tolerance) .or. &
+         allan%curve%tau > allan%noise%tau_last*(1 + tolerance)
+   end subroutine set_points
+
+   !> A term: its line where it is detected, its number in any case.
+   subroutine set_term(series, allan, term)
+      type(series_type), intent(inout) :: series
       type(allan_result_type), intent(in) :: allan
       integer, intent(in) :: term
 
-      associate (coefficient => allan%noise%coefficient(term))
-         if (coefficient%detected) call add_curve(writer, curves, number(coefficient%value)//"*"//trim(formulas(term)), &
-                                                  "lines lw 1.5 dt 2 lc rgb "//colours(term), letters(term))
+      associate (stated => allan%stated%term(term), tau => allan%curve%tau)
+         if (.not. stated%fitted) return
+         series%style = "guide"
+         series%color = 1 + term
+         series%label = term_names(term)//" "//to_unicode(stated_text(stated))
+         if (.not. stated%detected) return
+         call fill_between(tau(1), tau(size(tau)), series%x)
+         series%y = term_height(term)*allan%noise%coefficient(term)%value*series%x**term_slope(term)
       end associate
-   end subroutine add_term
+   end subroutine set_term
 
-   !> Points of the classical rules, on the line of their slope, where its averaging time is in the figure; B at the lowest point.
-   subroutine put_read_off(writer, allan)
-      type(writer_type), intent(inout) :: writer
-      type(allan_result_type), intent(in) :: allan
-      integer :: i
-
-      call put_line(writer, "$read_off << EOD")
-      call put_line(writer, "nan,nan")
-      do i = 1, size(letters)
-         if (.not. allan%read%found(i)) cycle
-         if (read_at(i) > 0) then
-            call put_numbers(writer, [read_at(i), allan%read%value(i)])
-         else
-            call put_numbers(writer, [sqrt(allan%read%from_tau(i)*allan%read%to_tau(i)), &
-                                      sqrt(2*log(2.0_dp)/acos(-1.0_dp))*allan%read%value(i)])
-         end if
-      end do
-      call put_line(writer, "EOD")
-   end subroutine put_read_off
-
-   !> A number below ten.
-   pure character(1) function digit(i)
-      integer, intent(in) :: i
-
-      digit = achar(iachar("0") + i)
-   end function digit
-
-   !> A number with ten digits.
-   function number(value) result(text)
-      real(dp), intent(in) :: value
+   !> "= 2.484 +/- 0.017 deg/sqrt(h)" or "< 57 deg/h^1.5".
+   pure function stated_text(stated) result(text)
+      type(stated_coefficient_type), intent(in) :: stated
       character(:), allocatable :: text
 
-      text = format_real(value, 10)
-   end function number
+      text = "< "//number(stated%upper_limit, 3)
+      if (stated%detected) text = "= "//rounded(stated%value, stated%std_error)
+      text = text//" "//stated%unit
+   end function stated_text
+
+   !> 200 averaging times from the first to the last, so that a line ends where it leaves the frame.
+   pure subroutine fill_between(first, last, tau)
+      real(dp), intent(in) :: first, last
+      real(dp), allocatable, intent(out) :: tau(:)
+      integer, parameter :: n = 200
+      integer :: i
+
+      allocate (tau(n))
+      do i = 1, n
+         tau(i) = first*(last/first)**(real(i - 1, dp)/real(n - 1, dp))
+      end do
+   end subroutine fill_between
+
+   !> The lowest deviation.
+   subroutine set_minimum(series, allan, rate_known)
+      type(series_type), intent(inout) :: series
+      type(allan_result_type), intent(in) :: allan
+      logical, intent(in) :: rate_known
+
+      series%style = "mark"
+      series%x = [allan%read%minimum_tau]
+      series%y = [allan%read%minimum]
+      series%label = "minimum "//number(allan%read_off%minimum, 3)//" "// &
+         to_unicode(allan%stated%term(3)%unit)//" at "//number(allan%read_off%minimum_tau, 3)// &
+         trim(merge(" s      ", " samples", rate_known))
+   end subroutine set_minimum
 
 end module gyroakf_report_figure_allan

@@ -1,190 +1,213 @@
 ! SPDX-License-Identifier: MIT
-!> Figures of the series: raw with trend and outliers, cleaned, and what the filters make of it.
+!> Figures of the series: the record with trend, drift and outliers; the cleaned series with the
+!> outputs of the filters.
 !>
-!> A picture shows some thousand points: a long series is drawn by the lowest and the highest sample of every stretch, so that no
-!> peak is lost and the figure of a long record is as small as that of a short one.
+!> A long series is drawn by the lowest and the highest sample of each block: no peak is lost, and
+!> the figure of a long record is as
+!> small as that of a short one.
 module gyroakf_report_figure_series
+   use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_io_writer, only : writer_type, put_line
-   use gyroakf_stats_trend, only : evaluate_trend
-   use gyroakf_record, only : record_type
    use gyroakf_pipeline_result, only : channel_result_type
-   use gyroakf_report_figure_script, only : add_curve, begin_block, begin_script, blue, end_block, end_plot, grey, literal, &
-      orange, purple, put_axes, put_numbers, sky
+   use gyroakf_record, only : record_type
+   use gyroakf_report_sign, only : to_unicode
+   use gyroakf_report_svg, only : figure_type, series_type
+   use gyroakf_stats_trend, only : evaluate_trend
    implicit none (type, external)
    private
-   public :: write_series_figure, write_filters_figure, write_series_data
+   public :: build_record_figure, build_filter_figure, max_blocks
 
-   !> Stretches of a long series, and outliers that are drawn
-   integer(int64), parameter :: most_stretches = 1500, most_outliers = 5000
+   !> Blocks of a long series, points of a trend, outliers
+   integer(int64), parameter :: max_blocks = 550, trend_points = 200, max_outliers = 300
 
 contains
 
-   !> Above the raw series with its trend and outliers, below the cleaned series.
-   subroutine write_series_figure(writer, name, form, channel, time, unit)
-      !> Open
-      type(writer_type), intent(inout) :: writer
-      !> Of the figure; its format
-      character(*), intent(in) :: name, form
-      !> With its series kept
-      type(channel_result_type), intent(in) :: channel
-      !> Units of time and rate
-      character(*), intent(in) :: time, unit
-      integer :: curves
-
-      call begin_script(writer, name, form, channel%name//", as read", .true.)
-      call put_axes(writer, "time, "//time, "rate, "//unit, "")
-      call put_line(writer, "set multiplot layout 2,1")
-      curves = 0
-      call add_curve(writer, curves, "'"//name//".dat' index 'raw'", "lines lc rgb "//grey, "as read")
-      call add_curve(writer, curves, "'' index 'trend'", "lines lw 2.5 lc rgb "//blue, "trend")
-      call add_curve(writer, curves, "'' index 'outliers'", "points pt 6 ps 1.1 lw 2 lc rgb "//orange, "outliers")
-      call end_plot(writer, curves)
-      call put_line(writer, "set title "//literal(channel%name//", cleaned")//" noenhanced")
-      call add_curve(writer, curves, "'"//name//".dat' index 'cleaned'", "lines lc rgb "//blue, "cleaned")
-      call end_plot(writer, curves)
-      call put_line(writer, "unset multiplot")
-   end subroutine write_series_figure
-
-   !> The cleaned series and the filters' outputs; the data are those of the series' figure.
-   subroutine write_filters_figure(writer, name, form, channel, series, time, unit)
-      !> As of write_series_figure
-      type(writer_type), intent(inout) :: writer
-      character(*), intent(in) :: name, form
-      type(channel_result_type), intent(in) :: channel
-      !> Name of the series' figure
-      character(*), intent(in) :: series
-      character(*), intent(in) :: time, unit
-      integer :: curves
-
-      call begin_script(writer, name, form, channel%name//", cleaned: the paper's filters", channel%available%drift_smoother)
-      call put_axes(writer, "time, "//time, "rate, "//unit, "")
-      if (channel%available%drift_smoother) call put_line(writer, "set multiplot layout 2,1")
-      curves = 0
-      call add_curve(writer, curves, "'"//series//".dat' index 'cleaned'", "lines lc rgb "//grey, "cleaned")
-      if (channel%available%kf) call add_curve(writer, curves, "'' index 'kf'", "lines lc rgb "//orange, "KF (paper)")
-      if (channel%available%akf) call add_curve(writer, curves, "'' index 'akf'", "lines lc rgb "//purple, "AKF (paper)")
-      call end_plot(writer, curves)
-      if (.not. channel%available%drift_smoother) return
-      call put_line(writer, "set title "//literal(channel%name//", as read: its drift")//" noenhanced")
-      call add_curve(writer, curves, "'"//series//".dat' index 'raw'", "lines lc rgb "//grey, "as read")
-      call add_curve(writer, curves, "'' index 'compensated'", "lines lc rgb "//sky, "compensated")
-      call add_curve(writer, curves, "'' index 'drift'", "lines lw 2.5 lc rgb "//blue, "drift")
-      call end_plot(writer, curves)
-      call put_line(writer, "unset multiplot")
-   end subroutine write_filters_figure
-
-   !> What both figures draw: blocks by name, lines of time and rate.
-   subroutine write_series_data(writer, record, number, channel)
-      !> Open
-      type(writer_type), intent(inout) :: writer
-      !> As read
+   !> The record with its outliers, its trend and its drift.
+   subroutine build_record_figure(record, number, channel, unit, figure)
+      !> With its samples
       type(record_type), intent(in), target :: record
       !> Of the channel in it
       integer, intent(in) :: number
-      !> With its series kept
-      type(channel_result_type), intent(in), target :: channel
-      integer(int8), pointer :: here(:)
-
-      here => null()
-      if (allocated(record%present)) here => record%present(:, number)
-      call put_series(writer, "raw", record%sample_interval, record%value(:, number), here)
-      call put_trend(writer, record, channel)
-      call put_outliers(writer, record, number, channel)
-      here => null()
-      if (allocated(channel%series_present)) here => channel%series_present
-      call put_series(writer, "cleaned", record%sample_interval, channel%series_cleaned, here)
-      if (channel%available%kf) call put_series(writer, "kf", record%sample_interval, channel%series_kf, here)
-      if (channel%available%akf) call put_series(writer, "akf", record%sample_interval, channel%series_akf, here)
-      if (.not. channel%available%drift_smoother) return
-      call put_series(writer, "compensated", record%sample_interval, channel%series_compensated, here)
-      call put_series(writer, "drift", record%sample_interval, channel%series_drift, null())
-   end subroutine write_series_data
-
-   !> Every sample of a short series, lowest and highest sample of every stretch of a long one, in the order of time.
-   subroutine put_series(writer, name, interval, series, here)
-      type(writer_type), intent(inout) :: writer
-      character(*), intent(in) :: name
-      real(dp), intent(in) :: interval
-      real(dp), intent(in), contiguous :: series(:)
-      !> Presence of the samples; not associated where all are there
-      integer(int8), intent(in), pointer :: here(:)
-      integer(int64) :: n, stretch, first, k, low, high
-
-      call begin_block(writer, name)
-      n = size(series, kind=int64)
-      stretch = 1
-      if (n > 2*most_stretches) stretch = (n + most_stretches - 1)/most_stretches
-      do first = 1, n, stretch
-         low = 0
-         high = 0
-         do k = first, min(n, first + stretch - 1)
-            if (associated(here)) then
-               if (here(k) == 0_int8) cycle
-            end if
-            if (low == 0) low = k
-            if (high == 0) high = k
-            if (series(k) < series(low)) low = k
-            if (series(k) > series(high)) high = k
-         end do
-         if (low == 0) then
-            call put_line(writer, "")                               ! nothing is there: the line is broken
-            cycle
-         end if
-         k = min(low, high)
-         call put_numbers(writer, [real(k - 1, dp)*interval, series(k)])
-         if (low == high) cycle
-         k = max(low, high)
-         call put_numbers(writer, [real(k - 1, dp)*interval, series(k)])
-      end do
-      call end_block(writer)
-   end subroutine put_series
-
-   !> The trend at the bounds of the stretches.
-   subroutine put_trend(writer, record, channel)
-      type(writer_type), intent(inout) :: writer
-      type(record_type), intent(in) :: record
+      !> Trend, drift and outliers are drawn where they are known
       type(channel_result_type), intent(in) :: channel
-      integer(int64) :: k, n
+      !> Of the channel
+      character(*), intent(in) :: unit
+      !> Ready to be written
+      type(figure_type), intent(out) :: figure
+      integer(int8), pointer :: present(:)
 
-      call begin_block(writer, "trend")
-      n = size(record%value, 1, kind=int64)
-      if (channel%clean%trend%degree >= 0) then
-         do k = 0, n - 1, max(1_int64, n/200)
-            call put_numbers(writer, [real(k, dp)*record%sample_interval, evaluate_trend(channel%clean%trend, k)])
-         end do
-         call end_block(writer)
-      else
-         call end_block(writer, 2)
-      end if
-   end subroutine put_trend
-
-   !> The samples that were there and are no longer, the first thousands of them.
-   subroutine put_outliers(writer, record, number, channel)
-      type(writer_type), intent(inout) :: writer
-      type(record_type), intent(in) :: record
-      integer, intent(in) :: number
-      type(channel_result_type), intent(in) :: channel
-      integer(int64) :: k, found
-
-      call begin_block(writer, "outliers")
-      found = 0
+      present => null()
+      if (allocated(record%present)) present => record%present(:, number)
+      call begin_figure(record, channel%name//", record", unit, figure)
+      figure%caption = "Lowest and highest sample of each block of a long record."
+      allocate (figure%series(4))
+      call set_series(figure%series(1), "record", -1, record%sample_interval, &
+                      record%value(:, number), present)
       if (allocated(channel%series_present)) then
-         do k = 1, size(channel%series_present, kind=int64)
-            if (found == most_outliers) exit
-            if (channel%series_present(k) /= 0_int8) cycle
-            if (allocated(record%present)) then
-               if (record%present(k, number) == 0_int8) cycle
-            end if
-            found = found + 1
-            call put_numbers(writer, [real(k - 1, dp)*record%sample_interval, record%value(k, number)])
-         end do
+         call set_outliers(figure%series(2), record, number, channel%series_present)
       end if
-      if (found == 0) then
-         call end_block(writer, 2)
-      else
-         call end_block(writer)
+      if (channel%clean%trend%degree >= 1) call set_trend(figure%series(3), record, channel)
+      if (allocated(channel%series_drift)) then
+         call set_series(figure%series(4), "drift (smoother)", 2, record%sample_interval, channel%series_drift)
       end if
-   end subroutine put_outliers
+   end subroutine build_record_figure
+
+   !> The cleaned series and the outputs of the filters.
+   subroutine build_filter_figure(record, channel, unit, figure)
+      !> For the rate
+      type(record_type), intent(in) :: record
+      !> Its cleaned series was kept
+      type(channel_result_type), intent(in) :: channel
+      !> Of the channel
+      character(*), intent(in) :: unit
+      !> Ready to be written
+      type(figure_type), intent(out) :: figure
+
+      call begin_figure(record, channel%name//", cleaned and filtered", unit, figure)
+      figure%caption = "Lowest and highest sample of each block of a long record."
+      allocate (figure%series(3))
+      associate (interval => record%sample_interval)
+         call set_series(figure%series(1), "cleaned", -1, interval, channel%series_cleaned, &
+                         channel%series_present)
+         if (allocated(channel%series_kf)) then
+            call set_series(figure%series(2), "KF", 2, interval, channel%series_kf, channel%series_present)
+         end if
+         if (allocated(channel%series_akf)) then
+            call set_series(figure%series(3), "AKF", 1, interval, channel%series_akf, channel%series_present)
+         end if
+      end associate
+   end subroutine build_filter_figure
+
+   !> Title and axes.
+   subroutine begin_figure(record, title, unit, figure)
+      type(record_type), intent(in) :: record
+      character(*), intent(in) :: title, unit
+      type(figure_type), intent(inout) :: figure
+
+      figure%title = title
+      figure%x_label = "time, "//trim(merge("s      ", "samples", record%rate_known))
+      figure%y_label = to_unicode(unit)
+   end subroutine begin_figure
+
+   !> Every sample of a short series, lowest and highest sample of each block of a long one; NaN
+   !> where a block has none.
+   subroutine set_series(series, label, color, interval, values, present)
+      type(series_type), intent(inout) :: series
+      character(*), intent(in) :: label
+      integer, intent(in) :: color
+      real(dp), intent(in) :: interval
+      real(dp), intent(in), contiguous :: values(:)
+      !> 1 present, 0 missing: [n]; all are present if absent
+      integer(int8), intent(in), optional :: present(:)
+      integer(int64) :: n, length, first, points, ends(2)
+
+      n = size(values, kind=int64)
+      length = 1
+      if (n > 2*max_blocks) length = (n + max_blocks - 1)/max_blocks
+      series%label = label
+      series%color = color
+      allocate (series%x(2*((n + length - 1)/length)))
+      allocate (series%y, mold=series%x)
+      points = 0
+      do first = 1, n, length
+         call find_ends(values, first, min(n, first + length - 1), ends, present)
+         call add_point(ends(1))
+         if (ends(2) /= ends(1)) call add_point(ends(2))
+      end do
+      series%x = series%x(:points)
+      series%y = series%y(:points)
+
+   contains
+
+      !> A sample, or a break.
+      subroutine add_point(k)
+         integer(int64), intent(in) :: k
+
+         points = points + 1
+         series%x(points) = real(k - 1, dp)*interval
+         series%y(points) = ieee_value(0.0_dp, ieee_quiet_nan)
+         if (k > 0) series%y(points) = values(k)
+      end subroutine add_point
+
+   end subroutine set_series
+
+   !> The lowest and the highest sample of a block in their order; 0 and 0 where none is present.
+   pure subroutine find_ends(values, first, last, ends, present)
+      real(dp), intent(in), contiguous :: values(:)
+      integer(int64), intent(in) :: first, last
+      integer(int64), intent(out) :: ends(2)
+      integer(int8), intent(in), optional :: present(:)
+      integer(int64) :: k, low, high
+
+      low = 0
+      high = 0
+      do k = first, last
+         if (.not. is_present(k, present)) cycle
+         if (low == 0) then
+            low = k
+            high = k
+         end if
+         if (values(k) < values(low)) low = k
+         if (values(k) > values(high)) high = k
+      end do
+      ends = [min(low, high), max(low, high)]
+   end subroutine find_ends
+
+   !> A sample is there.
+   pure logical function is_present(k, marks)
+      integer(int64), intent(in) :: k
+      integer(int8), intent(in), optional :: marks(:)
+
+      is_present = .true.
+      if (present(marks)) is_present = marks(k) /= 0_int8
+   end function is_present
+
+   !> The trend that was removed.
+   subroutine set_trend(series, record, channel)
+      type(series_type), intent(inout) :: series
+      type(record_type), intent(in) :: record
+      type(channel_result_type), intent(in) :: channel
+      integer(int64) :: i, k, n
+
+      n = size(record%value, 1, kind=int64)
+      series%label = "trend"
+      series%color = 1
+      allocate (series%x(trend_points), series%y(trend_points))
+      do i = 1, trend_points
+         k = ((i - 1)*(n - 1))/(trend_points - 1)
+         series%x(i) = real(k, dp)*record%sample_interval
+         series%y(i) = evaluate_trend(channel%clean%trend, k)
+      end do
+   end subroutine set_trend
+
+   !> The first outliers: samples of the record that the cleaned series does not have.
+   subroutine set_outliers(series, record, number, kept)
+      type(series_type), intent(inout) :: series
+      type(record_type), intent(in), target :: record
+      integer, intent(in) :: number
+      !> 1 where the cleaned series has a sample: [n]
+      integer(int8), intent(in) :: kept(:)
+      integer(int8), pointer :: present(:)
+      integer(int64) :: found(max_outliers), k, n
+
+      present => null()
+      if (allocated(record%present)) present => record%present(:, number)
+      n = 0
+      do k = 1, size(kept, kind=int64)
+         if (kept(k) /= 0_int8 .or. n == max_outliers) cycle
+         if (.not. is_present(k, present)) cycle
+         n = n + 1
+         found(n) = k
+      end do
+      if (n == 0) return
+      series%label = "outliers"
+      series%style = "points"
+      series%color = 4
+      allocate (series%x(n), series%y(n))
+      do k = 1, n
+         series%x(k) = real(found(k) - 1, dp)*record%sample_interval
+         series%y(k) = record%value(found(k), number)
+      end do
+   end subroutine set_outliers
 
 end module gyroakf_report_figure_series

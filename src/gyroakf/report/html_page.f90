@@ -2,7 +2,7 @@
 !> report.html: the whole report of a recording as one file that needs nothing else.
 !>
 !>     call open_writer(writer, "results/report.html", error)
-!>     call write_page(writer, about, command, record, result, rows, drawings)
+!>     call write_page(writer, about, command, record, result, row)
 !>     call commit_writer(writer, error)
 module gyroakf_report_html_page
    use, intrinsic :: iso_fortran_env, only : compiler_version
@@ -11,14 +11,14 @@ module gyroakf_report_html_page
    use gyroakf_io_writer, only : writer_type, put, put_line
    use gyroakf_pipeline_result, only : pipeline_result_type
    use gyroakf_report_html_markup, only : close_list, put_element, put_escaped
-   use gyroakf_report_html_recording, only : drawings_type, put_recording
+   use gyroakf_report_html_recording, only : put_recording
    use gyroakf_report_html_script, only : put_script
    use gyroakf_report_html_style, only : put_style
    use gyroakf_report_summary, only : summary_row_type, write_summary_table
    use gyroakf_report_text_report, only : report_subject
    implicit none (type, external)
    private
-   public :: page_about_type, write_page, drawings_type
+   public :: page_about_type, write_page
 
    !> What a page says of itself
    type :: page_about_type
@@ -31,7 +31,7 @@ module gyroakf_report_html_page
 contains
 
    !> The page of one recording.
-   subroutine write_page(writer, about, command, record, result, row, drawings)
+   subroutine write_page(writer, about, command, record, result, row)
       !> Open
       type(writer_type), intent(inout) :: writer
       !> What made it
@@ -44,15 +44,13 @@ contains
       type(pipeline_result_type), intent(in) :: result
       !> Its row of the summary
       type(summary_row_type), intent(in) :: row
-      !> Its figures
-      type(drawings_type), intent(inout) :: drawings
       type(summary_row_type) :: rows(1)
 
       rows(1) = row
       call begin_page(writer, command, row%path)
       if (command /= "run" .and. command /= "allan") call put_summary(writer, command, rows)
-      call put_recording(writer, about%number, command, record, result, drawings)
-      call end_page(writer, about, drawings%program)
+      call put_recording(writer, about%number, command, record, result)
+      call end_page(writer, about)
    end subroutine write_page
 
    !> From the document's type to the beginning of the content.
@@ -81,11 +79,9 @@ contains
    end subroutine begin_page
 
    !> From the end of the content to that of the document.
-   subroutine end_page(writer, about, program)
+   subroutine end_page(writer, about)
       type(writer_type), intent(inout) :: writer
       type(page_about_type), intent(in) :: about
-      !> Drew the figures
-      character(:), allocatable, intent(in), optional :: program
 
       call close_list(writer)
       call put_line(writer, "</main>")
@@ -99,12 +95,6 @@ contains
       end if
       call put_element(writer, "dt", "Program")
       call put_element(writer, "dd", "gyroakf "//release_string//", compiled by "//compiler_version())
-      if (present(program)) then
-         if (allocated(program)) then
-            call put_element(writer, "dt", "Figures")
-            call put_element(writer, "dd", program)
-         end if
-      end if
       call put_element(writer, "dt", "Numbers")
       call put_element(writer, "dd", "to their last digit in results.json, beside this page")
       call put_line(writer, "</dl>")

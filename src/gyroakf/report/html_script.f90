@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
-!> What a page does: the Allan curve is read by pointing at it or with the arrow keys, from the table that holds its numbers; paper
-!> shows what is folded. Without scripts nothing is lost: the table is there.
+!> What a page does: entries of a legend show and hide their series; the Allan deviation is read by pointing at it or with
+!> the arrow keys, from the table that holds its numbers; paper shows what is folded. Without scripts nothing is lost: the
+!> table is there.
 module gyroakf_report_html_script
    use gyroakf_io_writer, only : writer_type, put_line
    implicit none (type, external)
@@ -9,18 +10,20 @@ module gyroakf_report_html_script
 
    character(*), parameter :: lines(*) = [character(128) :: &
       "'use strict';", &
-      "document.querySelectorAll('figure[data-curve]').forEach(function (figure) {", &
-      "  var channel = figure.closest('[data-channel]'), svg = figure.querySelector('svg'), points = [], at = -1;", &
-      "  svg.querySelectorAll('g').forEach(function (g) {", &
-      "    var title = g.firstElementChild;", &
-      "    if (title && title.tagName === 'title' && title.textContent === 'deviation')", &
-      "      points = Array.from(g.querySelectorAll('use'));", &
+      "document.querySelectorAll('.fig .key').forEach(function (key) {", &
+      "  key.addEventListener('click', function () {", &
+      "    key.parentNode.querySelectorAll('[data-series=""' + key.dataset.series + '""]').forEach(function (g) {", &
+      "      g.classList.toggle('off');", &
+      "    });", &
       "  });", &
+      "});", &
+      "document.querySelectorAll('figure[data-curve]').forEach(function (figure) {", &
+      "  var channel = figure.closest('[data-channel]'), svg = figure.querySelector('svg'), at = -1;", &
+      "  var points = Array.from(svg.querySelectorAll('.series.points [data-i]'));", &
       "  function column(name) {", &
       "    return channel.querySelectorAll('[data-key^=""allan.' + figure.dataset.curve + '.' + name + '.""]');", &
       "  }", &
       "  var tau = column('tau_s'), deviation = column('deviation'), lower = column('lower'), upper = column('upper');", &
-      "  if (points.length > tau.length) points.length = tau.length;     // the last one is the sign in the key", &
       "  if (points.length === 0 || points.length !== deviation.length) return;", &
       "  var reading = document.createElement('p');", &
       "  reading.className = 'reading';", &
@@ -28,12 +31,13 @@ module gyroakf_report_html_script
       "  reading.textContent = 'To read the curve, point at it, or use the arrow keys.';", &
       "  figure.insertBefore(reading, figure.querySelector('figcaption'));", &
       "  var mark = document.createElementNS(svg.namespaceURI, 'circle');", &
-      "  mark.setAttribute('r', '8'); mark.setAttribute('fill', 'none'); mark.setAttribute('stroke', '#D55E00');", &
+      "  mark.setAttribute('r', '8'); mark.setAttribute('fill', 'none'); mark.setAttribute('stroke', 'currentColor');", &
       "  mark.setAttribute('stroke-width', '2.5');", &
       "  function show(i) {", &
+      "    var box = points[i].getBBox();", &
       "    at = i;", &
-      "    mark.setAttribute('transform', points[i].getAttribute('transform').replace(/scale.*/, ''));", &
-      "    points[i].parentNode.appendChild(mark);", &
+      "    mark.setAttribute('cx', box.x + box.width / 2); mark.setAttribute('cy', box.y + box.height / 2);", &
+      "    svg.appendChild(mark);", &
       "    reading.textContent = '\u03c4 = ' + tau[i].textContent + ' ' + figure.dataset.time + ': ' +", &
       "      deviation[i].textContent + ' ' + figure.dataset.unit + ', limits ' + lower[i].textContent + ' to ' +", &
       "      upper[i].textContent;", &

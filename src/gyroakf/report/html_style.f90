@@ -2,11 +2,11 @@
 !> How a page looks: light and dark, wide and narrow, on paper.
 module gyroakf_report_html_style
    use gyroakf_io_writer, only : writer_type, put_line
+   use gyroakf_report_svg_style, only : put_svg_style
    implicit none (type, external)
    private
    public :: put_style
 
-   !> Figures stand on white in both schemes: that is what they are drawn for
    character(*), parameter :: lines(*) = [character(128) :: &
       ":root { color-scheme: light dark; --text: #1b1d20; --soft: #565c64; --ground: #fcfcfb; --card: #f1f2f3; --line: #cfd3d8;", &
       "  --link: #0b5cad; --warn: #8a4b00; --warn-ground: #fff3dc }", &
@@ -40,8 +40,7 @@ module gyroakf_report_html_style
       "th { font-weight: 600 } thead th { color: var(--soft); vertical-align: bottom } th[scope=row], .text { text-align: left }", &
       "figure { margin: 1rem 0 1.6rem; padding: 0.6rem; background: var(--card); border: 1px solid var(--line);", &
       "  border-radius: 6px }", &
-      ".plot { overflow-x: auto; background: #fff; color: #000; border-radius: 4px }", &
-      ".plot svg { display: block; width: 100%; min-width: 38rem; height: auto }", &
+      ".plot svg { display: block; width: 100%; max-width: 56rem; height: auto; margin: 0 auto }", &
       "figcaption, .reading { font-size: 0.92rem; margin: 0.5rem 0.2rem 0 } .reading { min-height: 1.55em; color: var(--text) }", &
       "details { margin: 1rem 0 } summary { cursor: pointer; font-weight: 600 }", &
       "code { font-family: ui-monospace, 'DejaVu Sans Mono', Consolas, monospace; font-size: 0.92em }", &
@@ -49,8 +48,8 @@ module gyroakf_report_html_style
       "@media print { :root { --text: #000; --soft: #333; --ground: #fff; --card: #fff; --line: #999; --link: #000;", &
       "  --warn: #000; --warn-ground: #fff } body { max-width: none; padding: 0; font-size: 10pt }", &
       "  .skip, nav, .reading { display: none }", &
-      "  h1, h2, h3, h4 { break-after: avoid } figure, tr { break-inside: avoid } .scroll, .plot { overflow: visible }", &
-      "  .plot svg { min-width: 0; max-height: 20cm } table { font-size: 8pt } th, td { padding: 0.1rem 0.3rem } }"]
+      "  h1, h2, h3, h4 { break-after: avoid } figure, tr { break-inside: avoid } .scroll { overflow: visible }", &
+      "  .plot svg { max-height: 20cm } table { font-size: 8pt } th, td { padding: 0.1rem 0.3rem } }"]
 
 contains
 
@@ -64,6 +63,7 @@ contains
       do i = 1, size(lines)
          call put_line(writer, trim(lines(i)))
       end do
+      call put_svg_style(writer)
       call put_line(writer, "</style>")
    end subroutine put_style
 
