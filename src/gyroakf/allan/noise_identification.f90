@@ -51,7 +51,11 @@ contains
       if (present(differences)) most = differences
       !$omp parallel do schedule(dynamic) if (ubound(phase, 1, kind=int64) >= parallel_from)
       do i = 1, size(m)
-         call identify_one(phase, m(i), coverage(i), most, alpha(i), missing)
+         if (present(missing)) then             ! an absent array is not passed on from inside a parallel region
+            call identify_one(phase, m(i), coverage(i), most, alpha(i), missing)
+         else
+            call identify_one(phase, m(i), coverage(i), most, alpha(i))
+         end if
       end do
       !$omp end parallel do
       last = 0

@@ -52,12 +52,12 @@ module gyroakf_simulate_simulate_record
       integer(int64) :: outliers = 0
       !> Their mean size in standard deviations of the noise, >= 0; each is 0.75 .. 1.25 times that, of random sign
       real(dp) :: outlier_size = 0.0_dp
-      !> Contamination: share of the samples, 0 .. 1, and largest size of its outliers in standard deviations of the
+      !> Share of the samples that are contaminated, 0 .. 1, and largest size of these outliers in standard deviations of the
       !> noise; they are uniform from 4 to that size, of random sign
       real(dp) :: contamination(2) = 0.0_dp
       !> Warm-up A exp(-t/T): A in u, of either sign, and T in s, > 0; none if A is 0
       real(dp) :: warm_up(2) = 0.0_dp
-      !> Motion: number of half sines, their height in u and length in s, > 0, and the end in s of the part of the
+      !> Number of half sines of a motion, their height in u and length in s, > 0, and the end in s of the part of the
       !> record that they lie in, 0: its end
       real(dp) :: motion(4) = 0.0_dp
       !> Gauss-Markov processes of first order: standard deviation in u and correlation time in s of each in turn,
