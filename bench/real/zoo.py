@@ -114,7 +114,7 @@ def analyze(program, options, seed, folder):
     """The only channel of the document of `run` and its report."""
     record, document = os.path.join(folder, "record.txt"), os.path.join(folder, "record.json")
     subprocess.run([program, "simulate", *shlex.split(options), "--seed", str(seed), "--output", record, "--force"], check=True)
-    report = subprocess.run([program, "run", record, "--details", "--json", document, "--force"], check=True, capture_output=True,
+    report = subprocess.run([program, "run", record, "--json", document, "--details", "--force"], check=True, capture_output=True,
                             text=True, encoding="utf-8").stdout
     with open(document, encoding="utf-8") as file:
         return json.load(file)["channels"][0], report

@@ -24,7 +24,7 @@ is "simulated samples" "$(number samples out)" 2000
 is "simulated rate" "$(number rate_hz out)" 100
 holds "command line" '"command_line": "gyroakf inspect terms.txt --json -"' out
 
-good "run on the example" run "$example" --out results --json all.json
+good "run on the example" run "$example" --details --out results --json all.json
 holds "report on standard output" "AKF" out
 is "report fits 80 columns" "$(LC_ALL=C.UTF-8 awk 'length > 80' out)" ""
 is "the result files" "$(cd results && echo *)" "allan.csv ar_spectrum.csv coefficients.csv correlation.csv figures histogram.csv report.html report.txt results.json series.csv spectrum.csv"
@@ -166,18 +166,18 @@ for method in yw burg ols; do
 done
 good "filter by burg" filter "$example" --detrend 3 --ar-method burg
 awk 'BEGIN { srand(1); x = 1; for (i = 0; i < 400; i++) { x = 1.03*x + rand() - 0.5; print x } }' >growing.txt
-good "a series that grows" filter growing.txt --ar-method ols --order 1 --json growing.json
+good "a series that grows" filter growing.txt --details --ar-method ols --order 1 --json growing.json
 holds "the report says that the model is not stationary" "NOT STATIONARY" out
 holds "the filters take another model" "take the Yule-Walker model of the same order" out
 is "JSON says that it is not stationary" "$(grep -c '"stationary": false' growing.json)" 1
 bad "a method that does not exist" 1 "burg" ar "$example" --ar-method least
 good "tests with options" tests "$example" --adf-regression ct --adf-lags 3 --detrend none
-good "coefficients of the ADF test" tests "$example" --adf-regression ct --adf-lags 3 --adf-table --json adf.json
+good "coefficients of the ADF test" tests "$example" --adf-regression ct --adf-lags 3 --adf-table --details --json adf.json
 holds "a coefficient of the report" "  lag 3 " out
 holds "a coefficient of the document" '"name": "level"' adf.json
 good "most lags of the ADF test" tests "$example" --adf-max-lags 5 --json adf5.json
 holds "most lags in the document" '"max_lags": 5,' adf5.json
-good "tests of stationarity and whiteness" tests "$example" --detrend 3 --kpss-regression ct --kpss-lags 30 --lags 700 --out tested
+good "tests of stationarity and whiteness" tests "$example" --detrend 3 --kpss-regression ct --kpss-lags 30 --lags 700 --details --out tested
 holds "the verdict" "  Noise           stationary" out
 holds "KPSS" "about a line, bandwidth 30" out
 holds "whiteness by the size of the effect" "largest |rho| 0.388 at lag 1" out
@@ -212,7 +212,7 @@ good "curve that ends early" allan cut.txt --rate 10 --json cut.json
 holds "where the curve ends" "$curve_lacks 2 averaging times, tau = 51.2 to 102.4 s: the curve ends at tau = 25.6 s" out
 holds "where the curve ends, in the document" "tau = 51.2 to 102.4 s: the curve ends at tau = 25.6 s" cut.json
 "$gyroakf" simulate --samples 20000 --rate 10 --coefficients N=0.01,K=0.002 --offset 3 --missing 0.01 --output walk.txt
-good "a record that drifts" run walk.txt --out walk --json walk.json
+good "a record that drifts" run walk.txt --details --out walk --json walk.json
 for text in "Model           random walk + white noise" "In-sample: the drift was taken" "drift AKF " \
    "Q and N alone, of the first"; do holds "report: $text" "$text" out; done
 is "report of the drift fits 80 columns" "$(LC_ALL=C.UTF-8 awk 'length > 80' out)" ""
@@ -287,7 +287,7 @@ near "its frequency" "$(sed -n '/"fisher_g"/,/"samples"/s/.*"frequency_hz": \([^
 is "rows of the spectrum" "$(grep -c '^column1' vibration/spectrum.csv)" 1025
 good "segments of two seconds" tests vibration.txt --rate 100 --out vibration --force --welch-segment 2
 is "rows of its spectrum" "$(grep -c '^column1' vibration/spectrum.csv)" 101
-good "no rate" tests vibration.txt
+good "no rate" tests vibration.txt --details
 holds "frequencies without a rate" "cycles/sample" out
 bad "segment 0" 1 "larger than 0" tests vibration.txt --welch-segment 0
 bad "segment that takes more memory than the record" 2 "may have 1048576 samples here" tests vibration.txt --welch-segment 1e9

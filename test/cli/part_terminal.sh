@@ -28,10 +28,10 @@ for arguments in "run $example" "run $example --preset paper" "run $example --ak
    LC_ALL=C.UTF-8 good "$arguments --ascii" $arguments --ascii
    if cmp -s out ascii.txt; then pass; else fail "$arguments: --ascii is not the report of the C locale"; fi
 done
-LC_ALL=C.UTF-8 good "signs" run "$example"
+LC_ALL=C.UTF-8 good "signs" run "$example" --details
 for text in "±" "deg/√h" "(deg/s)²" "|ρ|" "σ² = N²/τ" "└" "┤"; do holds "signs of UTF-8" "$text" out; done
 mv out utf8.txt
-LC_ALL= LC_CTYPE=C.utf8 LANG=C good "LC_CTYPE" run "$example"
+LC_ALL= LC_CTYPE=C.utf8 LANG=C good "LC_CTYPE" run "$example" --details
 if cmp -s out utf8.txt; then pass; else fail "LC_CTYPE does not choose UTF-8"; fi
 LANG=C.UTF-8 LC_ALL=POSIX good "LC_ALL is first" run "$example"
 is "LC_ALL comes before LANG" "$(beyond out)" 0
@@ -44,18 +44,18 @@ holds "a name that is a sign's" "Channel tau" out
 
 # colours
 escape=$(printf '\033')
-good "no colours into a file" run "$example" --rate 6 --details --out coloured --color always
+good "no colours into a file" run "$example" --outliers pauta --outlier-threshold 1.5 --details --out coloured --color always
 holds "colours on request" "$escape[1mTable II. Before" out
 holds "warnings are yellow" "$escape[33m  Warning" out
 is "report.txt has no colours" "$(grep -c "$escape" coloured/report.txt)" 0
-is "report.txt is ASCII" "$(LC_ALL=C.UTF-8 "$gyroakf" run "$example" --rate 6 --out coloured --force >/dev/null; beyond coloured/report.txt)" 0
+is "report.txt is ASCII" "$(LC_ALL=C.UTF-8 "$gyroakf" run "$example" --outliers pauta --outlier-threshold 1.5 --out coloured --force >/dev/null; beyond coloured/report.txt)" 0
 sed "s/$escape\[[0-9]*m//g" out >plain.txt
-good "no colours by themselves" run "$example" --rate 6 --details
+good "no colours by themselves" run "$example" --outliers pauta --outlier-threshold 1.5 --details
 if cmp -s plain.txt out; then pass; else fail "a report without its colours is another one"; fi
 good "NO_COLOR" run "$example" --color never
 is "--color never" "$(grep -c "$escape" out)" 0
 if script --version >/dev/null 2>&1; then
-   terminal() { script -qec "$* '$gyroakf' tests '$example'" /dev/null </dev/null | grep -c "$escape"; }
+   terminal() { script -qec "$* '$gyroakf' allan '$example'" /dev/null </dev/null | grep -c "$escape"; }
    if [ "$(terminal env -u NO_COLOR TERM=xterm)" -gt 0 ]; then pass; else fail "no colours on a terminal"; fi
    is "NO_COLOR on a terminal" "$(terminal env NO_COLOR=1 TERM=xterm)" 0
    is "an empty NO_COLOR is none" "$([ "$(terminal env NO_COLOR= TERM=xterm)" -gt 0 ] && echo coloured)" coloured

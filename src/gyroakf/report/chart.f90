@@ -40,7 +40,7 @@ contains
       type(text_type), allocatable, intent(out) :: lines(:)
       !> [n] fitted deviations
       real(dp), intent(in), optional :: model(:)
-      !> Rows inside the axes, 1 or more (default [[chart_rows]])
+      !> Rows inside the axes, 1 or more (default 16)
       integer, intent(in), optional :: rows
       !> [n] what marks the points (default o): of several curves, one behind the other, a letter each
       character(1), intent(in), optional :: mark(:)
