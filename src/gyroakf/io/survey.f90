@@ -37,15 +37,12 @@ contains
                call find_unit(column%name, column%unit, unit)
                if (len(column%unit) == 0 .and. allocated(unit%name) .and. unit%quantity /= quantity%angle) column%unit = unit%name
             end if
-            if (len(column%unit) == 0 .and. size(table%header%units) == size(record%column)) then
-               column%unit = table%header%units(j)%text
-            end if
+            if (len(column%unit) == 0 .and. size(table%header%units) == size(record%column)) column%unit = &
+               table%header%units(j)%text
             column%class = trim(class_names(table%class(j)))
             slot = table%layout%slot(j)
             if (slot > 0 .and. table%time > 0) column%is_time = slot == table%layout%slot(table%time)
-            if (slot >= 1 .and. slot <= size(keep)) then
-               if (keep(slot)) column%channel = count(keep(:slot))
-            end if
+            if (slot >= 1 .and. slot <= size(keep)) column%channel = merge(count(keep(:slot)), column%channel, keep(slot))
             column%minimum = ieee_value(1.0_dp, ieee_quiet_nan)
             column%maximum = column%minimum
             column%step = column%minimum
@@ -68,19 +65,15 @@ contains
       logical :: known
 
       known = .false.
+      before = 0.0_dp
       change = huge(change)
       do k = 1, store%count
          do i = 1, store%chunk(k)%rows
             associate (x => store%chunk(k)%value(i, slot))
                if (ieee_is_nan(x)) cycle
-               if (known) then
-                  minimum = min(minimum, x)
-                  maximum = max(maximum, x)
-                  if (abs(x - before) > 0.0_dp) change = min(change, abs(x - before))
-               else
-                  minimum = x
-                  maximum = x
-               end if
+               minimum = min(x, merge(minimum, x, known))
+               maximum = max(x, merge(maximum, x, known))
+               if (known .and. abs(x - before) > 0.0_dp) change = min(change, abs(x - before))
                known = .true.
                before = x
             end associate

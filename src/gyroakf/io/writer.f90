@@ -268,9 +268,7 @@ contains
       integer :: i
 
       do i = 2, len(path) + 1                              ! one call: gfortran passes the mode of a second one by reference
-         if (i <= len(path)) then
-            if (path(i:i) /= "/") cycle
-         end if
+         if (i <= len(path) .and. index(path(i:), "/") /= 1) cycle
          ignored = c_mkdir(path(:i - 1)//c_null_char, int(o'777', c_int))
       end do
       if (.not. is_directory(path)) call fatal_error(error, status%io, path//": the directory cannot be made")
