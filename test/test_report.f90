@@ -4,7 +4,7 @@ module test_report
    use testdrive, only : new_unittest, unittest_type, error_type, check
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : gyro_error => error_type
-   use gyroakf_record, only : add_text, record_type, text_type
+   use gyroakf_record, only : add_text, record_type
    use gyroakf_units, only : unit_type, parse_unit
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
@@ -250,7 +250,7 @@ contains
       if (allocated(result%channel(1)%warnings)) deallocate (result%channel(1)%warnings)
       call add_text(result%channel(1)%warnings, "of both")
       record%value = reshape([record%value, record%value], [12, 2])
-      record%channel = [record%channel, text_type("gz")]
+      call add_text(record%channel, "gz")
       result%channel = [result%channel, result%channel]
       result%channel(2)%name = "gz"
       call add_text(result%channel(2)%warnings, "of one")

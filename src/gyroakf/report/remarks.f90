@@ -87,6 +87,7 @@ contains
       type(remark_type), allocatable, intent(inout) :: remark(:)
       integer, intent(in) :: kind
       character(*), intent(in) :: text, name
+      type(remark_type), allocatable :: longer(:)
       integer :: i
 
       do i = 1, size(remark)
@@ -94,7 +95,14 @@ contains
          remark(i)%names = remark(i)%names//", "//name
          return
       end do
-      remark = [remark, remark_type(kind, text, name)]
+      allocate (longer(size(remark) + 1))                  ! gfortran loses the texts of an array constructor
+      do i = 1, size(remark)
+         longer(i) = remark(i)
+      end do
+      longer(i)%kind = kind
+      longer(i)%text = text
+      longer(i)%names = name
+      call move_alloc(longer, remark)
    end subroutine add_remark
 
    !> The share of a constant rotation that the paper's filters let pass.
