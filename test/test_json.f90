@@ -5,8 +5,7 @@ module test_json
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan, ieee_positive_inf, ieee_negative_inf
    use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : text_type
-   use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null, &
-      json_text, quote_json
+   use gyroakf_report_json, only : json_type, json_text, quote_json
    use gyroakf_utf8, only : text_width, sequence_length
    use json_reader, only : json_item, read_json, json_text_at, json_real
    implicit none (type, external)
@@ -39,18 +38,18 @@ contains
 
       names(1)%text = "gx"
       names(2)%text = "gy"
-      call open_object(json)
-      call put_member(json, "schema", 1)
-      call open_array(json, "list")
-      call open_object(json)
-      call put_member(json, "yes", .true.)
-      call put_null(json, "nothing")
-      call close_object(json)
-      call put_member(json, "", 12000_int64)
-      call close_array(json)
-      call put_member(json, "names", names)
-      call put_member(json, "x", [0.5_dp, -2.0_dp])
-      call close_object(json)
+      call json%open("")
+      call json%put("schema", 1)
+      call json%open_list("list")
+      call json%open("")
+      call json%put("yes", .true.)
+      call json%absent("nothing")
+      call json%close()
+      call json%put("", 12000_int64)
+      call json%close()
+      call json%put("names", names)
+      call json%put("x", [0.5_dp, -2.0_dp])
+      call json%close()
       call check(error, json_text(json), "{"//lf//'  "schema": 1,'//lf//'  "list": ['//lf//"    {"//lf//'      "yes": true,'//lf// &
                  '      "nothing": null'//lf//"    },"//lf//"    12000"//lf//"  ],"//lf//'  "names": ["gx", "gy"],'//lf// &
                  '  "x": [0.5, -2]'//lf//"}"//lf)
@@ -63,13 +62,13 @@ contains
 
       call check(error, json_text(json), "")
       if (allocated(error)) return
-      call open_object(json)
-      call open_object(json, "a")
-      call close_object(json)
-      call open_array(json, "b")
-      call close_array(json)
-      call put_member(json, "c", nothing)
-      call close_object(json)
+      call json%open("")
+      call json%open("a")
+      call json%close()
+      call json%open_list("b")
+      call json%close()
+      call json%put("c", nothing)
+      call json%close()
       call check(error, json_text(json), "{"//lf//'  "a": {},'//lf//'  "b": [],'//lf//'  "c": []'//lf//"}"//lf)
    end subroutine test_empty
 
@@ -83,9 +82,9 @@ contains
       logical :: valid
       integer :: i
 
-      call open_object(json)
-      call put_member(json, "x", x)
-      call close_object(json)
+      call json%open("")
+      call json%put("x", x)
+      call json%close()
       call read_json(json_text(json), items, valid)
       call check(error, valid)
       if (allocated(error)) return
@@ -102,11 +101,11 @@ contains
       type(json_item), allocatable :: items(:)
       logical :: valid
 
-      call open_object(json)
-      call put_member(json, "x", [ieee_value(1.0_dp, ieee_quiet_nan), ieee_value(1.0_dp, ieee_positive_inf), &
+      call json%open("")
+      call json%put("x", [ieee_value(1.0_dp, ieee_quiet_nan), ieee_value(1.0_dp, ieee_positive_inf), &
                                   ieee_value(1.0_dp, ieee_negative_inf), 1.0_dp])
-      call put_member(json, "y", ieee_value(1.0_dp, ieee_quiet_nan))
-      call close_object(json)
+      call json%put("y", ieee_value(1.0_dp, ieee_quiet_nan))
+      call json%close()
       call read_json(json_text(json), items, valid)
       call check(error, valid .and. json_text_at(items, "/x/0") == "null" .and. json_text_at(items, "/x/1") == "null" .and. &
                  json_text_at(items, "/x/2") == "null" .and. json_text_at(items, "/x/3") == "1" .and. &
@@ -163,11 +162,11 @@ contains
       logical :: valid
       integer :: i
 
-      call open_array(json)
+      call json%open_list("")
       do i = 1, 3000
-         call put_member(json, "", i)
+         call json%put("", i)
       end do
-      call close_array(json)
+      call json%close()
       call read_json(json_text(json), items, valid)
       call check(error, valid .and. size(items) == 3001)
       if (allocated(error)) return

@@ -6,7 +6,6 @@ module gyroakf_c_api_c_run
       & c_null_ptr, c_null_funptr, c_associated, c_f_pointer, c_loc, c_sizeof
    use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline, only : run_pipeline, apply_preset
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_record, only : record_type
@@ -105,7 +104,6 @@ contains
       type(record_type), allocatable :: record
       type(pipeline_result_type) :: result
       type(json_type) :: document
-      type(writer_type) :: nowhere
       integer :: stat
 
       if (allocated(given%present)) then
@@ -120,8 +118,8 @@ contains
          call run_pipeline(given, options, result, error, callback)
       end if
       if (allocated(error)) return
-      if (allocated(record)) call put_document(document, nowhere, record, result)
-      if (.not. allocated(record)) call put_document(document, nowhere, given, result)
+      if (allocated(record)) call put_document(document, record, result)
+      if (.not. allocated(record)) call put_document(document, given, result)
       json = json_text(document)//c_null_char
    end subroutine run_record
 

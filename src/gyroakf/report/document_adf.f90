@@ -2,7 +2,7 @@
 !> The regression of the Dickey-Fuller test in the JSON document.
 module gyroakf_report_document_adf
    use gyroakf_series_adf, only : adf_type
-   use gyroakf_report_json, only : json_type, open_object, close_object, open_array, close_array, put_member, put_null
+   use gyroakf_report_description, only : description_type
    implicit none (type, external)
    private
    public :: put_adf_regression
@@ -10,38 +10,38 @@ module gyroakf_report_document_adf
 contains
 
    !> How the lag was found, level, residual variance, and the coefficients where they were asked for.
-   subroutine put_adf_regression(json, adf)
+   subroutine put_adf_regression(out, adf)
       !> The document, in the object "adf"
-      type(json_type), intent(inout) :: json
+      class(description_type), intent(inout) :: out
       !> The test
       type(adf_type), intent(in) :: adf
       integer :: i
 
       if (adf%lag_chosen) then
-         call put_member(json, "criterion", trim(adf%criterion))
-         call put_member(json, "criterion_value", adf%criterion_value)
+         call out%put("criterion", trim(adf%criterion))
+         call out%put("criterion_value", adf%criterion_value)
       else
-         call put_null(json, "criterion")
-         call put_null(json, "criterion_value")
+         call out%absent("criterion")
+         call out%absent("criterion_value")
       end if
-      call put_member(json, "max_lags", adf%max_lags)
-      call put_member(json, "wanted_lags", adf%wanted_lags)
-      call put_member(json, "level", adf%level)
-      call put_member(json, "noise_variance", adf%noise_variance)
+      call out%put("max_lags", adf%max_lags)
+      call out%put("wanted_lags", adf%wanted_lags)
+      call out%put("level", adf%level)
+      call out%put("noise_variance", adf%noise_variance)
       if (.not. allocated(adf%table)) then
-         call put_null(json, "table")
+         call out%absent("table")
          return
       end if
-      call open_array(json, "table")
+      call out%open_list("table")
       do i = 1, size(adf%table)
-         call open_object(json)
-         call put_member(json, "name", trim(adf%table(i)%name))
-         call put_member(json, "value", adf%table(i)%value)
-         call put_member(json, "std_error", adf%table(i)%std_error)
-         call put_member(json, "t", adf%table(i)%t)
-         call close_object(json)
+         call out%open("")
+         call out%put("name", trim(adf%table(i)%name))
+         call out%put("value", adf%table(i)%value)
+         call out%put("std_error", adf%table(i)%std_error)
+         call out%put("t", adf%table(i)%t)
+         call out%close()
       end do
-      call close_array(json)
+      call out%close()
    end subroutine put_adf_regression
 
 end module gyroakf_report_document_adf

@@ -2,7 +2,7 @@
 !> The members of "tests" in the JSON document that tell the distribution of the samples.
 module gyroakf_report_document_distribution
    use gyroakf_pipeline_result, only : channel_result_type
-   use gyroakf_report_json, only : json_type, open_object, close_object, put_member, put_null
+   use gyroakf_report_description, only : description_type
    implicit none (type, external)
    private
    public :: put_distribution
@@ -10,84 +10,80 @@ module gyroakf_report_document_distribution
 contains
 
    !> "normality", "anderson_darling", "histogram", "quantisation"; null where one is not available.
-   subroutine put_distribution(json, channel)
+   subroutine put_distribution(out, channel)
       !> The document
-      type(json_type), intent(inout) :: json
+      class(description_type), intent(inout) :: out
       !> One channel
       type(channel_result_type), intent(in) :: channel
 
-      if (channel%available%jarque_bera) then
-         call put_member(json, "normality", trim(channel%normality))
-      else
-         call put_null(json, "normality")
-      end if
+      call out%put("normality", trim(channel%normality), channel%available%jarque_bera)
       if (channel%available%anderson_darling) then
-         call put_anderson_darling(json, channel)
+         call put_anderson_darling(out, channel)
       else
-         call put_null(json, "anderson_darling")
+         call out%absent("anderson_darling")
       end if
       if (channel%available%histogram) then
-         call put_histogram(json, channel)
+         call put_histogram(out, channel)
       else
-         call put_null(json, "histogram")
+         call out%absent("histogram")
       end if
       if (channel%available%quantisation) then
-         call put_quantisation(json, channel)
+         call put_quantisation(out, channel)
       else
-         call put_null(json, "quantisation")
+         call out%absent("quantisation")
       end if
    end subroutine put_distribution
 
-   subroutine put_anderson_darling(json, channel)
-      type(json_type), intent(inout) :: json
+   subroutine put_anderson_darling(out, channel)
+      class(description_type), intent(inout) :: out
       type(channel_result_type), intent(in) :: channel
 
-      call open_object(json, "anderson_darling")
-      call put_member(json, "statistic", channel%anderson_darling%statistic)
-      call put_member(json, "modified", channel%anderson_darling%modified)
-      call put_member(json, "p_value", channel%anderson_darling%p_value)
-      call put_member(json, "distance", channel%anderson_darling%distance)
-      call put_member(json, "samples", channel%anderson_darling%samples)
-      call put_member(json, "stride", channel%anderson_darling%stride)
-      call close_object(json)
+      call out%open("anderson_darling")
+      call out%put("statistic", channel%anderson_darling%statistic)
+      call out%put("modified", channel%anderson_darling%modified)
+      call out%put("p_value", channel%anderson_darling%p_value)
+      call out%put("distance", channel%anderson_darling%distance)
+      call out%put("samples", channel%anderson_darling%samples)
+      call out%put("stride", channel%anderson_darling%stride)
+      call out%close()
    end subroutine put_anderson_darling
 
-   subroutine put_histogram(json, channel)
-      type(json_type), intent(inout) :: json
+   subroutine put_histogram(out, channel)
+      class(description_type), intent(inout) :: out
       type(channel_result_type), intent(in) :: channel
 
       associate (histogram => channel%histogram)
-         call open_object(json, "histogram")
-         call put_member(json, "samples", histogram%samples)
-         call put_member(json, "mean", histogram%mean)
-         call put_member(json, "std", histogram%std)
-         call put_member(json, "bin_width", histogram%width)
-         call put_member(json, "bin_steps", histogram%steps)
-         call put_member(json, "bins_limited", histogram%limited)
-         call put_member(json, "below", histogram%below)
-         call put_member(json, "above", histogram%above)
-         call put_member(json, "expected_below", histogram%expected_below)
-         call put_member(json, "expected_above", histogram%expected_above)
-         call put_member(json, "edges", histogram%edge)
-         call put_member(json, "counts", histogram%count)
-         call put_member(json, "expected", histogram%expected)
-         call close_object(json)
+         call out%open("histogram")
+         call out%put("samples", histogram%samples)
+         call out%put("mean", histogram%mean)
+         call out%put("std", histogram%std)
+         call out%put("bin_width", histogram%width)
+         call out%put("bin_steps", histogram%steps)
+         call out%put("bins_limited", histogram%limited)
+         call out%put("below", histogram%below)
+         call out%put("above", histogram%above)
+         call out%put("expected_below", histogram%expected_below)
+         call out%put("expected_above", histogram%expected_above)
+         call out%put("edges", histogram%edge)
+         call out%put("counts", histogram%count)
+         call out%put("expected", histogram%expected)
+         call out%close()
       end associate
    end subroutine put_histogram
 
-   subroutine put_quantisation(json, channel)
-      type(json_type), intent(inout) :: json
+   subroutine put_quantisation(out, channel)
+      class(description_type), intent(inout) :: out
       type(channel_result_type), intent(in) :: channel
 
       associate (grid => channel%quantisation)
-         call open_object(json, "quantisation")
-         call put_member(json, "quantised", grid%quantised)
-         call put_member(json, "step", grid%step)
-         call put_member(json, "step_over_std", grid%ratio)
-         call put_member(json, "variance_share", grid%variance_share)
-         call put_member(json, "levels", grid%levels)
-         call put_member(json, "corrected_std", grid%corrected_std)
-         call close_object(json)
+         call out%open("quantisation")
+         call out%put("quantised", grid%quantised)
+         call out%put("step", grid%step)
+         call out%put("step_over_std", grid%ratio)
+         call out%put("variance_share", grid%variance_share)
+         call out%put("levels", grid%levels)
+         call out%put("corrected_std", grid%corrected_std)
+         call out%close()
       end associate
    end subroutine put_quantisation
 

@@ -3,7 +3,7 @@
 module gyroakf_report_document_preprocess
    use gyroakf_kinds, only : int64
    use gyroakf_pipeline_result, only : channel_result_type
-   use gyroakf_report_json, only : json_type, open_array, open_object, close_array, close_object, put_member, put_null
+   use gyroakf_report_description, only : description_type
    implicit none (type, external)
    private
    public :: put_preprocess
@@ -11,58 +11,50 @@ module gyroakf_report_document_preprocess
 contains
 
    !> "preprocess": null where the record was taken as it is.
-   subroutine put_preprocess(json, channel)
+   subroutine put_preprocess(out, channel)
       !> The document
-      type(json_type), intent(inout) :: json
+      class(description_type), intent(inout) :: out
       !> One channel
       type(channel_result_type), intent(in) :: channel
       integer(int64) :: k
 
       if (.not. channel%available%preprocess) then
-         call put_null(json, "preprocess")
+         call out%absent("preprocess")
          return
       end if
-      call open_object(json, "preprocess")
-      call open_object(json, "outliers")
-      call put_member(json, "method", trim(channel%clean%method))
-      call put_member(json, "threshold", channel%clean%threshold)
-      call put_member(json, "passes", channel%clean%passes)
-      call put_member(json, "removed", channel%clean%removed)
-      call put_member(json, "fraction", channel%clean%fraction)
-      call put_member(json, "expected", channel%clean%expected)
-      if (channel%clean%half_width > 0) then
-         call put_member(json, "half_width", channel%clean%half_width)
-      else
-         call put_null(json, "half_width")
-      end if
-      call put_member(json, "converged", channel%clean%converged)
-      call close_object(json)
-      call open_array(json, "motion")
+      call out%open("preprocess")
+      call out%open("outliers")
+      call out%put("method", trim(channel%clean%method))
+      call out%put("threshold", channel%clean%threshold)
+      call out%put("passes", channel%clean%passes)
+      call out%put("removed", channel%clean%removed)
+      call out%put("fraction", channel%clean%fraction)
+      call out%put("expected", channel%clean%expected)
+      call out%put("half_width", channel%clean%half_width, channel%clean%half_width > 0)
+      call out%put("converged", channel%clean%converged)
+      call out%close()
+      call out%open_list("motion")
       if (allocated(channel%clean%motion)) then
          do k = 1, size(channel%clean%motion, 2, kind=int64)
-            call open_object(json)
-            call put_member(json, "first", channel%clean%motion(1, k))
-            call put_member(json, "last", channel%clean%motion(2, k))
-            call close_object(json)
+            call out%open("")
+            call out%put("first", channel%clean%motion(1, k))
+            call out%put("last", channel%clean%motion(2, k))
+            call out%close()
          end do
       end if
-      call close_array(json)
-      call open_object(json, "trend")
-      call put_member(json, "degree", channel%clean%trend%degree)
+      call out%close()
+      call out%open("trend")
+      call out%put("degree", channel%clean%trend%degree)
       if (allocated(channel%clean%trend%power)) then
-         call put_member(json, "coefficients", channel%clean%trend%power)
+         call out%put("coefficients", channel%clean%trend%power)
       else
-         call put_null(json, "coefficients")
+         call out%absent("coefficients")
       end if
-      call close_object(json)
-      call put_member(json, "mean", channel%clean%mean)
-      call put_member(json, "variance", channel%clean%variance)
-      if (channel%clean%corrected_variance > 0) then
-         call put_member(json, "corrected_variance", channel%clean%corrected_variance)
-      else
-         call put_null(json, "corrected_variance")
-      end if
-      call close_object(json)
+      call out%close()
+      call out%put("mean", channel%clean%mean)
+      call out%put("variance", channel%clean%variance)
+      call out%put("corrected_variance", channel%clean%corrected_variance, channel%clean%corrected_variance > 0)
+      call out%close()
    end subroutine put_preprocess
 
 end module gyroakf_report_document_preprocess

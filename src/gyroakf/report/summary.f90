@@ -8,9 +8,8 @@ module gyroakf_report_summary
    use gyroakf_io_writer, only : put, put_line, writer_type
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage
    use gyroakf_report_document, only : gather_warnings
-   use gyroakf_report_document_stated, only : put_known
-   use gyroakf_report_json, only : close_array, close_object, flush_json, json_text, json_type, open_array, open_object, put_json, &
-      & put_member, put_null
+   use gyroakf_report_description, only : description_type
+   use gyroakf_report_json, only : json_text, json_type
    use gyroakf_report_text_layout, only : plural, put_paragraph, report_width
    use gyroakf_report_summary_row, only : column_heads, csv_head, drift_of, make_failed_row, make_row, summary_row_type
    use gyroakf_report_text_table, only : column_widths, new_table, put_table, set_cell, table_type
@@ -69,13 +68,13 @@ contains
       call make_failed_row(command, path, folder, code, message, row)
       call begin_file(json, row)
       do i = 1, size(unknown)
-         call put_null(json, trim(unknown(i)))
+         call json%absent(trim(unknown(i)))
       end do
-      call put_member(json, "warning_count", 0)
-      call open_array(json, "warnings")
-      call close_array(json)
-      call open_array(json, "channels")
-      call close_array(json)
+      call json%put("warning_count", 0)
+      call json%open_list("warnings")
+      call json%close()
+      call json%open_list("channels")
+      call json%close()
       call end_file(json, row)
    end subroutine summarise_failure
 
@@ -84,13 +83,13 @@ contains
       type(json_type), intent(inout) :: json
       type(summary_row_type), intent(in) :: row
 
-      call open_object(json)
-      call open_array(json, "files")
-      call open_object(json)
-      call put_member(json, "path", row%path)
-      call put_text(json, "folder", row%folder)
-      call put_member(json, "exit_code", row%code)
-      call put_text(json, "message", row%message)
+      call json%open("")
+      call json%open_list("files")
+      call json%open("")
+      call json%put("path", row%path)
+      call json%put("folder", row%folder, row%folder /= "")
+      call json%put("exit_code", row%code)
+      call json%put("message", row%message, row%message /= "")
    end subroutine begin_file
 
    !> Closes it and keeps its text without what stands around it.
@@ -99,14 +98,14 @@ contains
       type(summary_row_type), intent(inout) :: row
       character(:), allocatable :: text
 
-      call close_object(json)
+      call json%close()
       text = json_text(json)
       row%json = text(index(text, "[") + index(text(index(text, "["):), "{") - 1:)
    end subroutine end_file
 
    !> What was read and what came out.
-   subroutine put_record(json, record, result)
-      type(json_type), intent(inout) :: json
+   subroutine put_record(out, record, result)
+      class(description_type), intent(inout) :: out
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in), optional :: result
       type(text_type), allocatable :: warnings(:)
@@ -114,26 +113,26 @@ contains
       integer :: c
 
       call gather_warnings(record, warnings, result)
-      call put_member(json, "samples", sample_count(record))
-      call put_known(json, "rate_hz", 1.0_dp/record%sample_interval, record%rate_known)
-      call put_known(json, "duration_s", real(sample_count(record), dp)*record%sample_interval, record%rate_known)
-      call put_member(json, "missing", record%audit%missing)
-      call put_member(json, "warning_count", size(warnings))
-      call put_member(json, "warnings", warnings(:min(size(warnings), most_warnings)))
-      call open_array(json, "channels")
+      call out%put("samples", sample_count(record))
+      call out%put("rate_hz", 1.0_dp/record%sample_interval, record%rate_known)
+      call out%put("duration_s", real(sample_count(record), dp)*record%sample_interval, record%rate_known)
+      call out%put("missing", record%audit%missing)
+      call out%put("warning_count", size(warnings))
+      call out%put("warnings", warnings(:min(size(warnings), most_warnings)))
+      call out%open_list("channels")
       do c = 1, size(record%channel)
          if (present(result)) then
-            call put_channel(json, record, c, result%channel(c), .true.)
+            call put_channel(out, record, c, result%channel(c), .true.)
          else
-            call put_channel(json, record, c, nothing, .false.)
+            call put_channel(out, record, c, nothing, .false.)
          end if
       end do
-      call close_array(json)
+      call out%close()
    end subroutine put_record
 
    !> One channel.
-   subroutine put_channel(json, record, c, channel, there)
-      type(json_type), intent(inout) :: json
+   subroutine put_channel(out, record, c, channel, there)
+      class(description_type), intent(inout) :: out
       type(record_type), intent(in) :: record
       integer, intent(in) :: c
       type(channel_result_type), intent(in) :: channel
@@ -143,83 +142,57 @@ contains
       integer :: term
 
       call view_channel(record, c, view)
-      call open_object(json)
-      call put_member(json, "name", record%channel(c)%text)
+      call out%open("")
+      call out%put("name", record%channel(c)%text)
       if (allocated(view%unit%name)) then
-         call put_text(json, "unit", view%unit%name)
+         call out%put("unit", view%unit%name, view%unit%name /= "")
       else
-         call put_null(json, "unit")
+         call out%absent("unit")
       end if
-      call put_known(json, "mean", channel%raw%mean, there)
-      call put_known(json, "std", channel%raw%std, there)
-      call put_count(json, "outliers_removed", channel%clean%removed, channel%available%preprocess)
-      call open_object(json, "coefficients")
+      call out%put("mean", channel%raw%mean, there)
+      call out%put("std", channel%raw%std, there)
+      call out%put("outliers_removed", channel%clean%removed, channel%available%preprocess)
+      call out%open("coefficients")
       do term = 1, 5
          associate (stated => channel%allan(stage%input)%stated%term(term))
             if (.not. stated%fitted) then
-               call put_null(json, term_names(term))
+               call out%absent(term_names(term))
                cycle
             end if
-            call open_object(json, term_names(term))
-            call put_member(json, "value", stated%value)
-            call put_member(json, "std_error", stated%std_error)
-            call put_member(json, "upper_limit", stated%upper_limit)
-            call put_member(json, "detected", stated%detected)
-            call put_member(json, "unit", stated%unit)
-            call close_object(json)
+            call out%open(term_names(term))
+            call out%put("value", stated%value)
+            call out%put("std_error", stated%std_error)
+            call out%put("upper_limit", stated%upper_limit)
+            call out%put("detected", stated%detected)
+            call out%put("unit", stated%unit)
+            call out%close()
          end associate
       end do
-      call close_object(json)
-      call put_methods(json, channel, there)
-      call close_object(json)
+      call out%close()
+      call put_methods(out, channel, there)
+      call out%close()
    end subroutine put_channel
 
    !> Tests, model, filters of a channel.
-   subroutine put_methods(json, channel, there)
-      type(json_type), intent(inout) :: json
+   subroutine put_methods(out, channel, there)
+      class(description_type), intent(inout) :: out
       type(channel_result_type), intent(in) :: channel
       !> False where nothing was computed
       logical, intent(in) :: there
 
-      call put_known(json, "adf_p_value", channel%adf%p_value, channel%available%adf)
-      call put_known(json, "jarque_bera_p_value", channel%jarque_bera%p_value, channel%available%jarque_bera)
-      call put_known(json, "ljung_box_p_value", channel%ljung_box%p_value, channel%available%ljung_box)
-      call put_count(json, "ar_order", int(channel%ar%order, int64), channel%available%ar)
-      call put_known(json, "ar_noise_variance", channel%ar%noise_variance, channel%available%ar)
-      call put_known(json, "cleaned_variance", channel%cleaned%variance, there)
-      call put_known(json, "kf_variance", channel%kf%variance, channel%available%kf)
-      call put_known(json, "akf_variance", channel%akf%variance, channel%available%akf)
-      call put_known(json, "drift_kf_variance", channel%drift_kf%variance, channel%available%drift_kf)
-      call put_known(json, "drift_akf_variance", channel%drift_akf%variance, channel%available%drift_akf)
-      call put_known(json, "akf_dc_gain", channel%akf%dc_gain, channel%available%akf)
-      call put_text(json, "drift", drift_of(channel))
+      call out%put("adf_p_value", channel%adf%p_value, channel%available%adf)
+      call out%put("jarque_bera_p_value", channel%jarque_bera%p_value, channel%available%jarque_bera)
+      call out%put("ljung_box_p_value", channel%ljung_box%p_value, channel%available%ljung_box)
+      call out%put("ar_order", int(channel%ar%order, int64), channel%available%ar)
+      call out%put("ar_noise_variance", channel%ar%noise_variance, channel%available%ar)
+      call out%put("cleaned_variance", channel%cleaned%variance, there)
+      call out%put("kf_variance", channel%kf%variance, channel%available%kf)
+      call out%put("akf_variance", channel%akf%variance, channel%available%akf)
+      call out%put("drift_kf_variance", channel%drift_kf%variance, channel%available%drift_kf)
+      call out%put("drift_akf_variance", channel%drift_akf%variance, channel%available%drift_akf)
+      call out%put("akf_dc_gain", channel%akf%dc_gain, channel%available%akf)
+      call out%put("drift", drift_of(channel), drift_of(channel) /= "")
    end subroutine put_methods
-
-   !> A count, null where it is not known.
-   subroutine put_count(json, key, value, known)
-      type(json_type), intent(inout) :: json
-      character(*), intent(in) :: key
-      integer(int64), intent(in) :: value
-      logical, intent(in) :: known
-
-      if (known) then
-         call put_member(json, key, value)
-      else
-         call put_null(json, key)
-      end if
-   end subroutine put_count
-
-   !> A text, null where it is empty.
-   subroutine put_text(json, key, text)
-      type(json_type), intent(inout) :: json
-      character(*), intent(in) :: key, text
-
-      if (text == "") then
-         call put_null(json, key)
-      else
-         call put_member(json, key, text)
-      end if
-   end subroutine put_text
 
    !> summary.csv: a line per file and channel; a file that failed has one line. nan where a number is not known.
    subroutine write_summary_csv(writer, rows)
@@ -238,7 +211,7 @@ contains
    !> summary.json.
    subroutine write_summary_json(writer, command, rows)
       !> Open
-      type(writer_type), intent(inout) :: writer
+      type(writer_type), intent(inout), target :: writer
       !> run, inspect, allan, tests, ar, filter
       character(*), intent(in) :: command
       !> In the order of the files
@@ -246,20 +219,19 @@ contains
       type(json_type) :: json
       integer :: i
 
-      call open_object(json)
-      call put_member(json, "schema", 1)
-      call put_member(json, "program", "gyroakf")
-      call put_member(json, "version", release_string)
-      call put_member(json, "command", command)
-      call put_member(json, "failed", count(rows%code /= 0))
-      call open_array(json, "files")
+      json%writer => writer
+      call json%open("")
+      call json%put("schema", 1)
+      call json%put("program", "gyroakf")
+      call json%put("version", release_string)
+      call json%put("command", command)
+      call json%put("failed", count(rows%code /= 0))
+      call json%open_list("files")
       do i = 1, size(rows)
-         call put_json(json, "", rows(i)%json)
-         call flush_json(json, writer)
+         call json%put_json("", rows(i)%json)
       end do
-      call close_array(json)
-      call close_object(json)
-      call flush_json(json, writer)
+      call json%close()
+      call json%close()
    end subroutine write_summary_json
 
    !> A table of at most 80 columns where names and units allow it, and how many files failed.

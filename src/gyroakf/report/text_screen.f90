@@ -89,7 +89,7 @@ contains
       character(1), allocatable :: mark(:)
       logical :: drawn(size(result%channel))
       character(1) :: letter
-      integer :: c
+      integer :: c, i
 
       call view_channel(record, 1, first)
       do c = 1, size(result%channel)
@@ -105,7 +105,7 @@ contains
          associate (curve => result%channel(c)%allan(stage%input)%curve)
             tau = [tau, curve%tau]
             deviation = [deviation, curve%deviation]
-            mark = [mark, spread(letter, 1, size(curve%tau))]
+            mark = [character(1) :: mark, (letter, i=1, size(curve%tau))]
          end associate
       end do
       legend = legend(min(3, len(legend) + 1):)
