@@ -5,9 +5,8 @@ module gyroakf_report_advice
    use gyroakf_record, only : record_type, text_type
    use gyroakf_io_writer, only : writer_type
    use gyroakf_filter_filter_series, only : filter_result_type
-   use gyroakf_pipeline_result, only : channel_result_type
+   use gyroakf_pipeline_result, only : channel_result_type, drift_process_type
    use gyroakf_report_text_layout, only : put_heading, put_point, put_items, number, count_text
-   use gyroakf_report_text_drift, only : model_text, time_unit
    use gyroakf_report_input, only : has_unit
    implicit none (type, external)
    private
@@ -152,5 +151,45 @@ contains
          text = text//"--unit UNIT"
       end if
    end function missing_options
+
+   !> "random walk + AR(1) of 9.0 s + white noise".
+   pure function model_text(record, channel) result(text)
+      !> For the unit of time
+      type(record_type), intent(in) :: record
+      !> The drift is available
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ""
+      do i = size(channel%drift_process), 1, -1
+         if (channel%drift_process(i)%walk) then
+            text = text//"random walk + "
+         else
+            text = text//"AR(1)"//of_time(record, channel%drift_process(i))//" + "
+         end if
+      end do
+      text = text//"white noise"
+   end function model_text
+
+   !> " of 9.0 s"; nothing where the coefficient is not positive.
+   pure function of_time(record, process) result(text)
+      type(record_type), intent(in) :: record
+      type(drift_process_type), intent(in) :: process
+      character(:), allocatable :: text
+
+      text = ""
+      if (process%time > 0.0_dp) text = " of "//number(process%time, 3)//time_unit(record)
+   end function of_time
+
+   !> " s", or " samples".
+   pure function time_unit(record) result(text)
+      !> Its rate is known or not
+      type(record_type), intent(in) :: record
+      character(:), allocatable :: text
+
+      text = " samples"
+      if (record%rate_known) text = " s"
+   end function time_unit
 
 end module gyroakf_report_advice

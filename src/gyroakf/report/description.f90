@@ -29,7 +29,7 @@ module gyroakf_report_description
       !> A member without a value, `absent(key)`
       procedure(put_word), deferred :: absent
       !> One member, `put(key, value, known, ...)`; no value where it is not known (default: it is)
-      generic :: put => put_real, put_integer, put_int64, put_logical, put_text, put_reals, put_int64s, put_texts
+      generic :: put => put_real, put_integer, put_int64, put_logical, put_text, put_reals, put_texts
       !> A text, or no value where it is unallocated or empty, `put_known_text(key, text)`
       procedure, non_overridable :: put_known_text
       procedure, non_overridable :: put_real, put_integer, put_int64, put_logical, put_text, put_reals, put_texts
@@ -41,12 +41,12 @@ module gyroakf_report_description
       procedure(render_text), deferred :: text
       procedure(render_numbers), deferred :: numbers
       procedure(render_texts), deferred :: texts
-      procedure(render_counts), deferred :: put_int64s
    end type description_type
 
    abstract interface
       subroutine begin_group(self, key, list)
          import :: description_type
+         implicit none (type, external)
          class(description_type), intent(inout) :: self
          character(*), intent(in) :: key
          logical, intent(in) :: list
@@ -54,17 +54,20 @@ module gyroakf_report_description
 
       subroutine end_group(self)
          import :: description_type
+         implicit none (type, external)
          class(description_type), intent(inout) :: self
       end subroutine end_group
 
       subroutine put_word(self, key)
          import :: description_type
+         implicit none (type, external)
          class(description_type), intent(inout) :: self
          character(*), intent(in) :: key
       end subroutine put_word
 
       subroutine render_number(self, key, value)
          import :: description_type, dp
+         implicit none (type, external)
          class(description_type), intent(inout) :: self
          character(*), intent(in) :: key
          real(dp), intent(in) :: value
@@ -72,6 +75,7 @@ module gyroakf_report_description
 
       subroutine render_count(self, key, value)
          import :: description_type, int64
+         implicit none (type, external)
          class(description_type), intent(inout) :: self
          character(*), intent(in) :: key
          integer(int64), intent(in) :: value
@@ -79,6 +83,7 @@ module gyroakf_report_description
 
       subroutine render_flag(self, key, value)
          import :: description_type
+         implicit none (type, external)
          class(description_type), intent(inout) :: self
          character(*), intent(in) :: key
          logical, intent(in) :: value
@@ -86,26 +91,22 @@ module gyroakf_report_description
 
       subroutine render_text(self, key, value)
          import :: description_type
+         implicit none (type, external)
          class(description_type), intent(inout) :: self
          character(*), intent(in) :: key, value
       end subroutine render_text
 
       subroutine render_numbers(self, key, value)
          import :: description_type, dp
+         implicit none (type, external)
          class(description_type), intent(inout) :: self
          character(*), intent(in) :: key
          real(dp), intent(in) :: value(:)
       end subroutine render_numbers
 
-      subroutine render_counts(self, key, value)
-         import :: description_type, int64
-         class(description_type), intent(inout) :: self
-         character(*), intent(in) :: key
-         integer(int64), intent(in) :: value(:)
-      end subroutine render_counts
-
       subroutine render_texts(self, key, value)
          import :: description_type, text_type
+         implicit none (type, external)
          class(description_type), intent(inout) :: self
          character(*), intent(in) :: key
          type(text_type), intent(in) :: value(:)

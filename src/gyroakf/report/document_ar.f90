@@ -18,8 +18,8 @@ contains
       type(ar_model_type), intent(in) :: model
       integer :: i
 
-      call out%put("stationary", model%stationary)
-      call out%open_list("roots")
+      call out%put("stationary", model%stationary, title=trim(merge("          ", "stationary", model%stationary)))
+      call out%open_list("roots", "Roots")
       do i = 1, merge(model%order, 0, allocated(model%root))
          call out%open("")
          call out%put("real", model%root(i)%real_part)
@@ -31,14 +31,16 @@ contains
          call out%close()
       end do
       call out%close()
-      call out%put("rows", model%rows)
-      call out%put("compared_rows", model%compared_rows)
-      call out%put("intercept", model%intercept)
-      call out%put("intercept_std_error", model%intercept_std_error, model%method == "ols")
-      call out%put("unbiased_variance", model%unbiased_variance)
-      call out%put("residual_variance", model%residual_variance)
+      call out%put("rows", model%rows, title="")
+      call out%put("compared_rows", model%compared_rows, title="")
+      call out%put("intercept", model%intercept, std_error=model%intercept_std_error, &
+                   title=trim(merge("intercept", "         ", model%method == "ols")))
+      call out%put("intercept_std_error", model%intercept_std_error, model%method == "ols", &
+                   title="")
+      call out%put("unbiased_variance", model%unbiased_variance, title="")
+      call out%put("residual_variance", model%residual_variance, title="")
       if (model%residual_normality%kurtosis > 0.0_dp) then
-         call out%open("residual_normality")
+         call out%open("residual_normality", "Jarque-Bera")
          call out%put("statistic", model%residual_normality%statistic)
          call out%put("p_value", model%residual_normality%p_value)
          call out%put("skewness", model%residual_normality%skewness)

@@ -22,33 +22,33 @@ contains
          call out%absent("kpss")
          return
       end if
-      call out%open("kpss")
+      call out%open("kpss", "KPSS")
       call out%put("statistic", channel%kpss%statistic)
-      call out%put("p_value", channel%kpss%p_value)
+      call out%put("p_value", channel%kpss%p_value, title="p "//bound(channel%kpss%p_bound))
       call out%put("lags", channel%kpss%lags)
       call out%put("regression", trim(channel%kpss%regression))
-      call out%put("p_bound", bound(channel%kpss%p_bound))
+      call out%put("p_bound", bound(channel%kpss%p_bound), title="")
       call out%put("p_asymptotic", channel%kpss%p_asymptotic)
       call out%put("rule", trim(channel%kpss%rule))
       call out%put("observations", channel%kpss%observations)
-      call out%open("critical")
+      call out%open("critical", "critical values")
       call out%put("1%", channel%kpss%critical(4))
       call out%put("2.5%", channel%kpss%critical(3))
       call out%put("5%", channel%kpss%critical(2))
       call out%put("10%", channel%kpss%critical(1))
       call out%close()
-      call out%put("stationary", channel%kpss%stationary)
+      call out%put("stationary", channel%kpss%stationary, title="level stationary at 5 %")
       call out%put("long_run_variance", channel%kpss%long_run_variance)
       call out%put("drift", channel%kpss%drift)
       call out%close()
    end subroutine put_kpss
 
    !> A Ljung-Box test.
-   subroutine put_ljung_box(out, key, test, available)
+   subroutine put_ljung_box(out, key, title, test, available)
       !> The document
       class(description_type), intent(inout) :: out
-      !> Its key
-      character(*), intent(in) :: key
+      !> Its key, and what a text calls it
+      character(*), intent(in) :: key, title
       !> The test
       type(ljung_box_type), intent(in) :: test
       !> Null where it was not made
@@ -58,12 +58,12 @@ contains
          call out%absent(key)
          return
       end if
-      call out%open(key)
+      call out%open(key, title)
       call out%put("statistic", test%statistic)
       call out%put("p_value", test%p_value)
       call out%put("lags", test%lags)
-      call out%put("largest_rho", test%largest_rho)
-      call out%put("largest_lag", test%largest_lag)
+      call out%put("largest_rho", test%largest_rho, title="largest |rho|")
+      call out%put("largest_lag", test%largest_lag, title="at lag")
       call out%close()
    end subroutine put_ljung_box
 

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The members of "tests" in the JSON document that tell the distribution of the samples.
 module gyroakf_report_document_distribution
+   use gyroakf_kinds, only : dp
    use gyroakf_pipeline_result, only : channel_result_type
    use gyroakf_report_description, only : description_type
    implicit none (type, external)
@@ -16,7 +17,7 @@ contains
       !> One channel
       type(channel_result_type), intent(in) :: channel
 
-      call out%put("normality", trim(channel%normality), channel%available%jarque_bera)
+      call out%put("normality", trim(channel%normality), channel%available%jarque_bera, title="")
       if (channel%available%anderson_darling) then
          call put_anderson_darling(out, channel)
       else
@@ -38,7 +39,7 @@ contains
       class(description_type), intent(inout) :: out
       type(channel_result_type), intent(in) :: channel
 
-      call out%open("anderson_darling")
+      call out%open("anderson_darling", "Anderson-Darling")
       call out%put("statistic", channel%anderson_darling%statistic)
       call out%put("modified", channel%anderson_darling%modified)
       call out%put("p_value", channel%anderson_darling%p_value)
@@ -53,7 +54,7 @@ contains
       type(channel_result_type), intent(in) :: channel
 
       associate (histogram => channel%histogram)
-         call out%open("histogram")
+         call out%open("histogram", "")
          call out%put("samples", histogram%samples)
          call out%put("mean", histogram%mean)
          call out%put("std", histogram%std)
@@ -65,7 +66,7 @@ contains
          call out%put("expected_below", histogram%expected_below)
          call out%put("expected_above", histogram%expected_above)
          call out%put("edges", histogram%edge)
-         call out%put("counts", histogram%count)
+         call out%put("counts", real(histogram%count, dp))
          call out%put("expected", histogram%expected)
          call out%close()
       end associate
@@ -76,8 +77,8 @@ contains
       type(channel_result_type), intent(in) :: channel
 
       associate (grid => channel%quantisation)
-         call out%open("quantisation")
-         call out%put("quantised", grid%quantised)
+         call out%open("quantisation", trim(merge("Quantization", "            ", grid%quantised)))
+         call out%put("quantised", grid%quantised, title="quantized")
          call out%put("step", grid%step)
          call out%put("step_over_std", grid%ratio)
          call out%put("variance_share", grid%variance_share)

@@ -22,22 +22,23 @@ contains
       !> One channel
       type(channel_result_type), intent(in) :: channel
 
-      call out%open("filters")
+      call out%open("filters", "Filters")
       associate (is => channel%available)
-         call put_filter(out, "kf", channel%kf, channel%kf_figures, is%kf)
-         call put_filter(out, "akf", channel%akf, channel%akf_figures, is%akf)
-         call put_filter(out, "drift_kf", channel%drift_kf, channel%drift_kf_figures, is%drift_kf)
-         call put_filter(out, "drift_akf", channel%drift_akf, channel%drift_akf_figures, is%drift_akf)
-         call put_filter(out, "drift_smoother", channel%drift_smoother, channel%drift_smoother_figures, &
+         call put_filter(out, "kf", "KF (paper)", channel%kf, channel%kf_figures, is%kf)
+         call put_filter(out, "akf", "AKF (paper)", channel%akf, channel%akf_figures, is%akf)
+         call put_filter(out, "drift_kf", "Drift KF", channel%drift_kf, channel%drift_kf_figures, is%drift_kf)
+         call put_filter(out, "drift_akf", "Drift AKF", channel%drift_akf, channel%drift_akf_figures, &
+                         is%drift_akf)
+         call put_filter(out, "drift_smoother", "Smoother", channel%drift_smoother, channel%drift_smoother_figures, &
                          is%drift_smoother)
       end associate
       call out%close()
    end subroutine put_filters
 
    !> One filter; "forgetting" is null where nothing is adapted. A smoother has no innovations, and no gain of its own.
-   subroutine put_filter(out, key, filter, figures, available)
+   subroutine put_filter(out, key, title, filter, figures, available)
       class(description_type), intent(inout) :: out
-      character(*), intent(in) :: key
+      character(*), intent(in) :: key, title
       type(filter_result_type), intent(in) :: filter
       type(filter_figures_type), intent(in) :: figures
       logical, intent(in) :: available
@@ -49,32 +50,32 @@ contains
          return
       end if
       measured = filter%nis_high > 0.0_dp
-      call out%open(key)
-      call out%put("mean", filter%mean)
-      call out%put("variance", filter%variance)
-      call out%put("gain", filter%gain, measured)
-      call out%put("dc_gain", filter%dc_gain)
-      call out%put("q", filter%q)
-      call out%put("r", filter%r)
-      call out%put("nis_mean", filter%nis_mean, measured)
-      call put_ljung_box(out, "ljung_box", filter%ljung_box, filter%ljung_box%lags > 0)
+      call out%open(key, title)
+      call out%put("mean", filter%mean, title="")
+      call out%put("variance", filter%variance, title="")
+      call out%put("gain", filter%gain, measured, title="mean gain of the last third")
+      call out%put("dc_gain", filter%dc_gain, title="")
+      call out%put("q", filter%q, title="Q")
+      call out%put("r", filter%r, title="R")
+      call out%put("nis_mean", filter%nis_mean, measured, title="")
+      call put_ljung_box(out, "ljung_box", "Ljung-Box of the innovations", filter%ljung_box, filter%ljung_box%lags > 0)
       if (adapts(filter)) then
          call out%put("forgetting", filter%forgetting)
-         call out%put("estimate", filter%estimate)
+         call out%put("estimate", filter%estimate, title="adapts")
       else
          call out%absent("forgetting")
          call out%put("estimate", nothing)
       end if
-      call out%put("clamped", filter%clamped)
-      call out%put("gated", filter%gated)
+      call out%put("clamped", filter%clamped, title="steps at a bound")
+      call out%put("gated", filter%gated, title="gated steps")
       call out%put("rmse", figures%rmse, figures%rmse_samples > 0)
       if (allocated(filter%warnings)) then
-         call out%put("warnings", filter%warnings)
+         call out%put("warnings", filter%warnings, title="notes:")
       else
          call out%put("warnings", nothing)
       end if
-      call out%put("nis_low", filter%nis_low, measured)
-      call out%put("nis_high", filter%nis_high, measured)
+      call out%put("nis_low", filter%nis_low, measured, title="")
+      call out%put("nis_high", filter%nis_high, measured, title="")
       call out%close()
    end subroutine put_filter
 
@@ -98,42 +99,46 @@ contains
          call out%absent("drift")
          return
       end if
-      call out%open("drift")
+      call out%open("drift", "Drift model")
       associate (drift => channel%drift)
          call out%put("found", drift%found)
          if (allocated(channel%drift_doubt)) then
-            call out%put("doubt", channel%drift_doubt)
+            call out%put("doubt", channel%drift_doubt, title="no model describes the record:")
          else
             call out%absent("doubt")
          end if
-         call out%put("tau_s", channel%drift_tau)
-         call out%put("name", trim(drift%name))
+         call out%put("tau_s", channel%drift_tau, title="of processes slower than")
+         call out%put("name", trim(drift%name), title="model")
          call out%put("source", trim(drift%source))
          call put_model(out, drift%model)
-         call out%open_list("slow")
+         call out%open_list("slow", "")
          do i = 1, drift%model%count
             call out%put("", drift%slow(i))
          end do
          call out%close()
          call put_errors(out, drift%std_error, drift%model%count, drift%errors_known)
          call put_processes(out, channel)
-         call out%put("correlation_s", channel%drift_time, drift%found .and. channel%drift_time > 0.0_dp)
-         call out%put("drift_std", drift%drift_std, drift%found)
-         call out%put("white_std", drift%white_std)
-         call out%put("white_std_error", channel%white_std_error, drift%errors_known)
-         call out%put("level", channel%level%mean)
-         call out%put("level_variance", channel%level%variance)
+         call out%put("correlation_s", channel%drift_time, &
+                      drift%found .and. channel%drift_time > 0.0_dp, title="")
+         call out%put("drift_std", drift%drift_std, drift%found, title="standard deviation of the drift")
+         call out%put("white_std", drift%white_std, std_error=channel%white_std_error, &
+                      title="standard deviation of the white noise")
+         call out%put("white_std_error", channel%white_std_error, drift%errors_known, title="")
+         call out%put("level", channel%level%mean, title="")
+         call out%put("level_variance", channel%level%variance, title="")
          call out%put("log_likelihood", drift%log_likelihood)
-         call out%open_list("candidates")
+         call out%open_list("candidates", "Candidates")
          do i = 1, size(drift%candidate)
             call put_candidate(out, drift%candidate(i), i == drift%chosen)
          end do
          call out%close()
-         call out%put("samples", drift%samples)
+         call out%put("samples", drift%samples, title="")
          call out%put("of_samples", drift%of_samples)
          call out%put("block_samples", drift%block)
-         call out%put("compensated_mean", channel%compensated%mean, channel%available%drift_smoother)
-         call out%put("compensated_variance", channel%compensated%variance, channel%available%drift_smoother)
+         call out%put("compensated_mean", channel%compensated%mean, &
+                      channel%available%drift_smoother, title="")
+         call out%put("compensated_variance", channel%compensated%variance, &
+                      channel%available%drift_smoother, title="")
       end associate
       call out%close()
    end subroutine put_drift
@@ -143,9 +148,9 @@ contains
       class(description_type), intent(inout) :: out
       type(component_model_type), intent(in) :: model
 
-      call out%put("phi", model%phi(:model%count))
-      call out%put("q", model%q(:model%count))
-      call out%put("r", model%r)
+      call out%put("phi", model%phi(:model%count), title="")
+      call out%put("q", model%q(:model%count), title="")
+      call out%put("r", model%r, title="")
    end subroutine put_model
 
    !> Their standard errors, null where they are not known.
@@ -157,9 +162,9 @@ contains
       logical, intent(in) :: known
 
       if (known) then
-         call out%put("phi_std_error", std_error%phi(:count))
-         call out%put("q_std_error", std_error%q(:count))
-         call out%put("r_std_error", std_error%r)
+         call out%put("phi_std_error", std_error%phi(:count), title="")
+         call out%put("q_std_error", std_error%q(:count), title="")
+         call out%put("r_std_error", std_error%r, title="")
       else
          call out%absent("phi_std_error")
          call out%absent("q_std_error")
@@ -173,19 +178,23 @@ contains
       type(channel_result_type), intent(in) :: channel
       integer :: i
 
-      call out%open_list("processes")
+      call out%open_list("processes", "Processes")
       do i = 1, size(channel%drift_process)
          associate (process => channel%drift_process(i), known => channel%drift%errors_known)
             call out%open("")
-            call out%put("kind", trim(merge("walk", "ar1 ", process%walk)))
+            call out%put("kind", trim(merge("walk", "ar1 ", process%walk)), title="kind")
             call out%put("drift", process%slow)
-            call out%put("correlation_s", process%time, process%time > 0.0_dp)
-            call out%put("correlation_s_std_error", process%time_error, known .and. process%time > 0.0_dp)
-            call out%put("std", process%std)
-            call out%put("k", process%k%value, process%k%detected)
-            call out%put("k_std_error", process%k%std_error, known .and. process%k%detected)
+            call out%put("correlation_s", process%time, process%time > 0.0_dp, &
+                         std_error=process%time_error, title="correlation time")
+            call out%put("correlation_s_std_error", process%time_error, &
+                         known .and. process%time > 0.0_dp, title="")
+            call out%put("std", process%std, title="standard deviation")
+            call out%put("k", process%k%value, process%k%detected, process%k%unit, &
+                         process%k%std_error, "K")
+            call out%put("k_std_error", process%k%std_error, known .and. process%k%detected, &
+                         title="")
             if (process%walk) then
-               call out%put("k_unit", process%k%unit)
+               call out%put("k_unit", process%k%unit, title="")
             else
                call out%absent("k_unit")
             end if
@@ -203,14 +212,14 @@ contains
       logical, intent(in) :: chosen
 
       call out%open("")
-      call out%put("name", trim(candidate%name))
+      call out%put("name", trim(candidate%name), title="model")
       call out%put("chosen", chosen)
       call put_model(out, candidate%model)
       call put_errors(out, candidate%std_error, candidate%model%count, candidate%errors_known)
       call out%put("parameters", candidate%parameters)
       call out%put("log_likelihood", candidate%log_likelihood)
-      call out%put("aic", candidate%aic)
-      call out%put("bic", candidate%bic)
+      call out%put("aic", candidate%aic, title="AIC")
+      call out%put("bic", candidate%bic, title="BIC")
       call out%put("converged", candidate%converged)
       call out%close()
    end subroutine put_candidate

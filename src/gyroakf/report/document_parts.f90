@@ -4,7 +4,6 @@ module gyroakf_report_document_parts
    use gyroakf_kinds, only : dp
    use gyroakf_units, only : term_names
    use gyroakf_allan_deviations, only : allan_curve_type
-   use gyroakf_allan_halves, only : halves_type
    use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stated_read_off_type, stage, stage_names
    use gyroakf_report_document_ar, only : put_ar_members
    use gyroakf_report_description, only : description_type
@@ -16,7 +15,7 @@ module gyroakf_report_document_parts
    use gyroakf_report_document_correlation, only : put_kpss, put_ljung_box
    implicit none (type, external)
    private
-   public :: put_verdict, put_tests, put_ar, put_allan, put_coefficients
+   public :: put_verdict, put_tests, put_ar, put_allan, put_halves, put_coefficients, put_noise
 
 contains
 
@@ -37,7 +36,7 @@ contains
       allocate (reasons(0))
       if (allocated(channel%verdict%reasons)) reasons = channel%verdict%reasons
       associate (verdict => channel%verdict)
-         call out%open("verdict")
+         call out%open("verdict", "Verdict")
          call out%put("stationary", verdict%stationary, verdict%stationary .or. verdict%drifts)
          call out%put("drift", trim(verdict%drift))
          if (verdict%trend%shape == "") then
@@ -45,8 +44,8 @@ contains
          else
             call out%open("trend")
             call out%put("shape", trim(merge("ramp   ", "warm_up", verdict%trend%shape == "ramp")))
-            call out%put("size", verdict%trend%size)
-            call out%put("std_error", verdict%trend%std_error)
+            call out%put("size", verdict%trend%size, std_error=verdict%trend%std_error)
+            call out%put("std_error", verdict%trend%std_error, title="")
             call out%put("time_constant_s", verdict%trend%time_constant*record%sample_interval, &
                            verdict%trend%shape /= "ramp" .and. record%rate_known)
             call out%put("gain", verdict%trend%gain)
@@ -64,23 +63,25 @@ contains
       !> One channel
       type(channel_result_type), intent(in) :: channel
 
-      call out%open("tests")
-      call out%put("series", trim(channel%tested))
+      call out%open("tests", "Tests")
+      call out%put("series", trim(channel%tested), title="of the")
       call put_adf(out, channel)
       call put_kpss(out, channel)
       if (channel%available%jarque_bera) then
-         call out%open("jarque_bera")
+         call out%open("jarque_bera", "Jarque-Bera")
          call out%put("statistic", channel%jarque_bera%statistic)
          call out%put("p_value", channel%jarque_bera%p_value)
-         call out%put("skewness", channel%jarque_bera%skewness)
-         call out%put("kurtosis", channel%jarque_bera%kurtosis)
-         call out%put("skewness_std_error", channel%jarque_bera%skewness_error)
-         call out%put("kurtosis_std_error", channel%jarque_bera%kurtosis_error)
+         call out%put("skewness", channel%jarque_bera%skewness, &
+                      std_error=channel%jarque_bera%skewness_error)
+         call out%put("kurtosis", channel%jarque_bera%kurtosis, &
+                      std_error=channel%jarque_bera%kurtosis_error)
+         call out%put("skewness_std_error", channel%jarque_bera%skewness_error, title="")
+         call out%put("kurtosis_std_error", channel%jarque_bera%kurtosis_error, title="")
          call out%close()
       else
          call out%absent("jarque_bera")
       end if
-      call put_ljung_box(out, "ljung_box", channel%ljung_box, channel%available%ljung_box)
+      call put_ljung_box(out, "ljung_box", "Ljung-Box", channel%ljung_box, channel%available%ljung_box)
       call put_fisher(out, channel)
       call put_distribution(out, channel)
       call put_welch(out, channel)
@@ -96,18 +97,18 @@ contains
          call out%absent("adf")
          return
       end if
-      call out%open("adf")
+      call out%open("adf", "ADF")
       call out%put("statistic", channel%adf%statistic)
       call out%put("p_value", channel%adf%p_value)
       call out%put("lag", channel%adf%lag)
       call out%put("observations", channel%adf%observations)
       call out%put("regression", trim(channel%adf%regression))
-      call out%open("critical")
+      call out%open("critical", "critical values")
       call out%put("1%", channel%adf%critical(1))
       call out%put("5%", channel%adf%critical(2))
       call out%put("10%", channel%adf%critical(3))
       call out%close()
-      call out%put("stationary", channel%adf%stationary)
+      call out%put("stationary", channel%adf%stationary, title="rejected at 5 %")
       call put_adf_regression(out, channel%adf)
       call out%close()
    end subroutine put_adf
@@ -124,15 +125,15 @@ contains
          call out%absent("ar")
          return
       end if
-      call out%open("ar")
+      call out%open("ar", "AR model")
       call out%put("method", trim(channel%ar%method))
       call out%put("criterion", trim(channel%ar%criterion))
       call out%put("order", channel%ar%order)
       call out%put("coefficients", channel%ar%coefficient)
-      call out%put("std_errors", channel%ar%std_error)
+      call out%put("std_errors", channel%ar%std_error, title="standard errors")
       call out%put("noise_variance", channel%ar%noise_variance)
-      call out%put("mean", channel%ar%mean)
-      call out%open_list("table")
+      call out%put("mean", channel%ar%mean, title="")
+      call out%open_list("table", "")
       do i = lbound(channel%ar%table, 1), ubound(channel%ar%table, 1)
          call out%open("")
          call out%put("order", channel%ar%table(i)%order)
@@ -146,7 +147,8 @@ contains
          call out%close()
       end do
       call out%close()
-      call put_ljung_box(out, "residual_ljung_box", channel%ar%residual_ljung_box, channel%ar%residual_ljung_box%lags > 0)
+      call put_ljung_box(out, "residual_ljung_box", "Residuals", channel%ar%residual_ljung_box, &
+                         channel%ar%residual_ljung_box%lags > 0)
       call put_ar_members(out, channel%ar)
       call out%close()
    end subroutine put_ar
@@ -176,30 +178,32 @@ contains
             call out%close()
          end associate
       end do
-      if (channel%available%halves) then
-         call put_halves(out, channel%halves)
-      else
-         call out%absent("halves")
-      end if
+      call put_halves(out, channel)
       call out%close()
    end subroutine put_allan
 
    !> "halves": the second half of the record against the first.
-   subroutine put_halves(out, halves)
-      !> The document
+   subroutine put_halves(out, channel)
+      !> The renderer
       class(description_type), intent(inout) :: out
-      !> The comparison
-      type(halves_type), intent(in) :: halves
+      !> One channel
+      type(channel_result_type), intent(in) :: channel
 
-      call out%open("halves")
-      call out%put("statistic", halves%statistic)
-      call out%put("freedom", halves%freedom)
-      call out%put("p_value", halves%p_value)
-      call out%put("tau_s", halves%tau)
-      call out%put("ratio", halves%ratio)
-      call out%put("lower", halves%lower)
-      call out%put("upper", halves%upper)
-      call out%close()
+      if (.not. channel%available%halves) then
+         call out%absent("halves")
+         return
+      end if
+      associate (halves => channel%halves)
+         call out%open("halves", "Second half against the first")
+         call out%put("statistic", halves%statistic, title="chi-square")
+         call out%put("freedom", halves%freedom, title="degrees of freedom")
+         call out%put("p_value", halves%p_value)
+         call out%put("tau_s", halves%tau, title="")
+         call out%put("ratio", halves%ratio, title="")
+         call out%put("lower", halves%lower, title="")
+         call out%put("upper", halves%upper, title="")
+         call out%close()
+      end associate
    end subroutine put_halves
 
    !> Members of a curve.
@@ -215,7 +219,7 @@ contains
       call out%put("lower", curve%lower)
       call out%put("upper", curve%upper)
       call out%put("edf", curve%edf)
-      call out%put("terms", curve%terms)
+      call out%put("terms", real(curve%terms, dp))
    end subroutine put_curve
 
    !> "other_kinds": the curves of the further kinds, each under its name.
@@ -247,20 +251,24 @@ contains
 
       call out%open("coefficients")
       do which = stage%input, stage%compensated
-         call put_noise(out, trim(stage_names(which)), channel%allan(which))
+         call put_noise(out, trim(stage_names(which)), "Noise coefficients", channel%allan(which))
       end do
       call out%open("reduction_percent")
       do term = 1, 5
-         call out%put(term_names(term), channel%reduction_percent(term), channel%reduction_known(term))
+         call out%put(term_names(term), channel%reduction_percent(term), &
+                      channel%reduction_known(term))
       end do
       call out%close()
       call out%close()
    end subroutine put_coefficients
 
    !> The coefficients of one series; the numbers of a term that was not fitted are null.
-   subroutine put_noise(out, key, allan)
+   subroutine put_noise(out, key, title, allan)
+      !> The renderer
       class(description_type), intent(inout) :: out
-      character(*), intent(in) :: key
+      !> The series, and what a text calls its coefficients
+      character(*), intent(in) :: key, title
+      !> Absent where nothing was fitted
       type(allan_result_type), intent(in) :: allan
       integer :: term
 
@@ -268,12 +276,12 @@ contains
          call out%absent(key)
          return
       end if
-      call out%open(key)
+      call out%open(key, title)
       do term = 1, 5
          call put_stated(out, term_names(term), allan%stated%term(term), allan%stated%in_units)
       end do
       call put_unquantized(out, allan%stated)
-      call out%put("chi2_reduced", allan%noise%chi2_reduced)
+      call out%put("chi2_reduced", allan%noise%chi2_reduced, title="")
       call put_read_off(out, allan%read_off)
       call put_densities(out, allan%stated)
       call put_description(out, allan%noise)
@@ -286,13 +294,13 @@ contains
       type(stated_read_off_type), intent(in) :: read_off
       integer :: term
 
-      call out%open("read_off")
+      call out%open("read_off", "Read off")
       do term = 1, 5
          call out%put(term_names(term), read_off%value(term), read_off%found(term))
       end do
       call out%put("minimum", read_off%minimum, read_off%known)
-      call out%put("minimum_tau_s", read_off%minimum_tau, read_off%known)
-      call out%put("falling", read_off%falling)
+      call out%put("minimum_tau_s", read_off%minimum_tau, read_off%known, title="at tau =")
+      call out%put("falling", read_off%falling, title="falling at the end")
       call out%close()
    end subroutine put_read_off
 

@@ -21,16 +21,16 @@ contains
          call out%absent("fisher_g")
          return
       end if
-      call out%open("fisher_g")
+      call out%open("fisher_g", "Fisher's g")
       call out%put("statistic", channel%periodicity%fisher%statistic)
       call out%put("p_value", channel%periodicity%fisher%p_value)
-      call out%put("frequency_hz", channel%fisher_frequency)
-      call out%put("log_p_value", channel%periodicity%fisher%log_p_value)
+      call out%put("frequency_hz", channel%fisher_frequency, unit=trim(channel%frequency_unit))
+      call out%put("log_p_value", channel%periodicity%fisher%log_p_value, title="")
       call out%put("applied_to", trim(channel%whitened))
       call out%put("samples", channel%periodicity%samples)
-      call out%put("frequency_unit", trim(channel%frequency_unit))
+      call out%put("frequency_unit", trim(channel%frequency_unit), title="")
       call out%put("of_samples", channel%periodicity%total)
-      call out%put("first_sample", channel%periodicity%first)
+      call out%put("first_sample", channel%periodicity%first, title="")
       call out%close()
    end subroutine put_fisher
 
@@ -45,14 +45,15 @@ contains
          call out%absent("welch")
          return
       end if
-      call out%open("welch")
+      call out%open("welch", "Spectrum (Welch)")
       call out%put("window", trim(channel%spectrum%window))
       call out%put("segment_samples", channel%spectrum%segment)
       call out%put("segments", channel%spectrum%used)
       call out%put("segments_left_out", channel%spectrum%segments - channel%spectrum%used)
       call out%put("overlap", channel%spectrum%overlap)
-      call out%put("resolution_hz", channel%spectrum%resolution)
-      call out%put("noise_bandwidth_hz", channel%spectrum%noise_bandwidth)
+      call out%put("resolution_hz", channel%spectrum%resolution, unit=trim(channel%frequency_unit))
+      call out%put("noise_bandwidth_hz", channel%spectrum%noise_bandwidth, &
+                   unit=trim(channel%frequency_unit))
       call out%put("degrees_of_freedom", channel%spectrum%degrees_of_freedom)
       call out%put("confidence", channel%spectrum%confidence)
       call out%put("frequencies", size(channel%spectrum%frequency, kind=int64))

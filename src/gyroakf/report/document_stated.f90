@@ -22,14 +22,14 @@ contains
          call out%absent("density")
          return
       end if
-      call out%open("density")
+      call out%open("density", "Density of N")
       call put_stated(out, "two_sided", stated%density(1), .true.)
       call put_stated(out, "one_sided", stated%density(2), .true.)
       call out%close()
    end subroutine put_densities
 
    !> A coefficient, or N as a density, in the stated unit and in SI.
-   subroutine put_stated(out, key, stated, in_units)
+   subroutine put_stated(out, key, stated, in_units, title)
       !> The document
       class(description_type), intent(inout) :: out
       !> Its letter, or the density's convention
@@ -38,19 +38,24 @@ contains
       type(stated_coefficient_type), intent(in) :: stated
       !> Rate and unit are known; the SI numbers are null otherwise
       logical, intent(in) :: in_units
+      !> What a text calls it (default: its letter)
+      character(*), intent(in), optional :: title
 
-      call out%open(key)
-      call out%put("value", stated%value, stated%fitted)
-      call out%put("std_error", stated%std_error, stated%fitted)
-      call out%put("upper_limit", stated%upper_limit, stated%fitted)
-      call out%put("detected", stated%detected)
-      call out%put("state", trim(stated%state))
-      call out%put("unit", stated%unit)
-      call out%put("value_si", stated%value_si, stated%fitted .and. in_units)
-      call out%put("std_error_si", stated%std_error_si, stated%fitted .and. in_units)
-      call out%put("upper_limit_si", stated%upper_limit_si, stated%fitted .and. in_units)
+      call out%open(key, title)
+      call out%put("value", stated%value, stated%fitted, stated%unit, stated%std_error, &
+                   trim(merge("=", " ", stated%detected)))
+      call out%put("std_error", stated%std_error, stated%fitted, title="")
+      call out%put("upper_limit", stated%upper_limit, stated%fitted, stated%unit, title=trim(merge(" ", "<", stated%detected)))
+      call out%put("detected", stated%detected, title="")
+      call out%put("state", trim(stated%state), title=trim(merge("     ", "state", stated%fitted)))
+      call out%put("unit", stated%unit, title="")
+      call out%put("value_si", stated%value_si, stated%fitted .and. in_units, &
+                   stated%unit_si, stated%std_error_si, trim(merge("SI:", "   ", stated%detected)))
+      call out%put("std_error_si", stated%std_error_si, stated%fitted .and. in_units, title="")
+      call out%put("upper_limit_si", stated%upper_limit_si, stated%fitted .and. in_units, &
+                   stated%unit_si, title=trim(merge("     ", "SI: <", stated%detected)))
       if (in_units) then
-         call out%put("unit_si", stated%unit_si)
+         call out%put("unit_si", stated%unit_si, title="")
       else
          call out%absent("unit_si")
       end if
@@ -65,7 +70,8 @@ contains
       !> The coefficients of one series
       type(stated_noise_type), intent(in) :: stated
 
-      call put_stated(out, "N_without_quantization", stated%unquantized, stated%in_units)
+      call put_stated(out, "N_without_quantization", stated%unquantized, stated%in_units, &
+                      trim(merge("N unquantized", "             ", stated%unquantized%state /= "")))
       call out%put("lsb_ratio", stated%lsb_ratio, stated%unquantized%state /= "")
    end subroutine put_unquantized
 
@@ -76,20 +82,20 @@ contains
       !> The fit
       type(noise_type), intent(in) :: noise
 
-      call out%open("fit")
+      call out%open("fit", "Fit")
       call out%put("described", noise%described)
       call out%put("points", noise%points)
-      call out%put("left_out", noise%left_out)
-      call out%put("cut_off", noise%cut_off)
-      call out%put("tau_first_s", noise%tau_first, noise%described)
-      call out%put("tau_last_s", noise%tau_last, noise%described)
-      call out%put("chi2_freedom", noise%chi2_freedom)
+      call out%put("left_out", noise%left_out, title="excluded at short tau")
+      call out%put("cut_off", noise%cut_off, title="excluded at long tau")
+      call out%put("tau_first_s", noise%tau_first, noise%described, title="tau from")
+      call out%put("tau_last_s", noise%tau_last, noise%described, title="to")
+      call out%put("chi2_freedom", noise%chi2_freedom, title="degrees of freedom")
       call out%put("p_value", noise%chi2_probability)
-      call out%put("floor_percent", 50*noise%floor)
+      call out%put("floor_percent", 50*noise%floor, title="misfit allowed for")
       call out%put("kurtosis", noise%kurtosis)
       if (allocated(noise%tau)) then
-         call out%put("tau_s", noise%tau)
-         call out%put("residual", noise%residual)
+         call out%put("tau_s", noise%tau, title="")
+         call out%put("residual", noise%residual, title="")
       else
          call out%absent("tau_s")
          call out%absent("residual")

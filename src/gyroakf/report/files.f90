@@ -10,8 +10,7 @@ module gyroakf_report_files
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_report_text_report, only : write_report
    use gyroakf_report_document, only : write_document
-   use gyroakf_report_spectrum_file, only : write_spectrum, has_spectrum
-   use gyroakf_report_ar_details, only : write_ar_spectrum
+   use gyroakf_report_spectrum_file, only : write_spectrum, has_spectrum, write_ar_spectrum
    use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, series_output_type
    use gyroakf_report_text_histogram, only : write_histogram
    use gyroakf_report_correlation_table, only : write_correlation

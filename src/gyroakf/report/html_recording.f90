@@ -126,7 +126,7 @@ contains
             call put_figure(writer, trim(figure_kinds(i)), c, record, result)
          end do
          if (command == "run") call put_advice(writer, view, channel)
-         call put_sections(writer, command, view, channel, .false.)
+         call put_sections(writer, command, view, channel)
          if (command == "run" .and. channel%allan(stage%input)%available) then
             call close_list(writer)
             call put_line(writer, "<details><summary>The Allan deviation in numbers</summary>")

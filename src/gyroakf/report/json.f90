@@ -40,7 +40,6 @@ module gyroakf_report_json
       procedure :: text => put_quoted
       procedure :: numbers => put_numbers
       procedure :: texts => put_list_of_texts
-      procedure :: put_int64s => put_counts
       !> Writes one value that is JSON already, `put_json(key, text)`
       procedure :: put_json => put_raw
    end type json_type
@@ -128,22 +127,6 @@ contains
       end do
       call append(self, "]")
    end subroutine put_numbers
-
-   subroutine put_counts(self, key, value)
-      class(json_type), intent(inout) :: self
-      character(*), intent(in) :: key
-      integer(int64), intent(in) :: value(:)
-      character(24) :: digits
-      integer(int64) :: i
-
-      call put_raw(self, key, "[")
-      do i = 1, size(value, kind=int64)
-         if (i > 1) call append(self, ", ")
-         write (digits, "(i0)") value(i)
-         call append(self, trim(digits))
-      end do
-      call append(self, "]")
-   end subroutine put_counts
 
    subroutine put_list_of_texts(self, key, value)
       class(json_type), intent(inout) :: self

@@ -3,35 +3,16 @@
 module gyroakf_report_models
    use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : record_type
-   use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : channel_result_type
-   use gyroakf_report_ar_details, only : put_ar_normality, put_ar_roots
    use gyroakf_report_input, only : unit_name
-   use gyroakf_report_text_layout, only : put_item, number, scientific, fixed, count_text
-   use gyroakf_report_text_table, only : table_type, new_table, set_exact, set_cell, set_row, put_numbered
-   use gyroakf_report_stationarity, only : whiteness_text
+   use gyroakf_report_text_layout, only : scientific, fixed, count_text
+   use gyroakf_report_text_table, only : table_type, new_table, set_exact, set_cell, set_row
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
    private
-   public :: put_ar_table, make_ar_table, upper_case
+   public :: make_ar_table, upper_case
 
 contains
-
-   !> Orders, criteria, the choice, and the model that was chosen.
-   subroutine put_ar_table(writer, record, channel)
-      !> The report
-      type(writer_type), intent(inout) :: writer
-      !> For the unit
-      type(record_type), intent(in) :: record
-      !> `ar` is filled where it is available
-      type(channel_result_type), intent(in) :: channel
-      type(table_type) :: table
-
-      if (.not. channel%available%ar) return
-      call make_ar_table(record, channel, table)
-      call put_numbered(writer, table)
-      call put_model(writer, channel)
-   end subroutine put_ar_table
 
    !> Table I: a row for each order, with every criterion.
    subroutine make_ar_table(record, channel, table)
@@ -90,26 +71,6 @@ contains
          text = fixed(value, 0)
       end if
    end function criterion
-
-   !> Coefficients of the chosen model.
-   subroutine put_model(writer, channel)
-      type(writer_type), intent(inout) :: writer
-      type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: text
-      integer :: i
-
-      text = ""
-      do i = 1, channel%ar%order
-         text = text//"phi_"//count_text(int(i, int64))//" = "//number(channel%ar%coefficient(i), 6)//" +/- "// &
-                number(channel%ar%std_error(i), 2)//", "
-      end do
-      call put_item(writer, "AR("//count_text(int(channel%ar%order, int64))//")", text//"noise variance "// &
-                    scientific(channel%ar%noise_variance, 6)//" of a variance of "// &
-                    scientific(channel%ar%variance, 6))
-      call put_ar_roots(writer, channel%ar)
-      if (channel%ar%residual_ljung_box%lags > 0) call put_item(writer, "Residuals", whiteness_text(channel%ar%residual_ljung_box))
-      call put_ar_normality(writer, channel%ar)
-   end subroutine put_model
 
    pure function method_name(method) result(name)
       character(*), intent(in) :: method

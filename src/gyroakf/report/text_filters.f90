@@ -8,13 +8,15 @@ module gyroakf_report_text_filters
    use gyroakf_filter_filter_series, only : filter_result_type
    use gyroakf_pipeline_result, only : channel_result_type, filter_figures_type
    use gyroakf_report_input, only : has_unit, unit_name
-   use gyroakf_report_text_layout, only : put_heading, put_item, put_items, put_paragraph, number, scientific, fixed, &
+   use gyroakf_report_text_layout, only : put_heading, put_item, put_paragraph, number, scientific, fixed, &
       count_text
    use gyroakf_report_text_table, only : table_type, new_table, set_exact, set_cell, set_row, put_numbered, put_table
-   use gyroakf_report_stationarity, only : whiteness_text, negligible_rho
    implicit none (type, external)
    private
-   public :: put_filter_table, make_filter_table, whiteness_word, put_filter_details, put_rmse
+   public :: put_filter_table, make_filter_table, whiteness_word, put_rmse
+
+   !> An autocorrelation that does no harm, however significant it is
+   real(dp), parameter :: negligible_rho = 0.05_dp
 
 contains
 
@@ -161,21 +163,6 @@ contains
       end if
    end function whiteness_word
 
-   !> Gain, Q, R, counts and warnings of every filter.
-   subroutine put_filter_details(writer, channel)
-      !> The report
-      type(writer_type), intent(inout) :: writer
-      !> Filters are filled as far as they are available
-      type(channel_result_type), intent(in) :: channel
-
-      if (channel%available%kf) call put_details(writer, "KF", channel%kf)
-      if (channel%available%akf) call put_details(writer, "AKF", channel%akf)
-      if (channel%available%drift_kf) call put_details(writer, "drift KF", channel%drift_kf)
-      if (channel%available%drift_akf) call put_details(writer, "drift AKF", channel%drift_akf)
-      if (channel%available%drift_smoother) call put_item(writer, "smoother", "fixed interval; R of each sample from adaptive "// &
-         "filters from both ends, b = "//number(channel%drift_smoother%forgetting, 4))
-   end subroutine put_filter_details
-
    !> RMSE of every filter against the true drift; nothing where that is not known.
    subroutine put_rmse(writer, record, channel)
       !> The report
@@ -207,28 +194,5 @@ contains
       call put_item(writer, "", "RMSE in "//unit_name(record)//" over "// &
                     count_text(maxval(figures%rmse_samples))//" samples")
    end subroutine put_rmse
-
-   subroutine put_details(writer, name, filter)
-      type(writer_type), intent(inout) :: writer
-      character(*), intent(in) :: name
-      type(filter_result_type), intent(in) :: filter
-      character(:), allocatable :: text
-      integer :: i
-
-      text = "mean gain of the last third "//number(filter%gain, 4)//"; at the end Q "//scientific(filter%q, 5)// &
-             ", R "//scientific(filter%r, 5)
-      if (allocated(filter%estimate)) then
-         do i = 1, size(filter%estimate)
-            if (i == 1) text = text//"; b = "//number(filter%forgetting, 4)//", adapts"
-            text = text//" "//filter%estimate(i)%text
-         end do
-      end if
-      if (filter%clamped > 0) text = text//"; "//count_text(filter%clamped)//" of "//count_text(filter%steps)// &
-                                     " steps held at a bound"
-      if (filter%gated > 0) text = text//"; "//count_text(filter%gated)//" steps gated"
-      call put_item(writer, name, text)
-      call put_item(writer, "", "innovations: "//whiteness_text(filter%ljung_box))
-      call put_items(writer, "Warning", filter%warnings)
-   end subroutine put_details
 
 end module gyroakf_report_text_filters

@@ -2,56 +2,19 @@
 !> Allan curve and Table III (noise coefficients before and after) of a report.
 module gyroakf_report_text_noise
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_record, only : record_type, text_type
+   use gyroakf_record, only : record_type
    use gyroakf_units, only : term_names, quantity
-   use gyroakf_io_writer, only : writer_type, put_line
+   use gyroakf_io_writer, only : writer_type
    use gyroakf_allan_deviations, only : allan_curve_type
-   use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stated_coefficient_type, stage, stage_names
-   use gyroakf_report_chart, only : draw_chart
-   use gyroakf_report_text_conventions, only : put_conventions
-   use gyroakf_report_text_layout, only : put_heading, put_item, put_paragraph, number, count_text
-   use gyroakf_report_text_table, only : table_type, new_table, set_exact, set_cell, put_table, put_numbered
-   use gyroakf_report_fit, only : put_fit
+   use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stage, stage_names
+   use gyroakf_report_text_layout, only : put_heading, number, count_text
+   use gyroakf_report_text_table, only : table_type, new_table, set_exact, set_cell, put_table
    use gyroakf_report_input, only : unit_name
    implicit none (type, external)
    private
-   public :: put_chart, put_curves_of, put_coefficients, put_comparison, make_comparison, term_title
+   public :: put_curves_of, make_comparison
 
 contains
-
-   !> The deviation drawn in characters; nothing where there is none.
-   subroutine put_chart(writer, record, allan, title)
-      !> The report
-      type(writer_type), intent(inout) :: writer
-      !> For the units
-      type(record_type), intent(in) :: record
-      !> Curve, and the fit where there is one
-      type(allan_result_type), intent(in) :: allan
-      !> Which series
-      character(*), intent(in) :: title
-      type(text_type), allocatable :: lines(:)
-      integer :: i
-
-      if (.not. allan%available) return
-      if (.not. allocated(allan%curve%tau)) return
-      associate (curve => allan%curve)
-         if (allan%fitted) then
-            call draw_chart(curve%tau, curve%deviation, curve%lower, curve%upper, writer%unicode, lines, allan%noise%model)
-         else
-            call draw_chart(curve%tau, curve%deviation, curve%lower, curve%upper, writer%unicode, lines)
-         end if
-         if (size(lines) == 0) return
-         call put_heading(writer, title//": "//trim(curve%kind)//" in "//unit_name(record)//" against tau in "// &
-                          trim(merge("s      ", "samples", record%rate_known)))
-         call put_line(writer, "")
-         do i = 1, size(lines)
-            call put_line(writer, lines(i)%text)
-         end do
-         call put_paragraph(writer, "o measured, | its "//number(100*curve%confidence, 4)//" % limits"// &
-                            trim(merge(", . fitted", "          ", allan%fitted))//". Of the slopes -1/2 is that of white "// &
-                            "noise (N), 0 of bias instability (B), +1/2 of random walk (K).", 2)
-      end associate
-   end subroutine put_chart
 
    !> The deviation curve with its confidence limits, and the fitted model beside it.
    subroutine put_curves_of(writer, record, allan, title, name)
@@ -131,100 +94,6 @@ contains
       text = "-"
       if (model > 0.0_dp) text = number(model, 4)
    end function model_text
-
-   !> The coefficients of one series, in the stated units and in those of the curve.
-   subroutine put_coefficients(writer, record, allan, name)
-      !> The report
-      type(writer_type), intent(inout) :: writer
-      !> For the names of the terms
-      type(record_type), intent(in) :: record
-      !> With the fit
-      type(allan_result_type), intent(in) :: allan
-      !> The series in results.json
-      character(*), intent(in) :: name
-      type(table_type) :: table
-      character(:), allocatable :: key
-      integer :: term
-
-      if (.not. allan%fitted) return
-      call put_heading(writer, "Coefficients (limit: one-sided 95 %)")
-      call new_table(table, 6, 6)
-      call set_cell(table, 1, 2, "unit")
-      call set_cell(table, 1, 3, "fitted")
-      call set_cell(table, 1, 4, "std. error")
-      call set_cell(table, 1, 5, "limit")
-      call set_cell(table, 1, 6, "read off")
-      do term = 1, 5
-         associate (stated => allan%stated%term(term))
-            call set_cell(table, term + 1, 1, term_title(record, term))
-            call set_cell(table, term + 1, 2, stated%unit)
-            call set_cell(table, term + 1, 6, read_off_text(allan, term))
-            key = "coefficients."//name//"."
-            if (allan%read_off%found(term)) call set_exact(table, term + 1, 6, key//"read_off."//term_names(term), &
-                                                           allan%read_off%value(term))
-            if (.not. stated%fitted) then
-               call set_cell(table, term + 1, 3, trim(merge("withheld  ", "not fitted", stated%state == "withheld")))
-               cycle
-            end if
-            call set_cell(table, term + 1, 3, value_text(stated))
-            if (stated%detected) call set_cell(table, term + 1, 4, number(stated%std_error, 3))
-            call set_cell(table, term + 1, 5, number(stated%upper_limit, 4))
-            key = key//term_names(term)
-            if (stated%detected) call set_exact(table, term + 1, 3, key//".value", stated%value)
-            if (stated%detected) call set_exact(table, term + 1, 4, key//".std_error", stated%std_error)
-            call set_exact(table, term + 1, 5, key//".upper_limit", stated%upper_limit)
-         end associate
-      end do
-      call put_table(writer, table, 2)
-      call put_fit(writer, record, allan)
-      call put_minimum(writer, record, allan)
-      call put_conventions(writer, allan, "The same")
-   end subroutine put_coefficients
-
-   !> A coefficient as it is read off its segment of the curve.
-   pure function read_off_text(allan, term) result(text)
-      type(allan_result_type), intent(in) :: allan
-      integer, intent(in) :: term
-      character(:), allocatable :: text
-
-      text = "no segment"
-      if (allan%read_off%found(term)) text = number(allan%read_off%value(term), 4)
-   end function read_off_text
-
-   !> The lowest point of the curve, which many data sheets print.
-   subroutine put_minimum(writer, record, allan)
-      type(writer_type), intent(inout) :: writer
-      type(record_type), intent(in) :: record
-      type(allan_result_type), intent(in) :: allan
-      character(:), allocatable :: text
-
-      if (.not. allan%read_off%known) return
-      text = number(allan%read_off%minimum, 4)//" "//allan%stated%term(3)%unit//" at tau = "// &
-             number(allan%read_off%minimum_tau, 4)//trim(merge(" s      ", " samples", record%rate_known))// &
-             ", not divided by 0.6643 (many data sheets call this in-run bias stability)"
-      if (allan%read_off%falling) text = text//"; the curve still falls at its last reliable "// &
-         "point: a longer record may show a lower one"
-      call put_item(writer, "Lowest point", text)
-   end subroutine put_minimum
-
-   !> Table III: coefficients as read, cleaned, and after each filter.
-   subroutine put_comparison(writer, record, channel)
-      !> The report
-      type(writer_type), intent(inout) :: writer
-      !> For the names of the terms
-      type(record_type), intent(in) :: record
-      !> Curves and coefficients as far as they are available
-      type(channel_result_type), intent(in) :: channel
-      type(table_type) :: table
-
-      call make_comparison(record, channel, table)
-      call put_numbered(writer, table)
-      if (channel%allan(stage%compensated)%fitted) call put_item(writer, "compensated", "in-sample; Q and N alone, of the "// &
-         "first "//count_text(int(channel%allan(stage%compensated)%noise%points, int64))//" octaves: at longer ones "// &
-         "the curve lacks what the smoother takes of the noise along with the drift")
-      call put_fit(writer, record, channel%allan(stage%input))
-      call put_conventions(writer, channel%allan(stage%input), "As read")
-   end subroutine put_comparison
 
    !> Table III: a row for each series, a column for each term.
    subroutine make_comparison(record, channel, table)
@@ -317,15 +186,6 @@ contains
          text = "> "//number(channel%reduction_at_least(term), 3)//" %"
       end if
    end function reduction_text
-
-   !> The number, or that there is none.
-   pure function value_text(stated) result(text)
-      type(stated_coefficient_type), intent(in) :: stated
-      character(:), allocatable :: text
-
-      text = "not detected"
-      if (stated%detected) text = number(stated%value, 4)
-   end function value_text
 
    !> Unit of a term, from the first series that has one.
    pure function coefficient_unit_name(channel, term) result(name)

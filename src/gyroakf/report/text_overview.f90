@@ -5,12 +5,14 @@ module gyroakf_report_text_overview
    use gyroakf_io_writer, only : put_line, writer_type
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage
    use gyroakf_record, only : record_type, view_channel
-   use gyroakf_report_models, only : put_ar_table, upper_case
+   use gyroakf_report_document_parts, only : put_ar
+   use gyroakf_report_models, only : make_ar_table, upper_case
    use gyroakf_report_removed, only : cleaning_text
    use gyroakf_report_tests_table, only : bare, has_tests, kpss_p_text, make_tests_table
+   use gyroakf_report_text_description, only : text_description_type
    use gyroakf_report_text_filters, only : make_filter_table, put_rmse, whiteness_word
    use gyroakf_report_text_layout, only : count_text, number, p_value_text, put_item, put_paragraph, rounded, scientific
-   use gyroakf_report_text_table, only : new_table, put_table, set_cell, set_row, table_type
+   use gyroakf_report_text_table, only : new_table, put_numbered, put_table, set_cell, set_row, table_type
    use gyroakf_report_verdicts, only : put_verdict, verdict_text
    implicit none (type, external)
    private
@@ -44,11 +46,12 @@ contains
 
    !> A single channel.
    subroutine put_one(writer, command, record, channel)
-      type(writer_type), intent(inout) :: writer
+      type(writer_type), intent(inout), target :: writer
       character(*), intent(in) :: command
       type(record_type), intent(in) :: record
       type(channel_result_type), intent(in) :: channel
       type(table_type) :: table
+      type(text_description_type) :: out
 
       select case (command)
       case ("tests")
@@ -59,7 +62,11 @@ contains
          call put_table(writer, table)
          call put_paragraph(writer, table%caption//". "//table%note, 2)
       case ("ar")
-         call put_ar_table(writer, record, channel)
+         if (.not. channel%available%ar) return
+         call make_ar_table(record, channel, table)
+         call put_numbered(writer, table)
+         out%writer => writer
+         call put_ar(out, channel)
       case default
          if (channel%available%preprocess) call put_item(writer, "Cleaned", cleaning_text(channel%clean))
          if (channel%available%ar) call put_item(writer, "AR("//count_text(int(channel%ar%order, int64))//")", model_text(channel))

@@ -3,23 +3,23 @@
 !> compute nothing.
 module gyroakf_report_text_report
    use gyroakf_record, only : record_type, view_channel
-   use gyroakf_io_writer, only : writer_type, put_line
+   use gyroakf_io_writer, only : writer_type
    use gyroakf_release, only : release_string
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, stage
-   use gyroakf_report_text_layout, only : put_title, put_heading, put_item
-   use gyroakf_report_input, only : put_input, report_inspect
-   use gyroakf_report_removed, only : put_alerts, put_removed
-   use gyroakf_report_text_answer, only : put_answer
-   use gyroakf_report_text_screen, only : put_screen
-   use gyroakf_report_sections, only : put_tests
-   use gyroakf_report_models, only : put_ar_table
-   use gyroakf_report_text_drift, only : put_drift_model
-   use gyroakf_report_text_filters, only : put_filter_table, put_filter_details, put_rmse
-   use gyroakf_report_text_noise, only : put_chart, put_curves_of, put_coefficients, put_comparison
-   use gyroakf_report_text_changes, only : put_changes
-   use gyroakf_report_text_periodicity, only : put_periodicity
-   use gyroakf_report_verdicts, only : put_verdict
    use gyroakf_report_advice, only : put_advice, put_warnings
+   use gyroakf_report_document_filters, only : put_drift, put_filters
+   use gyroakf_report_document_parts, only : put_ar, put_halves, put_noise, put_tests, put_verdict
+   use gyroakf_report_document_preprocess, only : put_preprocess
+   use gyroakf_report_input, only : put_input, report_inspect, unit_name
+   use gyroakf_report_models, only : make_ar_table
+   use gyroakf_report_removed, only : put_alerts
+   use gyroakf_report_text_answer, only : put_answer
+   use gyroakf_report_text_description, only : text_description_type
+   use gyroakf_report_text_filters, only : put_filter_table
+   use gyroakf_report_text_layout, only : put_heading, put_paragraph, put_title
+   use gyroakf_report_text_noise, only : make_comparison, put_curves_of
+   use gyroakf_report_text_screen, only : put_screen
+   use gyroakf_report_text_table, only : put_numbered, table_type
    implicit none (type, external)
    private
    public :: write_report, report_inspect, put_sections, report_subject
@@ -59,89 +59,68 @@ contains
       call put_input(writer, record)
       do c = 1, size(result%channel)
          call view_channel(record, c, view)
-         call put_channel(writer, command, view, result%channel(c), drawn)
+         call put_channel(writer, command, view, result%channel(c))
       end do
    end subroutine write_report
 
    !> One channel: its sections, and what to make of them.
-   subroutine put_channel(writer, command, record, channel, chart)
+   subroutine put_channel(writer, command, record, channel)
       type(writer_type), intent(inout) :: writer
       character(*), intent(in) :: command
       type(record_type), intent(in) :: record
       type(channel_result_type), intent(in) :: channel
-      !> Draw the deviation
-      logical, intent(in) :: chart
 
       call put_heading(writer, "Channel "//channel%name, "=", verbatim=.true.)
-      call put_sections(writer, command, record, channel, chart)
+      call put_sections(writer, command, record, channel)
       if (command == "run") call put_advice(writer, record, channel)
       call put_warnings(writer, channel)
    end subroutine put_channel
 
    !> The sections of a command, for one channel; those of `run` are in the order of the paper's results.
-   subroutine put_sections(writer, command, record, channel, chart)
+   subroutine put_sections(writer, command, record, channel)
       !> The report
-      type(writer_type), intent(inout) :: writer
+      type(writer_type), intent(inout), target :: writer
       !> run, allan, tests, ar or filter
       character(*), intent(in) :: command
       !> For units and what is assumed
       type(record_type), intent(in) :: record
       !> What came out
       type(channel_result_type), intent(in) :: channel
-      !> Draw the deviation in characters
-      logical, intent(in) :: chart
+      type(text_description_type) :: out
+      type(table_type) :: table
+      logical :: all
 
-      call put_verdict(writer, channel)
+      out%writer => writer
+      all = command == "run"
+      if (all) out%skip = [character(8) :: "adf", "kpss"]       ! of a long record they reject a unit root for any sensor
+      call put_paragraph(writer, "Values are in "//unit_name(record)//" and variances in ("//unit_name(record)// &
+                         ")^2 where no unit stands beside them.", 2)
       call put_alerts(writer, channel)
-      if (channel%available%preprocess .or. command == "run") call put_removed(writer, record, channel)
-      select case (command)
-      case ("allan")
-         call put_curves(writer, record, channel, chart)
-         call put_changes(writer, record, channel)
-      case ("tests")
-         call put_tests(writer, command, channel)
-         call put_periodicity(writer, channel)
-      case ("ar")
-         call put_ar_table(writer, record, channel)
-      case ("filter")
-         call put_ar_table(writer, record, channel)
-         call put_filter_table(writer, record, channel)
-         call put_filter_details(writer, channel)
-         call put_rmse(writer, record, channel)
-         call put_drift_model(writer, record, channel)
-      case default
-         call put_tests(writer, command, channel)
-         call put_periodicity(writer, channel)
-         call put_ar_table(writer, record, channel)
-         call put_filter_table(writer, record, channel)
-         call put_filter_details(writer, channel)
-         call put_rmse(writer, record, channel)
-         call put_drift_model(writer, record, channel)
-         if (chart) call put_chart(writer, record, channel%allan(stage%input), "As read")
-         call put_comparison(writer, record, channel)
-         call put_changes(writer, record, channel)
-      end select
-   end subroutine put_sections
-
-   !> Deviation curves and coefficients, as read and, where something was removed, cleaned.
-   subroutine put_curves(writer, record, channel, chart)
-      type(writer_type), intent(inout) :: writer
-      type(record_type), intent(in) :: record
-      type(channel_result_type), intent(in) :: channel
-      logical, intent(in) :: chart
-      character(:), allocatable :: title
-
-      if (chart) call put_chart(writer, record, channel%allan(stage%input), "As read")
-      call put_curves_of(writer, record, channel%allan(stage%input), "As read", "input")
-      call put_coefficients(writer, record, channel%allan(stage%input), "input")
-      if (channel%available%cleaned) then
-         title = "Cleaned"
-         if (channel%clean%trend%degree < 0) title = "Without outliers"
-         if (chart) call put_chart(writer, record, channel%allan(stage%cleaned), title)
-         call put_curves_of(writer, record, channel%allan(stage%cleaned), title, "cleaned")
-         call put_coefficients(writer, record, channel%allan(stage%cleaned), "cleaned")
+      call put_verdict(out, record, channel)
+      call put_preprocess(out, channel)
+      if (all .or. command == "tests") call put_tests(out, channel)
+      if (channel%available%ar) then
+         call make_ar_table(record, channel, table)
+         call put_numbered(writer, table)
+         call put_ar(out, channel)
       end if
-   end subroutine put_curves
+      if (all .or. command == "filter") then
+         call put_filter_table(writer, record, channel)
+         call put_filters(out, channel)
+         call put_drift(out, channel)
+      end if
+      if (.not. (all .or. command == "allan")) return
+      if (all) then
+         call make_comparison(record, channel, table)
+         call put_numbered(writer, table)
+      end if
+      call put_noise(out, "input", "Noise coefficients of the raw record", channel%allan(stage%input))
+      call put_halves(out, channel)
+      if (all) return
+      call put_noise(out, "cleaned", "Noise coefficients of the cleaned record", channel%allan(stage%cleaned))
+      call put_curves_of(writer, record, channel%allan(stage%input), "Raw", "input")
+      call put_curves_of(writer, record, channel%allan(stage%cleaned), "Cleaned", "cleaned")
+   end subroutine put_sections
 
    !> What the report of a command is about.
    pure function report_subject(command) result(text)
