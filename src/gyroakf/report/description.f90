@@ -47,6 +47,7 @@ module gyroakf_report_description
    abstract interface
       subroutine begin_group(self, key, list)
          import :: description_type
+         implicit none (type, external)
          class(description_type), intent(inout) :: self
          character(*), intent(in) :: key
          logical, intent(in) :: list
@@ -54,17 +55,20 @@ module gyroakf_report_description
 
       subroutine end_group(self)
          import :: description_type
+         implicit none (type, external)
          class(description_type), intent(inout) :: self
       end subroutine end_group
 
       subroutine put_word(self, key)
          import :: description_type
+         implicit none (type, external)
          class(description_type), intent(inout) :: self
          character(*), intent(in) :: key
       end subroutine put_word
 
       subroutine render_number(self, key, value)
          import :: description_type, dp
+         implicit none (type, external)
          class(description_type), intent(inout) :: self
          character(*), intent(in) :: key
          real(dp), intent(in) :: value
@@ -72,6 +76,7 @@ module gyroakf_report_description
 
       subroutine render_count(self, key, value)
          import :: description_type, int64
+         implicit none (type, external)
          class(description_type), intent(inout) :: self
          character(*), intent(in) :: key
          integer(int64), intent(in) :: value
@@ -79,6 +84,7 @@ module gyroakf_report_description
 
       subroutine render_flag(self, key, value)
          import :: description_type
+         implicit none (type, external)
          class(description_type), intent(inout) :: self
          character(*), intent(in) :: key
          logical, intent(in) :: value
@@ -86,12 +92,14 @@ module gyroakf_report_description
 
       subroutine render_text(self, key, value)
          import :: description_type
+         implicit none (type, external)
          class(description_type), intent(inout) :: self
          character(*), intent(in) :: key, value
       end subroutine render_text
 
       subroutine render_numbers(self, key, value)
          import :: description_type, dp
+         implicit none (type, external)
          class(description_type), intent(inout) :: self
          character(*), intent(in) :: key
          real(dp), intent(in) :: value(:)
@@ -99,6 +107,7 @@ module gyroakf_report_description
 
       subroutine render_counts(self, key, value)
          import :: description_type, int64
+         implicit none (type, external)
          class(description_type), intent(inout) :: self
          character(*), intent(in) :: key
          integer(int64), intent(in) :: value(:)
@@ -106,6 +115,7 @@ module gyroakf_report_description
 
       subroutine render_texts(self, key, value)
          import :: description_type, text_type
+         implicit none (type, external)
          class(description_type), intent(inout) :: self
          character(*), intent(in) :: key
          type(text_type), intent(in) :: value(:)
