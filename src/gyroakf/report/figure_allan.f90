@@ -8,7 +8,8 @@ module gyroakf_report_figure_allan
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_report_input, only : has_unit, unit_name
    use gyroakf_report_sign, only : to_unicode
-   use gyroakf_report_svg, only : color_count, figure_type, series_type
+   use gyroakf_report_svg, only : figure_type
+   use gyroakf_report_svg_series, only : color_count, series_type
    use gyroakf_report_text_layout, only : number, rounded
    use gyroakf_units, only : coefficient_unit, coefficient_unit_type, term_names
    implicit none (type, external)

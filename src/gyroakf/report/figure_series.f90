@@ -11,7 +11,8 @@ module gyroakf_report_figure_series
    use gyroakf_pipeline_result, only : channel_result_type
    use gyroakf_record, only : record_type
    use gyroakf_report_sign, only : to_unicode
-   use gyroakf_report_svg, only : figure_type, series_type
+   use gyroakf_report_svg, only : figure_type
+   use gyroakf_report_svg_series, only : series_type
    use gyroakf_stats_trend, only : evaluate_trend
    implicit none (type, external)
    private

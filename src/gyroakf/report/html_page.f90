@@ -2,7 +2,7 @@
 !> report.html: the whole report of a recording as one file that needs nothing else.
 !>
 !>     call open_writer(writer, "results/report.html", error)
-!>     call write_page(writer, about, command, record, result, row)
+!>     call write_page(writer, command, record, result, figures)
 !>     call commit_writer(writer, error)
 module gyroakf_report_html_page
    use, intrinsic :: iso_fortran_env, only : compiler_version
@@ -10,47 +10,42 @@ module gyroakf_report_html_page
    use gyroakf_release, only : release_string
    use gyroakf_io_writer, only : writer_type, put, put_line
    use gyroakf_pipeline_result, only : pipeline_result_type
+   use gyroakf_report_figures, only : named_figure_type
    use gyroakf_report_html_markup, only : close_list, put_element, put_escaped
-   use gyroakf_report_html_recording, only : put_recording
+   use gyroakf_report_html_recording, only : put_recording, record_name
    use gyroakf_report_html_script, only : put_script
    use gyroakf_report_html_style, only : put_style
-   use gyroakf_report_summary, only : summary_row_type, write_summary_table
+   use gyroakf_report_summary, only : summarise, summary_row_type, write_summary_table
    use gyroakf_report_text_report, only : report_subject
    implicit none (type, external)
    private
-   public :: page_about_type, write_page
-
-   !> What a page says of itself
-   type :: page_about_type
-      !> The command line, as it would be typed; "" where there was none
-      character(:), allocatable :: command_line
-      !> Number of the recording among those of the command line
-      integer :: number = 1
-   end type page_about_type
+   public :: write_page
 
 contains
 
    !> The page of one recording.
-   subroutine write_page(writer, about, command, record, result, row)
+   subroutine write_page(writer, command, record, result, figures, command_line)
       !> Open
       type(writer_type), intent(inout) :: writer
-      !> What made it
-      type(page_about_type), intent(in) :: about
       !> run, allan, tests, ar, filter
       character(*), intent(in) :: command
       !> What was read
       type(record_type), intent(in) :: record
       !> What came out
       type(pipeline_result_type), intent(in) :: result
-      !> Its row of the summary
-      type(summary_row_type), intent(in) :: row
-      type(summary_row_type) :: rows(1)
+      !> Of the result: [[build_figures]]
+      type(named_figure_type), intent(in) :: figures(:)
+      !> As it would be typed
+      character(*), intent(in), optional :: command_line
+      type(summary_row_type) :: row(1)
 
-      rows(1) = row
-      call begin_page(writer, command, row%path)
-      if (command /= "run" .and. command /= "allan") call put_summary(writer, command, rows)
-      call put_recording(writer, about%number, command, record, result)
-      call end_page(writer, about)
+      call begin_page(writer, command, record_name(record))
+      if (command /= "run" .and. command /= "allan") then
+         call summarise(command, record_name(record), "", record, row(1), result)
+         call put_summary(writer, command, row)
+      end if
+      call put_recording(writer, command, record, result, figures)
+      call end_page(writer, command_line)
    end subroutine write_page
 
    !> From the document's type to the beginning of the content.
@@ -79,18 +74,18 @@ contains
    end subroutine begin_page
 
    !> From the end of the content to that of the document.
-   subroutine end_page(writer, about)
+   subroutine end_page(writer, command_line)
       type(writer_type), intent(inout) :: writer
-      type(page_about_type), intent(in) :: about
+      character(*), intent(in), optional :: command_line
 
       call close_list(writer)
       call put_line(writer, "</main>")
       call put_line(writer, "<footer>")
       call put_element(writer, "h2", "How this page was made")
       call put_line(writer, "<dl>")
-      if (about%command_line /= "") then
+      if (present(command_line)) then
          call put(writer, "<dt>Command</dt><dd><code>")
-         call put_escaped(writer, about%command_line)
+         call put_escaped(writer, command_line)
          call put_line(writer, "</code></dd>")
       end if
       call put_element(writer, "dt", "Program")
