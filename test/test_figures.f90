@@ -279,7 +279,7 @@ contains
          if (allocated(error)) return
          call expect(1, ">fitted model</text>")
          call expect(1, ">N = ")
-         call expect(1, ">minimum ")
+         call expect(1, ">lowest reliable ")
          call expect(1, ">AKF output</text>")
          call expect(1, "class=""bar""")
          call expect(2, ">drift (smoother)</text>")

@@ -7,12 +7,13 @@ module gyroakf_report_html_recording
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage
    use gyroakf_report_advice, only : put_advice
    use gyroakf_report_document, only : gather_warnings
+   use gyroakf_report_figure_allan, only : minimum_note
    use gyroakf_report_figures, only : named_figure_type
    use gyroakf_report_html_markup, only : close_list, put_attribute, put_element, put_escaped
    use gyroakf_report_input, only : put_input, unit_name
    use gyroakf_report_svg, only : write_svg
    use gyroakf_report_text_answer, only : put_answer
-   use gyroakf_report_text_layout, only : count_text, put_point
+   use gyroakf_report_text_layout, only : count_text, put_paragraph, put_point
    use gyroakf_report_text_noise, only : put_curves_of
    use gyroakf_report_text_report, only : put_sections
    implicit none (type, external)
@@ -41,7 +42,11 @@ contains
       call put_element(writer, "h2", record_name(record))
       writer%markup%level = 3
       call put_all_warnings(writer, record, result)
-      if (command == "run" .or. command == "allan") call put_answer(writer, record, result)
+      if (command == "run" .or. command == "allan") then
+         call put_answer(writer, record, result)
+         if (any(result%channel%allan(stage%input)%fitted)) &
+            call put_paragraph(writer, "minimum: "//minimum_note(), 2)
+      end if
       call close_list(writer)
       do i = 1, size(figures)
          if (figures(i)%kind == "overlay") call put_figure(writer, figures(i), record)
