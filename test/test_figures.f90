@@ -287,6 +287,12 @@ contains
          call expect(3, ">cleaned</text>")
          call expect(3, ">KF</text>")
          call expect(3, ">AKF</text>")
+         if (allocated(error)) return
+         c%allan%noise%described = .false.
+         c%drift_doubt = "the innovations are not white"
+         call take_figures(record, result, "allan series filters", text)
+         call check(error, index(text(1)%text, "fitted model") + index(text(1)%text, "class=""hollow""") == 0, "a model that fails")
+         if (.not. allocated(error)) call check(error, index(text(2)%text, ">drift (smoother)</text>"), 0)
       end associate
 
    contains

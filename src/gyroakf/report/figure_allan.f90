@@ -47,18 +47,18 @@ contains
       associate (allan => channel%allan(stage%input))
          figure%caption = "Error bars: "//number(100*allan%curve%confidence, 3)// &
             " % confidence limits"
-         if (allan%fitted) then
+         if (allan%noise%described) then
             figure%caption = figure%caption// &
                "; hollow: excluded from the fit. Dashed: detected terms"
             do i = 1, size(drawn_terms)
                call set_term(figure%series(2 + i), allan, drawn_terms(i))
             end do
-            call set_curve(figure%series(6), allan, "fitted model", 0)
-            figure%series(6)%y = allan%noise%model
+            call set_curve(figure%series(7), allan, "fitted model", 0)
+            figure%series(7)%y = allan%noise%model
          end if
-         if (allan%read_off%known) figure%caption = figure%caption//"; "//minimum_note()
+         if (allan%read_off%known) figure%caption = figure%caption//"; lowest reliable: "//minimum_note()
          figure%caption = figure%caption//"."
-         if (allan%read_off%known) call set_minimum(figure%series(7), allan, record%rate_known)
+         if (allan%read_off%known) call set_minimum(figure%series(6), allan, record%rate_known)
          call set_curve(figure%series(8), allan, channel%name, 1)
          call set_points(figure%series(8), allan)
       end associate
@@ -152,7 +152,7 @@ contains
       series%style = "points"
       series%lower = allan%curve%lower
       series%upper = allan%curve%upper
-      if (.not. allan%fitted) return
+      if (.not. allan%noise%described) return
       series%hollow = allan%curve%tau < allan%noise%tau_first*(1 - tolerance) .or. &
          allan%curve%tau > allan%noise%tau_last*(1 + tolerance)
    end subroutine set_points
@@ -215,7 +215,7 @@ contains
    pure function minimum_note() result(text)
       character(:), allocatable :: text
 
-      text = "lowest reliable: among points with at least "//number(least_edf, 3)//" degrees of freedom"
+      text = "among points with at least "//number(least_edf, 3)//" degrees of freedom"
    end function minimum_note
 
 end module gyroakf_report_figure_allan

@@ -49,11 +49,17 @@ contains
    end subroutine write_page
 
    !> From the document's type to the beginning of the content.
-   subroutine begin_page(writer, command, what)
+   subroutine begin_page(writer, command, path)
       type(writer_type), intent(inout) :: writer
-      !> Of gyroakf; what the page is of
-      character(*), intent(in) :: command, what
+      character(*), intent(in) :: command
+      !> What was read
+      character(*), intent(in) :: path
+      character(:), allocatable :: name
+      character(8) :: day
 
+      name = path(index(path, "/", back=.true.) + 1:)
+      call date_and_time(date=day)
+      name = name//", "//day(:4)//"-"//day(5:6)//"-"//day(7:)
       writer%markup%on = .true.
       writer%unicode = .true.
       call put_line(writer, "<!DOCTYPE html>")
@@ -62,13 +68,14 @@ contains
       call put_line(writer, "<meta charset=""utf-8"">")
       call put_line(writer, "<meta name=""viewport"" content=""width=device-width, initial-scale=1"">")
       call put_line(writer, "<meta name=""generator"" content=""gyroakf "//release_string//""">")
-      call put_element(writer, "title", what//": "//report_subject(command)//" (gyroakf)")
+      call put_element(writer, "title", name//": "//report_subject(command)//" (gyroakf)")
       call put_style(writer)
       call put_line(writer, "</head>")
       call put_line(writer, "<body>")
       call put_line(writer, "<a class=""skip"" href=""#content"">Skip to the results</a>")
       call put_line(writer, "<header>")
-      call put_element(writer, "h1", "gyroakf "//release_string//": "//report_subject(command))
+      call put_element(writer, "h1", name)
+      call put_element(writer, "p", "gyroakf "//release_string//": "//report_subject(command)//"; "//path)
       call put_line(writer, "</header>")
       call put_line(writer, "<main id=""content"">")
    end subroutine begin_page

@@ -34,22 +34,22 @@ contains
       type(pipeline_result_type), intent(in) :: result
       !> Of the result: [[build_figures]]
       type(named_figure_type), intent(in) :: figures(:)
-      integer :: c, i
+      integer :: c
 
       call put(writer, "<section")
       call put_attribute(writer, "data-path", record_name(record))
       call put_line(writer, ">")
-      call put_element(writer, "h2", record_name(record))
+      call put_element(writer, "h2", "Results")
       writer%markup%level = 3
       call put_all_warnings(writer, record, result)
       if (command == "run" .or. command == "allan") then
          call put_answer(writer, record, result)
          if (any(result%channel%allan(stage%input)%fitted)) &
-            call put_paragraph(writer, "minimum: "//minimum_note(), 2)
+            call put_paragraph(writer, "minimum: lowest reliable Allan deviation, "//minimum_note(), 2)
       end if
       call close_list(writer)
-      do i = 1, size(figures)
-         if (figures(i)%kind == "overlay") call put_figure(writer, figures(i), record)
+      do c = 1, size(result%channel)
+         call put_figures(writer, "overlay", c, record, figures)
       end do
       if (size(result%channel) > 1) call put_channel_list(writer, result)
       call put_input(writer, record)
@@ -115,7 +115,7 @@ contains
       type(pipeline_result_type), intent(in) :: result
       type(named_figure_type), intent(in) :: figures(:)
       type(record_type) :: view
-      integer :: i
+      logical :: folded
 
       call view_channel(record, c, view)
       call put(writer, "<section id=""c"//count_text(int(c, int64))//"""")
@@ -123,23 +123,41 @@ contains
       call put_element(writer, "h3", "Channel "//result%channel(c)%name)
       writer%markup%level = 3
       associate (channel => result%channel(c))
-         do i = 1, size(figures)
-            if (figures(i)%channel == c .and. figures(i)%kind /= "overlay") call put_figure(writer, figures(i), record)
-         end do
+         call put_figures(writer, "allan", c, record, figures)
+         call put_figures(writer, "series", c, record, figures)
+         folded = command == "run" .or. command == "allan"
          if (command == "run") call put_advice(writer, view, channel)
+         call close_list(writer)
+         if (folded) then
+            call put(writer, "<details><summary>")
+            call put_escaped(writer, "Details of "//channel%name)
+            call put_line(writer, "</summary>")
+         end if
+         call put_figures(writer, "filters", c, record, figures)
          call put_sections(writer, command, view, channel, .false.)
          if (command == "run" .and. channel%allan(stage%input)%available) then
-            call close_list(writer)
-            call put_line(writer, "<details><summary>The Allan deviation in numbers</summary>")
             call put_curves_of(writer, view, channel%allan(stage%input), "As read", "input")
             call put_curves_of(writer, view, channel%allan(stage%cleaned), "Cleaned", "cleaned")
-            call close_list(writer)
-            call put_line(writer, "</details>")
          end if
       end associate
       call close_list(writer)
+      if (folded) call put_line(writer, "</details>")
       call put_line(writer, "</section>")
    end subroutine put_channel
+
+   !> The figures of a kind and a channel.
+   subroutine put_figures(writer, kind, c, record, figures)
+      type(writer_type), intent(inout) :: writer
+      character(*), intent(in) :: kind
+      integer, intent(in) :: c
+      type(record_type), intent(in) :: record
+      type(named_figure_type), intent(in) :: figures(:)
+      integer :: i
+
+      do i = 1, size(figures)
+         if (figures(i)%kind == kind .and. figures(i)%channel == c) call put_figure(writer, figures(i), record)
+      end do
+   end subroutine put_figures
 
    !> A figure with its caption.
    subroutine put_figure(writer, named, record)

@@ -49,7 +49,7 @@ module gyroakf_report_html_style
       "  --warn: #000; --warn-ground: #fff } body { max-width: none; padding: 0; font-size: 10pt }", &
       "  .skip, nav, .reading { display: none }", &
       "  h1, h2, h3, h4 { break-after: avoid } figure, tr { break-inside: avoid } .scroll { overflow: visible }", &
-      "  .plot svg { max-height: 20cm } table { font-size: 8pt } th, td { padding: 0.1rem 0.3rem } }"]
+      "  .plot svg { max-height: 8.5cm } table { font-size: 8pt } th, td { padding: 0.1rem 0.3rem } }"]
 
 contains
 

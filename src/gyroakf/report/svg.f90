@@ -8,7 +8,7 @@
 module gyroakf_report_svg
    use gyroakf_kinds, only : dp
    use gyroakf_io_writer, only : writer_type, put, put_line
-   use gyroakf_report_html_markup, only : put_attribute
+   use gyroakf_report_html_markup, only : put_attribute, put_number_attribute
    use gyroakf_report_svg_axis, only : axis_type, find_ticks, is_shown, position, scale_axis, &
       set_range, tick_type
    use gyroakf_report_svg_draw, only : put_path, put_pixels, put_text
@@ -63,7 +63,9 @@ contains
       call put_attribute(writer, "aria-label", figure%title//". "//figure%caption)
       call put_pixels(writer, " viewBox=""0 0 ", extent, """")
       call put_pixels(writer, " width=""", extent(:1), """")
-      call put_pixels(writer, " height=""", extent(2:), """>")
+      call put_pixels(writer, " height=""", extent(2:), """")
+      if (.not. alone) call put_scales(writer, x, y)
+      call put_line(writer, ">")
       if (alone) call put_own_style(writer)
       call put_text(writer, "title", 12.0_dp, 22.0_dp, figure%title)
       call put_axes(writer, figure, x, y)
@@ -74,6 +76,22 @@ contains
       call put_legend(writer, figure%series, legend_top)
       call put_line(writer, "</svg>")
    end subroutine write_svg
+
+   !> What the script of a page takes to turn pixels into values: of either axis the pixels and the
+   !> values of its ends, decimal logarithms of a logarithmic one.
+   subroutine put_scales(writer, x, y)
+      type(writer_type), intent(inout) :: writer
+      type(axis_type), intent(in) :: x, y
+      character(3), parameter :: name(8) = [character(3) :: "x0", "x1", "x2", "x3", "y0", "y1", "y2", "y3"]
+      real(dp) :: value(8)
+      integer :: i
+
+      value = [x%from, x%to, x%first, x%last, y%from, y%to, y%first, y%last]
+      do i = 1, size(name)
+         call put_number_attribute(writer, "data-"//trim(name(i)), value(i))
+      end do
+      if (x%logarithmic) call put_attribute(writer, "data-log", "1")
+   end subroutine put_scales
 
    !> Whether a figure has a point that can be shown.
    pure logical function has_points(figure)
@@ -151,8 +169,8 @@ contains
          call put_path(writer, grid_class(tick(i)), [left, right], [at, at])
          call put_text(writer, "end", left - 7.0_dp, at + 5.0_dp, trim(tick(i)%label))
       end do
-      call put_text(writer, "middle", (left + right)/2, bottom + 48.0_dp, figure%x_label)
-      call put_text(writer, "start", 12.0_dp, top - 12.0_dp, figure%y_label)
+      call put_text(writer, "middle label", (left + right)/2, bottom + 48.0_dp, figure%x_label)
+      call put_text(writer, "start label", 12.0_dp, top - 12.0_dp, figure%y_label)
       if (allocated(figure%right_label)) then
          second = scale_axis(y, figure%right_factor)
          call put_text(writer, "end", width - 12.0_dp, top - 12.0_dp, figure%right_label)

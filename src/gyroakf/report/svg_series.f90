@@ -34,6 +34,8 @@ module gyroakf_report_svg_series
    integer, parameter :: color_count = 6
    !> Pixels of a legend: its rows, its columns
    real(dp), parameter :: row_height = 26.0_dp, legend_column(0:1) = [12.0_dp, 356.0_dp]
+   !> Letters that fit into a column on a narrow screen
+   integer, parameter :: column_letters = 31
 
 contains
 
@@ -123,14 +125,13 @@ contains
       type(series_type), intent(in) :: series(:)
       real(dp), intent(in) :: top
       real(dp) :: at(2)
-      integer :: i, entry
+      integer :: cell(size(series)), i
 
-      entry = 0
+      cell = legend_cells(series)
       do i = size(series), 1, -1
          associate (s => series(i))
-            if (.not. allocated(s%label)) cycle
-            at = [legend_column(modulo(entry, 2)), top + row_height*real(entry/2, dp)]
-            entry = entry + 1
+            if (cell(i) < 0) cycle
+            at = [legend_column(modulo(cell(i), 2)), top + row_height*real(cell(i)/2, dp)]
             call put_group(writer, "key "//trim(s%style), s, i)
             if (allocated(s%x)) call put_sample(writer, s, at)
             call put_text(writer, "start", at(1) + 38.0_dp, at(2) + 5.0_dp, s%label)
@@ -165,14 +166,26 @@ contains
    pure real(dp) function legend_bottom(series, top)
       type(series_type), intent(in) :: series(:)
       real(dp), intent(in) :: top
-      integer :: i, entries
 
-      entries = 0
-      do i = 1, size(series)
-         if (allocated(series(i)%label)) entries = entries + 1
-      end do
-      legend_bottom = top + row_height*real((entries + 1)/2, dp) - 8.0_dp
+      legend_bottom = top + row_height*real((maxval(legend_cells(series)) + 2)/2, dp) - 8.0_dp
    end function legend_bottom
+
+   !> The cell of each series in a legend, from 0 along its rows, -1 without a label; a long label
+   !> takes a row.
+   pure function legend_cells(series) result(cell)
+      type(series_type), intent(in) :: series(:)
+      integer :: cell(size(series))
+      integer :: i, next
+
+      cell = -1
+      next = 0
+      do i = size(series), 1, -1
+         if (.not. allocated(series(i)%label)) cycle
+         if (len(series(i)%label) > column_letters) next = next + modulo(next, 2)
+         cell(i) = next
+         next = next + merge(2, 1, len(series(i)%label) > column_letters)
+      end do
+   end function legend_cells
 
    !> Whether a point of a series lies in a box to the right of a pixel, above and below it.
    pure logical function any_within(series, x, y, at, extent)
