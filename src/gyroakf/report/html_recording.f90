@@ -44,8 +44,9 @@ contains
       call put_all_warnings(writer, record, result)
       if (command == "run" .or. command == "allan") then
          call put_answer(writer, record, result)
-         if (any(result%channel%allan(stage%input)%fitted)) &
+         if (any(result%channel%allan(stage%input)%fitted)) then
             call put_paragraph(writer, "minimum: lowest reliable Allan deviation, "//minimum_note(), 2)
+         end if
       end if
       call close_list(writer)
       do c = 1, size(result%channel)
@@ -167,8 +168,8 @@ contains
       type(record_type) :: view
       character(:), allocatable :: attributes
 
-      attributes = ""
       call view_channel(record, named%channel, view)
+      attributes = ""
       if (named%kind == "allan") call curve_attributes(view, attributes)
       call close_list(writer)
       call put(writer, "<figure"//attributes//"><div class=""plot"" tabindex=""0"" role=""group""")
