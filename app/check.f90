@@ -4,7 +4,7 @@ module gyroakf_app_check
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_writer, only : is_file
    use gyroakf_record, only : text_type
-   use gyroakf_report_files, only : document_mark, foreign_file, is_marked, result_files, result_marks
+   use gyroakf_report_files, only : document_mark, foreign_file, foreign_result, is_marked, result_files
    use gyroakf_report_kalibr, only : kalibr_mark
    use gyroakf_report_latex, only : latex_mark
    use gyroakf_app_config, only : cli_config, has_many_files, reading_config, analysis_config, simulate_config, &
@@ -129,7 +129,7 @@ contains
             if (has_many_files(config)) then
                path = foreign_file(config%out, summary_files, summary_marks)
             else
-               path = foreign_file(config%out, result_files, result_marks)
+               path = foreign_result(config%out)
             end if
          end if
       type is (simulate_config)

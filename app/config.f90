@@ -51,8 +51,6 @@ module gyroakf_app_config
       character(:), allocatable :: list
       !> As it was typed, and the part of it that says how the recording is read
       character(:), allocatable :: command_line, input_options
-      !> Of the recording among those of the command line
-      integer :: number = 1
    end type reading_config
 
    !> inspect

@@ -14,7 +14,6 @@ module gyroakf_app_job
    use gyroakf_report_latex, only : write_latex
    use gyroakf_report_text_report, only : write_report, report_inspect
    use gyroakf_app_config, only : analysis_config, inspect_config
-   use gyroakf_app_page, only : make_page
    use gyroakf_app_interrupt, only : guard_files, interrupted, release_files
    use gyroakf_app_progress_bar, only : bar_type, clear_bar
    use gyroakf_app_reading, only : read_and_look, read_and_run
@@ -101,7 +100,6 @@ contains
       if (allocated(error)) return
       call guard_files()
       call write_files(config, bar, record, result, error)
-      if (.not. allocated(error) .and. allocated(config%out)) call make_page(config, record, result, error)
       call release_files()
       call clear_bar(bar)
       if (.not. allocated(error) .and. interrupted()) call fatal_error(error, status%cancelled, "ended; the files are complete")

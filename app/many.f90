@@ -43,7 +43,7 @@ contains
       if (allocated(error)) return
       allocate (rows(size(paths)))
       do i = 1, size(rows)
-         call work_on_one(job, paths(i)%text, folders(i)%text, i, bar, rows(i), error)
+         call work_on_one(job, paths(i)%text, folders(i)%text, bar, rows(i), error)
          call clear_bar(bar)
          if (allocated(error)) return
          code = max(code, rows(i)%code)
@@ -55,11 +55,9 @@ contains
    end subroutine work_on_many
 
    !> One file; its failure is in its row.
-   subroutine work_on_one(config, path, folder, number, bar, row, error)
+   subroutine work_on_one(config, path, folder, bar, row, error)
       class(reading_config), intent(in) :: config
       character(*), intent(in) :: path, folder
-      !> Of the file among all
-      integer, intent(in) :: number
       type(bar_type), intent(inout) :: bar
       type(summary_row_type), intent(out) :: row
       !> cancelled
@@ -69,7 +67,7 @@ contains
       type(pipeline_result_type) :: result
 
       allocate (job, source=config)
-      call prepare_one(job, path, folder, number)
+      call prepare_one(job, path, folder)
       select type (job)
       type is (inspect_config)
          call inspect(job, bar, record, error)
@@ -121,7 +119,7 @@ contains
          if (forbidden) call usage_error(error, "--out would overwrite the recording '"//paths(i)%text//"'")
          if (allocated(error)) return
          allocate (job, source=config)
-         call prepare_one(job, paths(i)%text, folders(i)%text, i)
+         call prepare_one(job, paths(i)%text, folders(i)%text)
          call check_existing(job, error)
          if (allocated(error)) return
          deallocate (job)
@@ -129,13 +127,11 @@ contains
    end subroutine gather_files
 
    !> The configuration of one file alone.
-   subroutine prepare_one(config, path, folder, number)
+   subroutine prepare_one(config, path, folder)
       class(reading_config), intent(inout) :: config
       character(*), intent(in) :: path, folder
-      integer, intent(in) :: number
 
       config%path = path
-      config%number = number
       config%quiet = .true.
       if (allocated(config%json)) deallocate (config%json)
       if (allocated(config%list)) deallocate (config%list)

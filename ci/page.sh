@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # The page of --out, report.html, in a browser: no message on its console, its script at work, its numbers those of results.json, valid
-# HTML. Of a recording, of several with one that holds traps, and of one without rate and unit.
+# HTML. Of a recording, of several with one that holds traps, and of one without rate and unit; of three axes the printed sheets, of
+# six the size of the page.
 #
 #   ci/page.sh [PROGRAM]      PROGRAM: default is what fpm built
 #
@@ -63,14 +64,48 @@ grep -v '#' "$example" | head -n 2000 >bare.txt
 look bare/report.html bare
 if [ "$(grep -c '<svg' bare/report.html)" -eq 2 ]; then pass; else fail "figures of a record without rate and unit"; fi
 
-for width in 1280 390; do                              # nothing is wider than the window
-   printf '<!DOCTYPE html><title>w</title><iframe src="one/report.html" style="width:%spx;height:900px"></iframe>%s' $width \
-      '<script>onload=function(){var d=frames[0].document.documentElement;document.title=d.scrollWidth-d.clientWidth}</script>' >frame.html
+# Of six axes: the page's size, and the seconds that --out takes.
+for i in 1 2 3 4 5 6; do
+   "$program" simulate --samples 12000 --rate 100 --coefficients N=0.01,B=0.002 --outlier-count 5 --outlier-size 12 --seed $i |
+      grep -v '#' >axis$i.txt
+done
+paste axis?.txt >six.txt
+paste axis[123].txt >three.txt
+begin=$EPOCHREALTIME
+"$program" six.txt --rate 100 --unit deg/s >/dev/null || fail "six axes"
+middle=$EPOCHREALTIME
+"$program" six.txt --rate 100 --unit deg/s --out six >/dev/null || fail "six axes with --out"
+size=$(wc -c <six/report.html)
+awk -v a="$begin" -v b="$middle" -v c="$EPOCHREALTIME" -v size="$size" \
+   'BEGIN { printf "six axes: report.html has %d bytes, --out adds %.2f s to %.2f s\n", size, (c - b) - (b - a), b - a }'
+if [ "$size" -le 1500000 ]; then pass; else fail "the page of six axes has $size bytes"; fi
+
+"$program" three.txt --rate 100 --unit deg/s --out three --quiet || fail "three axes"
+HOME=$work timeout 120 "$browser" --headless=new --no-sandbox --disable-gpu --disable-dev-shm-usage --user-data-dir="$work/profile" \
+   --no-pdf-header-footer --print-to-pdf=three.pdf "file://$work/three/report.html" 2>/dev/null
+sheets=$(grep -aoE '/Type ?/Page([^s]|$)' three.pdf | wc -l)
+if [ "$sheets" -ge 1 ] && [ "$sheets" -le 8 ]; then pass; else fail "three axes on $sheets sheets"; fi
+
+# frame PAGE WIDTH SCRIPT: the page in a frame of a width; the script leaves what it finds in the title of frame.dom
+frame() {
+   printf '<!DOCTYPE html><title>w</title><iframe src="%s" style="width:%spx;height:900px"></iframe><script>onload=function(){%s}</script>' \
+      "$1" "$2" "var d=frames[0].document;$3" >frame.html
    HOME=$work timeout 120 "$browser" --headless=new --no-sandbox --disable-gpu --disable-dev-shm-usage --user-data-dir="$work/profile" \
       --allow-file-access-from-files --virtual-time-budget=5000 --dump-dom "file://$work/frame.html" >frame.dom 2>/dev/null
+}
+
+for width in 1280 390; do                              # nothing is wider than the window
+   frame one/report.html $width 'd=d.documentElement;document.title=d.scrollWidth-d.clientWidth'
    if grep -q '<title>0</title>' frame.dom; then pass; else
       fail "$width: $(grep -o '<title>[^<]*' frame.dom) pixels wider than the window"; fi
 done
+
+# values under the pointer of every figure
+frame three/report.html 1280 'var n=0;d.querySelectorAll("details").forEach(function(e){e.open=true});
+d.querySelectorAll("figure").forEach(function(f){var s=f.querySelector("svg"),b=s.getBoundingClientRect();
+s.dispatchEvent(new PointerEvent("pointermove",{clientX:b.left+b.width/2,clientY:b.top+b.height/2}));
+if(/[:=] -?[0-9.e-]+/.test(f.querySelector(".reading").textContent))n++});document.title=n+" of "+d.querySelectorAll("figure").length'
+if grep -q '<title>10 of 10</title>' frame.dom; then pass; else fail "values of figures: $(grep -o '<title>[^<]*' frame.dom)"; fi
 
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]

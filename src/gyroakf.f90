@@ -72,7 +72,8 @@ module gyroakf
    use gyroakf_report_selftest_report, only : report_selftest
    use gyroakf_report_text_report, only : write_report, report_inspect
    use gyroakf_report_files, only : write_results
-   use gyroakf_report_html_page, only : page_about_type, write_page
+   use gyroakf_report_figures, only : build_figures, named_figure_type
+   use gyroakf_report_html_page, only : write_page
    use gyroakf_report_summary, only : summarise, summarise_failure, summary_row_type
    use gyroakf_report_csv, only : series_output_type
    use gyroakf_report_kalibr, only : check_kalibr, write_kalibr

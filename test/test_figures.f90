@@ -7,17 +7,18 @@ module test_figures
    use gyroakf_error, only : gyro_error => error_type
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, run_pipeline
    use gyroakf_pipeline_result, only : stage
-   use gyroakf_io_writer, only : writer_type
+   use gyroakf_io_writer, only : make_directory, writer_type
    use gyroakf_record, only : add_text, record_type, text_type
    use gyroakf_report_figure_series, only : max_blocks
-   use gyroakf_report_figures, only : build_figure, write_figures
-   use gyroakf_report_files, only : foreign_file, result_files, result_marks, write_results
-   use gyroakf_report_svg, only : figure_type, has_points, series_type, write_svg
+   use gyroakf_report_figures, only : build_figures, named_figure_type
+   use gyroakf_report_files, only : foreign_result, result_files, write_results
+   use gyroakf_report_svg, only : figure_type, has_points, write_svg
+   use gyroakf_report_svg_series, only : series_type
    use gyroakf_report_svg_axis, only : axis_type, find_ticks, is_inside, is_shown, position, scale_axis, set_range, tick_type
    use gyroakf_units, only : parse_unit
    use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record
    use report_fixture, only : begin_text, end_text
-   use scratch_file, only : file_exists, read_bytes, remove_file, remove_folder, scratch_path
+   use scratch_file, only : file_exists, read_bytes, remove_file, remove_folder, scratch_path, write_bytes
    implicit none (type, external)
    private
    public :: collect_figures
@@ -76,34 +77,28 @@ contains
       call run_pipeline(record, options, result, failed)
    end subroutine make_run
 
-   !> Writes the figures of a run, takes their names and texts, and removes them.
+   !> The figures of a run as documents; none where their names are not these.
    subroutine take_figures(record, result, names, text)
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in) :: result
-      !> Names that may be there, separated by blanks; those that are
+      !> Without folder and ending, in their order, separated by blanks
       character(*), intent(in) :: names
       type(text_type), allocatable, intent(out) :: text(:)
-      type(gyro_error), allocatable :: failed
-      character(:), allocatable :: folder, path, rest
-      integer :: at
+      type(named_figure_type), allocatable :: figures(:)
+      type(writer_type) :: writer
+      character(:), allocatable :: found
+      integer :: i
 
-      folder = scratch_path("figures")
-      call write_figures(folder, record, result, failed)
-      allocate (text(0))
-      rest = names//" "
-      do while (rest /= "")
-         at = index(rest, " ")
-         path = folder//"/"//rest(:at - 1)//".svg"
-         rest = rest(at + 1:)
-         if (file_exists(path)) then
-            call add_text(text, read_bytes(path))
-         else
-            call add_text(text, "")
-         end if
-         call remove_file(path)
+      call build_figures(record, result, figures)
+      found = ""
+      allocate (text(size(figures)))
+      do i = 1, size(figures)
+         found = found//" "//figures(i)%name(9:len(figures(i)%name) - 4)
+         call begin_text(writer)
+         call write_svg(writer, figures(i)%figure, .true.)
+         call end_text(writer, text(i)%text)
       end do
-      call remove_folder(folder)
-      if (allocated(failed) .or. file_exists(folder)) text = text(:0)
+      if (found /= " "//names) text = text(:0)
    end subroutine take_figures
 
    !> How often a text holds another.
@@ -284,7 +279,7 @@ contains
          if (allocated(error)) return
          call expect(1, ">fitted model</text>")
          call expect(1, ">N = ")
-         call expect(1, ">minimum ")
+         call expect(1, ">lowest reliable ")
          call expect(1, ">AKF output</text>")
          call expect(1, "class=""bar""")
          call expect(2, ">drift (smoother)</text>")
@@ -292,6 +287,12 @@ contains
          call expect(3, ">cleaned</text>")
          call expect(3, ">KF</text>")
          call expect(3, ">AKF</text>")
+         if (allocated(error)) return
+         c%allan%noise%described = .false.
+         c%drift_doubt = "the innovations are not white"
+         call take_figures(record, result, "allan series filters", text)
+         call check(error, index(text(1)%text, "fitted model") + index(text(1)%text, "class=""hollow""") == 0, "a model that fails")
+         if (.not. allocated(error)) call check(error, index(text(2)%text, ">drift (smoother)</text>"), 0)
       end associate
 
    contains
@@ -314,7 +315,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(record_type) :: record
       type(pipeline_result_type) :: result
-      type(figure_type) :: figure
+      type(named_figure_type), allocatable :: figures(:)
       integer, parameter :: n = 100000
 
       allocate (record%value(n, 1), record%present(n, 1), result%channel(1))
@@ -324,8 +325,8 @@ contains
       record%present = 1_int8
       record%present(500:999, 1) = 0_int8
       result%channel(1)%name = "gx"
-      call build_figure("series", record, result, 1, figure)
-      associate (series => figure%series(1))
+      call build_figures(record, result, figures)
+      associate (series => figures(1)%figure%series(1))
          call check(error, size(series%y) <= 2*max_blocks .and. count(.not. ieee_is_finite(series%y)) >= 1, "points")
          if (allocated(error)) return
          call check(error, any(abs(series%x - 77776.0_dp) < 0.5_dp), "the peak's place")
@@ -348,8 +349,8 @@ contains
 
       call make_run(["Gx  ", "gX  ", "it's"], record, options, result)
       result%channel(3)%name = "it's/c"
-      call take_figures(record, result, "overlay-gx-1 allan-gx-1 allan-gx-2 allan-it_s_c series-gx-1 series-gx-2 series-it_s_c "// &
-                        "filters-gx-1 filters-gx-2 filters-it_s_c", text)
+      call take_figures(record, result, "overlay-gx-1 allan-gx-1 series-gx-1 filters-gx-1 allan-gx-2 series-gx-2 filters-gx-2 "// &
+                        "allan-it_s_c series-it_s_c filters-it_s_c", text)
       call check(error, size(text), 10, "the figures and no others")
       if (allocated(error)) return
       do i = 1, size(text)
@@ -362,8 +363,8 @@ contains
       allocate (record%channel_unit(3))
       record%channel_unit(1:2) = record%unit
       call parse_unit("m/s^2", record%channel_unit(3), failed)
-      call take_figures(record, result, "overlay-gx-1 allan-gx-1 allan-gx-2 allan-it_s_c series-gx-1 series-gx-2 series-it_s_c "// &
-                        "filters-gx-1 filters-gx-2 filters-it_s_c", text)
+      call take_figures(record, result, "overlay-gx-1 allan-gx-1 series-gx-1 filters-gx-1 allan-gx-2 series-gx-2 filters-gx-2 "// &
+                        "allan-it_s_c series-it_s_c filters-it_s_c", text)
       call check(error, size(text) == 10 .and. occurrences(text(1)%text, "class=""series both") == 2, "the unit of an overlay")
    end subroutine test_channels
 
@@ -386,7 +387,7 @@ contains
       call check(error, index(text(1)%text, ">record</text>") > 0)
    end subroutine test_some
 
-   !> A folder that cannot be made is an error of both.
+   !> A folder that cannot be made is an error.
    subroutine test_no_folder(error)
       type(error_type), allocatable, intent(out) :: error
       type(record_type) :: record
@@ -400,16 +401,12 @@ contains
       open (newunit=unit, file=folder, status="replace")
       close (unit)
       allocate (result%channel(0))
-      call write_figures(folder, record, result, failed)
-      call check(error, allocated(failed), "figures in a file")
-      if (.not. allocated(error)) then
-         call write_results(folder, "run", record, options, result, failed)
-         call check(error, allocated(failed), "results in a file")
-      end if
+      call write_results(folder, "run", record, options, result, failed)
+      call check(error, allocated(failed), "results in a file")
       call remove_file(folder)
    end subroutine test_no_folder
 
-   !> All files of a run; a later one that writes fewer leaves none of before.
+   !> All files of a run; a later one that writes fewer leaves none of before; nothing appears where one cannot be written.
    subroutine test_results(error)
       type(error_type), allocatable, intent(out) :: error
       type(record_type) :: record
@@ -417,29 +414,45 @@ contains
       type(pipeline_result_type) :: result
       type(gyro_error), allocatable :: failed
       character(:), allocatable :: folder
+      character(20), parameter :: figures(4) = [character(20) :: "figures/allan.svg", "figures/series.svg", &
+                                                "figures/filters.svg", "figures/allan-old.svg"]
       integer :: i
 
       call make_run(["gx"], record, options, result)
       folder = scratch_path("results")
-      call check(error, foreign_file(folder, result_files, result_marks) == "", "files of a folder that is not there")
+      call check(error, foreign_result(folder) == "", "files of a folder that is not there")
       if (allocated(error)) return
+      call make_directory(folder//"/figures/filters.svg", failed)
+      call write_results(folder, "run", record, options, result, failed)
+      call check(error, allocated(failed), "a folder in the place of the last figure")
+      call remove_folder(folder//"/figures/filters.svg")
+      if (allocated(failed)) deallocate (failed)
+      call check_files("")
       call write_results(folder, "run", record, options, result, failed)
       call check_files("series.csv allan.csv coefficients.csv ar_spectrum.csv correlation.csv histogram.csv spectrum.csv "// &
-                       "report.txt results.json")
-      if (.not. allocated(error)) call check(error, foreign_file(folder, result_files, result_marks) == "", &
-                                             "files of a run are recognized")
+                       "report.txt results.json report.html figures/allan.svg figures/series.svg figures/filters.svg")
+      if (.not. allocated(error)) call check(error, foreign_result(folder) == "", "files of a run are recognized")
+      call write_bytes(folder//"/figures/allan-old.svg", read_bytes(folder//"/figures/allan.svg"))
       options%keep_series = .false.
       options%do_ar = .false.
       options%do_tests = .false.
       result%channel(1)%available%correlation = .false.
+      deallocate (result%channel(1)%series_kf, result%channel(1)%series_akf)
       call write_results(folder, "allan", record, options, result, failed)
-      call check_files("allan.csv coefficients.csv report.txt results.json")
+      call check_files("allan.csv coefficients.csv report.txt results.json report.html figures/allan.svg figures/series.svg")
+      call write_bytes(folder//"/figures/allan-old.svg", "<svg/>")
+      if (.not. allocated(error)) call check(error, foreign_result(folder) == folder//"/figures/allan-old.svg", "another figure")
+      call remove_file(folder//"/figures/allan-old.svg")
       call remove_file(folder//"/results.json")
-      if (.not. allocated(error)) call check(error, foreign_file(folder, result_files, result_marks) == folder//"/report.txt", &
+      if (.not. allocated(error)) call check(error, foreign_result(folder) == folder//"/report.txt", &
                                              "a report without its document")
       do i = 1, size(result_files)
          call remove_file(folder//"/"//trim(result_files(i)))
       end do
+      do i = 1, size(figures)
+         call remove_file(folder//"/"//trim(figures(i)))
+      end do
+      call remove_folder(folder//"/figures")
       call remove_folder(folder)
 
    contains
@@ -451,9 +464,10 @@ contains
          integer :: k
 
          if (.not. allocated(error)) call check(error, .not. allocated(failed), "the files of a run")
-         do k = 1, size(result_files)
+         do k = 1, size(result_files) + size(figures)
             if (allocated(error)) return
-            name = trim(result_files(k))
+            if (k <= size(result_files)) name = trim(result_files(k))
+            if (k > size(result_files)) name = trim(figures(k - size(result_files)))
             call check(error, file_exists(folder//"/"//name) .eqv. index(" "//names//" ", " "//name//" ") > 0, name)
          end do
       end subroutine check_files

@@ -6,10 +6,10 @@ module test_html
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_result_type
    use gyroakf_record, only : record_type
+   use gyroakf_report_figures, only : build_figures, named_figure_type
    use gyroakf_report_html_markup, only : close_list, put_escaped, put_number_attribute
-   use gyroakf_report_html_page, only : page_about_type, write_page
+   use gyroakf_report_html_page, only : write_page
    use gyroakf_report_text_layout, only : put_heading, put_item, put_paragraph, put_point
-   use gyroakf_report_summary, only : summarise, summary_row_type
    use gyroakf_report_text_table, only : new_table, put_table, set_cell, set_exact, table_type
    use report_fixture, only : begin_text, end_text, make_record, make_result
    use testdrive, only : check, error_type, new_unittest, unittest_type
@@ -104,8 +104,7 @@ contains
       type(writer_type) :: writer
       type(record_type) :: record
       type(pipeline_result_type) :: result
-      type(summary_row_type) :: row
-      type(page_about_type) :: about
+      type(named_figure_type), allocatable :: figures(:)
       character(:), allocatable :: text
       integer :: i
 
@@ -113,11 +112,10 @@ contains
       call make_result(record, result)
       record%channel(1)%text = "</section>"
       result%channel(1)%name = record%channel(1)%text
-      about%command_line = "gyroakf 'a b' && rm"
+      call build_figures(record, result, figures)
       do i = 1, size(commands)
-         call summarise(trim(commands(i)), "a&b.txt", "", record, row, result)
          call begin_text(writer)
-         call write_page(writer, about, trim(commands(i)), record, result, row)
+         call write_page(writer, trim(commands(i)), record, result, figures, "gyroakf 'a b' && rm")
          call end_text(writer, text)
          call check(error, index(text, "<!DOCTYPE html>"//lf) == 1 .and. index(text, "</html>"//lf) == len(text) - 7, commands(i))
          if (allocated(error)) return

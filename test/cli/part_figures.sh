@@ -41,3 +41,12 @@ mkdir blocked.d
 bad "a file in the place of the folder" 2 "blocked.d/figures" figure.txt --out blocked.d --quiet
 good "results anew" allan figure.txt --rate 5 --unit deg/s --out run.d --quiet --force
 is "no figure of the run before" "$(names run.d/figures)" "./allan.svg ./series.svg "
+echo '<svg/>' >run.d/figures/allan.svg
+bad "another figure is kept" 2 "run.d/figures/allan.svg: already exists; use --force" figure.txt --out run.d --quiet
+is "as it was" "$(cat run.d/figures/allan.svg)" '<svg/>'
+good "inspect with --force" inspect figure.txt --out run.d --quiet --force
+is "another figure stays, the others go" "$(names run.d/figures)" "./allan.svg "
+rm run.d/figures/allan.svg
+good "figures" figure.txt --out run.d --quiet
+good "inspect" inspect figure.txt --out run.d --quiet
+is "removes the figures of the run before" "$(names run.d/figures)" ""

@@ -13,11 +13,13 @@ is "it begins" "$(head -n 1 page.d/report.html)" "<!DOCTYPE html>"
 is "it ends" "$(tail -n 1 page.d/report.html)" "</html>"
 is "names are escaped" "$(grep -cE '<(b|i)>' page.d/report.html)" 0
 holds "a name as it is" '<h3>Channel &lt;b&gt;&amp;&quot;\&#39;</h3>' page.d/report.html
-holds "a path as it is" '<h2>p &lt;i&gt;&amp;.txt</h2>' page.d/report.html
+holds "file and date" "<h1>p &lt;i&gt;&amp;.txt, $(date +%Y)-" page.d/report.html
+is "details are folded" "$(grep -c '^<details>' page.d/report.html)" 2
+holds "which minimum is meant" "<p>minimum: lowest reliable Allan deviation, among points with at least 20 degrees of freedom" page.d/report.html
 holds "the command line" "gyroakf &#39;p &lt;i&gt;&amp;.txt&#39; --column 1,2 --rate 5 --unit deg/s --out page.d --quiet" page.d/report.html
 is "figures: an overlay, three of each channel" "$(grep -c '<svg class="fig" role="img" aria-label="[^"]' page.d/report.html)" 7
-is "the overlay is above the channels" "$(grep -oE '<figure|<section id="r1c1"' page.d/report.html | head -n 2 | tr '\n' ' ')" \
-   '<figure <section id="r1c1" '
+is "the overlay is above the channels" "$(grep -oE '<figure|<section id="c1"' page.d/report.html | head -n 2 | tr '\n' ' ')" \
+   '<figure <section id="c1" '
 is "the figures are those of the folder" "$(grep -c '<path' page.d/report.html)" "$(cat page.d/figures/*.svg | grep -c '<path')"
 is "nothing from outside" "$(grep -cE 'https?://|@import' page.d/report.html)" 0
 is "every name once" "$(grep -oE ' id="[^"]*"' page.d/report.html | sort | uniq -d | wc -l)" 0

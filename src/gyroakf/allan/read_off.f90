@@ -27,7 +27,7 @@ module gyroakf_allan_read_off
    use gyroakf_allan_noise_model, only : term_count, term_shape
    implicit none (type, external)
    private
-   public :: read_off_type, read_off
+   public :: read_off_type, read_off, least_edf
 
    !> What is read, in units of the curve and seconds (Q: u s, N: u sqrt(s), B: u, K: u/sqrt(s), R: u/s)
    type :: read_off_type

@@ -2,18 +2,20 @@
 !> Figures of the Allan deviation: one channel with its fitted model, and the channels of one unit
 !> over each other.
 module gyroakf_report_figure_allan
+   use gyroakf_allan_read_off, only : least_edf
    use gyroakf_kinds, only : dp
    use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, pipeline_result_type, &
       stage, stated_coefficient_type
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_report_input, only : has_unit, unit_name
    use gyroakf_report_sign, only : to_unicode
-   use gyroakf_report_svg, only : color_count, figure_type, series_type
+   use gyroakf_report_svg, only : figure_type
+   use gyroakf_report_svg_series, only : color_count, series_type
    use gyroakf_report_text_layout, only : number, rounded
    use gyroakf_units, only : coefficient_unit, coefficient_unit_type, term_names
    implicit none (type, external)
    private
-   public :: build_allan_figure, build_overlay
+   public :: build_allan_figure, build_overlay, minimum_note
 
    !> Terms that are drawn: K, B, N; slope of each, and its deviation at an averaging time of 1
    !> over the coefficient
@@ -45,17 +47,18 @@ contains
       associate (allan => channel%allan(stage%input))
          figure%caption = "Error bars: "//number(100*allan%curve%confidence, 3)// &
             " % confidence limits"
-         if (allan%fitted) then
+         if (allan%noise%described) then
             figure%caption = figure%caption// &
                "; hollow: excluded from the fit. Dashed: detected terms"
             do i = 1, size(drawn_terms)
                call set_term(figure%series(2 + i), allan, drawn_terms(i))
             end do
-            call set_curve(figure%series(6), allan, "fitted model", 0)
-            figure%series(6)%y = allan%noise%model
+            call set_curve(figure%series(7), allan, "fitted model", 0)
+            figure%series(7)%y = allan%noise%model
          end if
+         if (allan%read_off%known) figure%caption = figure%caption//"; lowest reliable: "//minimum_note()
          figure%caption = figure%caption//"."
-         if (allan%read_off%known) call set_minimum(figure%series(7), allan, record%rate_known)
+         if (allan%read_off%known) call set_minimum(figure%series(6), allan, record%rate_known)
          call set_curve(figure%series(8), allan, channel%name, 1)
          call set_points(figure%series(8), allan)
       end associate
@@ -149,7 +152,7 @@ contains
       series%style = "points"
       series%lower = allan%curve%lower
       series%upper = allan%curve%upper
-      if (.not. allan%fitted) return
+      if (.not. allan%noise%described) return
       series%hollow = allan%curve%tau < allan%noise%tau_first*(1 - tolerance) .or. &
          allan%curve%tau > allan%noise%tau_last*(1 + tolerance)
    end subroutine set_points
@@ -194,7 +197,7 @@ contains
       end do
    end subroutine fill_between
 
-   !> The lowest deviation.
+   !> The lowest reliable deviation.
    subroutine set_minimum(series, allan, rate_known)
       type(series_type), intent(inout) :: series
       type(allan_result_type), intent(in) :: allan
@@ -203,9 +206,16 @@ contains
       series%style = "mark"
       series%x = [allan%read%minimum_tau]
       series%y = [allan%read%minimum]
-      series%label = "minimum "//number(allan%read_off%minimum, 3)//" "// &
+      series%label = "lowest reliable "//number(allan%read_off%minimum, 3)//" "// &
          to_unicode(allan%stated%term(3)%unit)//" at "//number(allan%read_off%minimum_tau, 3)// &
          trim(merge(" s      ", " samples", rate_known))
    end subroutine set_minimum
+
+   !> Which points the minimum is among.
+   pure function minimum_note() result(text)
+      character(:), allocatable :: text
+
+      text = "among points with at least "//number(least_edf, 3)//" degrees of freedom"
+   end function minimum_note
 
 end module gyroakf_report_figure_allan

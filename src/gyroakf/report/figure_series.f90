@@ -11,7 +11,8 @@ module gyroakf_report_figure_series
    use gyroakf_pipeline_result, only : channel_result_type
    use gyroakf_record, only : record_type
    use gyroakf_report_sign, only : to_unicode
-   use gyroakf_report_svg, only : figure_type, series_type
+   use gyroakf_report_svg, only : figure_type
+   use gyroakf_report_svg_series, only : series_type
    use gyroakf_stats_trend, only : evaluate_trend
    implicit none (type, external)
    private
@@ -28,7 +29,7 @@ contains
       type(record_type), intent(in), target :: record
       !> Of the channel in it
       integer, intent(in) :: number
-      !> Trend, drift and outliers are drawn where they are known
+      !> Trend, drift and outliers are drawn where they are known, a drift that no model describes is not
       type(channel_result_type), intent(in) :: channel
       !> Of the channel
       character(*), intent(in) :: unit
@@ -47,7 +48,7 @@ contains
          call set_outliers(figure%series(2), record, number, channel%series_present)
       end if
       if (channel%clean%trend%degree >= 1) call set_trend(figure%series(3), record, channel)
-      if (allocated(channel%series_drift)) then
+      if (allocated(channel%series_drift) .and. .not. allocated(channel%drift_doubt)) then
          call set_series(figure%series(4), "drift (smoother)", 2, record%sample_interval, channel%series_drift)
       end if
    end subroutine build_record_figure

@@ -1,70 +1,111 @@
 ! SPDX-License-Identifier: MIT
-!> The figures of a result, for a page and as SVG files in DIR/figures.
+!> The figures of a result, for a page and as SVG files in DIR/figures; those that a folder holds.
 !>
-!>     call write_figures("results/figures", record, result, error)
+!>     call build_figures(record, result, figures)
+!>     call write_svg(writer, figures(1)%figure, .true.)
 module gyroakf_report_figures
-   use gyroakf_error, only : error_type
-   use gyroakf_io_writer, only : commit_writer, make_directory, open_writer, remove_file, &
-      writer_type
+   use, intrinsic :: iso_c_binding, only : c_char, c_null_char, c_size_t
    use gyroakf_pipeline_result, only : pipeline_result_type, stage
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_report_figure_allan, only : build_allan_figure, build_overlay
    use gyroakf_report_figure_series, only : build_filter_figure, build_record_figure
    use gyroakf_report_input, only : unit_name
-   use gyroakf_report_svg, only : figure_type, has_points, write_svg
+   use gyroakf_report_svg, only : figure_type, has_points
    implicit none (type, external)
    private
-   public :: write_figures, build_figure, figure_folder, figure_kinds
+   public :: named_figure_type, build_figures, find_figures, figure_folder, name_length
 
    !> Below the folder of the results
    character(*), parameter :: figure_folder = "figures"
+   !> Longest name of a file below the folder of the results
+   integer, parameter :: name_length = len(figure_folder) + 256
    !> In the order of a report; the first one is that of several channels
    character(7), parameter :: figure_kinds(4) = &
       [character(7) :: "overlay", "allan", "series", "filters"]
 
+   !> A figure and its file
+   type :: named_figure_type
+      !> Below the folder of the results: figures/KIND.svg, of several channels figures/KIND-CHANNEL.svg
+      character(:), allocatable :: name
+      !> overlay, allan, series, filters
+      character(7) :: kind = ""
+      !> Number of the channel; an overlay belongs to the first channel of a unit
+      integer :: channel = 0
+      type(figure_type) :: figure
+   end type named_figure_type
+
+   interface
+      !> Names of a folder with an ending, each with a slash behind it, as far as there is room;
+      !> the room that all take
+      integer(c_size_t) function list_files(folder, ending, names, room) &
+         bind(C, name="gyroakf_host_list_files")
+         import :: c_char, c_size_t
+         implicit none (type, external)
+         !> End with a NUL
+         character(kind=c_char), intent(in) :: folder(*), ending(*)
+         character(kind=c_char), intent(inout) :: names(*)
+         integer(c_size_t), intent(in), value :: room
+      end function list_files
+   end interface
+
 contains
 
-   !> Writes all figures that the result has: KIND.svg, of several channels KIND-CHANNEL.svg;
-   !> others of these names are
-   !> removed.
-   subroutine write_figures(folder, record, result, error)
-      !> Made where it does not exist: [[gyroakf_report_figures:figure_folder]] in that of
-      !> [[write_results]], or another
-      character(*), intent(in) :: folder
+   !> Builds all figures that the result has.
+   subroutine build_figures(record, result, figures)
       !> With its samples
       type(record_type), intent(in) :: record
       !> What came out; filtered series are drawn where they were kept
       type(pipeline_result_type), intent(in) :: result
-      !> io, no_memory
-      type(error_type), allocatable, intent(out) :: error
-      type(figure_type) :: figure
-      type(writer_type) :: writer
-      character(:), allocatable :: path
-      integer :: c, i
+      !> Those that have points, channel by channel; may be none
+      type(named_figure_type), allocatable, intent(out) :: figures(:)
+      type(named_figure_type), allocatable :: built(:)
+      integer :: c, i, n
 
-      call make_directory(folder, error)
-      if (allocated(error)) return
+      allocate (built(size(figure_kinds)*size(result%channel)))
+      n = 0
       do c = 1, size(result%channel)
          do i = 1, size(figure_kinds)
-            call build_figure(trim(figure_kinds(i)), record, result, c, figure)
-            path = folder//"/"//trim(figure_kinds(i))//suffix_of(result, c)//".svg"
-            if (.not. has_points(figure)) then
-               call remove_file(path)                      ! of an earlier run
-               cycle
-            end if
-            call open_writer(writer, path, error)
-            if (allocated(error)) return
-            call write_svg(writer, figure, .true.)
-            call commit_writer(writer, error)
-            if (allocated(error)) return
+            call build_figure(figure_kinds(i), record, result, c, built(n + 1)%figure)
+            if (.not. has_points(built(n + 1)%figure)) cycle
+            n = n + 1
+            built(n)%kind = figure_kinds(i)
+            built(n)%channel = c
+            built(n)%name = figure_folder//"/"//trim(figure_kinds(i))//suffix_of(result, c)//".svg"
          end do
       end do
-   end subroutine write_figures
+      allocate (figures(n), source=built(:n))
+   end subroutine build_figures
+
+   !> The files of a folder of results that have names of figures.
+   subroutine find_figures(directory, names)
+      !> May be missing
+      character(*), intent(in) :: directory
+      !> Below it: [number of files]
+      character(name_length), allocatable, intent(out) :: names(:)
+      character(:), allocatable :: folder, list
+      integer(c_size_t) :: used
+      integer :: pass, first, last
+
+      folder = directory//"/"//figure_folder//c_null_char
+      list = ""
+      do pass = 1, 2                                       ! the room that the names take, the names
+         used = list_files(folder, ".svg"//c_null_char, list, len(list, c_size_t))
+         if (pass == 1) list = repeat("/", int(used))
+      end do
+      allocate (names(0))
+      first = 1
+      do while (first < len(list))
+         last = first + index(list(first:), "/") - 2
+         if (any(figure_kinds == list(first:first + scan(list(first:last), "-.") - 2))) then
+            names = [names, [character(name_length) :: figure_folder//"/"//list(first:last)]]
+         end if
+         first = last + 2
+      end do
+   end subroutine find_figures
 
    !> Builds a figure of a channel; without series where the channel has none of the kind.
    subroutine build_figure(kind, record, result, c, figure)
-      !> One of [[gyroakf_report_figures:figure_kinds]]; the overlay belongs to the first channel
-      !> of a unit
+      !> One of [[gyroakf_report_figures:figure_kinds]]
       character(*), intent(in) :: kind
       !> With its samples
       type(record_type), intent(in) :: record
@@ -72,7 +113,6 @@ contains
       type(pipeline_result_type), intent(in) :: result
       !> Number of the channel
       integer, intent(in) :: c
-      !> For [[write_svg]] where [[has_points]] holds
       type(figure_type), intent(out) :: figure
       type(record_type) :: view
 

@@ -10,13 +10,16 @@ module gyroakf_report_files
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_report_text_report, only : write_report
    use gyroakf_report_document, only : write_document
+   use gyroakf_report_figures, only : build_figures, figure_folder, find_figures, name_length, named_figure_type
+   use gyroakf_report_html_page, only : write_page
    use gyroakf_report_spectrum_file, only : write_spectrum, has_spectrum, write_ar_spectrum
+   use gyroakf_report_svg, only : svg_mark, write_svg
    use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, series_output_type
    use gyroakf_report_text_histogram, only : write_histogram
    use gyroakf_report_correlation_table, only : write_correlation
    implicit none (type, external)
    private
-   public :: write_results, remove_others, result_files, result_marks, foreign_file, is_marked, series_output_type
+   public :: write_results, remove_others, result_files, foreign_result, foreign_file, is_marked, series_output_type
 
    !> In the order in which they are written; one of the first three
    character(16), parameter :: result_files(12) = [character(16) :: "series.csv", "series.npy", "series.f64", "allan.csv", &
@@ -33,6 +36,30 @@ module gyroakf_report_files
    character(10), parameter :: unmarked(3) = ["series.npy", "series.f64", "report.txt"]
 
 contains
+
+   !> The first result file or figure in a directory that is not recognized as written by gyroakf, "" where there is none.
+   function foreign_result(directory) result(path)
+      !> May be missing
+      character(*), intent(in) :: directory
+      character(:), allocatable :: path
+      character(name_length), allocatable :: names(:), marks(:)
+
+      call list_results(directory, names, marks)
+      path = foreign_file(directory, names, marks)
+   end function foreign_result
+
+   !> Names of the result files, and of the figures that are there, with the mark of each.
+   subroutine list_results(directory, names, marks)
+      character(*), intent(in) :: directory
+      character(name_length), allocatable, intent(out) :: names(:), marks(:)
+      character(name_length), allocatable :: figures(:)
+
+      call find_figures(directory, figures)
+      names = [[character(name_length) :: result_files], figures]
+      allocate (marks(size(names)))
+      marks = svg_mark
+      marks(:size(result_marks)) = result_marks
+   end subroutine list_results
 
    !> The first file of a set in a directory that is not recognized as written by gyroakf, "" where there is none.
    function foreign_file(directory, names, marks) result(path)
@@ -76,20 +103,20 @@ contains
       character(*), intent(in) :: directory
       !> Names of the files that the run writes
       character(*), intent(in) :: written(:)
+      character(name_length), allocatable :: names(:), marks(:)
       integer :: i
 
-      do i = 1, size(result_files)
-         if (any(written == result_files(i))) cycle
-         if (foreign_file(directory, result_files(i:i), result_marks(i:i)) == "") then
-            call remove_file(directory//"/"//trim(result_files(i)))
-         end if
+      call list_results(directory, names, marks)
+      do i = 1, size(names)
+         if (any(written == names(i))) cycle
+         if (foreign_file(directory, names(i:i), marks(i:i)) == "") call remove_file(directory//"/"//trim(names(i)))
       end do
    end subroutine remove_others
 
    !> Writes the series (where they were kept), allan.csv and coefficients.csv (where there are curves),
    !> ar_spectrum.csv (where there are AR models), correlation.csv, histogram.csv and spectrum.csv
-   !> (where there are tests), report.txt and results.json; those that an earlier run left and this one does not write are removed.
-   !> report.html is one of these: [[write_page]] writes it when there are figures.
+   !> (where there are tests), report.txt, results.json, report.html and the figures; all appear when the last one is complete.
+   !> Those that an earlier run left and this one does not write are removed.
    subroutine write_results(directory, command, record, options, result, error, output, progress, command_line, chart)
       !> Made where it does not exist
       character(*), intent(in) :: directory
@@ -107,50 +134,59 @@ contains
       type(series_output_type), intent(in), optional :: output
       !> Is told while the series are written
       class(progress_type), intent(inout), optional :: progress
-      !> As it would be typed, for results.json
+      !> As it would be typed, for results.json and report.html
       character(*), intent(in), optional :: command_line
       !> Draw the Allan deviations in report.txt (default: yes)
       logical, intent(in), optional :: chart
-      type(writer_type) :: writer(size(result_files))
+      type(named_figure_type), allocatable :: figures(:)
+      type(writer_type), allocatable :: writer(:)
       type(series_output_type) :: series
       logical :: wanted(size(result_files))
-      character(16), allocatable :: written(:)
-      integer :: i
+      character(name_length), allocatable :: names(:)
+      integer :: i, n
 
       if (present(output)) series = output
+      call build_figures(record, result, figures)
       call make_directory(directory, error)
+      if (.not. allocated(error) .and. size(figures) > 0) call make_directory(directory//"/"//figure_folder, error)
       if (allocated(error)) return
       wanted(:3) = options%keep_series .and. [character(3) :: "csv", "npy", "f64"] == series%form
       wanted(4:) = [options%do_allan, options%do_allan, options%do_ar, &
                     any(result%channel%available%correlation), options%do_tests, &
-                    options%do_tests .and. has_spectrum(result), .true., .true., .false.]
-      do i = 1, size(result_files)
-         if (.not. wanted(i)) cycle
-         call open_writer(writer(i), directory//"/"//trim(result_files(i)), error)
-         if (.not. allocated(error)) call write_file(writer(i), trim(result_files(i)), command, record, options, result, series, &
-                                                     error, progress, command_line, chart)
+                    options%do_tests .and. has_spectrum(result), .true., .true., .true.]
+      n = count(wanted)
+      allocate (names(n + size(figures)), writer(n + size(figures)))
+      names(:n) = pack(result_files, wanted)
+      do i = 1, size(names)
+         if (i > n) names(i) = figures(i - n)%name
+         call open_writer(writer(i), directory//"/"//trim(names(i)), error)
+         if (allocated(error)) exit
+         if (i > n) then
+            call write_svg(writer(i), figures(i - n)%figure, .true.)
+         else
+            call write_file(writer(i), trim(names(i)), command, record, options, result, figures, series, error, progress, &
+                            command_line, chart)
+         end if
          if (.not. allocated(error)) call complete_writer(writer(i), error)
-         if (.not. allocated(error)) cycle
-         call discard_all(writer, wanted, i)
-         return
+         if (allocated(error)) exit
+         deallocate (writer(i)%buffer)
       end do
-      allocate (written, source=pack(result_files, wanted))
-      call remove_others(directory, written)
-      do i = 1, size(result_files)
-         if (wanted(i)) call commit_writer(writer(i), error)
-         if (.not. allocated(error)) cycle
-         call discard_all(writer, wanted, size(result_files))
-         return
+      if (.not. allocated(error)) call remove_others(directory, names)
+      do i = 1, size(names)
+         if (.not. allocated(error)) call commit_writer(writer(i), error)
+         if (allocated(error)) call discard_writer(writer(i))
       end do
    end subroutine write_results
 
    !> Content of one file.
-   subroutine write_file(writer, name, command, record, options, result, series, error, progress, command_line, chart)
+   subroutine write_file(writer, name, command, record, options, result, figures, series, error, progress, &
+                         command_line, chart)
       type(writer_type), intent(inout) :: writer
       character(*), intent(in) :: name, command
       type(record_type), intent(in) :: record
       type(pipeline_options), intent(in) :: options
       type(pipeline_result_type), intent(in) :: result
+      type(named_figure_type), intent(in) :: figures(:)
       type(series_output_type), intent(in) :: series
       type(error_type), allocatable, intent(out) :: error
       class(progress_type), intent(inout), optional :: progress
@@ -166,20 +202,9 @@ contains
       case ("spectrum.csv"); call write_spectrum(writer, result)
       case ("report.txt"); call write_report(writer, command, record, options, result, chart)
       case ("results.json"); call write_document(writer, record, result, command_line)
+      case ("report.html"); call write_page(writer, command, record, result, figures, command_line)
       case default; call write_series(writer, record, result, series, error, progress)
       end select
    end subroutine write_file
-
-   !> Forgets the files that were begun.
-   subroutine discard_all(writer, wanted, last)
-      type(writer_type), intent(inout) :: writer(:)
-      logical, intent(in) :: wanted(:)
-      integer, intent(in) :: last
-      integer :: i
-
-      do i = 1, last
-         if (wanted(i)) call discard_writer(writer(i))
-      end do
-   end subroutine discard_all
 
 end module gyroakf_report_files

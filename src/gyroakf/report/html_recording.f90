@@ -7,65 +7,70 @@ module gyroakf_report_html_recording
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage
    use gyroakf_report_advice, only : put_advice
    use gyroakf_report_document, only : gather_warnings
-   use gyroakf_report_figures, only : build_figure, figure_kinds
+   use gyroakf_report_figure_allan, only : minimum_note
+   use gyroakf_report_figures, only : named_figure_type
    use gyroakf_report_html_markup, only : close_list, put_attribute, put_element, put_escaped
    use gyroakf_report_input, only : put_input, unit_name
-   use gyroakf_report_svg, only : figure_type, has_points, write_svg
+   use gyroakf_report_svg, only : write_svg
    use gyroakf_report_text_answer, only : put_answer
-   use gyroakf_report_text_layout, only : count_text, put_point
+   use gyroakf_report_text_layout, only : count_text, put_paragraph, put_point
    use gyroakf_report_text_noise, only : put_curves_of
    use gyroakf_report_text_report, only : put_sections
    implicit none (type, external)
    private
-   public :: put_recording
+   public :: put_recording, record_name
 
 contains
 
    !> The section of a recording.
-   subroutine put_recording(writer, number, command, record, result)
+   subroutine put_recording(writer, command, record, result, figures)
       !> The page
       type(writer_type), intent(inout) :: writer
-      !> Of the recording on the page, from 1: part of every name
-      integer, intent(in) :: number
       !> run, allan, tests, ar, filter
       character(*), intent(in) :: command
       !> What was read
       type(record_type), intent(in) :: record
       !> What came out
       type(pipeline_result_type), intent(in) :: result
-      character(:), allocatable :: id
+      !> Of the result: [[build_figures]]
+      type(named_figure_type), intent(in) :: figures(:)
       integer :: c
 
-      id = "r"//count_text(int(number, int64))
-      call put(writer, "<section id="""//id//"""")
-      call put_attribute(writer, "data-path", path_of(record))
+      call put(writer, "<section")
+      call put_attribute(writer, "data-path", record_name(record))
       call put_line(writer, ">")
-      call put_element(writer, "h2", path_of(record))
+      call put_element(writer, "h2", "Results")
       writer%markup%level = 3
       call put_all_warnings(writer, record, result)
-      if (command == "run" .or. command == "allan") call put_answer(writer, record, result)
+      if (command == "run" .or. command == "allan") then
+         call put_answer(writer, record, result)
+         if (any(result%channel%allan(stage%input)%fitted)) then
+            call put_paragraph(writer, "minimum: lowest reliable Allan deviation, "//minimum_note(), 2)
+         end if
+      end if
       call close_list(writer)
       do c = 1, size(result%channel)
-         call put_figure(writer, "overlay", c, record, result)
+         call put_figures(writer, "overlay", c, record, figures)
       end do
-      if (size(result%channel) > 1) call put_channel_list(writer, id, result)
+      if (size(result%channel) > 1) call put_channel_list(writer, result)
       call put_input(writer, record)
       call close_list(writer)
       do c = 1, size(result%channel)
-         call put_channel(writer, id, c, command, record, result)
+         call put_channel(writer, c, command, record, result, figures)
       end do
       call put_line(writer, "</section>")
    end subroutine put_recording
 
    !> What was read, as it was named.
-   pure function path_of(record) result(path)
+   pure function record_name(record) result(path)
+      !> With its path, or without
       type(record_type), intent(in) :: record
       character(:), allocatable :: path
 
       path = "(in memory)"
       if (allocated(record%path)) path = record%path
       if (path == "-") path = "standard input"
-   end function path_of
+   end function record_name
 
    !> All warnings, above everything else.
    subroutine put_all_warnings(writer, record, result)
@@ -87,16 +92,14 @@ contains
    end subroutine put_all_warnings
 
    !> Ways to the channels.
-   subroutine put_channel_list(writer, id, result)
+   subroutine put_channel_list(writer, result)
       type(writer_type), intent(inout) :: writer
-      !> Of the recording
-      character(*), intent(in) :: id
       type(pipeline_result_type), intent(in) :: result
       integer :: c
 
       call put_line(writer, "<nav aria-label=""Channels""><ul>")
       do c = 1, size(result%channel)
-         call put(writer, "<li><a href=""#"//id//"c"//count_text(int(c, int64))//""">")
+         call put(writer, "<li><a href=""#c"//count_text(int(c, int64))//""">")
          call put_escaped(writer, "Channel "//result%channel(c)%name)
          call put_line(writer, "</a></li>")
       end do
@@ -104,66 +107,77 @@ contains
    end subroutine put_channel_list
 
    !> One channel.
-   subroutine put_channel(writer, id, c, command, record, result)
+   subroutine put_channel(writer, c, command, record, result, figures)
       type(writer_type), intent(inout) :: writer
-      character(*), intent(in) :: id
       !> Number of the channel
       integer, intent(in) :: c
       character(*), intent(in) :: command
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in) :: result
-      character(:), allocatable :: own
+      type(named_figure_type), intent(in) :: figures(:)
       type(record_type) :: view
-      integer :: i
+      logical :: folded
 
       call view_channel(record, c, view)
-      own = id//"c"//count_text(int(c, int64))
-      call put_line(writer, "<section id="""//own//""" data-channel="""//count_text(int(c - 1, int64))//""">")
+      call put(writer, "<section id=""c"//count_text(int(c, int64))//"""")
+      call put_line(writer, " data-channel="""//count_text(int(c - 1, int64))//""">")
       call put_element(writer, "h3", "Channel "//result%channel(c)%name)
       writer%markup%level = 3
       associate (channel => result%channel(c))
-         do i = 2, size(figure_kinds)
-            call put_figure(writer, trim(figure_kinds(i)), c, record, result)
-         end do
+         call put_figures(writer, "allan", c, record, figures)
+         call put_figures(writer, "series", c, record, figures)
+         folded = command == "run" .or. command == "allan"
          if (command == "run") call put_advice(writer, view, channel)
+         call close_list(writer)
+         if (folded) then
+            call put(writer, "<details><summary>")
+            call put_escaped(writer, "Details of "//channel%name)
+            call put_line(writer, "</summary>")
+         end if
+         call put_figures(writer, "filters", c, record, figures)
          call put_sections(writer, command, view, channel)
          if (command == "run" .and. channel%allan(stage%input)%available) then
-            call close_list(writer)
-            call put_line(writer, "<details><summary>The Allan deviation in numbers</summary>")
             call put_curves_of(writer, view, channel%allan(stage%input), "As read", "input")
             call put_curves_of(writer, view, channel%allan(stage%cleaned), "Cleaned", "cleaned")
-            call close_list(writer)
-            call put_line(writer, "</details>")
          end if
       end associate
       call close_list(writer)
+      if (folded) call put_line(writer, "</details>")
       call put_line(writer, "</section>")
    end subroutine put_channel
 
-   !> A figure with its caption; nothing where there is none of the kind.
-   subroutine put_figure(writer, kind, c, record, result)
+   !> The figures of a kind and a channel.
+   subroutine put_figures(writer, kind, c, record, figures)
       type(writer_type), intent(inout) :: writer
       character(*), intent(in) :: kind
-      !> Number of the channel
       integer, intent(in) :: c
       type(record_type), intent(in) :: record
-      type(pipeline_result_type), intent(in) :: result
-      type(figure_type) :: figure
+      type(named_figure_type), intent(in) :: figures(:)
+      integer :: i
+
+      do i = 1, size(figures)
+         if (figures(i)%kind == kind .and. figures(i)%channel == c) call put_figure(writer, figures(i), record)
+      end do
+   end subroutine put_figures
+
+   !> A figure with its caption.
+   subroutine put_figure(writer, named, record)
+      type(writer_type), intent(inout) :: writer
+      type(named_figure_type), intent(in) :: named
+      type(record_type), intent(in) :: record
       type(record_type) :: view
       character(:), allocatable :: attributes
 
-      call build_figure(kind, record, result, c, figure)
-      if (.not. has_points(figure)) return
+      call view_channel(record, named%channel, view)
       attributes = ""
-      call view_channel(record, c, view)
-      if (kind == "allan") call curve_attributes(view, attributes)
+      if (named%kind == "allan") call curve_attributes(view, attributes)
       call close_list(writer)
       call put(writer, "<figure"//attributes//"><div class=""plot"" tabindex=""0"" role=""group""")
-      call put_attribute(writer, "aria-label", figure%title)
+      call put_attribute(writer, "aria-label", named%figure%title)
       call put_line(writer, ">")
-      call write_svg(writer, figure, .false.)
+      call write_svg(writer, named%figure, .false.)
       call put_line(writer, "</div>")
-      call put_element(writer, "figcaption", figure%caption)
+      call put_element(writer, "figcaption", named%figure%caption)
       call put_line(writer, "</figure>")
    end subroutine put_figure
 

@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> What a page does: entries of a legend show and hide their series; the Allan deviation is read by pointing at it or with
-!> the arrow keys, from the table that holds its numbers; paper shows what is folded. Without scripts nothing is lost: the
-!> table is there.
+!> What a page does: entries of a legend show and hide their series; figures are read by pointing at them, the Allan deviation
+!> of a channel with the arrow keys too, from the table that holds its numbers. Without scripts nothing is lost: the table is there.
 module gyroakf_report_html_script
    use gyroakf_io_writer, only : writer_type, put_line
    implicit none (type, external)
@@ -10,6 +9,13 @@ module gyroakf_report_html_script
 
    character(*), parameter :: lines(*) = [character(128) :: &
       "'use strict';", &
+      "function add_reading(figure, how) {", &
+      "  var reading = document.createElement('p');", &
+      "  reading.className = 'reading';", &
+      "  reading.setAttribute('role', 'status');", &
+      "  reading.textContent = 'To read values, ' + how;", &
+      "  return figure.insertBefore(reading, figure.querySelector('figcaption'));", &
+      "}", &
       "document.querySelectorAll('.fig .key').forEach(function (key) {", &
       "  key.addEventListener('click', function () {", &
       "    key.parentNode.querySelectorAll('[data-series=""' + key.dataset.series + '""]').forEach(function (g) {", &
@@ -25,11 +31,7 @@ module gyroakf_report_html_script
       "  }", &
       "  var tau = column('tau_s'), deviation = column('deviation'), lower = column('lower'), upper = column('upper');", &
       "  if (points.length === 0 || points.length !== deviation.length) return;", &
-      "  var reading = document.createElement('p');", &
-      "  reading.className = 'reading';", &
-      "  reading.setAttribute('role', 'status');", &
-      "  reading.textContent = 'To read the curve, point at it, or use the arrow keys.';", &
-      "  figure.insertBefore(reading, figure.querySelector('figcaption'));", &
+      "  var reading = add_reading(figure, 'point at it, or use the arrow keys.');", &
       "  var mark = document.createElementNS(svg.namespaceURI, 'circle');", &
       "  mark.setAttribute('r', '8'); mark.setAttribute('fill', 'none'); mark.setAttribute('stroke', 'currentColor');", &
       "  mark.setAttribute('stroke-width', '2.5');", &
@@ -58,8 +60,29 @@ module gyroakf_report_html_script
       "    show(Math.max(0, Math.min(points.length - 1, at + step)));", &
       "  });", &
       "});", &
-      "window.addEventListener('beforeprint', function () {", &
-      "  document.querySelectorAll('details').forEach(function (d) { d.open = true; });", &
+      "document.querySelectorAll('figure:not([data-curve])').forEach(function (figure) {", &
+      "  var svg = figure.querySelector('svg'), scale = svg.dataset, labels = svg.querySelectorAll('.label');", &
+      "  var points = Array.from(svg.querySelectorAll('.series [data-i]')), reading = add_reading(figure, 'point at it.');", &
+      "  function value(axis, p) {", &
+      "    var a = [0, 1, 2, 3].map(function (i) { return Number(scale[axis + i]); });", &
+      "    p = Math.min(1, Math.max(0, (p - a[0]) / (a[1] - a[0])));", &
+      "    p = a[2] + p * (a[3] - a[2]);", &
+      "    return Number((scale.log ? Math.pow(10, p) : p).toPrecision(4));", &
+      "  }", &
+      "  svg.addEventListener('pointermove', function (event) {", &
+      "    var at = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());", &
+      "    var name = '', least = 12;", &
+      "    points.forEach(function (point) {", &
+      "      var box = point.getBBox(), x = box.x + box.width / 2, y = box.y + box.height / 2;", &
+      "      var d = Math.hypot(x - at.x, y - at.y), series = point.parentNode.dataset.series;", &
+      "      if (d >= least || point.getClientRects().length === 0) return;", &
+      "      least = d; at.near = [x, y];", &
+      "      name = svg.querySelector('.key[data-series=""' + series + '""]').textContent.trim() + ': ';", &
+      "    });", &
+      "    at = at.near || [at.x, at.y];", &
+      "    reading.textContent = name + labels[0].textContent + ': ' + value('x', at[0]) + '; ' +", &
+      "      labels[1].textContent + ': ' + value('y', at[1]);", &
+      "  });", &
       "});"]
 
 contains

@@ -31,7 +31,8 @@ module gyroakf_report_html_style
       "dt.warning, dt.warning + dd { color: var(--warn) }", &
       ".warnings { background: var(--warn-ground); border-left: 0.35rem solid var(--warn); padding: 0.1rem 1rem 0.4rem }", &
       ".warnings h3 { margin: 0.6rem 0 0.2rem; color: var(--warn) }", &
-      ".scroll { overflow-x: auto; margin: 0.5rem 0 1rem }", &
+      ".scroll { overflow-x: auto; margin: 0.5rem 0 1rem; background: linear-gradient(to left, var(--ground) 40%, transparent)", &
+      "  100% 0/40px 100% no-repeat local, linear-gradient(to left, var(--line), transparent) 100% 0/12px 100% no-repeat }", &
       "table { border-collapse: collapse; font-size: 0.92rem; font-variant-numeric: tabular-nums; overflow-wrap: normal }", &
       "caption { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); white-space: nowrap;", &
       "  left: 0 } .scroll { position: relative }", &
@@ -44,12 +45,13 @@ module gyroakf_report_html_style
       "figcaption, .reading { font-size: 0.92rem; margin: 0.5rem 0.2rem 0 } .reading { min-height: 1.55em; color: var(--text) }", &
       "details { margin: 1rem 0 } summary { cursor: pointer; font-weight: 600 }", &
       "code { font-family: ui-monospace, 'DejaVu Sans Mono', Consolas, monospace; font-size: 0.92em }", &
-      "@media (max-width: 40rem) { dl { display: block } dd { margin: 0 0 0.4rem } h1 { font-size: 1.4rem } }", &
+      "@media (max-width: 40rem) { dl { display: block } dd { margin: 0 0 0.4rem } h1 { font-size: 1.4rem }", &
+      "  table { font-size: 0.8rem } th, td { padding: 0.25rem 0.3rem } }", &
       "@media print { :root { --text: #000; --soft: #333; --ground: #fff; --card: #fff; --line: #999; --link: #000;", &
       "  --warn: #000; --warn-ground: #fff } body { max-width: none; padding: 0; font-size: 10pt }", &
       "  .skip, nav, .reading { display: none }", &
       "  h1, h2, h3, h4 { break-after: avoid } figure, tr { break-inside: avoid } .scroll { overflow: visible }", &
-      "  .plot svg { max-height: 20cm } table { font-size: 8pt } th, td { padding: 0.1rem 0.3rem } }"]
+      "  .scroll { background: none } .plot svg { max-height: 8.5cm } table { font-size: 8pt } th, td { padding: 0.1rem 0.3rem } }"]
 
 contains
 

@@ -1,43 +1,22 @@
 ! SPDX-License-Identifier: MIT
-!> A figure as SVG: one frame with axes, grid, ticks, a second axis, series and a legend, light and
-!> dark.
+!> A figure as SVG: one frame with axes, grid, ticks, a second axis, slopes, series and a legend.
 !>
 !>     type(figure_type) :: figure
 !>     allocate (figure%series(1))
 !>     figure%series(1) = series_type(label="rate", x=time, y=rate)
 !>     call write_svg(writer, figure, .true.)
-!>
-!> Colors are those of Okabe and Ito, distinguishable by the color-blind. Series and their entries
-!> in the legend share
-!> `data-series`, by which the script of a page shows and hides them.
 module gyroakf_report_svg
    use gyroakf_kinds, only : dp
    use gyroakf_io_writer, only : writer_type, put, put_line
-   use gyroakf_report_html_markup, only : put_attribute
-   use gyroakf_report_svg_axis, only : axis_type, find_ticks, is_inside, is_shown, position, scale_axis, &
+   use gyroakf_report_html_markup, only : put_attribute, put_number_attribute
+   use gyroakf_report_svg_axis, only : axis_type, find_ticks, is_shown, position, scale_axis, &
       set_range, tick_type
-   use gyroakf_report_svg_draw, only : put_circle, put_path, put_pixels, put_text
+   use gyroakf_report_svg_draw, only : put_path, put_pixels, put_text
+   use gyroakf_report_svg_series, only : any_within, legend_bottom, put_legend, put_series, series_type
    use gyroakf_report_svg_style, only : put_own_style
    implicit none (type, external)
    private
-   public :: series_type, figure_type, write_svg, has_points, set_axes, color_count
-
-   !> What one series draws
-   type :: series_type
-      !> In the legend; unallocated: not there
-      character(:), allocatable :: label
-      !> "line", "points" (with error bars), "both", "guide" (dashed, no part of the ranges),
-      !> "mark" (rings)
-      character(6) :: style = "line"
-      !> 0 is that of the text, 1 to color_count, -1 a soft one
-      integer :: color = 0
-      !> [n]; a line is broken at points that cannot be shown
-      real(dp), allocatable :: x(:), y(:)
-      !> Ends of the error bars: [n]; unallocated: none
-      real(dp), allocatable :: lower(:), upper(:)
-      !> Points that are hollow: [n]; unallocated: none
-      logical, allocatable :: hollow(:)
-   end type series_type
+   public :: figure_type, write_svg, has_points, set_axes
 
    !> A figure
    type :: figure_type
@@ -54,12 +33,11 @@ module gyroakf_report_svg
       type(series_type), allocatable :: series(:)
    end type figure_type
 
-   !> Colors of series
-   integer, parameter :: color_count = 6
-   !> Pixels: the whole width, borders of the frame, of the legend its top, its rows and its columns
+   !> Stands at the head of every figure that is a document of its own
+   character(*), parameter, public :: svg_mark = "<!-- Figure of gyroakf -->"
+   !> Pixels: the whole width, borders of the frame, top of the legend
    real(dp), parameter :: width = 720.0_dp, left = 84.0_dp, right = 636.0_dp, top = 58.0_dp, &
-      bottom = 368.0_dp, &
-      legend_top = 446.0_dp, row_height = 26.0_dp, legend_column(0:1) = [12.0_dp, 356.0_dp]
+      bottom = 368.0_dp, legend_top = 446.0_dp
    !> Room for a label along the axes
    real(dp), parameter :: x_room = 78.0_dp, y_room = 34.0_dp
 
@@ -74,22 +52,20 @@ contains
       !> A document of its own with its style; else an element of a page that has [[put_svg_style]]
       logical, intent(in) :: alone
       type(axis_type) :: x, y
-      real(dp) :: height
-      integer :: i, entries
+      real(dp) :: extent(2)
+      integer :: i
 
       call set_axes(figure, x, y)
-      entries = 0
-      do i = 1, size(figure%series)
-         if (allocated(figure%series(i)%label)) entries = entries + 1
-      end do
-      height = legend_top + row_height*real((entries + 1)/2, dp) - 8.0_dp
-      if (alone) call put_line(writer, "<?xml version=""1.0"" encoding=""UTF-8""?>")
+      extent = [width, legend_bottom(figure%series, legend_top)]
+      if (alone) call put_line(writer, "<?xml version=""1.0"" encoding=""UTF-8""?>"//new_line("a")//svg_mark)
       call put(writer, "<svg class=""fig"" role=""img""")
       if (alone) call put(writer, " xmlns=""http://www.w3.org/2000/svg""")
       call put_attribute(writer, "aria-label", figure%title//". "//figure%caption)
-      call put_pixels(writer, " viewBox=""0 0 ", [width, height], """")
-      call put_pixels(writer, " width=""", [width], """")
-      call put_pixels(writer, " height=""", [height], """>")
+      call put_pixels(writer, " viewBox=""0 0 ", extent, """")
+      call put_pixels(writer, " width=""", extent(:1), """")
+      call put_pixels(writer, " height=""", extent(2:), """")
+      if (.not. alone) call put_scales(writer, x, y)
+      call put_line(writer, ">")
       if (alone) call put_own_style(writer)
       call put_text(writer, "title", 12.0_dp, 22.0_dp, figure%title)
       call put_axes(writer, figure, x, y)
@@ -97,9 +73,25 @@ contains
       do i = 1, size(figure%series)
          call put_series(writer, figure%series(i), i, x, y)
       end do
-      call put_legend(writer, figure)
+      call put_legend(writer, figure%series, legend_top)
       call put_line(writer, "</svg>")
    end subroutine write_svg
+
+   !> What the script of a page takes to turn pixels into values: of either axis the pixels and the
+   !> values of its ends, decimal logarithms of a logarithmic one.
+   subroutine put_scales(writer, x, y)
+      type(writer_type), intent(inout) :: writer
+      type(axis_type), intent(in) :: x, y
+      character(3), parameter :: name(8) = [character(3) :: "x0", "x1", "x2", "x3", "y0", "y1", "y2", "y3"]
+      real(dp) :: value(8)
+      integer :: i
+
+      value = [x%from, x%to, x%first, x%last, y%from, y%to, y%first, y%last]
+      do i = 1, size(name)
+         call put_number_attribute(writer, "data-"//trim(name(i)), value(i))
+      end do
+      if (x%logarithmic) call put_attribute(writer, "data-log", "1")
+   end subroutine put_scales
 
    !> Whether a figure has a point that can be shown.
    pure logical function has_points(figure)
@@ -177,8 +169,8 @@ contains
          call put_path(writer, grid_class(tick(i)), [left, right], [at, at])
          call put_text(writer, "end", left - 7.0_dp, at + 5.0_dp, trim(tick(i)%label))
       end do
-      call put_text(writer, "middle", (left + right)/2, bottom + 48.0_dp, figure%x_label)
-      call put_text(writer, "start", 12.0_dp, top - 12.0_dp, figure%y_label)
+      call put_text(writer, "middle label", (left + right)/2, bottom + 48.0_dp, figure%x_label)
+      call put_text(writer, "start label", 12.0_dp, top - 12.0_dp, figure%y_label)
       if (allocated(figure%right_label)) then
          second = scale_axis(y, figure%right_factor)
          call put_text(writer, "end", width - 12.0_dp, top - 12.0_dp, figure%right_label)
@@ -218,7 +210,7 @@ contains
          at = [left + 12.0_dp, bottom - 16.0_dp - rise*length]
          if (modulo(corner, 2) == 0) at(1) = right - length - room - 12.0_dp
          if (corner == 2 .or. corner == 3) at(2) = top + 16.0_dp + rise*length
-         if (.not. any_within(figure, x, y, at, [length + room, rise*length + 12.0_dp])) exit
+         if (.not. any_within(figure%series, x, y, at, [length + room, rise*length + 12.0_dp])) exit
       end do
       if (corner > 4) return
       call put_line(writer, "<g class=""soft"">")
@@ -229,152 +221,5 @@ contains
       end do
       call put_line(writer, "</g>")
    end subroutine put_slopes
-
-   !> Whether a point of a series lies in a box to the right of a pixel, above and below it.
-   pure logical function any_within(figure, x, y, at, extent)
-      type(figure_type), intent(in) :: figure
-      type(axis_type), intent(in) :: x, y
-      real(dp), intent(in) :: at(2), extent(2)
-      real(dp) :: across, down
-      integer :: i, k
-
-      any_within = .false.
-      do i = 1, size(figure%series)
-         associate (s => figure%series(i))
-            if (.not. allocated(s%x)) cycle
-            do k = 1, size(s%x)
-               if (.not. is_inside(x, s%x(k))) cycle
-               if (.not. is_inside(y, s%y(k))) cycle
-               across = position(x, s%x(k)) - at(1)
-               down = abs(position(y, s%y(k)) - at(2))
-               if (across < -6.0_dp .or. across > extent(1) .or. down > extent(2)) cycle
-               any_within = .true.
-            end do
-         end associate
-      end do
-   end function any_within
-
-   !> Line, error bars, points of one series.
-   subroutine put_series(writer, series, number, x, y)
-      type(writer_type), intent(inout) :: writer
-      type(series_type), intent(in) :: series
-      integer, intent(in) :: number
-      type(axis_type), intent(in) :: x, y
-      integer :: i
-
-      if (.not. allocated(series%x)) return
-      call put_group(writer, "series "//trim(series%style), series, number)
-      if (has_line(series)) call put_polyline(writer, series, x, y)
-      if (any(series%style == [character(6) :: "points", "both", "mark"])) then
-         do i = 1, size(series%x)
-            if (.not. is_inside(x, series%x(i))) cycle
-            if (is_inside(y, series%y(i))) call put_point(writer, series, i, x, y)
-         end do
-      end if
-      call put_line(writer, "</g>")
-   end subroutine put_series
-
-   !> Begins a group; what it holds has the series' color.
-   subroutine put_group(writer, class, series, number)
-      type(writer_type), intent(inout) :: writer
-      character(*), intent(in) :: class
-      type(series_type), intent(in) :: series
-      integer, intent(in) :: number
-
-      call put(writer, "<g class="""//class)
-      if (series%color > 0) call put_pixels(writer, " c", [real(series%color, dp)], "")
-      if (series%color < 0) call put(writer, " soft")
-      call put_pixels(writer, """ data-series=""", [real(number, dp)], """>")
-   end subroutine put_group
-
-   !> The points of a series in order, broken where one cannot be shown or is outside.
-   subroutine put_polyline(writer, series, x, y)
-      type(writer_type), intent(inout) :: writer
-      type(series_type), intent(in) :: series
-      type(axis_type), intent(in) :: x, y
-      character(1) :: step
-      logical :: inside
-      integer :: i
-
-      call put(writer, "<path d=""")
-      step = "M"
-      do i = 1, size(series%x)
-         inside = is_inside(x, series%x(i))
-         if (inside) inside = is_inside(y, series%y(i))
-         if (inside) then
-            call put_pixels(writer, step, [position(x, series%x(i)), position(y, series%y(i))], "")
-         end if
-         step = merge("L", "M", inside)
-      end do
-      call put_line(writer, """/>")
-   end subroutine put_polyline
-
-   !> A point with its error bar, as far as that is inside; a ring of a mark.
-   subroutine put_point(writer, series, i, x, y)
-      type(writer_type), intent(inout) :: writer
-      type(series_type), intent(in) :: series
-      integer, intent(in) :: i
-      type(axis_type), intent(in) :: x, y
-      character(:), allocatable :: class
-      real(dp) :: at(2), ends(2)
-
-      at = [position(x, series%x(i)), position(y, series%y(i))]
-      if (allocated(series%lower)) then
-         if (is_shown(y, series%lower(i)) .and. is_shown(y, series%upper(i))) then
-            ends = max(top, min(bottom, position(y, [series%lower(i), series%upper(i)])))
-            call put_path(writer, "bar", [at(1), at(1)], ends)
-         end if
-      end if
-      class = "dot"
-      if (allocated(series%hollow)) then
-         if (series%hollow(i)) class = "hollow"
-      end if
-      if (series%style == "mark") class = "ring"
-      call put_circle(writer, class, at, merge(9.0_dp, 3.8_dp, class == "ring"), i)
-   end subroutine put_point
-
-   !> The labels of the series, the last one first, in two columns below the frame, each behind a
-   !> sample of what is drawn.
-   subroutine put_legend(writer, figure)
-      type(writer_type), intent(inout) :: writer
-      type(figure_type), intent(in) :: figure
-      real(dp) :: at(2)
-      integer :: i, entry
-
-      entry = 0
-      do i = size(figure%series), 1, -1
-         associate (s => figure%series(i))
-            if (.not. allocated(s%label)) cycle
-            at = [legend_column(modulo(entry, 2)), legend_top + row_height*real(entry/2, dp)]
-            entry = entry + 1
-            call put_group(writer, "key "//trim(s%style), s, i)
-            if (allocated(s%x)) call put_sample(writer, s, at)
-            call put_text(writer, "start", at(1) + 38.0_dp, at(2) + 5.0_dp, s%label)
-            call put_line(writer, "</g>")
-         end associate
-      end do
-   end subroutine put_legend
-
-   !> A sample of what a series draws.
-   subroutine put_sample(writer, series, at)
-      type(writer_type), intent(inout) :: writer
-      type(series_type), intent(in) :: series
-      !> Its left end
-      real(dp), intent(in) :: at(2)
-
-      if (has_line(series)) call put_path(writer, "", at(1) + [0.0_dp, 28.0_dp], [at(2), at(2)])
-      select case (series%style)
-      case ("points", "both"); call put_circle(writer, "dot", at + [14.0_dp, 0.0_dp], 3.8_dp, 0)
-      case ("mark"); call put_circle(writer, "ring", at + [14.0_dp, 0.0_dp], 8.0_dp, 0)
-      case default
-      end select
-   end subroutine put_sample
-
-   !> Whether a series is drawn as a line.
-   pure logical function has_line(series)
-      type(series_type), intent(in) :: series
-
-      has_line = any(series%style == [character(6) :: "line", "both", "guide"])
-   end function has_line
 
 end module gyroakf_report_svg
