@@ -13,7 +13,7 @@ module gyroakf_report_removed
    private
    public :: put_alerts, put_removed, cleaning_text
 
-   !> The variance before the cut is told where it is larger by this
+   !> The variance before the cut is shown where it is larger by this factor
    real(dp), parameter :: cut_matters = 1.001_dp
 
 contains

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> The part of a report that tells whether the noise changed during the record.
+!> The section of a report on changes of the noise during the record.
 module gyroakf_report_text_changes
    use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : record_type
@@ -11,8 +11,8 @@ module gyroakf_report_text_changes
    private
    public :: put_changes
 
-   !> Averaging times that are told one by one
-   integer, parameter :: told_max = 3
+   !> Maximum number of averaging times that are listed individually
+   integer, parameter :: max_listed = 3
    !> A change of the deviation by less is small
    real(dp), parameter :: small_change = 0.03_dp
 
@@ -45,7 +45,7 @@ contains
       character(*), intent(in) :: time
       character(:), allocatable :: text
       logical, allocatable :: left(:)
-      integer :: i, told
+      integer :: i, listed
 
       text = "chi-square "//number(halves%statistic, 4)//" with "//plural(int(halves%freedom, int64), "degree")// &
              " of freedom, "//p_value_text(halves%p_value)
@@ -55,11 +55,11 @@ contains
       end if
       text = "the second half has another Allan curve than the first: "//text
       left = halves%differs
-      do told = 1, told_max
+      do listed = 1, max_listed
          if (.not. any(left)) exit
          i = maxloc(abs(halves%score), dim=1, mask=left)
          left(i) = .false.
-         text = text//"; "//change_text(halves, i, time, told == 1)
+         text = text//"; "//change_text(halves, i, time, listed == 1)
       end do
       if (any(left)) text = text//"; and at "//plural(count(left, kind=int64), "more averaging time")
       if (.not. any(halves%differs)) text = text//"; at no single averaging time is the difference significant"

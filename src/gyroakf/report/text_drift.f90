@@ -62,15 +62,15 @@ contains
          select case (drift%source)
          case ("autocov"); text = "least squares on the autocovariances, for no likelihood has a maximum"
          case default
-            text = "largest likelihood of "
+            text = "maximum likelihood from "
             if (drift%samples < drift%of_samples) text = text//"the middle "//count_text(drift%samples)//" of "
             text = text//count_text(drift%of_samples)//" samples"
-            if (drift%block > 1) text = text//", the slowest processes that of means of "//count_text(drift%block)// &
+            if (drift%block > 1) text = text//", slowest processes from means of "//count_text(drift%block)// &
                " samples over the whole record"
          end select
          if (.not. drift%errors_known .and. drift%model%count > 0) then
             text = text//"; its standard errors are not known"
-            if (drift%source == "likelihood") text = text//", a variance is all but nothing"
+            if (drift%source == "likelihood") text = text//", a variance is at its bound of zero"
          end if
       end associate
    end function source_text

@@ -191,7 +191,7 @@ contains
       if (allan%read_off%found(term)) text = number(allan%read_off%value(term), 4)
    end function read_off_text
 
-   !> The lowest point of the curve, which many data sheets print.
+   !> The minimum of the overlapping Allan deviation, which many data sheets state.
    subroutine put_minimum(writer, record, allan)
       type(writer_type), intent(inout) :: writer
       type(record_type), intent(in) :: record
@@ -201,10 +201,10 @@ contains
       if (.not. allan%read_off%known) return
       text = number(allan%read_off%minimum, 4)//" "//allan%stated%term(3)%unit//" at tau = "// &
              number(allan%read_off%minimum_tau, 4)//trim(merge(" s      ", " samples", record%rate_known))// &
-             ", not divided by 0.6643 (many data sheets call this in-run bias stability)"
+             ", not divided by 0.6643 (in many data sheets: in-run bias stability)"
       if (allan%read_off%falling) text = text//"; the curve still falls at its last reliable "// &
          "point: a longer record may show a lower one"
-      call put_item(writer, "Lowest point", text)
+      call put_item(writer, "Minimum", text)
    end subroutine put_minimum
 
    !> Table III: coefficients as read, cleaned, and after each filter.

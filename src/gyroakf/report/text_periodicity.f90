@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> The part of a report that tells what is periodic in a channel.
+!> The section of a report on the periodic components of a channel.
 module gyroakf_report_text_periodicity
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_writer, only : writer_type
