@@ -38,7 +38,7 @@ contains
          if (has_many_files(config)) then
             call check_many(config, error)
          else if (config%path == "") then
-            call usage_error(error, "no file; '-' reads standard input, gyroakf --help tells more")
+            call usage_error(error, "no file; '-' reads standard input; see gyroakf --help")
          else
             call check_outputs(config, error)
          end if

@@ -239,7 +239,7 @@ contains
       end do
    end function options_of
 
-   !> Applies --preset, or all others; an option of a file is told with its line.
+   !> Applies --preset, or all others; an error in an option of a file is reported with its line.
    subroutine apply_options(words, config, preset, error)
       type(words_type), intent(in) :: words
       class(cli_config), intent(inout) :: config

@@ -118,7 +118,7 @@ contains
       select type (config)
       type is (analysis_config)
          if (command == "run") return
-         call choose_rooms(command, config%pipeline)
+         call choose_stages(command, config%pipeline)
       end select
    end subroutine new_config
 
@@ -131,8 +131,8 @@ contains
       if (allocated(config%paths)) has_many_files = has_many_files .or. size(config%paths) > 1
    end function has_many_files
 
-   !> A single command: the record as it is, and only the rooms that it names.
-   subroutine choose_rooms(command, pipeline)
+   !> A single command: the raw record, and only the stages that the command names.
+   subroutine choose_stages(command, pipeline)
       character(*), intent(in) :: command
       type(pipeline_options), intent(inout) :: pipeline
 
@@ -144,6 +144,6 @@ contains
       pipeline%do_ar = command == "ar" .or. command == "filter"
       pipeline%do_filter = command == "filter"
       if (command == "ar") pipeline%ar%max_order = 12
-   end subroutine choose_rooms
+   end subroutine choose_stages
 
 end module gyroakf_app_config

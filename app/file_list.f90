@@ -84,7 +84,7 @@ contains
       character(:), allocatable, intent(out) :: text
       !> io, parse
       type(error_type), allocatable, intent(out) :: error
-      integer(int8) :: room(65536)
+      integer(int8) :: buffer(65536)
       type(source_type) :: source
       character(:), allocatable :: longer
       integer(int64) :: got
@@ -95,7 +95,7 @@ contains
       allocate (character(65536) :: text)
       used = 0
       do
-         call read_block(source, room, got, error)
+         call read_block(source, buffer, got, error)
          if (allocated(error) .or. got == 0) exit
          if (used + got > len(text)) then
             allocate (character(2*len(text)) :: longer)
@@ -103,7 +103,7 @@ contains
             call move_alloc(longer, text)
          end if
          do i = 1, int(got)
-            text(used + i:used + i) = achar(iand(int(room(i)), 255))
+            text(used + i:used + i) = achar(iand(int(buffer(i)), 255))
          end do
          used = used + int(got)
          if (used > largest .or. index(text(used - int(got) + 1:used), achar(0)) > 0) then

@@ -2,7 +2,7 @@
 !> Ctrl-C, a request to end, a reader that goes away.
 !>
 !> While nothing is written a signal ends the program at once, as it does every program. Between [[guard_files]] and
-!> [[release_files]] it only sets a flag, which [[interrupted]] tells: what was written aside is then removed before the program
+!> [[release_files]] it only sets a flag, see [[interrupted]]: what was written aside is then removed before the program
 !> ends. The same signal a second time ends it at once. This is the one place of the program that keeps state: a signal
 !> handler has no arguments of its own.
 module gyroakf_app_interrupt
@@ -85,7 +85,7 @@ contains
       interrupt_signal = int(caught)
    end function interrupt_signal
 
-   !> Tells the handler whether a bar has to be taken away.
+   !> Informs the handler whether a progress bar has to be removed.
    subroutine bar_is_shown(yes)
       !> It is on the terminal
       logical, intent(in) :: yes

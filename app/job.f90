@@ -248,7 +248,7 @@ contains
       call commit_writer(writer, error)
    end subroutine print_result
 
-   !> The JSON document in an open writer: it tells what was read.
+   !> Begins the JSON document, in an open writer, with what was read.
    subroutine begin_document(path, record, command_line, writer, error)
       character(*), intent(in) :: path
       type(record_type), intent(in) :: record

@@ -48,7 +48,7 @@ contains
       if (bar%visible) bar%width = terminal_width()
    end subroutine start_bar
 
-   !> COLUMNS, at most 80, which it is where nobody says; one less, so that no terminal begins a new line.
+   !> COLUMNS, at most 80 (default); one less, so that no terminal begins a new line.
    integer function terminal_width() result(width)
       character(8) :: text
       integer :: stat, columns

@@ -48,7 +48,7 @@ contains
       type(record_type), intent(out) :: record
       !> As of [[read_record]]
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout) :: progress
       type(reader_options) :: reader
 
@@ -68,7 +68,7 @@ contains
       type(pipeline_result_type), intent(out) :: result
       !> As of [[read_record]] and [[run_pipeline]]
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout) :: progress
       type(reader_options) :: reader
       type(record_type) :: truth

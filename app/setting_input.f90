@@ -131,7 +131,7 @@ contains
       end do
    end subroutine check_input
 
-   !> A unit that nobody knows is a wrong command line.
+   !> An unknown unit is a usage error.
    subroutine check_unit(option, text, error)
       !> Row of the table
       type(option_type), intent(in) :: option

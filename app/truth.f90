@@ -25,7 +25,7 @@ contains
       type(record_type), intent(out) :: truth
       !> As of [[read_record]]; data: it does not fit
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout) :: progress
       type(reader_options) :: reader
 

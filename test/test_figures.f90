@@ -168,15 +168,15 @@ contains
    contains
 
       !> The labels of an axis.
-      subroutine expect(room, labels)
-         real(dp), intent(in) :: room
+      subroutine expect(spacing, labels)
+         real(dp), intent(in) :: spacing
          character(*), intent(in) :: labels
          type(tick_type), allocatable :: tick(:)
          character(:), allocatable :: text
          integer :: i
 
          if (allocated(error)) return
-         call find_ticks(axis, room, tick)
+         call find_ticks(axis, spacing, tick)
          text = ""
          do i = 1, size(tick)
             if (tick(i)%label /= "") text = text//" "//trim(tick(i)%label)

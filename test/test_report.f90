@@ -420,7 +420,7 @@ contains
       call check(error, index(flat, "N angle random walk deg/sqrt(h) 0.948 0.012 0.18 0.96 B bias") > 0 .and. &
                  index(flat, "R ramp deg/h^2 not fitted no segment") > 0)
       if (allocated(error)) return
-      call check(error, index(flat, "Lowest point 18 deg/h at tau = 100 s, not divided") > 0)
+      call check(error, index(flat, "Minimum 18 deg/h at tau = 100 s, not divided") > 0)
    end subroutine test_single_commands
 
    !> Writes a document and reads it back.
@@ -511,7 +511,7 @@ contains
          "Model random walk + AR(1) of 0.224 s + white noise Random", &
          "noise, too fast to be drift: correlation time 0.224 +/- 0.012 s", &
          "Random walk drift: K = 4.8 +/- 1.2 deg/h^1.5, steps of 1e-05 deg/s a sample", &
-         "White noise standard deviation 0.0050 +/- 0.0021 deg/s", "largest likelihood of the middle 8 of 12 samples", &
+         "White noise standard deviation 0.0050 +/- 0.0021 deg/s", "maximum likelihood from the middle 8 of 12 samples", &
          "* random walk, AR(1) -58726.91 -58697.34", &
          "The drift filters model the record as random walk + AR(1) of 0.224 s + white noise.", &
          "of a constant rotation it takes 100 % for drift", &
@@ -539,7 +539,7 @@ contains
          call check(error, index(flat, trim(text)) > 0, "missing: "//trim(fragments(i)))
          if (allocated(error)) return
       end do
-      call expect("the middle 8 of 12 samples, the slowest processes that of means of 4 samples", "likelihood", 4_int64)
+      call expect("the middle 8 of 12 samples, slowest processes from means of 4 samples", "likelihood", 4_int64)
       if (.not. allocated(error)) call expect("Found by least squares on the autocovariances", "autocov", 1_int64)
       if (allocated(error)) return
       result%channel(1)%available%drift_kf = .false.

@@ -115,7 +115,7 @@ is "tdev has the unit of an angle" "$(grep -c "tdev in deg/s times tau" kinds/re
 good "coefficients read off the curve" allan "$example" --json read.json
 near "N read off the curve" "$(sed -n '/"read_off"/,/}/p' read.json | number N /dev/stdin)" 0.9495 0.05
 is "no segment is null" "$(sed -n '/"read_off"/,/}/p' read.json | grep -c '"K": null')" 2
-holds "the report tells the minimum" "Lowest point    6.446 deg/h at tau = 102.4 s" <("$gyroakf" allan "$example" --details)
+holds "the report tells the minimum" "Minimum         6.446 deg/h at tau = 102.4 s" <("$gyroakf" allan "$example" --details)
 good "further kinds of a record with gaps" allan "$example" --kinds mdev,tdev,totdev --outliers pauta --outlier-threshold 2.5 --out gapped
 for kind in mdev tdev totdev; do
    is "the report has a table of $kind with gaps" "$(grep -c "^As read: $kind in deg/s" gapped/report.txt)" 1

@@ -231,19 +231,19 @@ contains
       integer(int64), intent(in) :: n
       real(dp), intent(in) :: interval
       type(gap_type), intent(inout) :: gaps
-      integer(int64) :: room, i
+      integer(int64) :: fillable, i
       integer :: k, kept
 
-      room = most_filled*max(n, 10000_int64)
+      fillable = most_filled*max(n, 10000_int64)
       kept = 0
       do k = 1, gaps%count
          i = gaps%before(k)
-         if (gaps%length(k) > room) then
+         if (gaps%length(k) > fillable) then
             gaps%jumps = gaps%jumps + 1
             if (gaps%first_jump == 0) gaps%first_jump = i
             t(i:) = t(i:) - (t(i) - t(i - 1) - interval)
          else
-            room = room - gaps%length(k)
+            fillable = fillable - gaps%length(k)
             kept = kept + 1
             gaps%before(kept) = i
             gaps%length(kept) = gaps%length(k)
@@ -299,7 +299,7 @@ contains
       type(audit_type), intent(inout) :: audit
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told before every channel; may cancel
+      !> Progress callback, before every channel; may cancel
       class(progress_type), intent(inout), optional :: progress
       integer :: j, channels
 

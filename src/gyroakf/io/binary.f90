@@ -25,7 +25,7 @@ module gyroakf_io_binary
       type(element_type) :: element
       !> Numbers of every row
       integer(int64) :: columns = 1
-      !> Rows, -1 where the end of a pipe tells
+      !> Rows, -1: up to the end of the pipe
       integer(int64) :: rows = -1
       !> Several columns, column after column instead of row after row
       logical :: by_columns = .false.
@@ -65,7 +65,7 @@ contains
       type(table_type), intent(inout) :: table
       !> Allocated on failure: io, parse, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: rows, held
       integer :: failed
@@ -140,7 +140,7 @@ contains
       place_of = binary%first + binary%row*binary%columns*binary%element%bytes
    end function place_of
 
-   !> After the last row: a pipe has to be empty, rounded integers are told.
+   !> After the last row: warns of rounded integers; bytes that follow in a pipe are an error.
    subroutine finish(binary, source, table, error)
       type(binary_type), intent(inout) :: binary
       type(source_type), intent(inout) :: source
@@ -230,7 +230,7 @@ contains
       !> Rows at the end that are not there
       integer(int64), intent(out) :: short
       logical, intent(out) :: failed
-      integer(int64), allocatable, target :: room(:)
+      integer(int64), allocatable, target :: buffer(:)
       integer(int64) :: row_bytes, offset, got, n
 
       n = to - from + 1
@@ -244,10 +244,11 @@ contains
          got = got/8
          call drop_infinite(value(from:from + got - 1, max(piece, 1)))
       else
-         allocate (room((n*row_bytes + 7)/8))
-         call read_at(binary%descriptor, offset, c_loc(room), n*row_bytes, got, failed)
+         allocate (buffer((n*row_bytes + 7)/8))
+         call read_at(binary%descriptor, offset, c_loc(buffer), n*row_bytes, got, failed)
          got = got/row_bytes
-         call spread_rows(binary, c_loc(room), column, piece, from, from + got - 1, value, rounded)
+         call spread_rows(binary, c_loc(buffer), column, piece, from, from + got - 1, value, &
+                          rounded)
       end if
       short = n - got
    end subroutine read_part
@@ -280,7 +281,7 @@ contains
       integer(int64), intent(out) :: got
       type(error_type), allocatable, intent(out) :: error
       integer, allocatable :: column(:)
-      integer(int64), allocatable, target :: room(:)
+      integer(int64), allocatable, target :: buffer(:)
       integer(int8), pointer, contiguous :: bytes(:)
       integer(int64) :: rows, row_bytes, block_rows, n, came
       integer :: j, piece, failed
@@ -291,7 +292,7 @@ contains
       row_bytes = binary%element%bytes
       if (.not. binary%by_columns) row_bytes = row_bytes*binary%columns
       block_rows = max(1_int64, block_bytes/row_bytes)
-      allocate (room((block_rows*row_bytes + 7)/8), stat=failed)
+      allocate (buffer((block_rows*row_bytes + 7)/8), stat=failed)
       if (failed /= 0) then
          call fatal_error(error, status%no_memory, table%name//": no memory for a row of "//integer_text(row_bytes)//" bytes")
          return
@@ -300,14 +301,14 @@ contains
          got = 0
          do while (got < rows)
             n = min(block_rows, rows - got)
-            call c_f_pointer(c_loc(room), bytes, [n*row_bytes])
+            call c_f_pointer(c_loc(buffer), bytes, [n*row_bytes])
             call take_bytes(binary, source, bytes, came, error)
             if (allocated(error)) return
             if (modulo(came, row_bytes) /= 0) call rest_of_row(binary, table, got, came, row_bytes, error)
             if (allocated(error)) return
             piece = merge(table%layout%slot(j), 0, binary%by_columns)
             if (piece > 0 .or. .not. binary%by_columns) then
-               call spread_rows(binary, c_loc(room), column, piece, got + 1, got + came/row_bytes, value, binary%rounded)
+               call spread_rows(binary, c_loc(buffer), column, piece, got + 1, got + came/row_bytes, value, binary%rounded)
             end if
             got = got + came/row_bytes
             if (came < n*row_bytes) exit
@@ -332,22 +333,22 @@ contains
    end subroutine rest_of_row
 
    !> The next bytes of a source, those read ahead first.
-   subroutine take_bytes(binary, source, room, got, error)
+   subroutine take_bytes(binary, source, buffer, got, error)
       type(binary_type), intent(inout) :: binary
       type(source_type), intent(inout) :: source
-      integer(int8), intent(inout), contiguous :: room(:)
+      integer(int8), intent(inout), contiguous :: buffer(:)
       integer(int64), intent(out) :: got
       type(error_type), allocatable, intent(out) :: error
       integer(int64) :: more
 
       got = 0
       if (allocated(binary%head)) then
-         got = min(size(room, kind=int64), size(binary%head, kind=int64) - binary%used)
-         room(:got) = binary%head(binary%used + 1:binary%used + got)
+         got = min(size(buffer, kind=int64), size(binary%head, kind=int64) - binary%used)
+         buffer(:got) = binary%head(binary%used + 1:binary%used + got)
          binary%used = binary%used + got
       end if
-      if (got == size(room, kind=int64)) return
-      call read_block(source, room(got + 1:), more, error)
+      if (got == size(buffer, kind=int64)) return
+      call read_block(source, buffer(got + 1:), more, error)
       if (.not. allocated(error)) got = got + more
    end subroutine take_bytes
 
@@ -361,12 +362,12 @@ contains
       integer(int64), intent(in) :: count
       !> Allocated where reading fails: io
       type(error_type), allocatable, intent(out) :: error
-      integer(int8) :: room(4096)
+      integer(int8) :: buffer(4096)
       integer(int64) :: left, got
 
       left = count
       do while (left > 0)
-         call take_bytes(binary, source, room(:min(left, 4096_int64)), got, error)
+         call take_bytes(binary, source, buffer(:min(left, 4096_int64)), got, error)
          if (allocated(error) .or. got == 0) return
          left = left - got
       end do

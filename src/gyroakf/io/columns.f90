@@ -426,7 +426,7 @@ contains
       integer, allocatable, intent(out) :: chosen(:)
       !> Allocated where there is no such column or one is named twice: invalid_argument
       type(error_type), allocatable, intent(out) :: error
-      integer :: room(len(list) + 1), count, from, to, i
+      integer :: column(len(list) + 1), count, from, to, i
 
       count = 0
       from = 1
@@ -434,16 +434,16 @@ contains
          to = index(list(from:), ",")
          to = merge(len(list), from + to - 2, to == 0)
          count = count + 1
-         call find_column(trim(adjustl(list(from:to))), names, columns, room(count), error)
+         call find_column(trim(adjustl(list(from:to))), names, columns, column(count), error)
          if (allocated(error)) return
          do i = 1, count - 1
-            if (room(i) /= room(count)) cycle
+            if (column(i) /= column(count)) cycle
             call fatal_error(error, status%invalid_argument, "the column '"//list(from:to)//"' is chosen twice")
             return
          end do
          from = to + 2
       end do
-      chosen = room(:count)
+      chosen = column(:count)
    end subroutine choose_columns
 
 end module gyroakf_io_columns

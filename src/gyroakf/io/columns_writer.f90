@@ -105,7 +105,7 @@ contains
 
    !> Writes rows.
    subroutine put_rows(writer, columns, first, last, layout, error, progress)
-      !> Open; what cannot be written is told when it is completed
+      !> Open; a write error is returned when it is completed
       type(writer_type), intent(inout) :: writer
       !> From left to right; arrays begin with row 1
       type(column_type), intent(in) :: columns(:)
@@ -115,18 +115,18 @@ contains
       type(row_layout_type), intent(in) :: layout
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Is told the rows
+      !> Progress callback, in rows
       class(progress_type), intent(inout), optional :: progress
       type(piece_type), allocatable :: piece(:)
-      integer(int64) :: piece_rows, room, at
+      integer(int64) :: piece_rows, length, at
       integer :: k, pieces, failed
 
       piece_rows = max(1_int64, min(last - first + 1, piece_size/(widest*max(1, size(columns)))))
-      room = merge(0_int64, piece_rows*widest*size(columns) + longest_real, layout%form /= "text")
+      length = merge(0_int64, piece_rows*widest*size(columns) + longest_real, layout%form /= "text")
       pieces = 16*thread_count()
       allocate (piece(pieces))
       do k = 1, pieces
-         allocate (character(room) :: piece(k)%text, stat=failed)
+         allocate (character(length) :: piece(k)%text, stat=failed)
          if (failed == 0) cycle
          call fatal_error(error, status%no_memory, "no memory to write "//writer%path)
          return

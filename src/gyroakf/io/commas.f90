@@ -50,7 +50,7 @@ contains
       type(column_names_type), intent(in) :: names
       !> A component of `comma_mode`
       integer, intent(inout) :: mode
-      !> Told where decimal commas were recognised
+      !> One more where decimal commas were recognized
       type(text_type), allocatable, intent(inout) :: warnings(:)
       !> parse (they may be decimal commas, but not surely)
       type(error_type), allocatable, intent(out) :: error

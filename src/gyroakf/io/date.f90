@@ -4,10 +4,10 @@
 !> Read are the forms of ISO 8601 that loggers write: `2026-05-01T12:00:00.123456Z`, with a blank instead of the T, with `/` or `.`
 !> between year, month and day, with a zone (`Z`, `+02:00`, `-0530`, `+02`), with a comma before the decimals of the seconds
 !> within quotes; a date or a time of day alone; and `01.05.2026`, day first, where points part it. Days first with `/` or `-`
-!> are not read: nobody can tell them from months first.
+!> are not read: the order of day and month is ambiguous.
 !>
 !> Whole seconds are subtracted as integers before they become a real number, so that the decimals survive: a day after the
-!> first stamp a double still tells 15 ps apart.
+!> first stamp a double still resolves 15 ps.
 module gyroakf_io_date
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_wide_power, only : ten
@@ -326,7 +326,7 @@ contains
       end select
    end subroutine stamp_origin
 
-   !> True for `01/05/2026` or `1-5-26`: nobody can tell whether the day comes first or the month.
+   !> True for `01/05/2026` or `1-5-26`: the order of day and month is ambiguous.
    pure logical function is_day_first(bytes, first, last)
       !> Holds the field at first:last; a separator or line feed behind it
       integer(int8), intent(in), contiguous :: bytes(:)

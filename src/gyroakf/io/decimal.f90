@@ -9,7 +9,7 @@ module gyroakf_io_decimal
    public :: format_real, real_length, real_to_text, shortest_digits, longest_real
 
    integer(int128), parameter :: low63 = 2_int128**63 - 1
-   !> Room that a number needs; fewer characters of it are used
+   !> Buffer length for any number, in characters
    integer, parameter :: longest_real = 64
 
    !> "00" to "99"
@@ -24,9 +24,9 @@ contains
       !> As those of [[format_real]]
       real(dp), intent(in) :: value
       integer, intent(in) :: digits
-      character(longest_real) :: room
+      character(longest_real) :: buffer
 
-      call real_to_text(value, digits, room, real_length)
+      call real_to_text(value, digits, buffer, real_length)
    end function real_length
 
    !> A number with so many significant digits, as C's `%.{digits}g`: 0.25, 12000, 1e-05; "nan", "inf", "-inf".
@@ -36,14 +36,14 @@ contains
       !> 1 to 17; 0: as few as read back to the same number, at most 17
       integer, intent(in) :: digits
       character(real_length(value, digits)) :: text
-      character(longest_real) :: room
+      character(longest_real) :: buffer
       integer :: length
 
-      call real_to_text(value, digits, room, length)
-      text = room(:length)
+      call real_to_text(value, digits, buffer, length)
+      text = buffer(:length)
    end function format_real
 
-   !> The same into a given room.
+   !> As [[format_real]], into a given buffer.
    pure subroutine real_to_text(value, digits, text, length)
       !> As those of [[format_real]]
       real(dp), intent(in) :: value

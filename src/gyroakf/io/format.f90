@@ -22,7 +22,7 @@ module gyroakf_io_format
       character(:), allocatable :: ending
       !> Of "foreign": what it is, as in "compressed by zstd", and what to do
       character(:), allocatable :: what, advice
-      !> The byte that tells, from 1
+      !> Position of the byte that decided it, from 1
       integer(int64) :: at = 1
    end type content_type
 

@@ -76,14 +76,14 @@ contains
       is_gzip = all(bytes(:3) == [31_int8, -117_int8, 8_int8]) .and. iand(bytes(4), -32_int8) == 0
    end function is_gzip
 
-   !> Decompresses as far as the compressed bytes at hand and the room allow.
-   subroutine inflate_bytes(inflater, fresh, room, got, whole, code, problem)
+   !> Decompresses until the compressed bytes at hand are used up or `buffer` is full.
+   subroutine inflate_bytes(inflater, fresh, buffer, got, whole, code, problem)
       !> Where no bytes are at hand, the compressed data have ended
       type(inflater_type), intent(inout), target :: inflater
       !> Number of new bytes in `input`, 0 unless those before are consumed
       integer(int64), intent(in) :: fresh
       !> Filled from its first byte
-      integer(int8), intent(inout), contiguous, target :: room(:)
+      integer(int8), intent(inout), contiguous, target :: buffer(:)
       !> Number of bytes written
       integer(int64), intent(out) :: got
       !> True where the last member is complete and nothing follows
@@ -108,8 +108,8 @@ contains
                                int(c_sizeof(inflater%stream), c_int))
       end if
       if (answer == z_ok) then
-         writable = int(min(size(room, kind=int64), most_written), c_int)
-         inflater%stream%next_out = c_loc(room)
+         writable = int(min(size(buffer, kind=int64), most_written), c_int)
+         inflater%stream%next_out = c_loc(buffer)
          inflater%stream%avail_out = writable
          answer = inflate(inflater%stream, z_no_flush)
          got = writable - inflater%stream%avail_out

@@ -33,7 +33,7 @@ module gyroakf_io_layout
       integer(int8), allocatable :: where_value(:)
       !> The value as a number, NaN where it is none
       real(dp) :: where_number = 0.0_dp
-      !> Other rows are wrong: a column of words tells records of several kinds apart
+      !> Other rows are wrong: a column of words distinguishes records of several kinds
       logical :: strict = .false.
       !> Rows hold labels or brackets, see [[gyroakf_io_marks]]; only those of the first row are read, others are wrong, or left out
       logical :: marked = .false., where_label = .false.
@@ -48,7 +48,7 @@ module gyroakf_io_layout
       logical :: found = .false.
       !> The byte
       integer(int64) :: at = 0
-      !> What is wrong, and what to do; unallocated where nobody wants to know
+      !> What is wrong, and what to do; unallocated where texts are not requested
       character(:), allocatable :: what, advice
    end type problem_type
 

@@ -9,7 +9,7 @@ module gyroakf_io_lines
    use gyroakf_io_source, only : has_places, open_source, read_block, source_left, source_type
    implicit none (type, external)
    private
-   public :: lines_type, open_lines, more_lines, make_room, check_length, end_last_line, turn_returns
+   public :: lines_type, open_lines, more_lines, reserve_bytes, check_length, end_last_line, turn_returns
    public :: line_end, next_line, line_map_type, map_row, line_of
 
    !> Bytes of the first block
@@ -62,14 +62,14 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Where associated they are the content, and the path is a name for messages
       integer(int8), pointer, contiguous, intent(in), optional :: bytes(:)
-      integer(int64) :: room
+      integer(int64) :: capacity
       integer :: failed
 
       call open_source(lines%source, path, error, bytes)
       if (allocated(error)) return
-      room = block_size
-      if (has_places(lines%source)) room = min(room, lines%source%length + 64)
-      allocate (lines%bytes(room + behind), stat=failed)
+      capacity = block_size
+      if (has_places(lines%source)) capacity = min(capacity, lines%source%length + 64)
+      allocate (lines%bytes(capacity + behind), stat=failed)
       if (failed /= 0) then
          call fatal_error(error, status%no_memory, "no memory for a block of "//path)
          return
@@ -94,7 +94,7 @@ contains
       integer(int64) :: rest
 
       do while (lines%at > lines%last .and. .not. lines%ended)
-         call make_room(lines, block_size/2, error)
+         call reserve_bytes(lines, block_size/2, error)
          if (allocated(error)) return
          rest = lines%filled
          call fill(lines, error)
@@ -103,9 +103,8 @@ contains
       end do
    end subroutine more_lines
 
-   !> Moves the bytes from `at` on to the start and makes room for more behind them: `wanted`, and
-   !> as many as there are already, up to `longest_line`.
-   subroutine make_room(lines, wanted, error)
+   !> Moves the bytes from `at` on to the start; reserves `wanted` and as many more bytes behind.
+   subroutine reserve_bytes(lines, wanted, error)
       !> Its `at` is 1 and its `last` 0 afterwards
       type(lines_type), intent(inout) :: lines
       !> Bytes
@@ -140,21 +139,21 @@ contains
       lines%at = 1
       lines%last = 0
       lines%filled = rest
-   end subroutine make_room
+   end subroutine reserve_bytes
 
    !> Reads behind what is filled.
    subroutine fill(lines, error)
       type(lines_type), intent(inout) :: lines
       type(error_type), allocatable, intent(out) :: error
-      integer(int64) :: got, room, expected
+      integer(int64) :: got, free, expected
 
-      room = size(lines%bytes, kind=int64) - behind - lines%filled
-      expected = min(room, source_left(lines%source))
-      call read_block(lines%source, lines%bytes(lines%filled + 1:lines%filled + room), got, error)
+      free = size(lines%bytes, kind=int64) - behind - lines%filled
+      expected = min(free, source_left(lines%source))
+      call read_block(lines%source, lines%bytes(lines%filled + 1:lines%filled + free), got, error)
       if (.not. allocated(error)) call check_length(lines, expected, got, error)
       if (allocated(error)) return
       lines%filled = lines%filled + got
-      lines%ended = got < room
+      lines%ended = got < free
       if (lines%ended) call end_last_line(lines, error)
    end subroutine fill
 
@@ -172,7 +171,7 @@ contains
       if (lines%source%delivered > got) then
          call fatal_error(error, status%io, lines%source%name//": the file became shorter while it was read: "// &
                           integer_text(lines%source%delivered)//" of "//integer_text(lines%source%length)//" bytes are left"// &
-                          new_line("a")//"read it when nobody writes to it")
+                          new_line("a")//"read it after writing has ended")
       end if
       lines%source%length = lines%source%delivered
    end subroutine check_length
@@ -188,7 +187,7 @@ contains
 
       if (lines%filled == 0) return
       do while (has_places(lines%source) .and. all(lines%bytes(lines%filled) /= line_ends))
-         call make_room(lines, tail_size, error)
+         call reserve_bytes(lines, tail_size, error)
          if (allocated(error)) return
          first = lines%filled + 1
          lines%source%length = lines%source%length + tail_size

@@ -152,7 +152,7 @@ contains
    end function mean_of
 
    !> Where a tick of the clock is about the step or several steps, the two beat: the lag of a clock that counts in nearly a whole
-   !> number of steps jumps by one at each beat. Where no window averages beats, one lost sample cannot be told from them;
+   !> number of steps jumps by one at each beat. Where no window averages beats, one lost sample is not distinguishable from them;
    !> where a tick holds more than two samples, losses of less than 1.2 ticks cannot (samples that are delivered together do too).
    pure real(dp) function beat_bound(cadence, step, window)
       type(cadence_type), intent(in) :: cadence

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Kinds of files that are told by their first bytes.
+!> Kinds of files, recognized by their first bytes.
 module gyroakf_io_magic
    use gyroakf_kinds, only : int8, int64
    use gyroakf_io_npy, only : npy_magic

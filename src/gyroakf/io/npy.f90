@@ -102,7 +102,7 @@ contains
          if (version < 1 .or. version > 3 .or. bytes(8) /= 0) then
             call fatal_error(error, status%not_supported, name//": byte 6: version "//integer_text(int(version, int64))//"."// &
                              integer_text(iand(int(bytes(8), int64), 255_int64))//" of NumPy's format is not known; known are "// &
-                             "1.0, 2.0, 3.0"//new_line("a")//"save it anew with numpy.save")
+                             "1.0, 2.0, 3.0"//new_line("a")//"save it again with numpy.save")
             return
          end if
          start = merge(10, 12, version == 1)
@@ -337,7 +337,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       call fatal_error(error, status%parse, cursor%name//": byte "//integer_text(cursor%before + cursor%at - 1)// &
-                       ": in the header of NumPy's format "//what//new_line("a")//"save it anew with numpy.save")
+                       ": in the header of NumPy's format "//what//new_line("a")//"save it again with numpy.save")
    end subroutine refuse
 
    !> An array that is no table of numbers.

@@ -114,7 +114,7 @@ contains
       if (binary%descriptor >= 0) return
       if (lines%bytes(header%first) /= 10_int8) then
          call fatal_error(error, status%parse, table%name//": byte "//integer_text(header%first - 1)// &
-                          ": the header does not end with a line feed"//new_line("a")//"save it anew with numpy.save")
+                          ": the header does not end with a line feed"//new_line("a")//"save it again with numpy.save")
          return
       end if
       binary%head = lines%bytes(header%first + 1:count)
@@ -136,7 +136,7 @@ contains
       promise = "the header's shape "//shape//" of "//trim(element_name(header%element))
       if (header%shape(1) > (huge(1_int64) - header%first)/header%shape(2)/header%element%bytes) then
          call fatal_error(error, status%parse, source%name//": "//promise//" is larger than any file"//new_line("a")// &
-                          "save it anew with numpy.save")
+                          "save it again with numpy.save")
          return
       end if
       if (source%length <= 0) return

@@ -90,10 +90,10 @@ contains
    pure integer function integer_length(i)
       !> Any value
       integer(int64), intent(in) :: i
-      character(20) :: room
+      character(20) :: text
 
-      write (room, "(i0)") i
-      integer_length = len_trim(room)
+      write (text, "(i0)") i
+      integer_length = len_trim(text)
    end function integer_length
 
    !> An integer without blanks.

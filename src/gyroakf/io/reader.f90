@@ -41,7 +41,7 @@ contains
       !> Allocated on failure: io, parse, invalid_argument, not_supported, too_few_samples, non_finite,
       !> no_memory (also where more than `options%memory` would be needed), cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(recording_type) :: recording
       character(:), allocatable :: large
@@ -64,7 +64,7 @@ contains
       type(record_type), intent(out) :: record
       !> Allocated on failure: parse, invalid_argument, too_few_samples, non_finite, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told between its parts; may cancel
+      !> Progress callback, between its parts; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(gap_type) :: gaps
       real(dp), allocatable :: stamps(:)
@@ -177,7 +177,7 @@ contains
       !> invalid_argument (the interval, a unit that is unknown or none of a rate), non_finite (a value beyond 1e60), no_memory,
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(table_type) :: nothing
       logical :: good

@@ -52,7 +52,7 @@ module gyroakf_io_reader_options
       real(dp) :: from = 0.0_dp, to = huge(1.0_dp)
       !> Lines of text, or bytes of raw numbers, that are left out at the start of the file
       integer(int64) :: skip = 0
-      !> Raw numbers: columns, interleaved; 0: nobody said, 1
+      !> Raw numbers: interleaved columns; 0: not given, 1
       integer(int64) :: channels = 0
       !> Bytes that the process may use, 0 for no limit; and what the caller needs of them per sample, beside the record itself:
       !> for the channel that is worked on, and for every channel

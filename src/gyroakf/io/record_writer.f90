@@ -29,7 +29,7 @@ contains
       integer, intent(in) :: digits
       !> invalid_argument: digits; io: the file cannot be written; no_memory; cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Is told the samples
+      !> Progress callback, in samples
       class(progress_type), intent(inout), optional :: progress
       type(writer_type) :: writer
       type(row_layout_type) :: layout

@@ -231,7 +231,7 @@ contains
       rows = max(0_int64, options%memory - base_bytes)/(bytes_needed(recording, 1_int64, options, channels) - base_bytes)
    end function rows_within
 
-   !> Reads rows into `table%store` until it has as many as wanted, or a few more, or there are no more: `table%whole` tells.
+   !> Reads rows into `table%store` until it has as many as wanted, or a few more, or there are no more (`table%whole`).
    !>
    !> The one place that reads rows, whatever the format.
    subroutine next_rows(recording, most, error, progress)
@@ -241,7 +241,7 @@ contains
       integer(int64), intent(in) :: most
       !> Allocated on failure: io, parse, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       if (recording%format == "text") then

@@ -26,7 +26,7 @@ contains
       integer(int64), intent(in) :: first, last
       !> The columns
       type(layout_type), intent(in) :: layout
-      !> Room, reused
+      !> Work space, reused
       type(fields_type), intent(inout) :: fields
       !> [stored column]; NaN where missing
       real(dp), intent(out) :: row(:)
@@ -76,7 +76,7 @@ contains
    pure subroutine join_fields(bytes, layout, fields)
       !> Holds the fields
       integer(int8), intent(in), contiguous :: bytes(:)
-      !> Its `joined` tells the column
+      !> Its `joined` is the column
       type(layout_type), intent(in) :: layout
       !> One less where there are two to join
       type(fields_type), intent(inout) :: fields

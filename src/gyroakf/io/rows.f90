@@ -22,7 +22,7 @@ module gyroakf_io_rows
 
 contains
 
-   !> Reads rows until one is not made of plain numbers, the lines end, or the room does.
+   !> Reads rows until one is not made of plain numbers, the lines end, or `value` is full.
    pure subroutine parse_rows(bytes, at, last, layout, value, rows, odd)
       !> Holds whole lines up to `last`, a line feed, and more bytes behind it
       integer(int8), intent(in), contiguous :: bytes(:)
@@ -38,7 +38,7 @@ contains
       integer(int64), intent(inout) :: rows
       !> True where the line at `at` needs [[read_row]]
       logical, intent(out) :: odd
-      integer(int64) :: p, room
+      integer(int64) :: p, capacity
       integer :: j, slot
       logical :: stamped
       type(quick_type) :: quick
@@ -46,8 +46,8 @@ contains
       odd = .false.
       stamped = any(layout%kind /= stamp_kind%number)
       if (layout%columns == 1 .and. layout%stored == 1 .and. .not. stamped) call parse_column(bytes, at, last, value(:, 1), rows)
-      room = size(value, 1, kind=int64)
-      do while (at <= last .and. rows < room)
+      capacity = size(value, 1, kind=int64)
+      do while (at <= last .and. rows < capacity)
          p = at
          do j = 1, layout%columns
             do while (bytes(p) == blank .or. bytes(p) == tab)

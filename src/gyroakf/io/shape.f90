@@ -25,7 +25,7 @@ module gyroakf_io_shape
 
 contains
 
-   !> Makes room for the samples that were lost: NaN for now.
+   !> Inserts the lost samples, as NaN for now.
    subroutine fill_gaps(gaps, record, error)
       !> Where samples were lost
       type(gap_type), intent(in) :: gaps
@@ -68,7 +68,7 @@ contains
       real(dp), intent(in) :: largest
       !> Allocated on failure: no_memory, non_finite, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told before every channel; may cancel
+      !> Progress callback, before every channel; may cancel
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: i
       integer :: j, failed
@@ -180,7 +180,7 @@ contains
       end if
    end function wrap_of
 
-   !> Says where angles jump as a counter does that begins again, but nobody said that it does.
+   !> Warns of angles that jump like a wrapping counter, where no wrap was given.
    subroutine warn_of_wraps(record)
       !> Angles, before they are differenced
       type(record_type), intent(inout) :: record

@@ -149,13 +149,13 @@ contains
       if (has_places(source)) source_left = max(0_int64, source%length - source%delivered)
    end function source_left
 
-   !> Reads until the room is full or the source has no more.
-   subroutine read_block(source, room, got, error)
+   !> Reads until `buffer` is full or the source ends.
+   subroutine read_block(source, buffer, got, error)
       !> An open source
       type(source_type), intent(inout) :: source
       !> Filled from its first byte
-      integer(int8), intent(inout), contiguous, target :: room(:)
-      !> Bytes read; fewer than the room has only at the end of the source
+      integer(int8), intent(inout), contiguous, target :: buffer(:)
+      !> Bytes read; fewer than `buffer` holds only at the end of the source
       integer(int64), intent(out) :: got
       !> Allocated where reading fails, io, where compressed data are damaged or end early, parse, and
       !> where there is no memory to decompress them, no_memory
@@ -164,21 +164,21 @@ contains
 
       failed = .false.
       if (associated(source%inflater)) then
-         call read_compressed(source, room, got, failed, error)
+         call read_compressed(source, buffer, got, failed, error)
       else if (has_places(source)) then
-         got = min(size(room, kind=int64), source_left(source))
-         call read_piece(source, source%delivered, room(:got), got, failed)
+         got = min(size(buffer, kind=int64), source_left(source))
+         call read_piece(source, source%delivered, buffer(:got), got, failed)
       else
-         call read_pieces(source, room, got, failed)
+         call read_pieces(source, buffer, got, failed)
       end if
       if (failed) call fatal_error(error, status%io, source%name//": cannot be read")
       source%delivered = source%delivered + got
    end subroutine read_block
 
-   !> Decompresses until the room is full or the compressed data end.
-   subroutine read_compressed(source, room, got, failed, error)
+   !> Decompresses until `buffer` is full or the compressed data end.
+   subroutine read_compressed(source, buffer, got, failed, error)
       type(source_type), intent(inout) :: source
-      integer(int8), intent(inout), contiguous, target :: room(:)
+      integer(int8), intent(inout), contiguous, target :: buffer(:)
       integer(int64), intent(out) :: got
       logical, intent(out) :: failed
       type(error_type), allocatable, intent(out) :: error
@@ -190,11 +190,11 @@ contains
       got = 0
       failed = .false.
       whole = .false.
-      do while (got < size(room, kind=int64) .and. .not. whole)
+      do while (got < size(buffer, kind=int64) .and. .not. whole)
          fresh = 0
          if (source%inflater%stream%avail_in == 0) call read_pieces(source, source%inflater%input, fresh, failed)
          if (failed) return
-         call inflate_bytes(source%inflater, fresh, room(got + 1:), came, whole, code, problem)
+         call inflate_bytes(source%inflater, fresh, buffer(got + 1:), came, whole, code, problem)
          got = got + came
          if (code == status%ok) cycle
          problem = trim(problem)//" after "//integer_text(source%delivered + got)//" decompressed bytes"
@@ -205,31 +205,32 @@ contains
    end subroutine read_compressed
 
    !> Reads at a place; several threads may do so at a time.
-   subroutine read_piece(source, offset, room, got, failed)
+   subroutine read_piece(source, offset, buffer, got, failed)
       !> One that [[has_places]]
       type(source_type), intent(in) :: source
       !> Bytes before the first that is read
       integer(int64), intent(in) :: offset
       !> Filled from its first byte
-      integer(int8), intent(inout), contiguous, target :: room(:)
-      !> Bytes read; fewer than the room has only at the end of the file
+      integer(int8), intent(inout), contiguous, target :: buffer(:)
+      !> Bytes read; fewer than `buffer` holds only at the end of the file
       integer(int64), intent(out) :: got
       !> True where the system refuses
       logical, intent(out) :: failed
 
       failed = .false.
       if (associated(source%bytes)) then
-         got = max(0_int64, min(size(room, kind=int64), size(source%bytes, kind=int64) - offset))
-         room(:got) = source%bytes(offset + 1:offset + got)
+         got = max(0_int64, min(size(buffer, kind=int64), size(source%bytes, kind=int64) - offset))
+         buffer(:got) = source%bytes(offset + 1:offset + got)
       else
-         call read_at(source%descriptor, offset, c_loc(room), size(room, kind=int64), got, failed)
+         call read_at(source%descriptor, offset, c_loc(buffer), size(buffer, kind=int64), got, &
+                      failed)
       end if
    end subroutine read_piece
 
    !> A block of something that may deliver in pieces, or of the caller's compressed bytes.
-   subroutine read_pieces(source, room, got, failed)
+   subroutine read_pieces(source, buffer, got, failed)
       type(source_type), intent(inout) :: source
-      integer(int8), intent(inout), contiguous, target :: room(:)
+      integer(int8), intent(inout), contiguous, target :: buffer(:)
       integer(int64), intent(out) :: got
       logical, intent(out) :: failed
       integer(c_long) :: piece
@@ -238,17 +239,17 @@ contains
       integer :: tries
 
       if (associated(source%bytes)) then
-         call read_piece(source, source%stored, room, got, failed)
+         call read_piece(source, source%stored, buffer, got, failed)
          source%stored = source%stored + got
          return
       end if
-      got = min(size(room, kind=int64), source%ahead_count - source%ahead_used)
-      room(:got) = source%ahead(source%ahead_used + 1:source%ahead_used + got)
+      got = min(size(buffer, kind=int64), source%ahead_count - source%ahead_used)
+      buffer(:got) = source%ahead(source%ahead_used + 1:source%ahead_used + got)
       source%ahead_used = source%ahead_used + got
       failed = .false.
       tries = 0
-      do while (got < size(room, kind=int64))
-         piece = c_read(source%descriptor, c_loc(room(got + 1)), size(room, kind=c_size_t) - int(got, c_size_t))
+      do while (got < size(buffer, kind=int64))
+         piece = c_read(source%descriptor, c_loc(buffer(got + 1)), size(buffer, kind=c_size_t) - int(got, c_size_t))
          if (piece == 0) exit
          if (piece > 0) then
             got = got + piece

@@ -32,7 +32,7 @@ module gyroakf_io_span
       integer(int64) :: problem_at = 0
       !> True where there was no memory for the rows
       logical :: no_memory = .false.
-      !> Room for the fields and the numbers of one line
+      !> Work space: the fields and the numbers of one line
       type(fields_type) :: fields
       real(dp), allocatable :: row(:)
    end type span_type
@@ -65,7 +65,7 @@ contains
       span%no_memory = .false.
       at = span%first
       do while (at <= span%last)
-         call provide_room(layout, at, span)
+         call reserve_rows(layout, at, span)
          if (span%no_memory) return
          before = span%rows
          if (layout%where_column > 0) then
@@ -103,30 +103,30 @@ contains
       end do
    end subroutine skip_unwanted
 
-   !> Room for one row more at least: a guess by the length of the lines at first, then by the rows so far.
-   pure subroutine provide_room(layout, at, span)
+   !> Reserves at least one row more: estimated from the length of the lines at first, then from the rows so far.
+   pure subroutine reserve_rows(layout, at, span)
       type(layout_type), intent(in) :: layout
       integer(int64), intent(in) :: at
       type(span_type), intent(inout) :: span
       real(dp), allocatable :: longer(:, :)
-      integer(int64) :: room, row_bytes
+      integer(int64) :: capacity, row_bytes
       integer :: failed
 
       failed = 0
       if (allocated(span%value)) then
          if (span%rows < size(span%value, 1, kind=int64)) return
          row_bytes = (at - span%first)/max(span%rows, 1_int64)
-         room = span%rows + 8 + (span%last - at)/max(row_bytes, 1_int64)
+         capacity = span%rows + 8 + (span%last - at)/max(row_bytes, 1_int64)
       else
          allocate (span%row(layout%stored), stat=failed)
-         room = 8 + (span%last - at)/max(20, 7*layout%columns)
+         capacity = 8 + (span%last - at)/max(20, 7*layout%columns)
       end if
-      if (failed == 0) allocate (longer(room, layout%stored), stat=failed)
+      if (failed == 0) allocate (longer(capacity, layout%stored), stat=failed)
       span%no_memory = failed /= 0
       if (span%no_memory) return
       if (span%rows > 0) longer(:span%rows, :) = span%value(:span%rows, :)
       call move_alloc(longer, span%value)
-   end subroutine provide_room
+   end subroutine reserve_rows
 
    !> Reads the line at a byte, whatever it is, and moves behind it.
    subroutine take_odd_line(bytes, at, layout, bad_lines_missing, span)

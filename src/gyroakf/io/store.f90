@@ -11,7 +11,7 @@ module gyroakf_io_store
    private
    public :: chunk_rows, chunk_type, store_type, next_chunk, add_chunk, count_rows, take_columns
 
-   !> Rows of a chunk at least where nobody says how many are to come
+   !> Minimum rows of a chunk where the number of rows to come is unknown
    integer(int64), parameter :: chunk_rows = 65536
    !> Values of a chunk: 40 MB, more than 32 MiB, from which on C libraries have no choice
    integer(int64), parameter :: chunk_values = 5000000
@@ -27,13 +27,13 @@ module gyroakf_io_store
    type :: store_type
       !> Chunks in use
       integer :: count = 0
-      !> Room for more than are in use
+      !> More than are in use
       type(chunk_type), allocatable :: chunk(:)
    end type store_type
 
 contains
 
-   !> Makes the last chunk one that has room for some rows.
+   !> Provides a last chunk with a given number of free rows.
    subroutine next_chunk(store, columns, failed, rows, expected)
       !> May be fresh
       type(store_type), intent(inout) :: store
@@ -43,7 +43,7 @@ contains
       integer, intent(out) :: failed
       !> At least so many
       integer(int64), intent(in) :: rows
-      !> So many rows are expected from here on; a new chunk has room for them unless it would be too large
+      !> So many rows are expected from here on; a new chunk holds them unless it would be too large
       integer(int64), intent(in) :: expected
 
       failed = 0
@@ -59,7 +59,7 @@ contains
    subroutine add_chunk(store, rows, columns, failed)
       !> May be fresh
       type(store_type), intent(inout) :: store
-      !> Room of the chunk, at least
+      !> Minimum rows of the chunk
       integer(int64), intent(in) :: rows
       !> Stored columns
       integer, intent(in) :: columns
@@ -79,7 +79,7 @@ contains
       end associate
    end subroutine add_chunk
 
-   !> Room for one chunk more in the list.
+   !> Lengthens the list for one chunk more.
    subroutine lengthen(store, failed)
       type(store_type), intent(inout) :: store
       integer, intent(out) :: failed
@@ -172,7 +172,7 @@ contains
       if (is_record) is_record = all(columns == [(j, j=1, size(columns))])
    end function is_record
 
-   !> Copies rows, by several threads: the first touch of the memory takes longer than the copying. Where nobody needs them again,
+   !> Copies rows, by several threads: the first touch of the memory takes longer than the copying. Where they are not needed again,
    !> their memory is given back page by page, and what is copied next may come to lie in it while the caches still hold it.
    subroutine move_rows(from, to, release)
       real(dp), intent(inout), contiguous :: from(:)

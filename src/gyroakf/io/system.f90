@@ -107,30 +107,30 @@ module gyroakf_io_system
 
 contains
 
-   !> Reads at a place until the room is full or the file ends; several threads may read one file at a time.
+   !> Reads at a place until the buffer is full or the file ends; several threads may read one file at a time.
    subroutine read_at(descriptor, offset, address, bytes, got, failed)
       !> Of a regular file
       integer(c_int), intent(in) :: descriptor
       !> Bytes before the first that is read
       integer(int64), intent(in) :: offset
-      !> The room, and its size
+      !> The buffer, and its size
       type(c_ptr), intent(in) :: address
       integer(int64), intent(in) :: bytes
-      !> Bytes read; fewer than the room has only at the end of the file and where the system refuses
+      !> Bytes read; fewer than `bytes` only at the end of the file and where the system refuses
       integer(int64), intent(out) :: got
       !> True where the system refuses
       logical, intent(out) :: failed
-      integer(int8), pointer, contiguous :: room(:)
+      integer(int8), pointer, contiguous :: buffer(:)
       integer(c_long) :: piece
       integer :: tries
 
       got = 0
       failed = .false.
       if (bytes == 0) return
-      call c_f_pointer(address, room, [bytes])
+      call c_f_pointer(address, buffer, [bytes])
       tries = 0
       do while (got < bytes .and. .not. failed)
-         piece = c_pread(descriptor, c_loc(room(got + 1)), int(bytes - got, c_size_t), int(offset + got, c_long))
+         piece = c_pread(descriptor, c_loc(buffer(got + 1)), int(bytes - got, c_size_t), int(offset + got, c_long))
          if (piece == 0) return
          tries = merge(0, tries + 1, piece > 0)
          got = got + max(piece, 0_c_long)

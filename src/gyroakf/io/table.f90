@@ -373,7 +373,7 @@ contains
       if (table%names%known) names_at_hand = size(table%names%name)
    end function names_at_hand
 
-   !> Nobody can tell the day from the month: an error, unless the columns were chosen.
+   !> Dates with an ambiguous order of day and month are an error, unless the columns were chosen.
    subroutine refuse_ambiguous_dates(lines, last, options, fields, table, error)
       type(lines_type), intent(in) :: lines
       integer(int64), intent(in) :: last

@@ -8,7 +8,7 @@ module gyroakf_io_text_rows
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_commas, only : make_points
-   use gyroakf_io_lines, only : check_length, end_last_line, line_end, lines_type, make_room, map_row, turn_returns
+   use gyroakf_io_lines, only : check_length, end_last_line, line_end, lines_type, reserve_bytes, map_row, turn_returns
    use gyroakf_io_marks, only : strip_lines
    use gyroakf_io_number, only : digits_ahead
    use gyroakf_io_place, only : integer_text, place_error
@@ -59,7 +59,7 @@ contains
       type(table_type), intent(inout) :: table
       !> Allocated on failure: io, parse, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told the bytes that were read
+      !> Progress callback, in bytes read
       class(progress_type), intent(inout), optional :: progress
       type(block_type) :: block
       integer(int64) :: missing
@@ -106,7 +106,7 @@ contains
       if (lines%last >= lines%at) then
          block%first = lines%at
       else
-         call make_room(lines, wanted + reserve, error)
+         call reserve_bytes(lines, wanted + reserve, error)
          if (allocated(error)) return
          block%first = lines%filled + 1
          block%by_pieces = has_places(lines%source)
@@ -126,7 +126,7 @@ contains
       call provide_spans(block)
    end subroutine begin_block
 
-   !> Spans for all pieces and borders; those that are there keep their room.
+   !> Spans for all pieces and borders; existing ones keep their memory.
    subroutine provide_spans(block)
       type(block_type), intent(inout) :: block
       type(span_type), allocatable :: more(:)

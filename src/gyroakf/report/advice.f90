@@ -40,7 +40,7 @@ contains
          "give "//missing_options(record)//" for deg/sqrt(h), deg/h and the other usual units.")
    end subroutine put_advice
 
-   !> Warnings, and the rooms that could do nothing; the filters' own warnings stand with their details.
+   !> Warnings, and stages without a result; the filters' own warnings stand with their details.
    subroutine put_warnings(writer, channel)
       !> The report
       type(writer_type), intent(inout) :: writer

@@ -163,7 +163,7 @@ contains
       end do
    end subroutine draw_limits
 
-   !> Three lines of the slopes -1/2, 0 and +1/2 from one point, in a corner where there is room for them.
+   !> Three lines of the slopes -1/2, 0 and +1/2 from one point, in the first corner without points.
    pure subroutine draw_slopes(cell, frame)
       integer, intent(inout) :: cell(0:, 0:)
       type(frame_type), intent(in) :: frame

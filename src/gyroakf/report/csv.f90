@@ -50,7 +50,7 @@ contains
       type(series_output_type), intent(in) :: output
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Is told the samples
+      !> Progress callback, in samples
       class(progress_type), intent(inout), optional :: progress
       type(column_type) :: columns(1 + size(series_names)*size(result%channel))
       type(row_layout_type) :: layout

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The JSON document of schema 1, as `doc/schema.json` states it: the contract for programs.
 !>
-!> Every key is always there. What was not asked for, what a room could not compute and what is not built yet is null.
+!> Every key is always there; null: not requested, not computed by its stage, or not implemented yet.
 module gyroakf_report_document
    use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : record_type, text_type, add_text, view_channel, sample_count

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> The member of a channel in the JSON document that tells what was removed.
+!> The member of a channel in the JSON document on what was removed.
 module gyroakf_report_document_preprocess
    use gyroakf_kinds, only : int64
    use gyroakf_pipeline_result, only : channel_result_type

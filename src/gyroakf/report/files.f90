@@ -132,7 +132,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Form of the series; series.csv if absent
       type(series_output_type), intent(in), optional :: output
-      !> Is told while the series are written
+      !> Progress callback, while the series are written
       class(progress_type), intent(inout), optional :: progress
       !> As it would be typed, for results.json and report.html
       character(*), intent(in), optional :: command_line

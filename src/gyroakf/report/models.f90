@@ -56,7 +56,7 @@ contains
       end do
    end subroutine make_ar_table
 
-   !> Decimals down to what a difference has to have, no more than a column has room for.
+   !> Decimals down to what a difference has to have, limited by the width of a column.
    pure function criterion(value) result(text)
       real(dp), intent(in) :: value
       character(:), allocatable :: text

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Warnings, what is not available, and notes of a whole result; what holds for several channels is told once, with their names.
+!> Warnings, what is not available, and notes of a whole result; one entry for all channels it applies to.
 module gyroakf_report_remarks
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_writer, only : writer_type
@@ -38,7 +38,7 @@ contains
       integer, intent(in) :: most_notes
       type(remark_type), allocatable :: remark(:)
       character(:), allocatable :: text
-      integer :: i, kind, told
+      integer :: i, kind, number
 
       allocate (remark(0))
       if (command == "run" .or. command == "filter") call add_passing(remark, result)
@@ -52,17 +52,17 @@ contains
          end associate
       end do
       do kind = warning, note
-         told = 0
+         number = 0
          do i = 1, size(remark)
             if (remark(i)%kind /= kind) cycle
-            told = told + 1
-            if (kind == note .and. told > most_notes) cycle
+            number = number + 1
+            if (kind == note .and. number > most_notes) cycle
             text = remark(i)%text
             if (size(result%channel) > 1 .and. remark(i)%names /= "") text = remark(i)%names//": "//text
             call put_item(writer, trim(label(kind)), text, verbatim=.true.)
          end do
       end do
-      if (told > most_notes) call put_item(writer, "", plural(int(told - most_notes, int64), "further note")//": --details")
+      if (number > most_notes) call put_item(writer, "", plural(int(number - most_notes, int64), "further note")//": --details")
    end subroutine put_remarks
 
    !> The texts of a list; one that is there already gets the name.

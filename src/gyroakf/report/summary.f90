@@ -18,7 +18,7 @@ module gyroakf_report_summary
    private
    public :: summary_row_type, summarise, summarise_failure, write_summary_csv, write_summary_json, write_summary_table
 
-   !> Warnings of a file that are told in full
+   !> Maximum number of warnings of a file that are shown in full
    integer, parameter :: most_warnings = 3
    !> A file's name has at least so many characters in the table, and a channel's at most
    integer, parameter :: least_name = 12, most_channel = 12
@@ -328,16 +328,16 @@ contains
    pure subroutine fit_names(table)
       type(table_type), intent(inout) :: table
       integer, allocatable :: width(:)
-      integer :: i, room
+      integer :: i, widest
 
       call column_widths(table, width)
       if (2*size(width) + least_name + sum(width(2:)) > report_width) then
          call break_cells(table)
          call column_widths(table, width)
       end if
-      room = max(least_name, report_width - 2*size(width) - sum(width(2:)))
+      widest = max(least_name, report_width - 2*size(width) - sum(width(2:)))
       do i = 2, size(table%cell, 1)
-         table%cell(i, 1)%text = tail_of(table%cell(i, 1)%text, room)
+         table%cell(i, 1)%text = tail_of(table%cell(i, 1)%text, widest)
       end do
    end subroutine fit_names
 

@@ -38,8 +38,8 @@ module gyroakf_report_svg
    !> Pixels: the whole width, borders of the frame, top of the legend
    real(dp), parameter :: width = 720.0_dp, left = 84.0_dp, right = 636.0_dp, top = 58.0_dp, &
       bottom = 368.0_dp, legend_top = 446.0_dp
-   !> Room for a label along the axes
-   real(dp), parameter :: x_room = 78.0_dp, y_room = 34.0_dp
+   !> Spacing of labels along the axes
+   real(dp), parameter :: x_spacing = 78.0_dp, y_spacing = 34.0_dp
 
 contains
 
@@ -157,13 +157,13 @@ contains
       real(dp) :: at
       integer :: i
 
-      call find_ticks(x, x_room, tick)
+      call find_ticks(x, x_spacing, tick)
       do i = 1, size(tick)
          at = position(x, tick(i)%value)
          call put_path(writer, grid_class(tick(i)), [at, at], [bottom, top])
          call put_text(writer, "middle", at, bottom + 22.0_dp, trim(tick(i)%label))
       end do
-      call find_ticks(y, y_room, tick)
+      call find_ticks(y, y_spacing, tick)
       do i = 1, size(tick)
          at = position(y, tick(i)%value)
          call put_path(writer, grid_class(tick(i)), [left, right], [at, at])
@@ -174,7 +174,7 @@ contains
       if (allocated(figure%right_label)) then
          second = scale_axis(y, figure%right_factor)
          call put_text(writer, "end", width - 12.0_dp, top - 12.0_dp, figure%right_label)
-         call find_ticks(second, y_room, tick)
+         call find_ticks(second, y_spacing, tick)
          do i = 1, size(tick)
             at = position(second, tick(i)%value)
             call put_path(writer, "frame", [right, right + 4.0_dp], [at, at])
@@ -200,7 +200,7 @@ contains
       type(figure_type), intent(in) :: figure
       type(axis_type), intent(in) :: x, y
       character(4), parameter :: name(-1:1) = [character(4) :: "-1/2", "0", "+1/2"]
-      real(dp), parameter :: room = 40.0_dp
+      real(dp), parameter :: label_width = 40.0_dp
       real(dp) :: rise, length, at(2)
       integer :: corner, slope
 
@@ -208,9 +208,9 @@ contains
       length = min(60.0_dp, 36.0_dp/rise)
       do corner = 1, 4                         ! bottom left, top right, top left, bottom right
          at = [left + 12.0_dp, bottom - 16.0_dp - rise*length]
-         if (modulo(corner, 2) == 0) at(1) = right - length - room - 12.0_dp
+         if (modulo(corner, 2) == 0) at(1) = right - length - label_width - 12.0_dp
          if (corner == 2 .or. corner == 3) at(2) = top + 16.0_dp + rise*length
-         if (.not. any_within(figure%series, x, y, at, [length + room, rise*length + 12.0_dp])) exit
+         if (.not. any_within(figure%series, x, y, at, [length + label_width, rise*length + 12.0_dp])) exit
       end do
       if (corner > 4) return
       call put_line(writer, "<g class=""soft"">")

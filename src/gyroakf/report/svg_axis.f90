@@ -117,11 +117,11 @@ contains
 
    !> Ticks in steps of 1, 2 or 5 times a power of ten; of a logarithmic axis decades, and the
    !> lines between them.
-   pure subroutine find_ticks(axis, room, tick)
+   pure subroutine find_ticks(axis, spacing, tick)
       !> With its range
       type(axis_type), intent(in) :: axis
       !> Pixels that a label takes along the axis, > 0
-      real(dp), intent(in) :: room
+      real(dp), intent(in) :: spacing
       !> Ascending
       type(tick_type), allocatable, intent(out) :: tick(:)
       real(dp) :: step, high
@@ -129,10 +129,10 @@ contains
       integer :: digits
 
       if (axis%logarithmic) then
-         call find_decades(axis, room, tick)
+         call find_decades(axis, spacing, tick)
          return
       end if
-      step = round_step((axis%last - axis%first)/max(2.0_dp, abs(axis%to - axis%from)/room))
+      step = round_step((axis%last - axis%first)/max(2.0_dp, abs(axis%to - axis%from)/spacing))
       first = ceiling(axis%first/step, int64)
       high = max(abs(axis%first), abs(axis%last))
       digits = max(1, min(15, 1 + floor(log10(high/step) + 0.7_dp)))
@@ -145,9 +145,9 @@ contains
    end subroutine find_ticks
 
    !> Decades of a logarithmic axis with 2 to 9 times each where these are not too many.
-   pure subroutine find_decades(axis, room, tick)
+   pure subroutine find_decades(axis, spacing, tick)
       type(axis_type), intent(in) :: axis
-      real(dp), intent(in) :: room
+      real(dp), intent(in) :: spacing
       type(tick_type), allocatable, intent(out) :: tick(:)
       type(tick_type), allocatable :: all_ticks(:)
       real(dp) :: decades, value
@@ -155,7 +155,7 @@ contains
       logical :: few, labeled
 
       decades = axis%last - axis%first
-      every = max(1, ceiling(room*decades/abs(axis%to - axis%from)))
+      every = max(1, ceiling(spacing*decades/abs(axis%to - axis%from)))
       few = decades < 2.0_dp
       n = 0
       allocate (all_ticks(9*(floor(axis%last) - floor(axis%first) + 1)))

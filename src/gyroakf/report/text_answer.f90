@@ -101,7 +101,7 @@ contains
       call put_filter_numbers(writer, view, channel)
    end subroutine put_group
 
-   !> The verdicts below a table that has no room for them: "gx, gy: stationary; gz: drifts: random walk".
+   !> The verdicts below a table that is too narrow for them: "gx, gy: stationary; gz: drifts: random walk".
    subroutine put_verdicts(writer, channel)
       type(writer_type), intent(inout) :: writer
       type(channel_result_type), intent(in) :: channel(:)

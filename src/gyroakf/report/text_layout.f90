@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Lines of a terminal report: at most 80 columns, padded by characters (UTF-8), not by bytes.
 !>
-!> The writer tells whether the signs of UTF-8 and colours are shown; both come in here, the texts hold neither. Where its `markup`
+!> UTF-8 signs and colors are added here if the writer has them enabled; the texts hold neither. Where its `markup`
 !> is on, the same parts become elements of a page.
 module gyroakf_report_text_layout
    use gyroakf_kinds, only : dp, int64

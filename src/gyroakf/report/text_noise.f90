@@ -143,6 +143,8 @@ contains
                                                            term_names(term), channel%reduction_percent(term))
       end do
       table%note = table%note//"+/-: one standard error; <: not detected, one-sided 95 % limit. reduction: from cleaned to AKF."
+      if (channel%allan(stage%compensated)%fitted) table%note = table%note//" compensated: in-sample, from the first "// &
+         count_text(int(channel%allan(stage%compensated)%noise%points, int64))//" octaves."
    end subroutine make_comparison
 
    !> A text in two lines where it is wide, the second one from the last of some signs on.

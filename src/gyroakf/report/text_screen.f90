@@ -15,7 +15,7 @@ module gyroakf_report_text_screen
    private
    public :: put_screen
 
-   !> Rows of the chart, and notes that are told
+   !> Rows of the chart, and maximum number of notes
    integer, parameter :: chart_rows = 9, most_notes = 3
 
 contains
@@ -112,7 +112,7 @@ contains
       call draw_chart(tau, deviation, deviation, deviation, writer%unicode, lines, rows=chart_rows, mark=mark)
    end subroutine draw_overlay
 
-   !> The last letter of a channel's name, where that tells the channels apart; else a, b, c, ...
+   !> The last letter of a channel's name, where these differ; else a, b, c, ...
    pure character(1) function mark_of(result, drawn, c)
       type(pipeline_result_type), intent(in) :: result
       !> The channels in the chart: [channel]

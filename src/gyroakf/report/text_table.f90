@@ -29,7 +29,7 @@ module gyroakf_report_text_table
       character(:), allocatable :: caption
       !> What its columns mean, in whole sentences, or ""
       character(:), allocatable :: note
-      !> The numbers behind the cells, as far as [[set_exact]] told them: [rows, columns]
+      !> The numbers behind the cells, as far as set by [[set_exact]]: [rows, columns]
       type(exact_type), allocatable :: exact(:, :)
    end type table_type
 
@@ -91,7 +91,7 @@ contains
       end do
    end subroutine set_row
 
-   !> Tells the number that a cell shows: a page has it in full, with its place in results.json.
+   !> Sets the number behind a cell: a page has it in full, with its place in results.json.
    pure subroutine set_exact(table, row, column, key, value)
       !> The table
       type(table_type), intent(inout) :: table
