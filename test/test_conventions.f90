@@ -155,7 +155,13 @@ contains
    !> 3e-3*0.2 deg/s.
    subroutine test_text(error)
       type(error_type), allocatable, intent(out) :: error
-      character(*), parameter :: lines(1) = [character(1) :: "x"]
+      character(80), parameter :: lines(6) = [character(80) :: &
+         "  N               = 0.190 +/- 0.002 deg/sqrt(h), SI:", &
+         "  B               < 2.16 deg/h, SI: < 1.047e-05 rad/s, definition sigma^2 = (2", &
+         "                  ln 2/pi) B^2 = (0.664 B)^2", &
+         "  R               definition sigma^2 = R^2 tau^2/2", &
+         "                  N), one sided (= 0.00447 +/- 0.00006 deg/s/sqrt(Hz), SI:", &
+         "                  0.00007800 +/- 0.00000099 rad/s/sqrt(Hz), definition"]
       character(:), allocatable :: text
       integer :: i
 

@@ -39,6 +39,7 @@ contains
          new_unittest("reduction", test_reduction), &
          new_unittest("channels", test_channels), &
          new_unittest("outlier-times", test_outlier_times), &
+         new_unittest("changed-noise", test_changed_noise), &
          new_unittest("raw", test_raw), &
          new_unittest("tested", test_tested), &
          new_unittest("single-rooms", test_single_rooms), &
@@ -391,6 +392,29 @@ contains
       call check(error, index(result%channel(1)%warnings(1)%text, "% of the samples") > 0 .and. &
                  index(result%channel(1)%warnings(1)%text, "at 9.8, 19.8, 29.8") > 0)
    end subroutine test_outlier_times
+
+   !> The second half has twice the noise of the first: a warning says so; of the record as it is nothing is said.
+   subroutine test_changed_noise(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      integer :: i, half
+
+      do half = 1, 2
+         call paper_record(record)
+         if (half == 2) record%value(6001:, :) = 2*record%value(6001:, :)
+         call check(error, run(record, result))
+         if (allocated(error)) return
+         associate (list => result%channel(1)%warnings)
+            i = findloc([(index(list(i)%text, "the noise changed during the record: at tau = ") == 1 .and. &
+                          .not. list(i)%note, i=1, size(list))], .true., dim=1)
+            call check(error, i > 0 .eqv. half == 2)
+            if (allocated(error)) return
+            if (half == 2) call check(error, index(list(i)%text, "the second half has 2") > 0, list(i)%text)
+            if (allocated(error)) return
+         end associate
+      end do
+   end subroutine test_changed_noise
 
    !> AR noise is no sum of the five terms, and the result says so; white noise is, and nothing is said.
    subroutine test_misfit(error)

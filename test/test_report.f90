@@ -39,7 +39,6 @@ contains
          new_unittest("answer", test_answer), &
          new_unittest("screen", test_screen), &
          new_unittest("periodicity", test_periodicity_text), &
-         new_unittest("periodicity-verdicts", test_periodicity_verdicts), &
          new_unittest("run-nothing-known", test_nothing_known), &
          new_unittest("width", test_width), &
          new_unittest("drift", test_drift), &
@@ -132,16 +131,13 @@ contains
    !> What was read, removed, tested, and what to make of it.
    subroutine test_run(error)
       type(error_type), allocatable, intent(out) :: error
-      character(120), parameter :: fragments(19) = [character(120) :: "12 in 1 channel: gx", "5 Hz (as the file says); 2.4 s", &
-         "deg/s (as the option says)", "the stamps show 5.2 Hz", "1 sample (8.33 %) beyond 4.27 sigma (rule: auto, 2 rounds)", &
-         "c0 = 4.30000e-03, c1 = -2.00000e-06", "Noise stationary, flicker a reason", &
-         "nearly normal, a small departure is seen because the record is long: skewness 0.0125 +/- 0.022", &
-         "excess kurtosis 0.25 +/- 0.045; Jarque-Bera 1.2, p = 0.55", &
-         "Anderson-Darling 0.7, p = 0.067", "Anderson-Darling of every 2nd sample, 5994 of them", &
-         "with an autocorrelation of 0.41 the errors are larger", &
-         "in steps of 0.0114, 0.5 standard deviations, on 17 levels; rounding is 2.1 % of the variance", &
-         "alone gives an Anderson-Darling statistic of about 60", &
-         "Ljung-Box 2030 over 20 lags, p < 1e-20, largest |rho| 0.41 at lag 3", "the Kalman filter passes 60.7 %", &
+      character(120), parameter :: fragments(16) = [character(120) :: "12 in 1 channel: gx", "5 Hz (as the file says); 2.4 s", &
+         "deg/s (as the option says)", "the stamps show 5.2 Hz", "Outliers method auto, threshold 4.27 sigma, passes 2, removed 1,", &
+         "coefficients of i^0, i^1, ... 0.0043 -2e-06", "stationary, drift flicker, reasons a reason", &
+         "Jarque-Bera statistic 1.2, p = 0.55, skewness 0.013 +/- 0.022, kurtosis 3.250 +/- 0.045", &
+         "p = 0.067, distance", "samples 5994, stride 2", &
+         "quantized, step 0.0114, step over std 0.5, variance share 0.0208, levels 17", &
+         "Ljung-Box statistic 2030.00, p < 1e-20, lags 20, largest |rho| 0.41, at lag 3", "the Kalman filter passes 60.7 %", &
          "AR(1) predicts 16.8 % of the variance", "2.5 % of the samples (3) were removed", &
          "drift identification: too few"]
       character(:), allocatable :: text, flat
@@ -157,8 +153,8 @@ contains
       if (allocated(error)) return
       call run_text("tests", .true., text)
       call unwrap(text, flat)
-      call check(error, index(flat, "ADF -71.5 against -2.86 at 5 %") > 0 .and. index(flat, "KPSS 0.84 against 0.463 at 5 % "// &
-         "(0.739 at 1 %, 0.347 at 10 %), p < 0.01 by the table, p = 0.0058 asymptotically") > 0, flat)
+      call check(error, index(flat, "ADF statistic -71.5, p") > 0 .and. index(flat, "KPSS statistic 0.84, p < 0.01, ") > 0 &
+                 .and. index(flat, "p asymptotic 0.0058") > 0 .and. index(flat, "5% 0.463, 10% 0.347), not level stationary") > 0, flat)
    end subroutine test_run
 
    !> Line ends and rows of blanks become one blank.
@@ -203,8 +199,6 @@ contains
          call check(error, index(text, lf//trim(lines(i))//lf) > 0, "missing: "//trim(lines(i)))
          if (allocated(error)) return
       end do
-      call check(error, index(text, "  Two-sided       0.0158 deg/s/sqrt(Hz) = ") > 0 .and. &
-                 index(text, "  One-sided       0.02234 deg/s/sqrt(Hz) = ") > 0 .and. index(text, "As read in SI, and") > 0)
    end subroutine test_run_tables
 
    !> The head of the report: a row for each channel, a table for each unit, numbers rounded to their errors.
@@ -234,7 +228,7 @@ contains
    !> The first screen: what was read, a row for each channel, one chart, what several channels share told once.
    subroutine test_screen(error)
       type(error_type), allocatable, intent(out) :: error
-      character(4), parameter :: commands(4) = [character(4) :: "run", "tests", "ar", "filt"]
+      character(6), parameter :: commands(4) = [character(6) :: "run", "tests", "ar", "filter"]
       character(100), parameter :: fragments(7) = [character(100) :: &
          "  Record          data/gyro.txt: 12 samples, 5 Hz", "  gx  0.001  0.948 +/- 0.012  14.4 +/- 3.6", &
          "  gz  0.001  0.948 +/- 0.012  14.4 +/- 3.6", "against tau in s: x gx, z gz", &
@@ -280,41 +274,11 @@ contains
 
       call run_text("run", .true., wrapped)
       call unwrap(wrapped, text)
-      call check(error, index(text, "Fisher's g 0.3 at 1.25 Hz, the largest of 5 ordinates, p = 0.004, "// &
-                              "of the residuals of AR(1)") > 0)
+      call check(error, index(text, "Fisher's g statistic 0.3, p = 0.004, frequency 1.25 Hz, applied to the residuals of AR(1)") > 0)
       if (allocated(error)) return
-      call check(error, index(text, "Welch: a density every 1.25 Hz, mean of 4 segments of 4 samples") > 0 &
-                 .and. index(text, "1 left out") > 0)
+      call check(error, index(text, "segment samples 4, segments 4, segments left out 1, ") > 0 .and. &
+                 index(text, "resolution 1.25 Hz") > 0)
    end subroutine test_periodicity_text
-
-   !> What Fisher's test detects: nothing, drift, a period; in which samples.
-   subroutine test_periodicity_verdicts(error)
-      type(error_type), allocatable, intent(out) :: error
-      character(60), parameter :: words(3) = [character(60) :: "no single period stands out: Fisher's g", &
-         "less than 5 periods in the record: drift, not a period", "a period stands out, or correlation"]
-      type(writer_type) :: writer
-      type(record_type) :: record
-      type(pipeline_result_type) :: result
-      character(:), allocatable :: text, flat
-      integer :: i
-
-      call make_record(record, .true.)
-      call make_result(record, result)
-      result%channel(1)%fisher_frequency = 0.1_dp
-      result%channel(1)%periodicity%samples = 1000
-      result%channel(1)%periodicity%total = 5000
-      do i = 1, size(words)
-         result%channel(1)%periodicity%fisher%p_value = merge(0.5_dp, 1.0e-9_dp, i == 1)
-         result%channel(1)%periodicity%fisher%ordinate = merge(2, 80, i == 2)
-         call begin_text(writer)
-         call write_report(writer, "tests", record, pipeline_options(), result)
-         call end_text(writer, text)
-         call unwrap(text, flat)
-         call check(error, index(flat, trim(words(i))) > 0, "missing: "//trim(words(i)))
-         if (allocated(error)) return
-      end do
-      call check(error, index(flat, "; the middle 1000 of 5000 samples") > 0)
-   end subroutine test_periodicity_verdicts
 
    !> No rate, no unit: per sample and in input units, and which options would help.
    subroutine test_nothing_known(error)
@@ -355,35 +319,14 @@ contains
       call check(error, longest_line(text) <= report_width)
    end subroutine test_width
 
-   !> A change of the noise in words: where, by how much; nothing where it is not significant; small where it is.
+   !> The comparison of the halves.
    subroutine test_halves(error)
       type(error_type), allocatable, intent(out) :: error
-      character(120), parameter :: fragments(5) = [character(120) :: "tau = 0.2 s rose to 2.5 times (95 %", &
-         "chi-square 60 with 2 degrees of freedom, p = 1e-13; the deviation at tau = 0.2 s rose by 12 % (95 % limits of the", &
-         "limits of the ratio 1.08 and 1.16); at tau = 0.4 s it rose by 8 %. The coefficients are those of a mean of both", &
-         "A small change, seen because the record is long", "no difference is found between the Allan curves of the first"]
-      type(writer_type) :: writer
-      type(record_type) :: record
-      type(pipeline_result_type) :: result
       character(:), allocatable :: text, flat
-      integer :: i
 
-      call make_record(record, .true.)
-      call make_result(record, result)
-      call begin_text(writer)
-      call write_report(writer, "allan", record, pipeline_options(), result)
-      result%channel(1)%halves%ratio = [1.01_dp, 0.99_dp]
-      call write_report(writer, "allan", record, pipeline_options(), result)
-      result%channel(1)%halves%ratio = [2.5_dp, 0.5_dp]
-      call write_report(writer, "allan", record, pipeline_options(), result)
-      result%channel(1)%halves%changed = .false.
-      call write_report(writer, "run", record, pipeline_options(), result)
-      call end_text(writer, text)
+      call run_text("allan", .true., text)
       call unwrap(text, flat)
-      do i = 1, size(fragments)
-         call check(error, index(flat, trim(fragments(i))) > 0, "missing: "//trim(fragments(i)))
-         if (allocated(error)) return
-      end do
+      call check(error, index(flat, "Second half against the first chi-square 60, degrees of freedom 2, p = 1e-13") > 0, flat)
    end subroutine test_halves
 
    !> The shorter reports say their part and keep the width.
@@ -415,12 +358,12 @@ contains
       call check(error, index(text, "  0.2       0.02    0.018    0.022   11     11    0.02"//lf) > 0)
       if (allocated(error)) return
       call unwrap(text, flat)
-      call check(error, index(flat, "7 of 12 steps held at a bound") > 0)
+      call check(error, index(flat, "steps at a bound 7") > 0)
       if (allocated(error)) return
-      call check(error, index(flat, "N angle random walk deg/sqrt(h) 0.948 0.012 0.18 0.96 B bias") > 0 .and. &
-                 index(flat, "R ramp deg/h^2 not fitted no segment") > 0)
+      call check(error, index(flat, "N = 0.948 +/- 0.012 deg/sqrt(h), SI: ") > 0 .and. index(flat, "K < 648 deg/h^1.5, SI: < ") > 0, &
+                 flat)
       if (allocated(error)) return
-      call check(error, index(flat, "Minimum 18 deg/h at tau = 100 s, not divided") > 0)
+      call check(error, index(flat, "minimum 18, at tau = 100 s") > 0, flat)
    end subroutine test_single_commands
 
    !> Writes a document and reads it back.
@@ -500,19 +443,18 @@ contains
    !> The drift in words, beside the paper's filters; found and not found.
    subroutine test_drift(error)
       type(error_type), allocatable, intent(out) :: error
-      character(110), parameter :: fragments(18) = [character(110) :: &
+      character(110), parameter :: fragments(17) = [character(110) :: &
          "no outliers 4.300e-03 5.5000e-04  100 %", &
          "drift KF 0.000e+00 1.0000e-05  1.8 % 0.48 1.0000 0.750   0.2 colored", &
          "smoother 0.000e+00 1.2000e-05  1.8 %      1.0000", &
          "compensated 1.000e-06 5.3800e-04 97.8 %      0.0000", &
          "(95 % of such filters within 0.980 to 1.020)", "a rotation passes into it: estimate it at rest, only predict it", &
-         "In-sample: the drift was taken from the same record", "b = 0.98, adapts R", &
-         "Drift: what is slower than 1 s (--drift-tau) in the record as read without its outliers", &
-         "Model random walk + AR(1) of 0.224 s + white noise Random", &
-         "noise, too fast to be drift: correlation time 0.224 +/- 0.012 s", &
-         "Random walk drift: K = 4.8 +/- 1.2 deg/h^1.5, steps of 1e-05 deg/s a sample", &
-         "White noise standard deviation 0.0050 +/- 0.0021 deg/s", "maximum likelihood from the middle 8 of 12 samples", &
-         "* random walk, AR(1) -58726.91 -58697.34", &
+         "In-sample: the drift was taken from the same record", "forgetting 0.98, adapts R", &
+         "Drift model found, of processes slower than 1 s, model ", &
+         "kind ar1, not drift, correlation time 0.224 +/- 0.012 s", &
+         "kind walk, drift, standard deviation 1e-05, K 4.8 +/- 1.2 deg/h^1.5", &
+         "white noise 0.0050 +/- 0.0021", "of samples 12, block samples", &
+         "chosen, parameters 4, log likelihood 29363.68, AIC -58726.91, BIC -58697.34", &
          "The drift filters model the record as random walk + AR(1) of 0.224 s + white noise.", &
          "of a constant rotation it takes 100 % for drift", &
          "that leaves 97.8 % of the variance. It is in-sample"]
@@ -539,9 +481,6 @@ contains
          call check(error, index(flat, trim(text)) > 0, "missing: "//trim(fragments(i)))
          if (allocated(error)) return
       end do
-      call expect("the middle 8 of 12 samples, slowest processes from means of 4 samples", "likelihood", 4_int64)
-      if (.not. allocated(error)) call expect("Found by least squares on the autocovariances", "autocov", 1_int64)
-      if (allocated(error)) return
       result%channel(1)%available%drift_kf = .false.
       result%channel(1)%available%drift_akf = .false.
       result%channel(1)%available%drift_smoother = .false.
@@ -551,24 +490,8 @@ contains
       call write_report(writer, "run", record, pipeline_options(), result)
       call end_text(writer, text)
       call unwrap(text, flat)
-      call check(error, index(flat, "+ white noise: there is no drift") > 0 .and. index(flat, "In-sample") == 0 .and. &
-                 index(flat, "No drift slower than 1 s was identified") > 0 .and. index(flat, "here it does not") > 0)
-
-   contains
-
-      !> Says where the model comes from.
-      subroutine expect(fragment, source, block)
-         character(*), intent(in) :: fragment, source
-         integer(int64), intent(in) :: block
-
-         result%channel(1)%drift%source = source
-         result%channel(1)%drift%block = block
-         call begin_text(writer)
-         call write_report(writer, "run", record, pipeline_options(), result)
-         call end_text(writer, text)
-         call unwrap(text, flat)
-         call check(error, index(flat, fragment) > 0, "missing: "//fragment)
-      end subroutine expect
+      call check(error, index(flat, "Drift model not found") > 0 .and. index(flat, "In-sample") == 0 .and. &
+                 index(flat, "No drift slower than 1 s was identified") > 0, flat)
    end subroutine test_drift
 
    subroutine test_document_inspect(error)

@@ -24,7 +24,7 @@ module gyroakf_pipeline_channel
    use gyroakf_pipeline_channel_periodicity, only : run_periodicity
    use gyroakf_pipeline_verdict, only : examine_means, judge
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_outliers, warn_order, warn_model, &
-      warn_curve, warn_fit, warn_centred
+      warn_curve, warn_fit, warn_halves, warn_centred
    implicit none (type, external)
    private
    public :: run_channel
@@ -165,6 +165,7 @@ contains
          if (allocated(error)) return
          call run_halves(x, record%sample_interval, options, channel, error, recorded, progress)
          if (allocated(error)) return
+         call warn_halves(channel, record%rate_known)
       end if
       if (options%do_filter .and. channel%available%ar) then
          call filter_centred(record, z, options, channel, error, valid, progress)

@@ -10,7 +10,7 @@ module gyroakf_pipeline_warnings
    implicit none (type, external)
    private
    public :: is_fatal, is_of_channel, note_failure, outlier_share, warn_outliers, warn_order, warn_model, warn_curve, &
-      warn_fit, warn_centred
+      warn_fit, warn_halves, warn_centred
 
    !> So many times of outliers are named
    integer, parameter :: named_outliers = 8, named_motions = 3
@@ -19,6 +19,8 @@ module gyroakf_pipeline_warnings
    !> Residuals are called correlated at this significance, and only where an autocorrelation is as large as this: in a long
    !> record every test rejects
    real(dp), parameter :: significant = 0.01_dp, coloured = 0.05_dp
+   !> A change between the halves is a warning where it is less probable by chance and larger than this
+   real(dp), parameter :: certain = 1e-3_dp, small_change = 0.03_dp
 
 contains
 
@@ -192,6 +194,24 @@ contains
             format_real(noise%chi2_reduced, 3)//". The errors of the coefficients are increased by its root")
       end associate
    end subroutine warn_fit
+
+   !> The second half of the record has another Allan deviation than the first.
+   pure subroutine warn_halves(channel, rate_known)
+      !> With the comparison
+      type(channel_result_type), intent(inout) :: channel
+      !> The averaging times are in s, not in samples
+      logical, intent(in) :: rate_known
+      integer :: i
+
+      if (.not. (channel%available%halves .and. channel%halves%changed)) return
+      associate (halves => channel%halves)
+         i = maxloc(abs(halves%score), dim=1)
+         call add_text(channel%warnings, "the noise changed during the record: at tau = "//format_real(halves%tau(i), 4)// &
+            trim(merge(" s      ", " samples", rate_known))//" the second half has "//format_real(halves%ratio(i), 3)// &
+            " times the Allan deviation of the first; the coefficients are those of both together", &
+            note=halves%p_value >= certain .or. abs(halves%ratio(i) - 1) < small_change)
+      end associate
+   end subroutine warn_halves
 
    !> The filters' series has no mean.
    pure subroutine warn_centred(channel)

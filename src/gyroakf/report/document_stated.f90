@@ -84,9 +84,9 @@ contains
 
       call out%open("fit", "Fit")
       call out%put("described", noise%described)
-      call out%put("points", noise%points)
-      call out%put("left_out", noise%left_out, title="excluded at short tau")
-      call out%put("cut_off", noise%cut_off, title="excluded at long tau")
+      call out%put("points", noise%points, title="octaves")
+      call out%put("left_out", noise%left_out, title="octaves excluded at short tau")
+      call out%put("cut_off", noise%cut_off, title="at long tau")
       call out%put("tau_first_s", noise%tau_first, noise%described, title="tau from")
       call out%put("tau_last_s", noise%tau_last, noise%described, title="to")
       call out%put("chi2_freedom", noise%chi2_freedom, title="degrees of freedom")

@@ -57,6 +57,7 @@ contains
       if (allocated(self%skip)) then
          if (any(self%skip == key)) title = ""
       end if
+      if (self%depth == 1) call end_line(self)
       self%depth = self%depth + 1
       self%list(self%depth) = list
       if (self%depth > self%hidden) return
@@ -67,7 +68,6 @@ contains
          self%label = ""
          self%line = ""
       else if (self%depth == 2) then
-         call end_line(self)
          self%label = capitalized(title)
       else if (self%list(self%depth - 1)) then
          call end_line(self)
