@@ -8,7 +8,7 @@ module gyroakf_app_reading
    use gyroakf_io_reader, only : complete_record, reader_options
    use gyroakf_io_recording, only : base_bytes, bytes_needed, close_recording, hold_rows, open_recording, recording_type, &
       rows_within, say_too_large
-   use gyroakf_pipeline, only : pipeline_result_type, run_pipeline, tell_memory
+   use gyroakf_pipeline, only : pipeline_result_type, run_pipeline, estimate_memory
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
    use gyroakf_report_kalibr, only : check_kalibr
@@ -74,7 +74,7 @@ contains
       type(record_type) :: truth
 
       reader = config%reader
-      call tell_memory(config%pipeline, reader%work_bytes, reader%channel_bytes, reader%part_bytes, &
+      call estimate_memory(config%pipeline, reader%work_bytes, reader%channel_bytes, reader%part_bytes, &
                        reader%part_samples)
       if (allocated(config%truth)) reader%work_bytes = reader%work_bytes + truth_bytes
       call find_bound(reader)
@@ -182,7 +182,7 @@ contains
       call new_config("allan", "", config)
       select type (config)
       type is (analysis_config)
-         call tell_memory(config%pipeline, reader%work_bytes, reader%channel_bytes, reader%part_bytes, reader%part_samples)
+         call estimate_memory(config%pipeline, reader%work_bytes, reader%channel_bytes, reader%part_bytes, reader%part_samples)
       end select
    end subroutine allan_memory
 

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Random errors of gyroscopes, characterised and compensated.
 !>
-!> The whole public interface under one name; this module holds no code. Where it comes from is
-!> told by the names: `gyroakf_allan_deviations` is in `src/gyroakf/allan/deviations.f90`.
+!> The whole public interface under one name; this module holds no code. Module names give the
+!> source files: `gyroakf_allan_deviations` is in `src/gyroakf/allan/deviations.f90`.
 module gyroakf
    use gyroakf_kinds, only : dp, int8, int16, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status, exit_code
@@ -67,7 +67,7 @@ module gyroakf
    use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, &
       design_drift_akf
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, channel_result_type, &
-      stage, apply_preset, run_pipeline, tell_memory
+      stage, apply_preset, run_pipeline, estimate_memory
    use gyroakf_selftest, only : selftest_type, run_selftest
    use gyroakf_report_selftest_report, only : report_selftest
    use gyroakf_report_text_report, only : write_report, report_inspect

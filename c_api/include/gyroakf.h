@@ -11,7 +11,7 @@
  * - const double * arrays hold evenly spaced samples; NaN marks a missing sample, an infinite value is an error unless
  *   its function says otherwise. No pointer of the caller is kept after the return, and nothing is changed behind a const.
  * - NULL for options means their defaults. Otherwise call the _init function of the struct first: it also writes
- *   struct_size, which tells the library the version of the struct that the program was compiled with. Of an earlier version
+ *   struct_size, the version of the struct that the program was compiled with. Of an earlier version
  *   the members that it had are read, the others have their defaults; the size of a later version gives GYROAKF_NOT_SUPPORTED, any
  *   other GYROAKF_INVALID_ARGUMENT. Strings may be NULL: the default.
  * - A NULL where an array, a handle or a result is needed, a count <= 0, a number out of its range and an array of doubles at an
@@ -74,7 +74,7 @@ typedef struct gyroakf_error {
 } gyroakf_error;
 
 /*
- * Told how far a long call is, several times a second, by the thread that made the call and while it waits; never by two at once.
+ * Progress callback, invoked several times a second on the calling thread while it waits; never concurrently.
  *   user   progress_user of the options
  *   stage  what is being done, as "reading"; valid during the call
  *   done   so much of total: bytes or samples
@@ -86,8 +86,8 @@ typedef struct gyroakf_error {
 typedef int32_t (*gyroakf_progress_fn)(void *user, const char *stage, int64_t done, int64_t total);
 
 /*
- * A function whose name ends in _watched is the one above it with progress (NULL: nobody is told) and progress_user, which is handed to
- * it, before err. Others that may take long have both in their options.
+ * A function whose name ends in _watched is the one above it with progress (NULL: no callback) and progress_user,
+ * which is handed to it, before err. Others that may take long have both in their options.
  */
 
 /* 10000*major + 100*minor + patch of the library that is linked; compare with GYROAKF_VERSION. */
@@ -122,7 +122,7 @@ typedef struct gyroakf_reader_options {
   const char *wrap;          /* where angles wrap, in units of the file: a number, "auto" (default) or "none" */
   int64_t channels;          /* raw numbers: columns, interleaved, >= 0; 0 (default): 1 */
   int32_t decimal_comma;     /* 1: every comma in the file is a decimal comma; 0 */
-  gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
+  gyroakf_progress_fn progress; /* progress callback, may cancel; NULL (default): none */
   void *progress_user;          /* handed to it; NULL */
 } gyroakf_reader_options;
 
@@ -239,7 +239,7 @@ typedef struct gyroakf_simulate_options {
   int64_t outliers;       /* how many, 0 .. samples */
   double lsb;             /* step that values are rounded to, u, >= 0; 0: none */
   double missing;         /* share of the samples that are lost, 0 <= missing < 1 */
-  gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
+  gyroakf_progress_fn progress; /* progress callback, may cancel; NULL (default): none */
   void *progress_user;          /* handed to it; NULL */
 } gyroakf_simulate_options;
 
@@ -257,7 +257,7 @@ typedef struct gyroakf_run_options {
   size_t struct_size;
   const char *preset;            /* "default" (also NULL), "paper": the paper's chain */
   int32_t tests, ar, filters, allan; /* 0: without this part; 1 */
-  gyroakf_progress_fn progress;  /* told how far it is, may cancel; NULL (default): nobody */
+  gyroakf_progress_fn progress;  /* progress callback, may cancel; NULL (default): none */
   void *progress_user;           /* handed to it; NULL */
 } gyroakf_run_options;
 
@@ -287,7 +287,7 @@ typedef struct gyroakf_allan_options {
   const char *taus;    /* "octave" (default), "decade", "log:N" (N per decade), "all", or "0.5,1,2" in s */
   double confidence;   /* probability between the limits, 0 < c < 1; 0.683 */
   double min_coverage; /* share of a window that must be present, 0 < s <= 1; 0.9 */
-  gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
+  gyroakf_progress_fn progress; /* progress callback, may cancel; NULL (default): none */
   void *progress_user;          /* handed to it; NULL */
 } gyroakf_allan_options;
 
@@ -388,7 +388,7 @@ typedef struct gyroakf_outlier_options {
   int32_t rounds;     /* at most, >= 1; 20; 1 is a single pass */
   int32_t half_width; /* hampel: samples on either side, 1 .. 100000; 25 */
   int32_t degree;     /* of the trend that the outliers are about, -1 (their mean or median) .. 9; 3 */
-  gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
+  gyroakf_progress_fn progress; /* progress callback, may cancel; NULL (default): none */
   void *progress_user;          /* handed to it; NULL */
 } gyroakf_outlier_options;
 
@@ -421,7 +421,7 @@ typedef struct gyroakf_adf_options {
   int32_t lags;           /* -1 (default): chosen by the criterion */
   int32_t max_lags;       /* -1 (default): ceil(12 (n/100)^(1/4)) */
   const char *criterion;  /* "aic" (default), "bic", "t" */
-  gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
+  gyroakf_progress_fn progress; /* progress callback, may cancel; NULL (default): none */
   void *progress_user;          /* handed to it; NULL */
 } gyroakf_adf_options;
 
@@ -448,7 +448,7 @@ typedef struct gyroakf_adf_coefficient {
 
 /*
  * Coefficients of the regression of the same test: rows becomes their number (deterministic ones, level, lags), table [capacity]
- * (>= 1) the first of them. With table NULL only the number is told.
+ * (>= 1) the first of them. With table NULL only the number is returned.
  */
 GYROAKF_API int gyroakf_adf_coefficients(const double *x, int64_t n, const gyroakf_adf_options *opt, int32_t capacity,
                                          gyroakf_adf_coefficient *table, int32_t *rows, gyroakf_error *err);
@@ -458,7 +458,7 @@ typedef struct gyroakf_kpss_options {
   const char *regression; /* "c" (default), "ct": stationary about a level, about a line */
   const char *rule;       /* "auto" (default): Hobijn, Franses and Ooms; "legacy": floor(12 (n/100)^(1/4)) */
   int64_t lags;           /* bandwidth; -1 (default): by the rule */
-  gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
+  gyroakf_progress_fn progress; /* progress callback, may cancel; NULL (default): none */
   void *progress_user;          /* handed to it; NULL */
 } gyroakf_kpss_options;
 
@@ -573,7 +573,7 @@ typedef struct gyroakf_ar_options {
                             model may be not stationary */
   const char *criterion; /* "aic" (default), "aicc", "bic", "hqic", "fpe" */
   int32_t order;         /* -1 (default): chosen by the criterion; otherwise 0 .. max_order */
-  gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
+  gyroakf_progress_fn progress; /* progress callback, may cancel; NULL (default): none */
   void *progress_user;          /* handed to it; NULL */
 } gyroakf_ar_options;
 
@@ -645,8 +645,8 @@ GYROAKF_API int gyroakf_filter_freeze(gyroakf_filter *f, int32_t frozen);
 GYROAKF_API int gyroakf_filter_run(gyroakf_filter *f, const double *z, int64_t n, double *x, gyroakf_error *err);
 
 /*
- * The same, told how far it is. After GYROAKF_CANCELLED the first values of x are the estimates of the steps that were made (gyroakf_filter_get knows how many),
- * and the filter goes on from there.
+ * The same, with a progress callback. After GYROAKF_CANCELLED the first values of x are the estimates of the steps that
+ * were made (gyroakf_filter_get returns their number), and the filter continues from there.
  */
 GYROAKF_API int gyroakf_filter_run_watched(gyroakf_filter *f, const double *z, int64_t n, double *x, gyroakf_progress_fn progress,
                                            void *progress_user, gyroakf_error *err);
@@ -708,7 +708,7 @@ typedef struct gyroakf_drift_options {
   size_t struct_size;
   double drift_samples; /* correlation time in samples from which a process counts as drift, > 0; 5 */
   int64_t most_samples; /* samples that the likelihood uses at most, >= 50; 131072 */
-  gyroakf_progress_fn progress; /* told how far it is, may cancel; NULL (default): nobody */
+  gyroakf_progress_fn progress; /* progress callback, may cancel; NULL (default): none */
   void *progress_user;          /* handed to it; NULL */
 } gyroakf_drift_options;
 

@@ -50,15 +50,15 @@ contains
       chunk_last = chunk_first(n, chunk + 1) - 1
    end function chunk_last
 
-   !> Chunks that are worked on before somebody is told how far it is; all of them where nobody wants to know.
-   integer function chunk_group(chunks, told)
+   !> Chunks between two reports of progress; all of them without a progress callback.
+   integer function chunk_group(chunks, reported)
       !> How many there are
       integer, intent(in) :: chunks
-      !> Somebody wants to know
-      logical, intent(in) :: told
+      !> There is a progress callback
+      logical, intent(in) :: reported
 
       chunk_group = chunks
-      if (told) chunk_group = min(chunks, 2*thread_count())
+      if (reported) chunk_group = min(chunks, 2*thread_count())
    end function chunk_group
 
 end module gyroakf_chunks

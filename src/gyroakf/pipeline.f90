@@ -27,7 +27,7 @@ module gyroakf_pipeline
    public :: stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type
    public :: drift_process_type, stage, stage_names
    public :: check_truth
-   public :: apply_preset, run_pipeline, tell_memory, minimum_samples
+   public :: apply_preset, run_pipeline, estimate_memory, minimum_samples
 
    !> A shorter record is an error
    integer(int64), parameter :: minimum_samples = 10_int64
@@ -71,9 +71,9 @@ contains
       options%preset = name
    end subroutine apply_preset
 
-   !> Bytes a sample that the job takes beside the record itself: for the channel that is worked on, for every channel, and for
+   !> Estimates the bytes per sample beside the record itself: for the channel being processed, for every channel, and for
    !> so many samples of it at most.
-   pure subroutine tell_memory(options, work_bytes, channel_bytes, part_bytes, part_samples)
+   pure subroutine estimate_memory(options, work_bytes, channel_bytes, part_bytes, part_samples)
       !> What to do
       type(pipeline_options), intent(in) :: options
       !> As `reader_options` has them
@@ -102,7 +102,7 @@ contains
       if (options%do_filter) work_bytes = work_bytes + 8                ! the filtered series
       channel_bytes = 0
       if (options%keep_series) channel_bytes = 57                       ! seven series and the marks of the cleaned one
-   end subroutine tell_memory
+   end subroutine estimate_memory
 
    !> Does the whole job for every channel of a record.
    subroutine run_pipeline(record, options, result, error, progress, truth)
@@ -113,10 +113,10 @@ contains
       !> One entry per channel
       type(pipeline_result_type), intent(out) :: result
       !> `too_few_samples`: fewer than [[gyroakf_pipeline:minimum_samples]]; no_memory; cancelled; invalid_argument,
-      !> not_supported where no channel can be done, as an option is then wrong. A room that fails for one channel is no error, nor
+      !> not_supported where no channel can be done, as an option is then wrong. A stage that fails for one channel is no error, nor
       !> is one of several channels that cannot be done to the end: see `channel%unavailable`
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional, target :: progress
       !> The true drift on the same grid, as `simulate_record` gives it: every filter gets its RMSE against it
       type(record_type), intent(in), optional :: truth

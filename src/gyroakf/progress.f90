@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> How far a long call is, told to the caller, who may end it.
+!> Progress of a long call, reported to the caller, who may cancel it.
 !>
 !>     type, extends(progress_type) :: bar_type           ! the caller's
 !>     contains
@@ -16,7 +16,7 @@ module gyroakf_progress
    private
    public :: progress_type, tell_progress
 
-   !> Somebody who wants to know
+   !> Progress callback, extended by the caller
    type, abstract :: progress_type
    contains
       procedure(advance_interface), deferred :: advance
@@ -42,7 +42,7 @@ module gyroakf_progress
 
 contains
 
-   !> Tells somebody, if there is somebody, how far the work is.
+   !> Calls the progress callback, where there is one.
    subroutine tell_progress(stage, done, total, error, progress)
       !> As those of `advance_interface`
       character(*), intent(in) :: stage

@@ -13,7 +13,7 @@
 !> S. J. Wright, Numerical Optimization (2006), algorithms 3.5, 3.6 and 6.1; W. W. Hager, H. Zhang, SIAM J. Optim. 16 (2005) 170.
 !>
 !> LAPACK has no minimisation. The L-BFGS-B library (BSD), which Debian has as liblbfgsb, is no package of most other systems,
-!> cannot be told of a point where the function does not exist, and keeps its best in many variables; libLBFGS (MIT) and MINPACK
+!> cannot handle a point where the function does not exist, and keeps its best in many variables; libLBFGS (MIT) and MINPACK
 !> (least squares only) are no better a fit for a handful of variables. So it is written here; it keeps no state.
 module gyroakf_quasi_newton
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
@@ -78,7 +78,7 @@ module gyroakf_quasi_newton
       real(dp) :: value = 0.0_dp
       !> Steps made, and calls of `evaluate`
       integer :: iterations = 0, evaluations = 0
-      !> The gradient is as small as asked for, or no further decrease can be told from rounding
+      !> The gradient is as small as asked for, or no further decrease exceeds rounding
       logical :: converged = .false.
    end type minimum_type
 
@@ -261,7 +261,7 @@ contains
    end subroutine try_point
 
    !> Looks along a line for a point where the strong Wolfe conditions hold; where there is none within reach (a wall), the
-   !> lowest point found.
+   !> point of the lowest value found.
    subroutine search_line(objective, origin, direction, best, evaluations, found)
       class(objective_type), intent(inout) :: objective
       !> Where the line begins; its slope is negative

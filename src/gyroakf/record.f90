@@ -12,7 +12,7 @@ module gyroakf_record
    !> A string of its own length, for lists
    type :: text_type
       character(:), allocatable :: text
-      !> Of a list of warnings: a note, which tells what was done; a warning tells what can make a number wrong
+      !> In a list of warnings: a note states what was done; a warning, what can make a number wrong
       logical :: note = .false.
    end type text_type
 

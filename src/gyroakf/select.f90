@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Order statistics in linear time without a copy of the series.
 !>
-!> In a long series a sample of 65,536 tells between which two numbers the median lies; one pass counts what is below and gathers
+!> In a long series a sample of 65,536 gives two bounds of the median; one pass counts what is below and gathers
 !> the some percent between. Where it misleads, or in a short series, and among what was gathered:
 !>
 !> The bits of a double, read as an integer with the sign folded in, are ordered like the numbers.
@@ -222,7 +222,7 @@ contains
       real(dp), intent(in) :: low, high
       !> Numbers < low, and low .. high
       integer(int64), intent(out) :: below, inside
-      !> The latter, as many as have room
+      !> The latter, as many as fit
       real(dp), intent(inout), contiguous :: between(:)
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)

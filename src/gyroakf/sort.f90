@@ -15,7 +15,7 @@ module gyroakf_sort
    !> Numbers that are sorted by insertion
    integer(int64), parameter :: run_length = 32
    !> Numbers that are sorted into runs, or merged, between two reports of progress, a multiple of it
-   integer(int64), parameter :: told_numbers = 4194304
+   integer(int64), parameter :: report_numbers = 4194304
 
 contains
 
@@ -26,7 +26,7 @@ contains
       !> `no_memory`: another n numbers are needed as work space; x is unchanged then; `cancelled`: x is
       !> in some other order
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable, target :: work(:)
       real(dp), pointer, contiguous :: from(:), to(:), other(:)
@@ -41,11 +41,11 @@ contains
             return
          end if
       end if
-      do first = 1, n, told_numbers
-         if (n > told_numbers) call tell_progress("sorting", first - 1, n, error, progress)
+      do first = 1, n, report_numbers
+         if (n > report_numbers) call tell_progress("sorting", first - 1, n, error, progress)
          if (allocated(error)) return
          !$omp parallel do if (n >= threads_from) default(shared) schedule(static)
-         do i = first, min(first + told_numbers - 1, n), run_length
+         do i = first, min(first + report_numbers - 1, n), run_length
             call sort_run(x(i:min(i + run_length - 1, n)))
          end do
          !$omp end parallel do
@@ -55,7 +55,7 @@ contains
       to => work
       width = run_length
       do while (width < n)
-         step = 2*width*max(told_numbers/(2*width), 1_int64)
+         step = 2*width*max(report_numbers/(2*width), 1_int64)
          do first = 1, n, step
             call tell_progress("sorting", width, n, error, progress)
             if (allocated(error)) return

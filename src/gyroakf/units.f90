@@ -18,7 +18,7 @@ module gyroakf_units
 
    !> What a unit measures, reached as `quantity%angular_rate`
    type :: quantity_enum
-      !> Nobody gave a unit
+      !> No unit given
       integer :: unknown = 0
       !> SI rad/s
       integer :: angular_rate = 1

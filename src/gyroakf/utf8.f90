@@ -57,32 +57,32 @@ contains
    pure subroutine make_readable(text)
       !> Any bytes; afterwards UTF-8 without control characters
       character(:), allocatable, intent(inout) :: text
-      character(:), allocatable :: room
+      character(:), allocatable :: shown
       integer :: code, filled, i, length
 
       do i = 1, len(text)
          if (byte(text, i) < 32 .or. byte(text, i) > 126) exit
       end do
       if (i > len(text)) return
-      allocate (character(2*len(text)) :: room)
+      allocate (character(2*len(text)) :: shown)
       i = 1
       filled = 0
       do while (i <= len(text))
          length = sequence_length(text(i:))
          code = byte(text, i)
          if (length == 0 .and. code >= 160) then
-            room(filled + 1:filled + 2) = achar(192 + code/64)//achar(128 + modulo(code, 64))
+            shown(filled + 1:filled + 2) = achar(192 + code/64)//achar(128 + modulo(code, 64))
             filled = filled + 2
          else if (code < 32 .or. code == 127 .or. length == 0) then
-            room(filled + 1:filled + 1) = "?"
+            shown(filled + 1:filled + 1) = "?"
             filled = filled + 1
          else
-            room(filled + 1:filled + length) = text(i:i + length - 1)
+            shown(filled + 1:filled + length) = text(i:i + length - 1)
             filled = filled + length
          end if
          i = i + max(length, 1)
       end do
-      text = room(:filled)
+      text = shown(:filled)
    end subroutine make_readable
 
    !> The i-th byte as 0..255; 0 past the end.

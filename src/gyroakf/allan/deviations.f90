@@ -116,7 +116,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]; all present if absent
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       real(dp), allocatable :: phase(:)
@@ -209,7 +209,7 @@ contains
       type(allan_curve_type), intent(inout) :: curve
       !> too_few_samples, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       real(dp), allocatable :: variance(:), share(:)
@@ -296,7 +296,7 @@ contains
       integer(int64), intent(out) :: terms(:)
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       terms = term_count(kind, ubound(phase, 1, kind=int64), m)

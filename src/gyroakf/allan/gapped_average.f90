@@ -15,8 +15,8 @@
 !>
 !> and (m^2 + 1)/m^3 in a complete record; the sum of the differences is what [[gapped_variances]] takes out. D, E and F follow from
 !> the number of missing samples in the three windows of m samples and its first two moments about their beginnings, which go
-!> from term to term by recursion, as the sums of the rate do: a term costs the same whatever m. The recursions start
-!> anew at fixed places: no bit depends on the number of threads.
+!> from term to term by recursion, as the sums of the rate do: a term costs the same whatever m. The recursions restart
+!> at fixed places: no bit depends on the number of threads.
 module gyroakf_allan_gapped_average
    use gyroakf_kinds, only : dp, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -56,7 +56,7 @@ contains
       type(gap_sums_type), intent(out) :: sums(:)
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       type(gap_sums_type), allocatable :: part(:)

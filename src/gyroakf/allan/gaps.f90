@@ -103,7 +103,7 @@ contains
       real(dp), intent(out) :: share(:)
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       type(gap_sums_type), allocatable :: sums(:)
@@ -157,7 +157,7 @@ contains
       type(gap_sums_type), intent(out) :: sums(:)
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       select case (kind)

@@ -20,7 +20,7 @@ module gyroakf_allan_noise_identification
    integer(int64), parameter :: means_max = 16384
    !> No exponent
    integer, parameter :: unknown = huge(1)
-   !> Differences at most, if not told (Allan variance)
+   !> Default maximum number of differences (Allan variance)
    integer, parameter :: differences_usual = 2
    !> Records shorter than this are not worth a second thread
    integer(int64), parameter :: parallel_from = 200000

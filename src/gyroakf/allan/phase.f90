@@ -21,7 +21,7 @@ module gyroakf_allan_phase
    !> Samples in a block
    integer(int64), parameter :: block_length = 2048
    !> Blocks between two reports of progress, a multiple of four
-   integer(int64), parameter :: told_blocks = 512
+   integer(int64), parameter :: report_blocks = 512
    !> Records shorter than this are not worth a second thread
    integer(int64), parameter :: parallel_from = 200000
    !> Samples that a first guess of the mean looks at
@@ -44,7 +44,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]; all present if absent
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       real(dp), allocatable :: sums(:)
@@ -352,7 +352,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       integer(int64) :: n, blocks, from, step, group, b, first, lost
@@ -362,7 +362,7 @@ contains
       phase(0) = 0
       if (allocated(missing)) missing(0) = 0
       step = max(blocks, 1_int64)
-      if (present(progress)) step = told_blocks
+      if (present(progress)) step = report_blocks
       do from = 1, blocks, step
          call tell_progress("Allan deviation", 0_int64, 0_int64, error, progress)
          if (allocated(error)) return

@@ -4,7 +4,7 @@
 !> $$ z_j = \sum_{i=j}^{j+m-1} (x_{i+2m} - 2 x_{i+m} + x_i), \quad
 !>    z_{j+1} = z_j + x_{j+3m} - 3 x_{j+2m} + 3 x_{j+m} - x_j $$
 !>
-!> A term costs one step of the recursion, whatever m. The recursion starts anew at fixed places (so that no rounding
+!> A term costs one step of the recursion, whatever m. The recursion restarts at fixed places (so that no rounding
 !> error runs along, and that no bit depends on the number of threads), four chains of it run side by side, and short averaging
 !> factors share a stretch of the record while it is in the cache.
 module gyroakf_allan_phase_average
@@ -37,7 +37,7 @@ contains
       real(dp), intent(out) :: sums(:)
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       integer(int64) :: n
@@ -61,7 +61,7 @@ contains
       integer(int64), intent(in) :: whole
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       real(dp), allocatable :: part(:, :)
@@ -106,7 +106,7 @@ contains
       integer(int64), intent(in) :: done, whole
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       real(dp), allocatable :: part(:)

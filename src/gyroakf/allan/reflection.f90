@@ -37,7 +37,7 @@ contains
       real(dp), intent(inout) :: sums(:)
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       real(dp) :: part(batch)
@@ -99,7 +99,7 @@ contains
       type(gap_sums_type), intent(inout) :: sums(:)
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       type(gap_sums_type) :: part(batch)

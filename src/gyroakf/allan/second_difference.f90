@@ -49,7 +49,7 @@ contains
       real(dp), intent(out) :: sums(:)
       !> cancelled
       type(error_type), allocatable, intent(out), optional :: error
-      !> Told how far it is, together with `error`; may cancel
+      !> Progress callback, only together with `error`; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       real(dp) :: part(batch, parts_max)
@@ -64,7 +64,7 @@ contains
       do first = 1, size(m), batch
          last = min(first + batch - 1, size(m))
          do from = 1, parts, group
-            call tell(from, parts, n, m, first, last, cancelled, progress)
+            call report(from, parts, n, m, first, last, cancelled, progress)
             if (allocated(cancelled)) then
                call move_alloc(cancelled, error)
                return
@@ -81,8 +81,8 @@ contains
       end do
    end subroutine sum_second_differences
 
-   !> Tells how far it is: some parts of some factors are done.
-   subroutine tell(from, parts, n, m, first, last, error, progress)
+   !> Reports progress: some parts of some factors are done.
+   subroutine report(from, parts, n, m, first, last, error, progress)
       !> Next part, all parts, samples
       integer(int64), intent(in) :: from, parts, n
       !> All factors
@@ -91,11 +91,10 @@ contains
       integer, intent(in) :: first, last
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> May be absent
       class(progress_type), intent(inout), optional :: progress
 
       call tell_progress("Allan deviation", n*(first - 1) + (from - 1)*(n/parts)*(last - first + 1), n*size(m), error, progress)
-   end subroutine tell
+   end subroutine report
 
    !> All factors, over one part of the record.
    pure subroutine one_part(phase, m, s, parts, sums)
@@ -238,7 +237,7 @@ contains
       type(gap_sums_type), intent(out) :: sums(:)
       !> cancelled
       type(error_type), allocatable, intent(out), optional :: error
-      !> Told how far it is, together with `error`; may cancel
+      !> Progress callback, only together with `error`; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       type(gap_sums_type) :: part(batch, parts_max)
@@ -253,7 +252,7 @@ contains
       do first = 1, size(m), batch
          last = min(first + batch - 1, size(m))
          do from = 1, parts, group
-            call tell(from, parts, n, m, first, last, cancelled, progress)
+            call report(from, parts, n, m, first, last, cancelled, progress)
             if (allocated(cancelled)) then
                call move_alloc(cancelled, error)
                return

@@ -34,7 +34,7 @@ contains
       real(dp), intent(out) :: share(:)
       !> no_memory
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       integer(int64) :: terms(size(m)), i

@@ -33,7 +33,7 @@ contains
       real(dp), intent(out) :: sums(:)
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       real(dp) :: part(batch, stretches_max)

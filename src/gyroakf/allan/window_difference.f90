@@ -32,7 +32,7 @@ contains
       real(dp), intent(out) :: sums(:)
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       real(dp) :: part(batch)
@@ -103,7 +103,7 @@ contains
       type(gap_sums_type), intent(out) :: sums(:)
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       type(gap_sums_type) :: part(batch)

@@ -119,7 +119,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(row_gram_type) :: gram
       real(dp), allocatable :: a(:, :), scale(:)
@@ -159,7 +159,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(residual_sums_type) :: sums
       real(dp) :: step(size(fit%phi)), gradient(size(fit%phi)), equations

@@ -53,7 +53,7 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Autocovariances that a pass has filled, taken where they reach far enough
       type(autocovariance_type), intent(in), optional :: shared
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: r(:)
       integer(int64), allocatable :: pairs(:)
@@ -135,7 +135,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(burg_type) :: burg
       real(dp) :: shift, rest
@@ -173,7 +173,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(row_gram_type) :: gram
       type(fitted_order_type) :: fit
@@ -326,7 +326,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: r(:)
       integer(int64), allocatable :: pairs(:)

@@ -23,7 +23,7 @@ module gyroakf_ar_periodicity
    real(dp), parameter :: dominant_share = 0.75_dp
    integer(int64), parameter :: min_periods = 5_int64
    !> Samples less one between two reports of progress: a power of two less one
-   integer(int64), parameter :: told_samples = 131071_int64
+   integer(int64), parameter :: report_mask = 131071_int64
 
    !> How the series is whitened, and how much of it is tested
    type :: periodicity_options
@@ -67,7 +67,7 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> An AR model of the series
       type(ar_model_type), intent(in), optional :: model
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(ar_model_type) :: fitted
 
@@ -199,7 +199,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: t, count_white
       integer :: j, p, stat
@@ -218,7 +218,7 @@ contains
          return
       end if
       do t = 1, count_white
-         if (iand(t, told_samples) == 0) call tell_progress("whitening", t, count_white, error, progress)
+         if (iand(t, report_mask) == 0) call tell_progress("whitening", t, count_white, error, progress)
          if (allocated(error)) return
          total = x(t + p) - mean
          do j = 1, p
@@ -228,7 +228,7 @@ contains
       end do
       if (.not. present(valid)) return
       do t = 1, count_white
-         if (iand(t, told_samples) == 0) call tell_progress("whitening", t, count_white, error, progress)
+         if (iand(t, report_mask) == 0) call tell_progress("whitening", t, count_white, error, progress)
          if (allocated(error)) return
          here(t) = minval(valid(t:t + p))
          if (here(t) == 0_int8) white(t) = 0.0_dp

@@ -38,7 +38,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: partial(:, :, :)
       type(moments_type) :: part(chunk_count(size(x, kind=int64)))
@@ -91,7 +91,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: e(:), flag(:)
       integer(int64) :: n, first, step

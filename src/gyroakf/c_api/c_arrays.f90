@@ -20,7 +20,7 @@ module gyroakf_c_api_c_arrays
    !> More channels than any recorder has
    integer(c_int32_t), parameter :: most_channels = 100000
    !> Samples that are copied between two reports of progress
-   integer(int64), parameter :: told_samples = 1048576_int64
+   integer(int64), parameter :: report_samples = 1048576_int64
 
 contains
 
@@ -74,7 +74,7 @@ contains
       type(record_type), intent(inout) :: record
       !> invalid_argument: an array is NULL or at an odd address; no_memory; cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       type(callback_type), intent(inout) :: callback
       type(c_ptr), pointer :: given(:)
       real(c_double), pointer, contiguous :: x(:)
@@ -96,10 +96,10 @@ contains
       end if
       do j = 1, channels
          call c_f_pointer(given(j), x, [n])
-         do first = 1, n, told_samples
-            if (n > told_samples) call tell_progress("copying the samples", (j - 1)*n + first - 1, channels*n, error, callback)
+         do first = 1, n, report_samples
+            if (n > report_samples) call tell_progress("copying the samples", (j - 1)*n + first - 1, channels*n, error, callback)
             if (allocated(error)) return
-            do i = first, min(first + told_samples - 1, n)
+            do i = first, min(first + report_samples - 1, n)
                record%value(i, j) = x(i)
             end do
          end do

@@ -85,7 +85,7 @@ contains
       if (.not. allocated(error)) call open_series(z, n, series, error)
       if (.not. allocated(error)) call identify_drift_model(series%x, options, found, error, series%valid, progress=callback)
       call close_series(series)
-      if (.not. allocated(error)) call give_model(found, model)
+      if (.not. allocated(error)) call return_model(found, model)
       gyroakf_drift_identify = leave_library(host, error, err)
    end function gyroakf_drift_identify
 
@@ -222,7 +222,7 @@ contains
    end subroutine read_model
 
    !> What was found, to the caller.
-   subroutine give_model(found, model)
+   subroutine return_model(found, model)
       type(drift_identification_type), intent(in) :: found
       type(drift_model_c), intent(inout), optional :: model
 
@@ -232,6 +232,6 @@ contains
       model%q = found%model%q
       model%r = found%model%r
       model%slow = merge(1_c_int32_t, 0_c_int32_t, found%slow)
-   end subroutine give_model
+   end subroutine return_model
 
 end module gyroakf_c_api_c_drift

@@ -24,8 +24,8 @@ module gyroakf_c_api_c_filter
    !> Samples that [[gyroakf_filter_run]] copies at a time, so that x may be z
    integer, parameter :: block = 1024
 
-   !> Samples after which it tells how far it is, of a state of one coefficient; a step of p coefficients takes p^2 times as long
-   integer(int64), parameter :: told_samples = 256*block
+   !> Samples between two reports of progress for a state of one coefficient; a step of p coefficients takes p^2 times as long
+   integer(int64), parameter :: report_samples = 256*block
 
    !> `gyroakf_filter_options`
    type, bind(C) :: filter_options_c
@@ -286,7 +286,7 @@ contains
 
       call c_f_pointer(z, input, [n])
       call c_f_pointer(x, output, [n])
-      stride = max(1_int64, told_samples/int(filter%order, int64)**2)
+      stride = max(1_int64, report_samples/int(filter%order, int64)**2)
       do first = 1, n, min(int(block, int64), stride)
          if (modulo(first - 1, stride) == 0) call tell_progress("filtering", first - 1, n, error, callback)
          if (allocated(error)) return

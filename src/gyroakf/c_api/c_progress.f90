@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> C: a function of the program that is told how far a long call is, and may end it. See c_api/include/gyroakf.h.
+!> C: progress callback, a function of the program that may cancel a long call. See c_api/include/gyroakf.h.
 module gyroakf_c_api_c_progress
    use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int32_t, c_int64_t, c_char, c_null_char, c_null_ptr, c_null_funptr, &
       & c_associated, c_f_procpointer
@@ -15,7 +15,7 @@ module gyroakf_c_api_c_progress
 
    !> `gyroakf_progress_fn` with its user pointer
    type, extends(progress_type) :: callback_type
-      !> NULL: nobody is told
+      !> NULL: no callback
       type(c_funptr) :: function = c_null_funptr
       !> Handed on
       type(c_ptr) :: user = c_null_ptr
@@ -43,7 +43,7 @@ contains
       character(*), intent(in) :: stage
       integer(int64), intent(in) :: done, total
       logical, intent(out) :: cancel
-      procedure(progress_interface), pointer :: tell
+      procedure(progress_interface), pointer :: callback
       character(kind=c_char) :: name(longest_stage + 1)
       type(host_type) :: left
       integer :: i
@@ -54,8 +54,8 @@ contains
       do i = 1, min(len(stage), longest_stage)
          name(i) = stage(i:i)
       end do
-      call c_f_procpointer(self%function, tell)
-      cancel = tell(self%user, name, done, total) /= 0
+      call c_f_procpointer(self%function, callback)
+      cancel = callback(self%user, name, done, total) /= 0
       call enter_library(left)
    end subroutine call_back
 

@@ -33,7 +33,7 @@ module gyroakf_c_api_c_support
       character(kind=c_char) :: message(256)
    end type error_c
 
-   !> The caller's floating-point environment: room for the C library's fenv_t
+   !> The caller's floating-point environment: space for the C library's fenv_t
    type :: host_type
       integer(c_int64_t) :: environment(64)
    end type host_type

@@ -20,8 +20,8 @@ LOCAL void gyroakf_host_restore(const int64_t environment[64]);
 LOCAL int gyroakf_host_begin_step(int64_t environment[64]);
 LOCAL void gyroakf_host_end_step(const int64_t environment[64]);
 
-/* The room that Fortran has is enough. */
-typedef char room[sizeof(fenv_t) <= 64 * sizeof(int64_t) ? 1 : -1];
+/* fenv_t fits in the space that Fortran reserves. */
+typedef char fenv_fits[sizeof(fenv_t) <= 64 * sizeof(int64_t) ? 1 : -1];
 
 /* Keeps the environment and sets the default one: to nearest, no traps, nothing flushed. */
 void gyroakf_host_set_aside(int64_t environment[64]) {

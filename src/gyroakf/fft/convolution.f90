@@ -26,7 +26,7 @@ contains
       real(dp), intent(out), contiguous :: c(:)
       !> invalid_argument: an empty series, or c longer than the convolution; no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(real_fft_plan_type) :: plan
       real(dp), allocatable :: padded(:)

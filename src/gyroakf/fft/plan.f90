@@ -18,7 +18,7 @@ module gyroakf_fft_plan
    use gyroakf_fft_butterfly, only : apply_radix
    implicit none (type, external)
    private
-   public :: fft_plan_type, new_fft_plan, fft_forward, fft_backward, smooth_length, unit_root, max_length, told_points
+   public :: fft_plan_type, new_fft_plan, fft_forward, fft_backward, smooth_length, unit_root, max_length, report_mask
 
    !> Largest prime factor that has its own pass
    integer, parameter :: largest_radix = 13
@@ -27,7 +27,7 @@ module gyroakf_fft_plan
    integer(int64), parameter :: max_length = 2_int64**40
 
    !> Points less one between two calls of the progress: a power of two less one
-   integer(int64), parameter :: told_points = 1048575_int64
+   integer(int64), parameter :: report_mask = 1048575_int64
 
    !> What a transform of one length needs
    type :: fft_plan_type
@@ -55,7 +55,7 @@ contains
       integer(int64), intent(in) :: length
       !> invalid_argument: length out of range; no_memory
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       integer :: stat
       integer(int64) :: j
@@ -77,7 +77,7 @@ contains
          return
       end if
       do j = 0, plan%inner - 1
-         if (iand(j, told_points) == 0) call tell_progress("Fourier transform", j, plan%inner, error, progress)
+         if (iand(j, report_mask) == 0) call tell_progress("Fourier transform", j, plan%inner, error, progress)
          if (allocated(error)) return
          plan%twiddle(j) = conjg(unit_root(j, plan%inner))
       end do
@@ -94,7 +94,7 @@ contains
       complex(dp), intent(inout), contiguous :: x(0:)
       !> invalid_argument: another length than the plan's; no_memory; cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       complex(dp), allocatable :: work(:)
       integer :: stat
@@ -124,7 +124,7 @@ contains
       complex(dp), intent(inout), contiguous :: x(0:)
       !> invalid_argument: another length than the plan's; no_memory; cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: j
 
@@ -234,13 +234,13 @@ contains
       logical :: in_work
 
       pieces = 1
-      if (present(progress)) pieces = max(plan%inner/(told_points + 1), 1_int64)
+      if (present(progress)) pieces = max(plan%inner/(report_mask + 1), 1_int64)
       done = 1
       in_work = .false.
       do i = 1, size(plan%radix)
          left = plan%inner/(done*plan%radix(i))
          do piece = 0, pieces - 1
-            if (plan%inner > told_points) call tell_progress("Fourier transform", &
+            if (plan%inner > report_mask) call tell_progress("Fourier transform", &
                & (i - 1)*plan%inner + (plan%inner/pieces)*piece, size(plan%radix)*plan%inner, error, progress)
             if (allocated(error)) return
             if (in_work) then
@@ -252,11 +252,11 @@ contains
          in_work = .not. in_work
          done = done*plan%radix(i)
       end do
-      if (plan%inner > told_points) call tell_progress("Fourier transform", size(plan%radix)*plan%inner, &
+      if (plan%inner > report_mask) call tell_progress("Fourier transform", size(plan%radix)*plan%inner, &
          & size(plan%radix)*plan%inner, error, progress)
       if (.not. in_work) return
       do piece = 0, plan%inner - 1
-         if (iand(piece + 1, told_points) == 0) call tell_progress("Fourier transform", size(plan%radix)*plan%inner, &
+         if (iand(piece + 1, report_mask) == 0) call tell_progress("Fourier transform", size(plan%radix)*plan%inner, &
             & size(plan%radix)*plan%inner, error, progress)
          if (allocated(error)) return
          x(piece) = work(piece)
@@ -280,13 +280,13 @@ contains
          return
       end if
       do j = 0, plan%inner - 1
-         if (iand(j, told_points) == 0) call tell_progress("Fourier transform", 0_int64, plan%length, error, progress)
+         if (iand(j, report_mask) == 0) call tell_progress("Fourier transform", 0_int64, plan%length, error, progress)
          if (allocated(error)) return
          plan%filter(j) = 0
       end do
       square = 0                                   ! j**2 modulo 2 n
       do j = 0, plan%length - 1
-         if (iand(j, told_points) == 0) call tell_progress("Fourier transform", j, plan%length, error, progress)
+         if (iand(j, report_mask) == 0) call tell_progress("Fourier transform", j, plan%length, error, progress)
          if (allocated(error)) return
          plan%chirp(j) = conjg(unit_root(square, 2*plan%length))
          plan%filter(j) = conjg(plan%chirp(j))
@@ -310,31 +310,31 @@ contains
       allocate (a(0:plan%inner - 1), stat=stat)
       if (stat /= 0) return
       do j = 0, plan%length - 1
-         if (iand(j, told_points) == 0) call tell_progress("Fourier transform", j, plan%length, error, progress)
+         if (iand(j, report_mask) == 0) call tell_progress("Fourier transform", j, plan%length, error, progress)
          if (allocated(error)) return
          a(j) = x(j)*plan%chirp(j)
       end do
       do j = plan%length, plan%inner - 1            ! memory touched for the first time, which may take a while
-         if (iand(j, told_points) == 0) call tell_progress("Fourier transform", 0_int64, plan%length, error, progress)
+         if (iand(j, report_mask) == 0) call tell_progress("Fourier transform", 0_int64, plan%length, error, progress)
          if (allocated(error)) return
          a(j) = 0
       end do
       call transform(plan, a, work, error, progress)
       if (allocated(error)) return
       do j = 0, plan%inner - 1
-         if (iand(j, told_points) == 0) call tell_progress("Fourier transform", j, plan%inner, error, progress)
+         if (iand(j, report_mask) == 0) call tell_progress("Fourier transform", j, plan%inner, error, progress)
          if (allocated(error)) return
          a(j) = conjg(a(j)*plan%filter(j))
       end do
       call transform(plan, a, work, error, progress)
       if (allocated(error)) return
       do j = 0, plan%length - 1
-         if (iand(j, told_points) == 0) call tell_progress("Fourier transform", j, plan%length, error, progress)
+         if (iand(j, report_mask) == 0) call tell_progress("Fourier transform", j, plan%length, error, progress)
          if (allocated(error)) return
          x(j) = plan%chirp(j)*conjg(a(j))/plan%inner
       end do
       deallocate (a)                               ! which takes a while
-      if (plan%inner > told_points) call tell_progress("Fourier transform", plan%length, plan%length, error, progress)
+      if (plan%inner > report_mask) call tell_progress("Fourier transform", plan%length, plan%length, error, progress)
    end subroutine transform_chirp
 
 end module gyroakf_fft_plan

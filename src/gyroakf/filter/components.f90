@@ -75,7 +75,7 @@ contains
          else if (any(abs(phi) > 1.0_dp) .or. any(phi <= -1.0_dp)) then
             call fatal_error(error, status%unstable, "a coefficient of a drift model lies outside -1 < phi <= 1")
          else if (count(phi >= 1.0_dp) > 1) then
-            call fatal_error(error, status%invalid_argument, "a drift model has at most one random walk: two cannot be told apart")
+            call fatal_error(error, status%invalid_argument, "a drift model has at most one random walk: two are not identifiable")
          else if (any(q < 0.0_dp) .or. model%r < 0.0_dp .or. .not. sum(q) + model%r > 0.0_dp) then
             call fatal_error(error, status%invalid_argument, "the variances of a drift model must be >= 0, and not all zero")
          end if

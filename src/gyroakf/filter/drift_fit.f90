@@ -93,7 +93,7 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Samples that are used at most, >= 50; 131,072 if absent
       integer(int64), intent(in), optional :: most
-      !> Told how far it is, at every evaluation of a likelihood; may cancel
+      !> Progress callback, at every evaluation of a likelihood; may cancel
       class(progress_type), intent(inout), optional, target :: progress
       type(likelihood_objective) :: objective
       type(drift_candidate_type) :: found
@@ -125,7 +125,7 @@ contains
       if (allocated(objective%cancelled)) then
          call move_alloc(objective%cancelled, error)
       else if (fit%best == 0) then
-         call fatal_error(error, status%not_converged, "no drift model has a largest likelihood for this series")
+         call fatal_error(error, status%not_converged, "no drift model has a maximum likelihood estimate for this series")
       end if
    end subroutine fit_drift
 

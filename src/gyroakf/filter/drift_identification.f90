@@ -61,7 +61,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional, target :: progress
       type(drift_fit_type) :: fit
       type(progress_share_type) :: share
@@ -81,7 +81,7 @@ contains
       else
          call choose_model(fit, options%drift_samples, identification)
          call move_alloc(fit%candidate, identification%candidate)
-         if (length > fit%samples) call look_at_means(z, fit, options%drift_samples, share, identification, error, valid)
+         if (length > fit%samples) call identify_from_means(z, fit, options%drift_samples, share, identification, error, valid)
       end if
       if (allocated(error)) return
       identification%samples = fit%samples
@@ -131,7 +131,7 @@ contains
    end subroutine take_autocovariances
 
    !> Looks in block means of a record that is longer than the part for what is slower than the part shows.
-   subroutine look_at_means(z, fit, limit, share, identification, error, valid)
+   subroutine identify_from_means(z, fit, limit, share, identification, error, valid)
       real(dp), intent(in), contiguous :: z(:)
       !> Of the part
       type(drift_fit_type), intent(in) :: fit
@@ -169,7 +169,7 @@ contains
       call set_model(model, limit, identification)
       identification%block = means%width
       call likelihood_of(model, z, fit, identification%log_likelihood, failed, valid)
-   end subroutine look_at_means
+   end subroutine identify_from_means
 
    !> Means of a power of four samples, at most 32,768.
    subroutine take_block_means(z, means, error, valid)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> The exact likelihood of a drift model as a function to be minimised, and what its curvature tells.
+!> The exact likelihood of a drift model as a function to be minimized, and the standard errors from its curvature.
 !>
 !> The parameters are artanh(phi) and ln D of the AR(1) process (its own variance, not that of its driving noise), ln q of the
 !> random walk, ln r, for a series of variance 1. The value is minus the log-likelihood of a sample on average.
@@ -29,7 +29,7 @@ module gyroakf_filter_drift_objective
       !> Parameters of processes that are not there and of variances that are 0
       logical :: nothing(most_parameters) = .false.
       integer(int64) :: measurements = 0
-      !> Told how far the fit is; its `whole` is valid while the fit is made
+      !> Progress of the fit; its `whole` is valid while the fit is made
       type(progress_share_type) :: progress
       !> Candidates done and all of them, evaluations for this one; cancelled where the caller wants no more
       integer :: done = 0, candidates = 1, evaluations = 0

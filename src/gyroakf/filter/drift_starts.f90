@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Where the search for the largest likelihood of a drift model begins.
+!> Starting points of the maximum likelihood search for a drift model.
 !>
 !> Drifts from fast to slow, small and large; what least squares on the autocovariances found ([[identify_drift]]); for the model of
 !> both processes the best models of each alone, with some of the other added. Besides the best models of those that a candidate

@@ -23,8 +23,8 @@ module gyroakf_filter_filter_series
 
    !> Samples a block
    integer, parameter :: block_size = 4096
-   !> Samples after which a caller is told how far it is
-   integer(int64), parameter :: tell_every = 256*block_size
+   !> Samples between two reports of progress
+   integer(int64), parameter :: report_samples = 256*block_size
    character(*), parameter :: wrong_series = &
       "a filter needs a series, an output and a mask of one length, and must be made before it runs"
    !> Fewest measurements that the diagnostics make sense for
@@ -70,8 +70,8 @@ module gyroakf_filter_filter_series
       !> Innovations over their standard deviations, presence: of a block
       real(dp), allocatable :: normalised(:)
       integer(int8), allocatable :: here(:)
-      !> Samples of the series, those before its last third, those done, those done when it is told next
-      integer(int64) :: samples = 0, third = 0, done = 0, told = 0
+      !> Samples of the series, those before its last third, those done, those done at the next report of progress
+      integer(int64) :: samples = 0, third = 0, done = 0, next_report = 0
       !> Counts of the filter at the beginning: clamped, gated
       integer(int64) :: before(2) = 0
    end type filter_run_type
@@ -92,7 +92,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 where a sample is present, 0 where it is missing, [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(filter_run_type) :: run
       integer(int64) :: measurements
@@ -166,7 +166,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 where a sample is present, 0 where it is missing
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: first, last
       integer :: n
@@ -175,8 +175,8 @@ contains
       last = 0
       do while (last < size(z, kind=int64))
          if (run%done == 0 .or. run%done == run%third) call restart_gain(filter)
-         if (run%done >= run%told) then
-            run%told = run%done + tell_every
+         if (run%done >= run%next_report) then
+            run%next_report = run%done + report_samples
             call tell_progress("filtering", run%done, run%samples, error, progress)
             if (allocated(error)) return
          end if

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Drift plus white noise, identified from the autocovariances of a record: a start for those who search the largest likelihood.
+!> Drift plus white noise, identified from the autocovariances of a record: a starting point of the maximum likelihood search.
 !>
 !> The model: z_k = b_k + v_k, b_k = phi b_{k-1} + w_k, so that r_0 = D + R and r_k = D phi^k. White noise, and
 !> any noise that is fast beside the drift, only enters r_0: D and phi come from the lags >= 1, R is what is left.

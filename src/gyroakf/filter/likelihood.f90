@@ -19,13 +19,13 @@ module gyroakf_filter_likelihood
    private
    public :: component_likelihood
 
-   !> phi and q of every process, r: numbered 1 .. n, n + 1 .. 2 n, 2 n + 1; and room for a whole number of vector registers
-   integer, parameter :: most_parameters = 2*most_components + 1, room = 8
+   !> phi and q of every process, r: numbered 1 .. n, n + 1 .. 2 n, 2 n + 1; padded to a whole number of vector registers
+   integer, parameter :: most_parameters = 2*most_components + 1, padded = 8
    real(dp), parameter :: log_two_pi = 1.8378770664093454835606594728112_dp
-   !> Measurements after which it is looked whether the recursion has come to rest
-   integer, parameter :: look_every = 64
+   !> Measurements between two tests whether the recursion is stationary
+   integer, parameter :: test_interval = 64
    !> Samples between two reports of progress
-   integer(int64), parameter :: told_samples = 262144
+   integer(int64), parameter :: report_samples = 262144
 
    !> What changes from step to step
    type :: lane_type
@@ -34,13 +34,13 @@ module gyroakf_filter_likelihood
       !> The gradient is wanted
       logical :: derive = .false.
       !> Derivatives by every parameter of estimates, covariance (upper triangle), gain, innovation and its variance
-      real(dp) :: dx(room, most_components) = 0.0_dp, dcov(room, most_components, most_components) = 0.0_dp
-      real(dp) :: dgain(room, most_components) = 0.0_dp, de(room) = 0.0_dp, ds(room) = 0.0_dp
+      real(dp) :: dx(padded, most_components) = 0.0_dp, dcov(padded, most_components, most_components) = 0.0_dp
+      real(dp) :: dgain(padded, most_components) = 0.0_dp, de(padded) = 0.0_dp, ds(padded) = 0.0_dp
       !> Of gain and S and their derivatives
       type(settling_type) :: settling
       integer :: look = 0
       !> Sums over the measurements: ln S, e^2/S, derivatives of the log-likelihood times -2
-      real(dp) :: logarithms = 0.0_dp, squares = 0.0_dp, slope(room) = 0.0_dp
+      real(dp) :: logarithms = 0.0_dp, squares = 0.0_dp, slope(padded) = 0.0_dp
       integer(int64) :: measurements = 0
    end type lane_type
 
@@ -60,7 +60,7 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> By phi of every process (0 for a random walk), q of every process, r: [2 count + 1]
       real(dp), intent(out), optional :: gradient(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(lane_type) :: lane
       integer(int64) :: k, last
@@ -77,7 +77,7 @@ contains
          if (k > last) then
             call tell_progress("identifying", k - 1, size(z, kind=int64), error, progress)
             if (allocated(error)) return
-            last = min(k + told_samples - 1, size(z, kind=int64))
+            last = min(k + report_samples - 1, size(z, kind=int64))
          end if
          if (lane%settling%settled) call run_settled(lane, z, last, k, valid)
          if (k > last) cycle
@@ -153,7 +153,7 @@ contains
          if (lane%derive) lane%slope = lane%slope + lane%ds*((1.0_dp - e*share)/s) + (2.0_dp*share)*lane%de
       end associate
       lane%look = lane%look + 1
-      if (lane%look == look_every) call look(lane)
+      if (lane%look == test_interval) call look(lane)
    end subroutine step
 
    !> Derivatives of the prediction.
@@ -161,7 +161,7 @@ contains
       type(component_model_type), intent(in) :: model
       !> Before it
       type(component_state_type), intent(in) :: state
-      real(dp), intent(inout) :: dx(room, *), dcov(room, most_components, *)
+      real(dp), intent(inout) :: dx(padded, *), dcov(padded, most_components, *)
       integer :: i, j
 
       do j = 1, model%count
@@ -184,7 +184,8 @@ contains
       !> The measurement
       real(dp), intent(in) :: z
       type(lane_type), intent(inout) :: lane
-      real(dp) :: c(most_components), gain(most_components), dc(room, most_components), e, s, share
+      real(dp), dimension(most_components) :: c, gain
+      real(dp) :: dc(padded, most_components), e, s, share
       integer :: i, j, n
 
       n = model%count
@@ -219,8 +220,8 @@ contains
    !> Derivatives of the first correction of a random walk: its estimate is what the others leave of the measurement.
    pure subroutine derive_level(n, walk, dx, dcov)
       integer, intent(in) :: n, walk
-      real(dp), intent(inout) :: dx(room, *), dcov(room, most_components, *)
-      real(dp) :: dc(room, most_components), total(room)
+      real(dp), intent(inout) :: dx(padded, *), dcov(padded, most_components, *)
+      real(dp) :: dc(padded, most_components), total(padded)
       integer :: i, j
 
       total = 0.0_dp
@@ -244,14 +245,14 @@ contains
    !> Whether gain, S and their derivatives have come to rest.
    pure subroutine look(lane)
       type(lane_type), intent(inout) :: lane
-      real(dp) :: numbers(most_components, 0:2*room + 1)
+      real(dp) :: numbers(most_components, 0:2*padded + 1)
       integer :: k, n
 
       n = lane%model%count
       numbers = 0.0_dp
       numbers(:n, 0) = lane%state%gain(:n)
       numbers(1, 1) = lane%state%variance
-      do k = 1, room
+      do k = 1, padded
          numbers(:n, 2*k) = lane%dgain(k, :n)
          numbers(1, 2*k + 1) = lane%ds(k)
       end do
@@ -320,7 +321,7 @@ contains
       type(lane_type), intent(inout) :: lane
       !> Measurements, [n]
       real(dp), intent(in), contiguous :: z(:)
-      real(dp) :: e, before, squares, de(room), products(room), dx(room, most_components)
+      real(dp) :: e, before, squares, de(padded), products(padded), dx(padded, most_components)
       integer(int64) :: k
       integer :: j, n
 

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> A part of a job tells its progress as a share of the whole.
+!> Progress of a part of a job as a share of the whole.
 module gyroakf_filter_progress_share
    use gyroakf_kinds, only : dp, int64
    use gyroakf_progress, only : progress_type
@@ -7,9 +7,9 @@ module gyroakf_filter_progress_share
    private
    public :: progress_share_type
 
-   !> Hands on what a part of a job tells
+   !> Forwards the progress of a part of a job
    type, extends(progress_type) :: progress_share_type
-      !> Who wants to know of the whole; nobody where it is not associated
+      !> Progress callback of the whole; none where not associated
       class(progress_type), pointer :: whole => null()
       !> Size of the whole, its share that is done before this part, the share of this part
       integer(int64) :: total = 0
@@ -20,7 +20,7 @@ module gyroakf_filter_progress_share
 
 contains
 
-   !> Tells the whole.
+   !> Reports the progress of the whole.
    subroutine advance_share(self, stage, done, total, cancel)
       !> Keeps nothing
       class(progress_share_type), intent(inout) :: self

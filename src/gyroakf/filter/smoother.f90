@@ -40,7 +40,7 @@ contains
       real(dp), intent(inout), optional :: variance(:)
       !> Variance of the white noise at each sample instead of that of the model: [n], >= 0
       real(dp), intent(in), optional :: white(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(component_state_type), allocatable :: start(:)
       type(smoother_step_type), allocatable :: step(:)

@@ -18,8 +18,8 @@ module gyroakf_filter_smoother_step
    private
    public :: smoother_step_type, smoother_back_type, advance_smoother, smooth_back
 
-   !> Samples after which it is looked whether the filter has come to rest
-   integer(int64), parameter :: look_every = 64
+   !> Samples between two tests whether the filter is stationary
+   integer(int64), parameter :: test_interval = 64
 
    !> What the way back needs of a sample: the state behind it
    type :: smoother_step_type
@@ -76,7 +76,7 @@ contains
                if (here) call correct_components(n, r, z(k), state)
                if (.not. here .or. present(white)) then
                   settling = settling_type()
-               else if (modulo(k, look_every) == 0) then
+               else if (modulo(k, test_interval) == 0) then
                   call judge_settling(settling, reshape([state%gain(:n), state%variance], [n + 1, 1]))
                end if
             end if

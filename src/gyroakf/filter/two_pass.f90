@@ -16,8 +16,8 @@ module gyroakf_filter_two_pass
    private
    public :: smooth_adaptive
 
-   !> Samples after which a caller is told how far it is
-   integer(int64), parameter :: tell_every = 262144
+   !> Samples between two reports of progress
+   integer(int64), parameter :: report_samples = 262144
 
 contains
 
@@ -40,7 +40,7 @@ contains
       real(dp), intent(inout), optional :: variance(:)
       !> Variance of the white noise of each sample, inflated where the gate acted: [n]
       real(dp), intent(inout), optional :: white(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(filter_type) :: filter
       real(dp), allocatable :: r(:)
@@ -55,14 +55,14 @@ contains
          call fatal_error(error, status%no_memory, "no memory for the white noise of a series")
          return
       end if
-      call look_both_ways(filter, z, r, error, valid, progress)
+      call estimate_variances(filter, z, r, error, valid, progress)
       if (allocated(error)) return
       call smooth_drift(model, slow, z, drift, error, valid, variance, r, progress)
       if (present(white)) white(:) = r
    end subroutine smooth_adaptive
 
    !> The variance of the white noise at each sample from before and from behind.
-   subroutine look_both_ways(fresh, z, r, error, valid, progress)
+   subroutine estimate_variances(fresh, z, r, error, valid, progress)
       !> As made
       type(filter_type), intent(in) :: fresh
       !> Series, [n]
@@ -73,7 +73,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(filter_type) :: filter
       integer(int64) :: k, n, seen
@@ -81,7 +81,7 @@ contains
       n = size(z, kind=int64)
       filter = fresh
       do k = 1, n
-         if (mod(k, tell_every) == 1) then
+         if (mod(k, report_samples) == 1) then
             call tell_progress("weighing the samples", k - 1, 2*n, error, progress)
             if (allocated(error)) return
          end if
@@ -90,13 +90,13 @@ contains
       seen = filter%measurements
       filter = fresh
       do k = n, 1, -1
-         if (mod(k, tell_every) == 1) then
+         if (mod(k, report_samples) == 1) then
             call tell_progress("weighing the samples", 2*n - k, 2*n, error, progress)
             if (allocated(error)) return
          end if
          call weigh_behind(fresh, filter, seen, z(k), is_here(z(k), k, valid), r(k))
       end do
-   end subroutine look_both_ways
+   end subroutine estimate_variances
 
    !> Whether a sample is there.
    pure logical function is_here(z, k, valid)

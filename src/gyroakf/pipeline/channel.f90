@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
-!> The main job for one channel: the rooms in their order, each failure noted, the others go on.
+!> Runs the stages of one channel in order; a failed stage is recorded, the others continue.
 !>
-!> Passes over the record and what is alive meanwhile are told in CONTRIBUTING.md, "Passes over the record".
+!> Passes over the record and the memory held meanwhile: see CONTRIBUTING.md, "Passes over the record".
 module gyroakf_pipeline_channel
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -51,7 +51,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: cleaned(:)
       integer(int8), allocatable :: present_samples(:)

@@ -29,7 +29,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       call test_kpss(z, options%kpss, channel%kpss, error, valid, progress)
@@ -52,7 +52,7 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Autocovariances that are there already; taken where they reach far enough
       type(autocovariance_type), intent(in), optional :: shared
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: r(:)
       integer(int64), allocatable :: pairs(:)

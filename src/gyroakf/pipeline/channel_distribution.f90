@@ -32,7 +32,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing or an outlier: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       call tell_progress("steps of the samples", 0_int64, 0_int64, error, progress)
@@ -57,7 +57,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing or an outlier: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(histogram_options) :: bins
 

@@ -18,7 +18,7 @@ module gyroakf_pipeline_channel_drift
    private
    public :: find_drift, judge_model, smoothed_share
 
-   !> What counts as drift where nobody says: slower than so many samples, and than so many seconds
+   !> Default limits of drift: correlation time above so many samples, and so many seconds
    real(dp), parameter :: drift_samples = 5.0_dp, drift_seconds = 1.0_dp
    !> Times beyond it are all the same: no process is as slow
    real(dp), parameter :: longest_time = 1.0e200_dp
@@ -43,7 +43,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(drift_identification_options) :: how
 

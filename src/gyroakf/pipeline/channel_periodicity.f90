@@ -35,7 +35,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(welch_options) :: welch
       type(periodicity_options) :: choice
@@ -47,7 +47,7 @@ contains
       if (options%welch_segment > 0.0_dp) welch%segment = max(2_int64, nint(min(options%welch_segment/step, 1.0e15_dp), int64))
       if (welch%segment > longest_segment) then
          write (text, '("a segment of the spectrum may have ", i0, " samples here, not ", i0)') longest_segment, welch%segment
-         call fatal_error(error, status%invalid_argument, trim(text)//"; what is slower the Allan deviation tells better")
+         call fatal_error(error, status%invalid_argument, trim(text)//"; use the Allan deviation for slower processes")
          return
       end if
       call welch_spectrum(z, step, welch, channel%spectrum, error, valid, progress)

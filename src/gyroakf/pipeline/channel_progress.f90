@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Tells of which channel a stage is: "filtering gx".
+!> Progress of one channel, its name after the stage: "filtering gx".
 module gyroakf_pipeline_channel_progress
    use gyroakf_kinds, only : int64
    use gyroakf_progress, only : progress_type
@@ -7,20 +7,20 @@ module gyroakf_pipeline_channel_progress
    private
    public :: channel_progress_type
 
-   !> Passes on what it is told, with the name of a channel behind the stage
+   !> Forwards progress, with the name of a channel after the stage
    type, extends(progress_type) :: channel_progress_type
-      !> Who is told
+      !> Progress callback of the whole
       class(progress_type), pointer :: listener => null()
       !> Of the channel
       character(:), allocatable :: name
    contains
-      procedure :: advance => pass_on
+      procedure :: advance => forward_progress
    end type channel_progress_type
 
 contains
 
    !> As `advance_interface`.
-   subroutine pass_on(self, stage, done, total, cancel)
+   subroutine forward_progress(self, stage, done, total, cancel)
       !> With a listener
       class(channel_progress_type), intent(inout) :: self
       !> What is being done
@@ -31,6 +31,6 @@ contains
       logical, intent(out) :: cancel
 
       call self%listener%advance(stage//" "//self%name, done, total, cancel)
-   end subroutine pass_on
+   end subroutine forward_progress
 
 end module gyroakf_pipeline_channel_progress

@@ -43,7 +43,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing (outliers too): [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: z(:), drift(:)
       real(dp) :: differences

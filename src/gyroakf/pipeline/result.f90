@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> What the main job is asked for and what it returns.
 !>
-!> Every number that a report prints is in these types: reports compute nothing. A room that could not do its work for a
+!> Every number that a report prints is in these types: reports compute nothing. A stage without a result for a
 !> channel (constant series, too few samples) has its flag in `available` false and a line in `unavailable`.
 module gyroakf_pipeline_result
    use gyroakf_kinds, only : dp, int8, int64
@@ -64,7 +64,7 @@ module gyroakf_pipeline_result
    type :: pipeline_options
       !> "default", or "paper" once [[gyroakf_pipeline:apply_preset]] has set the paper's chain
       character(8) :: preset = "default"
-      !> Rooms that a single command switches off
+      !> Stages that a single command switches off
       logical :: do_tests = .true., do_ar = .true., do_filter = .true., do_allan = .true.
       !> Trend and outliers; degree -1 and method "none" take the record as it is, without a copy
       type(clean_options) :: clean
@@ -314,7 +314,7 @@ module gyroakf_pipeline_result
       real(dp), allocatable :: series_drift(:), series_compensated(:), series_drift_kf(:), series_drift_akf(:)
       !> Allocated with keep_series where something is missing (in the file, or an outlier): [n] 1 present 0 missing
       integer(int8), allocatable :: series_present(:)
-      !> What a reader has to know, and which rooms failed and why
+      !> Warnings, and which stages failed and why
       type(text_type), allocatable :: warnings(:), unavailable(:)
    end type channel_result_type
 

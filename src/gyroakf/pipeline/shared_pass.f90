@@ -19,7 +19,7 @@ module gyroakf_pipeline_shared_pass
 
 contains
 
-   !> Says which autocovariances the rooms need.
+   !> Plans the autocovariances that the stages need.
    pure subroutine plan_pass(n, options, moments, shared)
       !> Length of the series
       integer(int64), intent(in) :: n
@@ -51,7 +51,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is
+      !> Progress callback
       class(progress_type), intent(inout), optional :: progress
 
       call test_adf(z, options%adf, channel%adf, error, valid, shared, progress)

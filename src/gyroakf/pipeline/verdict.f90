@@ -73,7 +73,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(allan_curve_type) :: level
       real(dp), allocatable :: rest(:)
@@ -117,7 +117,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing or an outlier: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(noise_type) :: noise
       integer :: which

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> What a reader of a channel's result has to know: which rooms failed, and what is odd.
+!> Warnings of a channel: failed stages and unusual results.
 module gyroakf_pipeline_warnings
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, status
@@ -24,7 +24,7 @@ module gyroakf_pipeline_warnings
 
 contains
 
-   !> The error ends the whole job, not only a room of one channel.
+   !> The error ends the whole job, not only a stage of one channel.
    pure logical function is_fatal(error)
       !> An error or none
       type(error_type), allocatable, intent(in) :: error
@@ -35,7 +35,7 @@ contains
                                     status%invalid_argument])
    end function is_fatal
 
-   !> An error that ends a channel but tells nothing of the others: what is wrong with its numbers alone, as long as another channel
+   !> An error that ends one channel but not the others: caused by its numbers alone, as long as another channel
    !> can be done with the same options.
    pure logical function is_of_channel(error)
       !> An error or none
@@ -45,17 +45,17 @@ contains
       if (allocated(error)) is_of_channel = any(error%code == [status%invalid_argument, status%not_supported])
    end function is_of_channel
 
-   !> Notes why a room has no result and clears the error.
-   pure subroutine note_failure(channel, room, error)
+   !> Notes why an analysis has no result and clears the error.
+   pure subroutine note_failure(channel, analysis, error)
       !> Gets a line in `unavailable`
       type(channel_result_type), intent(inout) :: channel
       !> What is missing, as a reader knows it: "ADF test"
-      character(*), intent(in) :: room
+      character(*), intent(in) :: analysis
       !> Deallocated
       type(error_type), allocatable, intent(inout) :: error
 
       if (.not. allocated(error)) return
-      call add_text(channel%unavailable, room//": "//error%message)
+      call add_text(channel%unavailable, analysis//": "//error%message)
       deallocate (error)
    end subroutine note_failure
 

@@ -43,7 +43,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(moments_type) :: moments
       real(dp) :: z
@@ -51,7 +51,7 @@ contains
 
       call check_options(x, options, found, error, valid)
       if (allocated(error)) return
-      call make_room(x, options, cleaned, present_out, error, valid)
+      call allocate_results(x, options, cleaned, present_out, error, valid)
       if (allocated(error)) return
       result%method = options%method
       result%threshold = options%threshold
@@ -115,7 +115,7 @@ contains
    end subroutine check_options
 
    !> Allocates the results; the mask only where it is needed.
-   subroutine make_room(x, options, cleaned, mask, error, valid)
+   subroutine allocate_results(x, options, cleaned, mask, error, valid)
       real(dp), intent(in) :: x(:)
       type(clean_options), intent(in) :: options
       real(dp), allocatable, intent(out) :: cleaned(:)
@@ -133,7 +133,7 @@ contains
          end if
       end if
       if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the cleaned series")
-   end subroutine make_room
+   end subroutine allocate_results
 
    !> Indices of the outliers, 0 where missing, mean and variance.
    subroutine finish(cleaned, mask, found, max_passes, moments, result, error, valid)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> What the cleaning is asked for, and what it tells.
+!> Options and result of the cleaning.
 module gyroakf_preprocess_clean_types
    use gyroakf_kinds, only : dp, int64
    use gyroakf_stats_trend, only : trend_type

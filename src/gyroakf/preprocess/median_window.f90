@@ -13,13 +13,13 @@ module gyroakf_preprocess_median_window
    type :: window_type
       !> How many there are
       integer :: count = 0
-      !> They, then what is left over: [room]; the caller allocates it
+      !> The values, then unused elements: [capacity]; allocated by the caller
       real(dp), allocatable :: value(:)
    end type window_type
 
 contains
 
-   !> Puts a value in; there must be room.
+   !> Inserts a value; the window must not be full.
    pure subroutine insert_value(window, x)
       type(window_type), intent(inout) :: window
       real(dp), intent(in) :: x

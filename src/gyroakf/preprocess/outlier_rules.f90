@@ -69,7 +69,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told between the two; may cancel
+      !> Progress callback, between the two; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       scale = 0.0_dp

@@ -98,7 +98,7 @@ contains
       !> Autocovariances that somebody else needs, planned by [[plan_autocovariance]]: filled on the way, also where the test
       !> then fails; not where it fails before the pass
       type(autocovariance_type), intent(inout), optional :: shared
-      !> Told several times; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(trend_type) :: trend
       type(gram_type) :: gram
@@ -189,7 +189,7 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Autocovariances that are made on the way
       type(autocovariance_type), intent(inout), optional :: shared
-      !> Told several times
+      !> Progress callback
       class(progress_type), intent(inout), optional :: progress
       integer :: k
       character(160) :: text
@@ -249,7 +249,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
-      !> Told where the factor comes from the rows
+      !> Progress callback, used where the factor comes from the rows
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: r(:, :)
       real(dp) :: diagonal(size(gram%matrix, 1)), scale(size(gram%matrix, 1))
@@ -299,7 +299,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
-      !> Told where the factor comes from the rows
+      !> Progress callback, used where the factor comes from the rows
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: r(:, :)
       real(dp) :: scale(size(gram%matrix, 1)), freedom

@@ -74,7 +74,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told for every block
+      !> Progress callback, for every block
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: n, first, last
       real(dp) :: mean(size(r, 1)), lost

@@ -27,7 +27,7 @@ module gyroakf_simulate_noise
    public :: add_quantisation_noise, add_white, add_flicker, add_random_walk, add_ramp, add_autoregressive
 
    !> Variates less one between two calls of the progress: a power of two less one
-   integer(int64), parameter :: told_samples = 1048575_int64
+   integer(int64), parameter :: report_mask = 1048575_int64
 
 contains
 
@@ -45,14 +45,14 @@ contains
       type(random_type), intent(inout) :: random
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp) :: before, after
       integer(int64) :: i
 
       call next_normal(random, before)
       do i = 1, size(x, kind=int64)
-         if (iand(i - 1, told_samples) == 0) call tell_progress("simulating", i - 1, size(x, kind=int64), error, progress)
+         if (iand(i - 1, report_mask) == 0) call tell_progress("simulating", i - 1, size(x, kind=int64), error, progress)
          if (allocated(error)) return
          call next_normal(random, after)
          x(i) = x(i) + q*(after - before)/t0
@@ -77,7 +77,7 @@ contains
       type(random_type), intent(inout) :: random
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), parameter :: narrow = 1/sqrt(32.5_dp), wide = 8*narrow
       real(dp) :: g, u, scale
@@ -85,7 +85,7 @@ contains
 
       scale = n/sqrt(t0)
       do i = 1, size(x, kind=int64)
-         if (iand(i - 1, told_samples) == 0) call tell_progress("simulating", i - 1, size(x, kind=int64), error, progress)
+         if (iand(i - 1, report_mask) == 0) call tell_progress("simulating", i - 1, size(x, kind=int64), error, progress)
          if (allocated(error)) return
          select case (tails)
          case ("laplace"); call next_laplace(random, g)
@@ -115,7 +115,7 @@ contains
       type(random_type), intent(inout) :: random
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: h(:), g(:), noise(:)
       integer(int64) :: i, n
@@ -130,20 +130,20 @@ contains
          return
       end if
       do i = 1, n
-         if (iand(i - 1, told_samples) == 0) call tell_progress("simulating", i - 1, size(x, kind=int64), error, progress)
+         if (iand(i - 1, report_mask) == 0) call tell_progress("simulating", i - 1, size(x, kind=int64), error, progress)
          if (allocated(error)) return
          call next_normal(random, g(i))
       end do
       h(1) = 1
       do i = 1, n - 1
-         if (iand(i - 1, told_samples) == 0) call tell_progress("simulating", i - 1, n, error, progress)
+         if (iand(i - 1, report_mask) == 0) call tell_progress("simulating", i - 1, n, error, progress)
          if (allocated(error)) return
          h(i + 1) = h(i)*((i - 0.5_dp)/i)
       end do
       call convolve(h, g, noise, error, progress)
       if (allocated(error)) return
       do i = 1, n
-         if (iand(i - 1, told_samples) == 0) call tell_progress("simulating", i - 1, n, error, progress)
+         if (iand(i - 1, report_mask) == 0) call tell_progress("simulating", i - 1, n, error, progress)
          if (allocated(error)) return
          x(i) = x(i) + b*noise(i)
       end do
@@ -165,7 +165,7 @@ contains
       type(random_type), intent(inout) :: random
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), parameter :: bridge = 0.28867513459481288225_dp        ! 1/(2 sqrt(3))
       real(dp) :: w, step, g1, g2
@@ -174,7 +174,7 @@ contains
       step = k*sqrt(t0)
       w = 0
       do i = 1, size(x, kind=int64)
-         if (iand(i - 1, told_samples) == 0) call tell_progress("simulating", i - 1, size(x, kind=int64), error, progress)
+         if (iand(i - 1, report_mask) == 0) call tell_progress("simulating", i - 1, size(x, kind=int64), error, progress)
          if (allocated(error)) return
          call next_normal(random, g1)
          call next_normal(random, g2)
@@ -219,7 +219,7 @@ contains
       type(random_type), intent(inout) :: random
       !> unstable: the model is not stationary; cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: predictor(:, :), deviation(:), past(:)
       real(dp) :: g, z
@@ -231,7 +231,7 @@ contains
       if (allocated(error)) return
       allocate (past(p), source=0.0_dp)                ! past(j) is the value j samples ago
       do i = 1, size(x, kind=int64)
-         if (iand(i - 1, told_samples) == 0) call tell_progress("simulating", i - 1, size(x, kind=int64), error, progress)
+         if (iand(i - 1, report_mask) == 0) call tell_progress("simulating", i - 1, size(x, kind=int64), error, progress)
          if (allocated(error)) return
          order = int(min(i - 1, int(p, int64)))
          call next_normal(random, g)

@@ -147,7 +147,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> The true drift, on the same grid
       type(record_type), intent(out), optional :: truth
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       call check_options(options, error)

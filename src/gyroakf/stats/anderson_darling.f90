@@ -63,7 +63,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: z(:)
       type(moments_type) :: moments
@@ -147,7 +147,7 @@ contains
       real(dp), intent(out) :: statistic
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp) :: part(2, chunk_count(size(x, kind=int64))), total(2)
       integer(int64) :: n

@@ -40,7 +40,7 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Number of present pairs at each lag: [0:max_lag]
       integer(int64), allocatable, intent(out), optional :: pairs(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp) :: shift, rest
       integer(int64) :: count
@@ -177,7 +177,7 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Pairs: [0:max_lag]
       integer(int64), allocatable, intent(out), optional :: pairs(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: partial(:, :), number(:, :)
       real(dp) :: m
@@ -229,7 +229,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: e(:), flag(:)
       real(dp) :: no_phi(0)

@@ -67,7 +67,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: r(:)
       integer(int64), allocatable :: pairs(:)
@@ -104,7 +104,7 @@ contains
       call ljung_box_of(r, n, fitted, whole, error, pairs)
       if (allocated(error)) return
       h = ubound(r, 1)
-      call make_room(result, h, there)
+      call allocate_result(result, h, there)
       if (.not. there) then
          call fatal_error(error, status%no_memory, "no memory for the correlation at every lag")
          return
@@ -128,7 +128,7 @@ contains
    end subroutine correlation_of
 
    !> Allocates the columns.
-   pure subroutine make_room(result, h, there)
+   pure subroutine allocate_result(result, h, there)
       type(correlation_type), intent(inout) :: result
       integer, intent(in) :: h
       !> There is memory for them
@@ -143,7 +143,7 @@ contains
       if (stat == 0) allocate (result%ljung_box(0:h), stat=stat)
       if (stat == 0) allocate (result%ljung_box_p(0:h), stat=stat)
       there = stat == 0
-   end subroutine make_room
+   end subroutine allocate_result
 
    !> Limits of the autocorrelation: the mean over m_k pairs has the variance 1/m_k, and acf has the factor (n-k)/n.
    pure subroutine set_limits(result)

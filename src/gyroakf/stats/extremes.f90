@@ -15,7 +15,7 @@ module gyroakf_stats_extremes
 
 contains
 
-   !> True where no value is NaN, infinite or larger than so much: told by the bits, which no trap sees.
+   !> True where no value is NaN, infinite or larger than so much: tested by the bits, without floating-point exceptions.
    logical function all_sound(value, largest)
       !> Any
       real(dp), intent(in), contiguous :: value(:)

@@ -45,7 +45,7 @@ module gyroakf_stats_fisher
    !> From this expected number of larger ordinates on the sum would cancel: there p is 1 less their Poisson probability of none
    real(dp), parameter :: poisson_from = 17.0_dp
    !> Samples less one between two reports of progress: a power of two less one
-   integer(int64), parameter :: told_points = 1048575_int64
+   integer(int64), parameter :: report_mask = 1048575_int64
    !> exp(x) is zero below
    real(dp), parameter :: least_exponent = -708.0_dp
 
@@ -67,7 +67,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(real_fft_plan_type) :: plan
       real(dp), allocatable :: centred(:)
@@ -98,7 +98,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp) :: lowest, highest, mean
       integer(int64) :: n, i, number
@@ -124,7 +124,7 @@ contains
       lowest = scale(lowest, -size_of_all)
       power = exponent(scale(highest, -size_of_all) - lowest)
       do i = 0, n - 1
-         if (iand(i, told_points) == 0) call tell_progress("Fourier transform", 0_int64, n, error, progress)
+         if (iand(i, report_mask) == 0) call tell_progress("Fourier transform", 0_int64, n, error, progress)
          if (allocated(error)) return
          centred(i) = 0.0_dp
          if (present(valid)) then

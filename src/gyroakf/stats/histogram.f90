@@ -96,7 +96,7 @@ contains
       if (options%step > 0.0_dp) low = edge_below(low, first_present(x, valid), options%step)
       bins = int(min(aint((high - low)/histogram%width), real(options%most_bins, dp))) + 1
       if (low + histogram%width*real(bins - 1, dp) > high) bins = bins - 1
-      call make_room(bins, histogram, error)
+      call allocate_bins(bins, histogram, error)
       if (allocated(error)) return
       call count_bins(x, low, histogram%width, histogram%count, histogram%below, histogram%above, error, valid)
       if (allocated(error)) return
@@ -107,7 +107,7 @@ contains
    end subroutine compute_histogram
 
    !> Allocates the bins.
-   pure subroutine make_room(bins, histogram, error)
+   pure subroutine allocate_bins(bins, histogram, error)
       integer, intent(in) :: bins
       type(histogram_type), intent(inout) :: histogram
       !> no_memory
@@ -120,7 +120,7 @@ contains
       if (stat == 0) allocate (histogram%density(bins), stat=stat)
       if (stat == 0) allocate (histogram%normal_density(bins), stat=stat)
       if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the histogram")
-   end subroutine make_room
+   end subroutine allocate_bins
 
    !> Refuses what has no histogram.
    subroutine check_input(moments, options, error)

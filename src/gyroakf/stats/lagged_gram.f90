@@ -31,7 +31,7 @@ module gyroakf_stats_lagged_gram
    end type gram_type
 
    !> Stretches without gaps between two reports of progress
-   integer(int64), parameter :: told_stretches = 1024
+   integer(int64), parameter :: report_stretches = 1024
 
 contains
 
@@ -53,7 +53,7 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Autocovariances that are made on the way
       type(autocovariance_type), intent(inout), optional :: shared
-      !> Told several times
+      !> Progress callback
       class(progress_type), intent(inout), optional :: progress
       type(row_sums_type) :: s
       real(dp) :: first_row(0:lags, 0:4)
@@ -94,7 +94,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told where it takes a pass
+      !> Progress callback, used where it takes a pass
       class(progress_type), intent(inout), optional :: progress
       type(gram_type) :: longer
       integer(int64) :: n, begin, finish
@@ -197,7 +197,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp) :: edge(0:lags, 4), delta
       integer(int64) :: n, begin, finish, stretch
@@ -210,7 +210,7 @@ contains
       stretch = 0
       do while (begin < n)
          stretch = stretch + 1
-         if (mod(stretch, told_stretches) == 0) call tell_progress("unit-root test", begin, n, error, progress)
+         if (mod(stretch, report_stretches) == 0) call tell_progress("unit-root test", begin, n, error, progress)
          if (allocated(error)) return
          finish = n - 1
          if (present(valid)) call next_run(valid, begin, finish)

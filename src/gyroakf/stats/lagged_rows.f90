@@ -19,7 +19,7 @@ module gyroakf_stats_lagged_rows
    !> Places of the sums that are not lagged products: squares of the level, level times difference, powers 0 .. 4 of the
    !> time, powers 0 .. 2 times level, powers 0 .. 2 times difference
    integer, parameter :: level2 = 1, level_d = 2, time0 = 3, time_level = 8, time_d = 11, sums = 13
-   !> Chunks whose sums are alive at a time; between two lots the caller is told
+   !> Chunks whose sums are held at a time; progress is reported between two lots
    integer, parameter :: lot = 16
 
    !> Sums over the rows of a regression
@@ -58,7 +58,7 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Filled, where something is planned and nothing filled
       type(autocovariance_type), intent(inout), optional :: shared
-      !> Told several times
+      !> Progress callback
       class(progress_type), intent(inout), optional :: progress
       type(autocovariance_type) :: wanted
       real(dp), allocatable :: c(:, :), other(:, :), products(:, :), number(:, :), sum_products(:), sum_number(:)

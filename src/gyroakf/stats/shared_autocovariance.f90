@@ -120,9 +120,9 @@ contains
       end if
    end subroutine check_plan
 
-   !> Makes room for blocks of [[gyroakf_chunks:block_length]] samples.
+   !> Allocates a buffer for blocks of [[gyroakf_chunks:block_length]] samples.
    pure subroutine open_lag_buffer(buffer, max_lag)
-      !> The room
+      !> Allocated
       type(lag_buffer_type), intent(inout) :: buffer
       !> Largest lag
       integer, intent(in) :: max_lag

@@ -62,7 +62,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(basis_type) :: basis
       real(dp) :: c(0:largest_degree), step(0:largest_degree), factor(0:largest_degree, 0:largest_degree), shift
@@ -202,7 +202,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp) :: part(0:largest_degree, chunk_count(basis%samples))
       integer :: chunks, group, from

@@ -18,10 +18,10 @@ module gyroakf_stats_welch
    integer(int64), parameter :: longest_default = 16384_int64, lengths_default = 8_int64
    !> Parts in which the segments are added: the sums do not depend on the threads
    integer(int64), parameter :: most_parts = 64_int64
-   !> Of longer segments each one is told, and worked on by one thread
+   !> Longer segments are reported one by one, and processed by one thread
    integer(int64), parameter :: long_segment = 2097152_int64
    !> Samples of the segments between two reports of progress
-   integer(int64), parameter :: told_samples = 4194304_int64
+   integer(int64), parameter :: report_samples = 4194304_int64
 
    !> How the spectrum is estimated
    type :: welch_options
@@ -88,7 +88,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(segment_type) :: part
       type(real_fft_plan_type) :: plan
@@ -193,7 +193,7 @@ contains
       class(progress_type), intent(inout), optional :: progress
       type(error_type), allocatable :: failed
       real(dp), allocatable :: sums(:, :)
-      integer(int64) :: first, segments, parts, told, from, to, p
+      integer(int64) :: first, segments, parts, group, from, to, p
       integer :: stat
 
       segments = size(share, kind=int64)
@@ -209,11 +209,11 @@ contains
          density = sums(:, 1)
          return
       end if
-      told = max(told_samples/part%length, 1_int64)
-      do first = 0, segments - 1, told
+      group = max(report_samples/part%length, 1_int64)
+      do first = 0, segments - 1, group
          call tell_progress("spectrum", first, segments, error, progress)
          if (allocated(error)) return
-         associate (number => min(told, segments - first))
+         associate (number => min(group, segments - first))
             !$omp parallel do default(shared) private(from, to, failed) schedule(dynamic) if (number*part%length > 60000)
             do p = 1, parts
                from = first + ((p - 1)*number)/parts + 1

@@ -22,7 +22,7 @@ module gyroakf_stats_welch_segment
    end type segment_type
 
    !> Samples of a window less one between two reports of progress: a power of two less one
-   integer(int64), parameter :: told_samples = 1048575_int64
+   integer(int64), parameter :: report_mask = 1048575_int64
 
 contains
 
@@ -34,7 +34,7 @@ contains
       real(dp), intent(out) :: window(0:)
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), parameter :: turn = 6.28318530717958647693_dp
       real(dp) :: c
@@ -42,7 +42,7 @@ contains
 
       n = size(window, kind=int64)
       do t = 0, n - 1
-         if (iand(t + 1, told_samples) == 0) call tell_progress("spectrum", 0_int64, 0_int64, error, progress)
+         if (iand(t + 1, report_mask) == 0) call tell_progress("spectrum", 0_int64, 0_int64, error, progress)
          if (allocated(error)) return
          c = cos(turn*(real(t, dp)/real(n, dp)))
          select case (name)
@@ -72,7 +72,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Told how far it is; may cancel
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: segment(:)
       complex(dp), allocatable :: spectrum(:)
@@ -135,14 +135,14 @@ contains
             mean = sum(x - origin)/real(part%length, dp)
          end if
       end if
-      do begin = 0, part%length - 1, told_samples + 1
+      do begin = 0, part%length - 1, report_mask + 1
          if (begin > 0) call tell_progress("spectrum", 0_int64, 0_int64, error, progress)
          if (allocated(error)) return
-         do t = begin, min(begin + told_samples, part%length - 1)
+         do t = begin, min(begin + report_mask, part%length - 1)
             segment(t) = part%window(t)*((x(t + 1) - origin) - mean)
          end do
          if (.not. present(valid)) cycle
-         do t = begin, min(begin + told_samples, part%length - 1)
+         do t = begin, min(begin + report_mask, part%length - 1)
             if (valid(first + t) == 0_int8) segment(t) = 0.0_dp
          end do
       end do
@@ -171,10 +171,10 @@ contains
       share = 0.0_dp
       squares = 0.0_dp
       here = 0
-      do begin = 0, part%length - 1, told_samples + 1
+      do begin = 0, part%length - 1, report_mask + 1
          if (begin > 0) call tell_progress("spectrum", 0_int64, 0_int64, error, progress)
          if (allocated(error)) return
-         do t = begin, min(begin + told_samples, part%length - 1)
+         do t = begin, min(begin + report_mask, part%length - 1)
             if (valid(first + t) == 0_int8) cycle
             here = here + 1
             squares = squares + part%window(t)**2
