@@ -156,12 +156,12 @@ contains
    subroutine test_text(error)
       type(error_type), allocatable, intent(out) :: error
       character(80), parameter :: lines(6) = [character(80) :: &
-         "  N               = 0.190 +/- 0.002 deg/sqrt(h), SI:", &
+         "  N               = 0.1896 +/- 0.0024 deg/sqrt(h), SI: 5.515e-05 +/- 7e-07", &
          "  B               < 2.16 deg/h, SI: < 1.047e-05 rad/s, definition sigma^2 = (2", &
          "                  ln 2/pi) B^2 = (0.664 B)^2", &
          "  R               definition sigma^2 = R^2 tau^2/2", &
-         "                  N), one sided (= 0.00447 +/- 0.00006 deg/s/sqrt(Hz), SI:", &
-         "                  0.00007800 +/- 0.00000099 rad/s/sqrt(Hz), definition"]
+         "                  one sided (= 0.004469 +/- 0.000057 deg/s/sqrt(Hz), SI:", &
+         "                  7.8e-05 +/- 9.9e-07 rad/s/sqrt(Hz), definition one-sided:"]
       character(:), allocatable :: text
       integer :: i
 

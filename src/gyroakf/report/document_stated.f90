@@ -47,7 +47,7 @@ contains
       call out%put("std_error", stated%std_error, stated%fitted, title="")
       call out%put("upper_limit", stated%upper_limit, stated%fitted, stated%unit, title=trim(merge(" ", "<", stated%detected)))
       call out%put("detected", stated%detected, title="")
-      call out%put("state", trim(stated%state), title=trim(merge("     ", "state", stated%fitted)))
+      call out%put("state", trim(stated%state), title=trim(merge("     ", "state", stated%fitted .or. stated%state == "")))
       call out%put("unit", stated%unit, title="")
       call out%put("value_si", stated%value_si, stated%fitted .and. in_units, &
                    stated%unit_si, stated%std_error_si, trim(merge("SI:", "   ", stated%detected)))

@@ -35,16 +35,16 @@ module gyroakf_report_figures
    end type named_figure_type
 
    interface
-      !> Names of a folder with an ending, each with a slash behind it, as far as there is room;
-      !> the room that all take
-      integer(c_size_t) function list_files(folder, ending, names, room) &
+      !> Names of a folder with an ending, each with a slash behind it, as far as the buffer holds them;
+      !> the length of all
+      integer(c_size_t) function list_files(folder, ending, names, capacity) &
          bind(C, name="gyroakf_host_list_files")
          import :: c_char, c_size_t
          implicit none (type, external)
          !> End with a NUL
          character(kind=c_char), intent(in) :: folder(*), ending(*)
          character(kind=c_char), intent(inout) :: names(*)
-         integer(c_size_t), intent(in), value :: room
+         integer(c_size_t), intent(in), value :: capacity
       end function list_files
    end interface
 
@@ -88,7 +88,7 @@ contains
 
       folder = directory//"/"//figure_folder//c_null_char
       list = ""
-      do pass = 1, 2                                       ! the room that the names take, the names
+      do pass = 1, 2                                       ! the length of all names, the names
          used = list_files(folder, ".svg"//c_null_char, list, len(list, c_size_t))
          if (pass == 1) list = repeat("/", int(used))
       end do

@@ -13,10 +13,10 @@
 #define LOCAL
 #endif
 
-LOCAL size_t gyroakf_host_list_files(const char *folder, const char *ending, char *names, size_t room);
+LOCAL size_t gyroakf_host_list_files(const char *folder, const char *ending, char *names, size_t capacity);
 
-/* Writes the names that have the ending, each with a slash behind it, as far as there is room; returns the room that all take. */
-size_t gyroakf_host_list_files(const char *folder, const char *ending, char *names, size_t room) {
+/* Writes the names that have the ending, each with a slash behind it, as far as the buffer holds them; returns the length of all. */
+size_t gyroakf_host_list_files(const char *folder, const char *ending, char *names, size_t capacity) {
   const size_t last = strlen(ending);
   const struct dirent *entry;
   size_t used = 0, length;
@@ -25,7 +25,7 @@ size_t gyroakf_host_list_files(const char *folder, const char *ending, char *nam
   while ((entry = readdir(directory)) != NULL) {
     length = strlen(entry->d_name);
     if (length < last || strcmp(entry->d_name + length - last, ending) != 0) continue;
-    if (used + length < room) {
+    if (used + length < capacity) {
       memcpy(names + used, entry->d_name, length);
       names[used + length] = '/';
     }

@@ -137,7 +137,7 @@ contains
          call put_figures(writer, "filters", c, record, figures)
          call put_sections(writer, command, view, channel)
          if (command == "run" .and. channel%allan(stage%input)%available) then
-            call put_curves_of(writer, view, channel%allan(stage%input), "As read", "input")
+            call put_curves_of(writer, view, channel%allan(stage%input), "Raw", "input")
             call put_curves_of(writer, view, channel%allan(stage%cleaned), "Cleaned", "cleaned")
          end if
       end associate

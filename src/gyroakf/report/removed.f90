@@ -24,7 +24,7 @@ contains
       associate (raw => channel%allan(stage%input)%stated%term(2), cleaned => channel%allan(stage%outliers_removed)%stated%term(2))
          if (channel%clean%fraction > outlier_share) then
             text = number(100*channel%clean%fraction, 3)//" % of the samples are rejected as outliers"
-            if (raw%detected .or. cleaned%detected) text = text//": N = "//stated(raw)//" as read, "//stated(cleaned)// &
+            if (raw%detected .or. cleaned%detected) text = text//": N = "//stated(raw)//" of the raw record, "//stated(cleaned)// &
                & " without them"
             call put_item(writer, "Outliers", text)
          end if

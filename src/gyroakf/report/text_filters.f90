@@ -36,7 +36,7 @@ contains
       if (channel%available%drift_kf .or. channel%available%drift_akf) then
          text = "The paper's filters give out the whole signal, smoothed; the drift filters the drift alone, to be "// &
                 "subtracted, and a rotation passes into it: estimate it at rest, only predict it in motion."
-         if (two_inputs(channel)) text = text//" They see the record as read without its outliers; its trend is drift to them."
+         if (two_inputs(channel)) text = text//" They see the raw record without its outliers; its trend is drift to them."
          call put_paragraph(writer, text, 2)
       end if
       if (channel%available%drift_smoother) call put_paragraph(writer, "compensated: the record less its smoothed drift. "// &
@@ -58,7 +58,7 @@ contains
          call new_table(table, row + 2 + count([two_inputs(channel), is%kf, is%akf, is%drift_kf, is%drift_akf, &
                                                 is%drift_smoother, is%drift_smoother]), 9, head=row)
          call describe(record, channel, table)
-         call add_series(table, row, "as read", "raw", channel%raw%mean, channel%raw%variance, "")
+         call add_series(table, row, "raw", "raw", channel%raw%mean, channel%raw%variance, "")
          call add_series(table, row, "cleaned", "preprocess", channel%cleaned%mean, channel%cleaned%variance, "100 %")
          if (is%kf) call add_filter(table, row, "KF (paper)", "kf", channel%kf, channel%kf_figures)
          if (is%akf) call add_filter(table, row, "AKF (paper)", "akf", channel%akf, channel%akf_figures)

@@ -103,23 +103,22 @@ contains
       type(channel_result_type), intent(in) :: channel
       !> Described
       type(table_type), intent(out) :: table
-      character(11), parameter :: series(6) = [character(11) :: "as read", "no outliers", "cleaned", "KF", "AKF", "compensated"]
+      character(11), parameter :: series(6) = [character(11) :: "raw", "no outliers", "cleaned", "KF", "AKF", "compensated"]
       character(:), allocatable :: key
-      logical :: shown(size(series))
+      logical :: shown(size(series)), reduced
       integer :: term, which, row
 
-      shown(:) = .true.
-      shown(stage%outliers_removed) = channel%allan(stage%outliers_removed)%available
-      shown(stage%compensated) = channel%allan(stage%compensated)%available
-      call new_table(table, 3 + count(shown), 6, head=2)
+      shown = channel%allan(:size(series))%available
+      shown(stage%cleaned) = channel%available%cleaned
+      reduced = any(channel%reduction_known .or. channel%reduction_at_least > 0.0_dp)
+      call new_table(table, merge(3, 2, reduced) + count(shown), 6, head=2)
       table%name = "coefficients"
       table%number = "III"
       table%caption = "Noise coefficients from the Allan deviation"
-      table%note = ""
+      table%note = terms_text(record)//" +/-: one standard error; <: not detected, one-sided 95 % limit."
       do term = 1, 5
          call set_cell(table, 1, term + 1, term_names(term))
          call set_cell(table, 2, term + 1, broken(coefficient_unit_name(channel, term), "*/", 12))
-         table%note = table%note//term_title(record, term)//trim(merge(", ", ". ", term < 5))//" "
       end do
       row = 2
       do which = stage%input, stage%compensated
@@ -136,15 +135,16 @@ contains
             end associate
          end do
       end do
+      if (channel%allan(stage%compensated)%fitted) table%note = table%note//" compensated: in-sample, from the first "// &
+         count_text(int(channel%allan(stage%compensated)%noise%points, int64))//" octaves."
+      if (.not. reduced) return
+      table%note = table%note//" reduction: from cleaned to AKF."
       call set_cell(table, row + 1, 1, "reduction")
       do term = 1, 5
          call set_cell(table, row + 1, term + 1, reduction_text(channel, term))
          if (channel%reduction_known(term)) call set_exact(table, row + 1, term + 1, "coefficients.reduction_percent."// &
                                                            term_names(term), channel%reduction_percent(term))
       end do
-      table%note = table%note//"+/-: one standard error; <: not detected, one-sided 95 % limit. reduction: from cleaned to AKF."
-      if (channel%allan(stage%compensated)%fitted) table%note = table%note//" compensated: in-sample, from the first "// &
-         count_text(int(channel%allan(stage%compensated)%noise%points, int64))//" octaves."
    end subroutine make_comparison
 
    !> A text in two lines where it is wide, the second one from the last of some signs on.
@@ -202,26 +202,21 @@ contains
       end do
    end function coefficient_unit_name
 
-   !> "N angle random walk".
-   pure function term_title(record, term) result(title)
+   !> "Q quantization, N angle random walk, ..."
+   pure function terms_text(record) result(text)
       !> For the quantity
       type(record_type), intent(in) :: record
-      !> 1 to 5
-      integer, intent(in) :: term
-      character(:), allocatable :: title
+      character(:), allocatable :: text
 
-      select case (term)
-      case (1); title = "quantization"
-      case (2)
-         title = "white noise"
-         if (record%unit%quantity == quantity%angular_rate) title = "angle random walk"
-         if (record%unit%quantity == quantity%acceleration) title = "velocity random walk"
-      case (3); title = "bias instability"
-      case (4); title = "rate random walk"
-         if (record%unit%quantity == quantity%acceleration) title = "random walk"
-      case default; title = "ramp"
+      select case (record%unit%quantity)
+      case (quantity%angular_rate)
+         text = "N angle random walk, B bias instability, K rate random walk"
+      case (quantity%acceleration)
+         text = "N velocity random walk, B bias instability, K random walk"
+      case default
+         text = "N white noise, B bias instability, K rate random walk"
       end select
-      title = term_names(term)//" "//title
-   end function term_title
+      text = "Q quantization, "//text//", R ramp."
+   end function terms_text
 
 end module gyroakf_report_text_noise

@@ -98,7 +98,7 @@ contains
       type(writer_type), intent(inout) :: writer
       type(record_type), intent(in) :: record
       type(channel_result_type), intent(in) :: channel
-      character(11), parameter :: shown(7) = [character(11) :: "as read", "cleaned", "KF (paper)", "AKF (paper)", &
+      character(11), parameter :: shown(7) = [character(11) :: "raw", "cleaned", "KF (paper)", "AKF (paper)", &
                                               "drift KF", "drift AKF", "smoother"]
       integer, parameter :: column(6) = [1, 3, 4, 0, 6, 9], n = 4
       integer :: stages(4)

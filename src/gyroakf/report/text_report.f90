@@ -18,7 +18,7 @@ module gyroakf_report_text_report
    use gyroakf_report_text_filters, only : put_filter_table
    use gyroakf_report_text_layout, only : put_heading, put_paragraph, put_title
    use gyroakf_report_text_noise, only : make_comparison, put_curves_of
-   use gyroakf_report_text_screen, only : put_screen
+   use gyroakf_report_text_screen, only : put_chart, put_screen
    use gyroakf_report_text_table, only : put_numbered, table_type
    implicit none (type, external)
    private
@@ -56,6 +56,7 @@ contains
       end if
       call put_title(writer, "gyroakf "//release_string//": "//report_subject(command)//preset_name(options))
       if (command == "run" .or. command == "allan") call put_answer(writer, record, result)
+      if (drawn) call put_chart(writer, record, result)
       call put_input(writer, record)
       do c = 1, size(result%channel)
          call view_channel(record, c, view)
@@ -88,14 +89,15 @@ contains
       type(channel_result_type), intent(in) :: channel
       type(text_description_type) :: out
       type(table_type) :: table
+      character(:), allocatable :: title
       logical :: all
 
       out%writer => writer
       all = command == "run"
       if (all) out%skip = [character(8) :: "adf", "kpss"]       ! of a long record they reject a unit root for any sensor
+      call put_alerts(writer, channel)
       call put_paragraph(writer, "Values are in "//unit_name(record)//" and variances in ("//unit_name(record)// &
                          ")^2 where no unit stands beside them.", 2)
-      call put_alerts(writer, channel)
       call put_verdict(out, record, channel)
       call put_preprocess(out, channel)
       if (all .or. command == "tests") call put_tests(out, channel)
@@ -110,16 +112,17 @@ contains
          call put_drift(out, channel)
       end if
       if (.not. (all .or. command == "allan")) return
-      if (all) then
-         call make_comparison(record, channel, table)
-         call put_numbered(writer, table)
-      end if
-      call put_noise(out, "input", "Noise coefficients of the raw record", channel%allan(stage%input))
+      call make_comparison(record, channel, table)
+      if (.not. all) table%number = ""
+      call put_numbered(writer, table)
+      call put_noise(out, "input", "Noise coefficients: Raw", channel%allan(stage%input))
       call put_halves(out, channel)
       if (all) return
-      call put_noise(out, "cleaned", "Noise coefficients of the cleaned record", channel%allan(stage%cleaned))
       call put_curves_of(writer, record, channel%allan(stage%input), "Raw", "input")
-      call put_curves_of(writer, record, channel%allan(stage%cleaned), "Cleaned", "cleaned")
+      if (.not. channel%available%cleaned) return
+      title = trim(merge("Without outliers", "Cleaned         ", channel%clean%trend%degree < 0))
+      call put_noise(out, "cleaned", "Noise coefficients: "//title, channel%allan(stage%cleaned))
+      call put_curves_of(writer, record, channel%allan(stage%cleaned), title, "cleaned")
    end subroutine put_sections
 
    !> What the report of a command is about.

@@ -13,7 +13,7 @@ module gyroakf_report_text_screen
    use gyroakf_report_text_overview, only : put_overview
    implicit none (type, external)
    private
-   public :: put_screen
+   public :: put_screen, put_chart
 
    !> Rows of the chart, and maximum number of notes
    integer, parameter :: chart_rows = 9, most_notes = 3
@@ -36,16 +36,19 @@ contains
       call put_source(writer, record)
       if (command == "run" .or. command == "allan") call put_answer(writer, record, result)
       if (command /= "allan") call put_overview(writer, command, record, result)
-      if (chart) call put_curves(writer, record, result)
+      if (chart) call put_chart(writer, record, result)
       call put_line(writer, "")
       call put_remarks(writer, command, record, result, most_notes)
       call put_item(writer, "More", "--details; --out DIR (page, figures, CSV); --json FILE")
    end subroutine put_screen
 
    !> The Allan deviation of a single channel with its limits and the fit; of several those that have the unit of the first.
-   subroutine put_curves(writer, record, result)
+   subroutine put_chart(writer, record, result)
+      !> The report
       type(writer_type), intent(inout) :: writer
+      !> For units and rate
       type(record_type), intent(in) :: record
+      !> Nothing is drawn where it has no Allan deviation
       type(pipeline_result_type), intent(in) :: result
       type(text_type), allocatable :: lines(:)
       type(record_type) :: first
@@ -74,7 +77,7 @@ contains
       do i = 1, size(lines)
          call put_line(writer, lines(i)%text)
       end do
-   end subroutine put_curves
+   end subroutine put_chart
 
    !> The curves of several channels, a letter each.
    subroutine draw_overlay(writer, record, result, lines, legend)

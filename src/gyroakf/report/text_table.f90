@@ -186,10 +186,11 @@ contains
    subroutine put_numbered(writer, table)
       !> The report
       type(writer_type), intent(inout) :: writer
-      !> With its texts
+      !> With its texts; without a number where that is ""
       type(table_type), intent(in) :: table
 
-      call put_heading(writer, "Table "//table%number//". "//table%caption)
+      if (table%number == "") call put_heading(writer, table%caption)
+      if (table%number /= "") call put_heading(writer, "Table "//table%number//". "//table%caption)
       call put_table(writer, table)
       if (len(table%note) > 0) call put_paragraph(writer, table%note, 2)
    end subroutine put_numbered
