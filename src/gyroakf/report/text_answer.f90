@@ -9,6 +9,7 @@ module gyroakf_report_text_answer
    use gyroakf_report_input, only : has_unit, unit_name
    use gyroakf_report_text_layout, only : number, put_item, put_paragraph, report_width, rounded
    use gyroakf_report_text_table, only : column_widths, new_table, put_table, set_cell, set_row, table_type
+   use gyroakf_units, only : quantity
    use gyroakf_report_verdicts, only : verdict_text
    implicit none (type, external)
    private
@@ -101,7 +102,7 @@ contains
       call put_filter_numbers(writer, view, channel)
    end subroutine put_group
 
-   !> The verdicts below a table that is too narrow for them: "gx, gy: stationary; gz: drifts: random walk".
+   !> The verdicts below a table that is too narrow for them: "gx, gy stationary; gz drifts: random walk".
    subroutine put_verdicts(writer, channel)
       type(writer_type), intent(inout) :: writer
       type(channel_result_type), intent(in) :: channel(:)
@@ -118,7 +119,7 @@ contains
          end do
          if (names == "") cycle
          if (text /= "") text = text//"; "
-         if (size(channel) > 1) text = text//names(3:)//": "
+         if (size(channel) > 1) text = text//names(3:)//" "
          text = text//verdict_text(channel(c))
       end do
       call put_item(writer, "Noise", text, verbatim=.true.)
@@ -181,11 +182,20 @@ contains
          axis = ""
          if (size(channel) > 1) axis = " ("//channel(c)%name//", the largest N)"
          text = "N "//number(n%value_si, 3)//" "//n%unit_si//" ("//number(n%value_si/sqrt(record%sample_interval), 3)// &
-                " of a sample)"
+                " "//sample_unit(record)//" rms a sample)"
          if (k%fitted .and. k%detected) text = text//", K "//number(k%value_si, 3)//" "//k%unit_si
          if (k%fitted .and. .not. k%detected) text = text//", K < "//number(k%upper_limit_si, 2)//" "//k%unit_si
          call put_item(writer, "Kalman filter", "at "//number(1.0_dp/record%sample_interval, 5)//" Hz in SI: "//text//axis)
       end associate
    end subroutine put_filter_numbers
+
+   !> SI unit of a sample, as a Kalman filter takes its noise.
+   pure function sample_unit(record) result(unit)
+      type(record_type), intent(in) :: record
+      character(:), allocatable :: unit
+
+      unit = "rad/s"
+      if (record%unit%quantity == quantity%acceleration) unit = "m/s^2"
+   end function sample_unit
 
 end module gyroakf_report_text_answer

@@ -131,6 +131,7 @@ contains
          end do
       end do
       call set_cell(table, 1, n, "N")
+      call set_cell(table, 1, size(column), "innovations")
       call put_line(writer, "")
       call put_table(writer, table)
    end subroutine put_series
@@ -213,7 +214,7 @@ contains
 
       call new_table(table, 2 + size(channel), 8, head=2)
       call set_row(table, 1, [character(11) :: "", "unit root", "level", "normal", "excess", "white", "largest", "noise"])
-      call set_row(table, 2, [character(11) :: "", "ADF p", "KPSS p", "J.-Bera p", "kurtosis", "L.-Box p", "|rho|", ""])
+      call set_row(table, 2, [character(11) :: "", "ADF", "KPSS", "Jarque-Bera", "kurtosis", "Ljung-Box", "|rho|", ""])
       do c = 1, size(channel)
          associate (one => channel(c), is => channel(c)%available)
             call set_cell(table, c + 2, 1, one%name)
@@ -228,7 +229,8 @@ contains
       end do
       call put_line(writer, "")
       call put_table(writer, table)
-      call put_paragraph(writer, "p: of what the head names; all but the unit root are rejected where it is small", 2)
+      call put_paragraph(writer, "ADF, KPSS, Jarque-Bera, Ljung-Box: p-values; what the head names is rejected "// &
+                         "where they are small", 2)
    end subroutine put_tests
 
 end module gyroakf_report_text_overview
