@@ -2,17 +2,16 @@
 !> The audit of a record: what the time stamps show, and what the values show.
 !>
 !> Samples are taken as evenly spaced at the mean rate. Samples were lost only where the lag, elapsed
-!> time * rate - count, rises and does not fall back: among regular stamps ([[gyroakf_io_cadence]]) at a
-!> long step, among others by the levels before and behind it ([[gyroakf_io_losses]]).
+!> time * rate - count, rises and does not fall back ([[gyroakf_io_losses]]).
 module gyroakf_io_audit
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_stats_extremes, only : scan_extremes
    use gyroakf_io_cadence, only : cadence_type, count_bursts, find_cadence
-   use gyroakf_io_losses, only : add_gap, find_losses, gap_type
+   use gyroakf_io_losses, only : add_gap, find_gaps, find_losses, gap_type
+   use gyroakf_io_loss_pattern, only : loss_pattern, pattern
    use gyroakf_io_rate_changes, only : find_changes
-   use gyroakf_io_regular_losses, only : find_gaps, loss_pattern, pattern
    use gyroakf_record, only : audit_type
    implicit none (type, external)
    private
@@ -132,7 +131,7 @@ contains
       used = interval
       do k = 1, max_iterations
          gaps%count = 0
-         call find_gaps(t, used, gaps)
+         call find_gaps(t, t, 1, used, 0.5_dp, gaps)
          if (sum(gaps%length(:gaps%count)) > n) return
          found = (t(n) - t(1))/real(n - 1 + sum(gaps%length(:gaps%count)), dp)
          if (abs(found - used) <= tolerance*used) return
@@ -208,7 +207,7 @@ contains
    end subroutine count_steps
 
    !> The period after which a clock starts again, s; 0 where the stamps would not go on within 20
-   !> samples.
+   !> samples or half a percent of the period.
    pure real(dp) function rollover_of(step, interval) result(period)
       real(dp), intent(in) :: step
       real(dp), intent(in) :: interval
@@ -219,7 +218,8 @@ contains
 
       do k = 1, size(periods)
          period = periods(k)
-         if (period > 100.0_dp*interval .and. step + period >= 0.0_dp .and. step + period <= 20.0_dp*interval) return
+         if (period <= 100.0_dp*interval .or. step + period < 0.0_dp) cycle
+         if (step + period <= max(20.0_dp*interval, 0.005_dp*period)) return
       end do
       period = 0.0_dp
    end function rollover_of
