@@ -77,7 +77,6 @@ contains
    subroutine audit_stretches(t, whole, change, given, audit, gaps)
       real(dp), intent(inout), contiguous :: t(:)
       type(cadence_type), intent(in) :: whole
-      !> First sample of each further rate
       integer(int64), intent(in) :: change(:)
       real(dp), intent(in) :: given
       type(audit_type), intent(inout) :: audit
@@ -226,7 +225,6 @@ contains
 
    !> Takes jumps that are too long to be filled out of the stamps and of the gaps.
    subroutine join_jumps(t, n, interval, gaps)
-      !> From the first sample of the stretch to the last of the record
       real(dp), intent(inout), contiguous :: t(:)
       integer(int64), intent(in) :: n
       real(dp), intent(in) :: interval

@@ -141,7 +141,6 @@ contains
    !> short. Where most of the time passes in steps of more than 2.5 intervals, samples are
    !> delivered in bursts.
    pure subroutine choose_step(x, weight, flat, cadence)
-      !> Mean step of every bin, s, rising, and how many there are: [bin]
       real(dp), intent(in), contiguous :: x(:), weight(:)
       real(dp), intent(in) :: flat
       type(cadence_type), intent(inout) :: cadence
@@ -193,9 +192,7 @@ contains
 
    !> Mean cosine of the phases that the steps have at all rates that are tried.
    pure subroutine find_coherence(x, weight, coherence)
-      !> Steps, in usual steps, and how many there are: [bin]
       real(dp), intent(in), contiguous :: x(:), weight(:)
-      !> [rate]
       real(dp), intent(out) :: coherence(0:)
       real(dp), parameter :: turn = 6.283185307179586_dp
       complex(dp) :: phase(size(x)), change(size(x))

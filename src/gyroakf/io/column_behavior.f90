@@ -89,7 +89,6 @@ contains
    pure integer function behavior_of(store, column, named_counter) result(found)
       type(store_type), intent(in) :: store
       integer, intent(in) :: column
-      !> Its name is that of a counter
       logical, intent(in) :: named_counter
       integer(int64) :: i, rises, ones, even, falls, rows
       integer :: k
@@ -122,6 +121,7 @@ contains
                      rises = rises + 1
                      if (abs(step - 1.0_dp) <= 0.0_dp) ones = ones + 1
                      if (step >= 0.2_dp*usual .and. step <= 5.0_dp*usual) even = even + 1
+                     if (rises > 20) step = min(step, 5.0_dp*usual)         ! a pause
                      usual = usual + (step - usual)/real(min(rises, 100_int64), dp)
                   else if (step < 0.0_dp) then
                      falls = falls + 1

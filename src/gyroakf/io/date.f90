@@ -3,8 +3,8 @@
 !>
 !> Read are the forms of ISO 8601 that loggers write: `2026-05-01T12:00:00.123456Z`, with a blank instead of the T, with `/` or `.`
 !> between year, month and day, with a zone (`Z`, `+02:00`, `-0530`, `+02`), with a comma before the decimals of the seconds
-!> within quotes; a date or a time of day alone; and `01.05.2026`, day first, where points part it. Days first with `/` or `-`
-!> are not read: nobody can tell them from months first.
+!> within quotes, with a colon before three; a date or a time of day alone; and `01.05.2026`, day first, where points part it.
+!> Days first with `/` or `-` are not read: nobody can tell them from months first.
 !>
 !> Whole seconds are subtracted as integers before they become a real number, so that the decimals survive: a day after the
 !> first stamp a double still tells 15 ps apart.
@@ -175,11 +175,11 @@ contains
    pure subroutine scan_clock(bytes, p, quoted, whole, part, found)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: p
-      !> A comma may stand before the decimals
       logical, intent(in) :: quoted
       integer(int64), intent(out) :: whole
       real(dp), intent(out) :: part
       logical, intent(out) :: found
+      logical :: decimals
       integer(int64) :: hour, minute, second
       integer :: digits
 
@@ -196,7 +196,9 @@ contains
          p = p + 1
          call scan_digits(bytes, p, 2, second, digits)
          if (digits /= 2 .or. second > 60) return
-         if (bytes(p) == point .or. (quoted .and. bytes(p) == comma)) call scan_decimals(bytes, p, part)
+         decimals = bytes(p) == point .or. (quoted .and. bytes(p) == comma)
+         if (bytes(p) == colon) decimals = all(is_digit(bytes(p + 1:min(p + 3, size(bytes, kind=int64)))))
+         if (decimals) call scan_decimals(bytes, p, part)
       end if
       whole = 3600*hour + 60*minute + second
       call scan_zone(bytes, p, whole, found)

@@ -6,6 +6,7 @@
 !> warning, never an error.
 module gyroakf_io_header
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_column_class, only : without_notes
    use gyroakf_error, only : error_type
    use gyroakf_io_columns, only : column_names_type, read_names
    use gyroakf_io_decimal, only : format_real
@@ -132,7 +133,7 @@ contains
       character(:), allocatable :: value
       integer :: i, several, first_word
 
-      value = bytes_text(bytes, first, last)
+      value = without_notes(bytes_text(bytes, first, last))
       call parse_unit(value, unit, failed)
       if (allocated(failed)) then
          call split_words(value, words)

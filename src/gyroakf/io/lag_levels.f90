@@ -6,7 +6,7 @@ module gyroakf_io_lag_levels
    use gyroakf_io_cadence, only : cadence_type, median_of, sort
    implicit none (type, external)
    private
-   public :: find_levels, usual_longest
+   public :: find_levels
 
    !> Samples of a block; blocks of the longest window; positions looked at for the scatter; samples between levels that are
    !> compared for late deliveries
@@ -16,7 +16,7 @@ module gyroakf_io_lag_levels
 contains
 
    !> The levels of blocks as short as the scatter of their differences allows (below 0.12 samples), 1024 samples at most.
-   subroutine find_levels(t, cadence, level, rows, step, rise)
+   subroutine find_levels(t, cadence, level, rows, step, rise, longest)
       !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
       !> Of the stamps
@@ -29,14 +29,17 @@ contains
       real(dp), intent(out) :: step
       !> Least rise of the lag at a loss, samples: 0.75 and five times the scatter, more for a coarse clock and for bursts
       real(dp), intent(out) :: rise
+      !> Longest step of most blocks of 16 samples, samples
+      real(dp), intent(out) :: longest
       real(dp), allocatable :: mean(:)
-      real(dp) :: scatter
+      real(dp) :: scatter, height
       integer(int64) :: blocks, b
       integer :: window
 
       rows = block_rows
       step = 0.0_dp
       rise = 0.0_dp
+      longest = 0.0_dp
       blocks = size(t, kind=int64)/block_rows
       if (blocks < 12) blocks = 0
       allocate (mean(blocks))
@@ -49,20 +52,20 @@ contains
       rows = window*block_rows
       allocate (level(blocks/window))
       do b = 1, size(level, kind=int64)
-         level(b) = mean_of(mean, (b - 1)*window + 1, b*window)
+         level(b) = sum(mean((b - 1)*window + 1:b*window))/window
       end do
       if (blocks == 0) return
       mean(:) = mean/step - [(real(b*block_rows, dp), b=1, blocks)]
-      rise = max(0.75_dp, 5.0_dp*scatter, beat_bound(cadence, step, window), burst_bound(t, cadence, step, mean))
+      call measure_blocks(t, step, longest, height)
+      rise = max(0.75_dp, 5.0_dp*scatter, beat_bound(cadence, step, window))
+      if (height >= 2.0_dp + cadence%resolution/step) rise = max(rise, burst_bound(height, mean))
    end subroutine find_levels
 
    !> The shortest window whose means scatter by less than 0.12 steps, else the one that scatters least; and the step.
    subroutine choose_window(level, rough, window, scatter, step)
-      !> s, means of the blocks
       real(dp), intent(in), contiguous :: level(:)
       real(dp), intent(in) :: rough
       integer, intent(out) :: window
-      !> Of the difference of two windows, steps
       real(dp), intent(out) :: scatter
       real(dp), intent(out) :: step
       real(dp) :: middle, found, usual
@@ -81,7 +84,7 @@ contains
       w = 1
       do while (w <= most_blocks .and. 4*w + 4 <= blocks)
          b = w + spread_over(blocks - 2*w)
-         rise = [(mean_of(level, b(k) + 1, b(k) + w) - mean_of(level, b(k) - w, b(k) - 1), k=1, size(b))]
+         rise = [((sum(level(b(k) + 1:b(k) + w)) - sum(level(b(k) - w:b(k) - 1)))/w, k=1, size(b))]
          middle = middle_mean(rise)
          found = spread_of(abs(rise - middle))/usual
          if (found < 0.8_dp*scatter) then
@@ -125,14 +128,6 @@ contains
       spread_of = max(1.4826_dp*y((size(y) + 1)/2), 0.7803_dp*y(max(1, (4*size(y))/5)))
    end function spread_of
 
-   !> Mean of some levels.
-   pure real(dp) function mean_of(level, from, to)
-      real(dp), intent(in), contiguous :: level(:)
-      integer(int64), intent(in) :: from, to
-
-      mean_of = sum(level(from:to))/real(to - from + 1, dp)
-   end function mean_of
-
    !> Where a tick of the clock is about the step or several steps, the two beat: the lag of a clock that counts in nearly a whole
    !> number of steps jumps by one at each beat. Where no window averages beats, one lost sample cannot be told from them;
    !> where a tick holds more than two samples, losses of less than 1.2 ticks cannot (samples that are delivered together do too).
@@ -149,47 +144,39 @@ contains
       if (abs(ratio/max(1.0_dp, anint(ratio)) - 1.0_dp)*real(window*block_rows, dp) < 5.0_dp) beat_bound = max(beat_bound, 1.6_dp)
    end function beat_bound
 
-   !> The longest step of most blocks, in steps.
-   real(dp) function usual_longest(t, step)
+   !> The longest step of most blocks, and what usually lies between the largest and the smallest lag of a block, in steps.
+   subroutine measure_blocks(t, step, longest, height)
       real(dp), intent(in), contiguous :: t(:)
       real(dp), intent(in) :: step
-      real(dp), allocatable :: seen(:)
+      real(dp), intent(out) :: longest, height
+      real(dp) :: lag(block_rows)
+      real(dp), allocatable :: seen(:, :)
       integer(int64), allocatable :: i(:)
-      integer :: k
+      integer :: k, j
 
       allocate (i, source=(spread_over(size(t, kind=int64)/block_rows) - 1)*block_rows)
-      seen = [(maxval(t(i(k) + 2:i(k) + block_rows) - t(i(k) + 1:i(k) + block_rows - 1))/step, k=1, size(i))]
-      usual_longest = median_of(seen)
-   end function usual_longest
+      allocate (seen(size(i), 2))
+      do k = 1, size(i)
+         lag = (t(i(k) + 1:i(k) + block_rows) - t(i(k) + 1))/step - [(real(j, dp), j=1, block_rows)]
+         seen(k, :) = [maxval(lag(2:) - lag(:block_rows - 1)) + 1.0_dp, maxval(lag) - minval(lag)]
+      end do
+      longest = median_of(seen(:, 1))
+      height = median_of(seen(:, 2))
+   end subroutine measure_blocks
 
-   !> Where samples come in bursts, deliveries are late for seconds and minutes too: a loss has to be more than what usually
-   !> lies between the largest and the smallest lag of a block, and three times the scatter of the levels 2048 samples apart.
-   real(dp) function burst_bound(t, cadence, step, level)
-      real(dp), intent(in), contiguous :: t(:), level(:)
-      type(cadence_type), intent(in) :: cadence
-      real(dp), intent(in) :: step
-      real(dp) :: lag(block_rows), height, middle
+   !> Where samples come in bursts, deliveries are late for seconds and minutes too: a loss has to be more than the height of a
+   !> block, and three times the scatter of the levels 2048 samples apart.
+   real(dp) function burst_bound(height, level)
+      real(dp), intent(in) :: height
+      real(dp), intent(in), contiguous :: level(:)
       real(dp), allocatable :: seen(:)
       integer(int64), allocatable :: b(:)
-      integer(int64) :: far, blocks, i
-      integer :: k
+      integer(int64) :: far
 
-      burst_bound = 0.0_dp
-      blocks = size(level, kind=int64)
-      allocate (b, source=spread_over(blocks))
-      allocate (seen(size(b)))
-      do k = 1, size(b)
-         i = (b(k) - 1)*block_rows
-         lag = (t(i + 1:i + block_rows) - t(i + 1))/step - [(real(i, dp), i=1, block_rows)]
-         seen(k) = maxval(lag) - minval(lag)
-      end do
-      height = median_of(seen)
-      if (height < 2.0_dp + cadence%resolution/step) return
-      far = min(distant/block_rows, blocks/4)
-      b = spread_over(blocks - far)
+      far = min(distant/block_rows, size(level, kind=int64)/4)
+      allocate (b, source=spread_over(size(level, kind=int64) - far))
       seen = level(b + far) - level(b)
-      middle = median_of(seen)
-      burst_bound = max(height, 3.0_dp*1.4826_dp*median_of(abs(seen - middle)))
+      burst_bound = max(height, 3.0_dp*1.4826_dp*median_of(abs(seen - median_of(seen))))
    end function burst_bound
 
 end module gyroakf_io_lag_levels

@@ -7,7 +7,7 @@
 module gyroakf_io_losses
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_cadence, only : cadence_type
-   use gyroakf_io_lag_levels, only : find_levels, usual_longest
+   use gyroakf_io_lag_levels, only : find_levels
    implicit none (type, external)
    private
    public :: gap_type, add_gap, find_losses, find_gaps
@@ -47,9 +47,8 @@ contains
       integer(int64) :: i, b
       integer :: rows, k
 
-      call find_levels(t, cadence, level, rows, step, rise)
+      call find_levels(t, cadence, level, rows, step, rise, usual)
       if (size(level) == 0) return
-      usual = usual_longest(t, step)
       allocate (found%before(16), found%length(16))
       call find_gaps(t, level, rows, step, rise, found)
       do k = 1, found%count
@@ -95,8 +94,7 @@ contains
          lost = nint(min(x, 1.0e15_dp), int64)
          phase = 0.0_dp
          if (x < longest_kept) phase = (1.0_dp - phase_gain)*(x - real(lost, dp))
-         i = b
-         if (rows > 1) i = longest_step(t, (b - 2)*rows + 1, b*rows)
+         i = longest_step(t, (b - 2)*rows + 1, b*rows)
          if (i - early_at > lasting) early = 0
          if (lost > 0) then
             x = real(lost, dp)
@@ -114,7 +112,6 @@ contains
    pure subroutine give_back(i, places, gaps, early)
       integer(int64), intent(in) :: i, places
       type(gap_type), intent(inout) :: gaps
-      !> Places that belong to no gap are added to it
       integer(int64), intent(inout) :: early
       integer(int64) :: left, taken
 

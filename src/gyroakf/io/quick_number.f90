@@ -103,9 +103,7 @@ contains
    pure subroutine take_whole(bytes, at, p, m, minus)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: at
-      !> The byte after the digits; 0 where there are none, or more than 15
       integer(int64), intent(out) :: p
-      !> The number that the digits are; 1 for a minus sign, else 0
       integer(int64), intent(out) :: m, minus
       integer(int64) :: word
       integer :: sign_bits, signed, point

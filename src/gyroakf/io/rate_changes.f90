@@ -3,7 +3,7 @@
 !> parts of a record scatter.
 module gyroakf_io_rate_changes
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_io_cadence, only : cadence_type, find_step, median_of, sort
+   use gyroakf_io_cadence, only : cadence_type, find_step, median_of
    implicit none (type, external)
    private
    public :: find_changes
@@ -72,14 +72,12 @@ contains
          mean(k) = sum(t((k - 1)*piece + 1:k*piece) - t(1))/real(piece, dp)
       end do
       slope = (mean(2:) - mean(:8))/real(piece, dp)
-      call sort(slope)
-      step = 0.5_dp*(slope(4) + slope(5))
+      step = median_of(slope)
    end function step_of_part
 
    !> Divides the parts where their medians differ most, again and again.
    subroutine divide(part, ends, changes, most)
       real(dp), intent(in) :: part(:)
-      !> The last part of each stretch: [0:]
       integer, intent(inout) :: ends(0:)
       integer, intent(inout) :: changes
       integer, intent(in) :: most

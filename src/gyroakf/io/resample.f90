@@ -100,7 +100,6 @@ contains
       real(dp), intent(in), contiguous :: t(:)
       real(dp), intent(in) :: phase
       type(record_type), intent(inout) :: record
-      !> [slot, channel]
       real(dp), intent(out), contiguous :: value(:, :)
       logical, allocatable :: filled(:)
       real(dp) :: rate, shift

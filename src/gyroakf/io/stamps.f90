@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Time columns: fractions of a second in a column of their own, and the unit.
+!> Time columns: fractions of a second in a column of their own, the unit, times of day.
 module gyroakf_io_stamps
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int64
@@ -9,7 +9,7 @@ module gyroakf_io_stamps
    use gyroakf_units, only : time_scale
    implicit none (type, external)
    private
-   public :: fraction_of, named_scale, infer_scale, unwrap_days
+   public :: fraction_of, named_scale, infer_scale, unpack_clock, unwrap_days
 
 contains
 
@@ -130,6 +130,37 @@ contains
          if (step >= 1.0e6_dp) scale = units(4)
       end if
    end subroutine infer_scale
+
+   !> Turns hhmmss.sss, as NMEA writes UTC, into seconds from midnight: where all stamps can be that, from one o'clock on, and
+   !> a minute ends among them.
+   pure subroutine unpack_clock(stamps, found)
+      !> As read, NaN where missing: [n]
+      real(dp), intent(inout), contiguous :: stamps(:)
+      !> False where they are left as they are
+      logical, intent(out) :: found
+      real(dp) :: step, before
+      integer(int64) :: i
+
+      found = .false.
+      before = 0.0_dp
+      do i = 1, size(stamps, kind=int64)
+         if (ieee_is_nan(stamps(i))) cycle
+         if (stamps(i) < 1.0e4_dp .or. stamps(i) >= 2.4e5_dp) exit
+         if (modulo(stamps(i), 1.0e2_dp) >= 61.0_dp .or. modulo(stamps(i), 1.0e4_dp) >= 6.0e3_dp) exit
+         step = seconds_of(stamps(i)) - seconds_of(before)
+         found = found .or. (step > 0.0_dp .and. step < 20.0_dp .and. stamps(i) - before >= 40.0_dp)
+         before = stamps(i)
+      end do
+      found = found .and. i > size(stamps)
+      if (found) stamps(:) = seconds_of(stamps)
+   end subroutine unpack_clock
+
+   !> 120030.5 as seconds from midnight.
+   pure elemental real(dp) function seconds_of(digits)
+      real(dp), intent(in) :: digits
+
+      seconds_of = digits - 40.0_dp*aint(digits/1.0e2_dp) - 2400.0_dp*aint(digits/1.0e4_dp)
+   end function seconds_of
 
    !> Lets a time of day go on behind midnight: it falls by more than half a day there.
    pure subroutine unwrap_days(stamps)
