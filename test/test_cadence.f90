@@ -27,6 +27,7 @@ contains
          new_unittest("random-losses", test_random), &
          new_unittest("losses-in-runs", test_runs), &
          new_unittest("two-rates", test_two_rates), &
+         new_unittest("late-stamps", test_late), &
          new_unittest("rollovers", test_rollovers)]
    end subroutine collect_cadence
 
@@ -142,6 +143,24 @@ contains
       call check(error, gaps%count == 118 .and. abs(audit%stamp_rate - 1000.0_dp) < 1.0e-6_dp .and. audit%other_rate > 983.0_dp, &
                  "every 60th lost")
    end subroutine test_two_rates
+
+   !> Lost samples among stamps that are up to an interval late are found where they were lost.
+   subroutine test_late(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: lost = 20
+      type(audit_type) :: audit
+      type(gap_type) :: gaps
+      real(dp) :: t(20000)
+      integer :: i
+
+      t(:) = [(interval*(i + (i + 500)/1000 + uniform(i)), i=1, size(t))]
+      call audit_stamps(t, audit, gaps)
+      call check(error, gaps%count, lost)
+      if (allocated(error)) return
+      call check(error, all(gaps%length(:lost) == 1), "one each")
+      if (allocated(error)) return
+      call check(error, int(maxval(abs(gaps%before(:lost) - [(1000*i - 500, i=1, lost)]))) <= 4, "place")
+   end subroutine test_late
 
    !> A GPS week, 32 bits of us, 16 bits of ms again and again.
    subroutine test_rollovers(error)

@@ -9,7 +9,7 @@ module gyroakf_io_audit
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_stats_extremes, only : scan_extremes
    use gyroakf_io_cadence, only : cadence_type, count_bursts, find_cadence
-   use gyroakf_io_losses, only : add_gap, find_gaps, find_losses, gap_type
+   use gyroakf_io_losses, only : add_gap, find_losses, gap_type
    use gyroakf_io_loss_pattern, only : loss_pattern, pattern
    use gyroakf_io_rate_changes, only : find_changes
    use gyroakf_record, only : audit_type
@@ -26,16 +26,13 @@ contains
 
    !> Counts what the stamps show and finds the gaps.
    subroutine audit_stamps(t, audit, gaps, rate_hz)
-      !> Stamps in s, none missing: [n]; afterwards without backward jumps and jumps that are not
-      !> filled
+      !> Stamps in s, none missing: [n]; afterwards without backward jumps and jumps that are not filled
       real(dp), intent(inout), contiguous :: t(:)
-      !> What they show: stamps, rate, duplicates, backward steps, bursts, jitter; `line_of_*` hold sample
-      !> indices
+      !> What they show: stamps, rate, duplicates, backward steps, bursts, jitter; `line_of_*` hold sample indices
       type(audit_type), intent(inout) :: audit
       !> Where samples were lost
       type(gap_type), intent(out) :: gaps
-      !> Sample rate that was given, which decides between two that explain the stamps equally well,
-      !> Hz; 0 (also if absent): none
+      !> Sample rate that was given, which decides between two that explain the stamps equally well, Hz; 0 (also if absent): none
       real(dp), intent(in), optional :: rate_hz
       type(cadence_type) :: whole
       integer(int64) :: n, change(most_changes), lost
@@ -72,8 +69,7 @@ contains
       call count_bursts(t, whole, audit)
    end subroutine audit_stamps
 
-   !> Finds the losses in each stretch of one rate; jumps that are too long to be filled are taken out of
-   !> the stamps.
+   !> Finds the losses in each stretch of one rate; jumps that are too long to be filled are taken out of the stamps.
    subroutine audit_stretches(t, whole, change, given, audit, gaps)
       real(dp), intent(inout), contiguous :: t(:)
       type(cadence_type), intent(in) :: whole
@@ -96,15 +92,10 @@ contains
          cadence = whole
          if (size(change) > 0) call find_cadence(t(first:last), cadence)
          if (cadence%step <= 0.0_dp) cycle
-         part%count = 0
          part%jumps = 0
          part%first_jump = 0
-         if (cadence%regular) then
-            call find_regular(t(first:last), cadence%step, part)
-            call explain_losses(t(first:last), cadence, given, part, audit)
-         else
-            call find_losses(t(first:last), cadence, part)
-         end if
+         call find_losses(t(first:last), cadence, cadence%regular, part)
+         if (cadence%regular) call explain_losses(t(first:last), cadence, given, part, audit)
          call join_jumps(t(first:), last - first + 1, cadence%step, part)
          do g = 1, part%count
             call add_gap(gaps, part%before(g) + first - 1, part%length(g))
@@ -114,33 +105,8 @@ contains
       end do
    end subroutine audit_stretches
 
-   !> The losses among regular stamps; again with the interval that follows from them, where jitter let
-   !> it be a little wrong.
-   subroutine find_regular(t, interval, gaps)
-      real(dp), intent(in), contiguous :: t(:)
-      real(dp), intent(in) :: interval
-      type(gap_type), intent(inout) :: gaps
-      integer, parameter :: max_iterations = 4
-      real(dp), parameter :: tolerance = 5.0e-4_dp
-      real(dp) :: used, found
-      integer(int64) :: n
-      integer :: k
-
-      n = size(t, kind=int64)
-      used = interval
-      do k = 1, max_iterations
-         gaps%count = 0
-         call find_gaps(t, t, 1, used, 0.5_dp, gaps)
-         if (sum(gaps%length(:gaps%count)) > n) return
-         found = (t(n) - t(1))/real(n - 1 + sum(gaps%length(:gaps%count)), dp)
-         if (abs(found - used) <= tolerance*used) return
-         used = found
-      end do
-   end subroutine find_regular
-
-   !> Decides whether losses at even distances are losses or the beat of the samples with a coarse
-   !> clock: those at exactly even distances below 50 samples are losses, others are not, unless the
-   !> given rate is nearer to that of the other explanation.
+   !> Decides whether losses at even distances are losses or the beat of the samples with a coarse clock: those at exactly even
+   !> distances below 50 samples are losses, others are not, unless the given rate is nearer to that of the other explanation.
    subroutine explain_losses(t, cadence, given, gaps, audit)
       real(dp), intent(in), contiguous :: t(:)
       type(cadence_type), intent(in) :: cadence
@@ -156,8 +122,7 @@ contains
       if (found == pattern%losses) return
       grid_rate = 1.0_dp/cadence%step
       if (found == pattern%comb) then
-         gaps%count = 0
-         call find_losses(t, cadence, gaps)
+         call find_losses(t, cadence, .false., gaps)
          return
       end if
       beat = found == pattern%beat
@@ -250,8 +215,7 @@ contains
       gaps%count = kept
    end subroutine join_jumps
 
-   !> The largest and the usual distance of a stamp from the even grid at the mean rate, and the
-   !> rates of the halves.
+   !> The largest and the usual distance of a stamp from the even grid at the mean rate, and the rates of the halves.
    subroutine measure_jitter(t, gaps, audit)
       real(dp), intent(in), contiguous :: t(:)
       type(gap_type), intent(in) :: gaps
@@ -310,8 +274,7 @@ contains
          if (allocated(error)) return
          if (allocated(present_mask)) then
             audit%missing = audit%missing + audit%samples - sum(int(present_mask(:, j), int64))
-            call scan_extremes(value(:, j), audit%minimum(j), audit%maximum(j), audit%quantisation(j), &
-                               present_mask(:, j))
+            call scan_extremes(value(:, j), audit%minimum(j), audit%maximum(j), audit%quantisation(j), present_mask(:, j))
          else
             call scan_extremes(value(:, j), audit%minimum(j), audit%maximum(j), audit%quantisation(j))
          end if

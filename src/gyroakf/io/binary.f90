@@ -220,7 +220,6 @@ contains
    subroutine read_part(binary, column, piece, start, from, to, value, rounded, short, failed)
       type(binary_type), intent(in) :: binary
       integer, intent(in) :: column(:)
-      !> The stored column that is read where the columns come one after the other, 0: all
       integer, intent(in) :: piece
       integer(int64), intent(in) :: start, from, to
       real(dp), intent(inout), contiguous, target :: value(:, :)

@@ -174,8 +174,7 @@ contains
       end associate
    end function names_way
 
-   !> "gx [deg/s]" as name and unit; what stands in brackets at the end belongs to the name where it
-   !> is no unit: "gyro[0]".
+   !> "gx [deg/s]" as name and unit; what stands in brackets at the end belongs to the name where it is no unit: "gyro[0]".
    pure subroutine take_name(word, name, unit)
       !> As the file has it
       character(*), intent(in) :: word

@@ -138,7 +138,6 @@ contains
    pure subroutine lay_out(whole, exponent, wanted, text, length)
       integer(int64), intent(in) :: whole
       integer, intent(in) :: exponent
-      !> From so many digits before the point on the form with an exponent is taken; 0: more than are used, 15 at least
       integer, intent(in) :: wanted
       character(longest_real), intent(inout) :: text
       integer, intent(inout) :: length

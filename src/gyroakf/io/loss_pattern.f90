@@ -16,11 +16,9 @@ module gyroakf_io_loss_pattern
    type :: pattern_enum
       !> Scattered, or none: samples were lost
       integer :: losses = 0
-      !> Mostly single samples at exactly even distances: every k-th was lost, or the clock counts
-      !> in the interval
+      !> Mostly single samples at exactly even distances: every k-th was lost, or the clock counts in the interval
       integer :: periodic = 1
-      !> Nearly even distances: the beat of the samples with a clock that counts in more than half
-      !> of the interval
+      !> Nearly even distances: the beat of the samples with a clock that counts in more than half of the interval
       integer :: beat = 2
       !> Such beats, and losses among them
       integer :: comb = 3
@@ -31,8 +29,7 @@ module gyroakf_io_loss_pattern
 
 contains
 
-   !> What the losses look like; always losses where the clock counts in less than half of the
-   !> interval, and no beat is possible.
+   !> What the losses look like; always losses where the clock counts in less than half of the interval, and no beat is possible.
    pure subroutine loss_pattern(gaps, cadence, n, found, distance)
       type(gap_type), intent(in) :: gaps
       type(cadence_type), intent(in) :: cadence

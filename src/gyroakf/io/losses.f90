@@ -2,15 +2,15 @@
 !> Lost samples: where the lag, elapsed time / step - count, rises and does not fall back.
 !>
 !> The lag is followed from stamp to stamp where they are regular, and from block to block by the mean stamps where they are not
-!> ([[gyroakf_io_lag_levels]]). Every rise above a threshold begins a gap; where stamps come sooner than the grid lets them, as
-!> after a late one, the last gap is given back.
+!> ([[gyroakf_io_lag_levels]]). Every rise above a threshold begins a gap, where the stamps fit a step of the lag best; where they
+!> come sooner than the grid lets them, as after a late one, the last gap is given back.
 module gyroakf_io_losses
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_cadence, only : cadence_type
    use gyroakf_io_lag_levels, only : find_levels
    implicit none (type, external)
    private
-   public :: gap_type, add_gap, find_losses, find_gaps
+   public :: gap_type, add_gap, find_losses
 
    !> Samples that were lost, and rows that are no samples
    type :: gap_type
@@ -30,71 +30,94 @@ module gyroakf_io_losses
    real(dp), parameter :: phase_gain = 1.0_dp/32.0_dp, longest_kept = 50.0_dp
    !> A rise has to last so many samples, or four times as many as are lost; what is late for less is not lost
    integer(int64), parameter :: lasting = 2048
+   !> A rise that shows in blocks is looked for so many samples back, no nearer to an end than `edge`; its longest step is near
+   integer(int64), parameter :: farthest = 160, edge = 4, near = 2
 
 contains
 
-   !> Finds the losses among stamps that are not regular: a step of the stamps has to be long enough for each.
-   subroutine find_losses(t, cadence, gaps)
+   !> Finds the losses; again with the interval that follows from them, where jitter or bursts let it be a little wrong.
+   subroutine find_losses(t, cadence, regular, gaps)
       !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
       !> Of the stamps
       type(cadence_type), intent(in) :: cadence
-      !> Appended to, in order; none where there are fewer than 192 samples
+      !> False: the mean stamps of blocks are followed
+      logical, intent(in) :: regular
+      !> Begins anew; none among fewer than 192 stamps that are not regular
       type(gap_type), intent(inout) :: gaps
       real(dp), allocatable :: level(:)
-      type(gap_type) :: found
-      real(dp) :: step, rise, usual, length, across, long
-      integer(int64) :: i, b
-      integer :: rows, k
+      real(dp) :: step, rise, usual
+      integer :: rows
 
+      gaps%count = 0
+      if (regular) then
+         call follow_lag(t, t, 1, cadence%step, 0.5_dp, 0.0_dp, gaps)
+         return
+      end if
       call find_levels(t, cadence, level, rows, step, rise, usual)
-      if (size(level) == 0) return
-      allocate (found%before(16), found%length(16))
-      call find_gaps(t, level, rows, step, rise, found)
-      do k = 1, found%count
-         i = found%before(k)
-         b = (i - 1)/rows + 1
-         if (b == 1 .or. b >= size(level)) cycle
-         length = real(found%length(k), dp)
-         across = (level(b + 1) - level(b - 1))/step - 2*rows
-         if (abs(across - length) < max(rise, 0.5_dp*across)) length = anint(across)
-         long = 0.75_dp*length + 0.5_dp
-         if (usual > 3.0_dp) long = max(long, usual + 0.5_dp*length - 0.5_dp)
-         if (length >= rise .and. t(i) - t(i - 1) >= long*step) call add_gap(gaps, i, int(length, int64))
-      end do
+      if (size(level) > 0) call follow_lag(t, level, rows, step, rise, usual, gaps)
    end subroutine find_losses
 
-   !> Finds where the lag rises.
-   pure subroutine find_gaps(t, level, rows, interval, rise, gaps)
-      !> s, none missing: [n]
-      real(dp), intent(in), contiguous :: t(:)
-      !> s, of blocks; the stamps themselves where a block is one sample: [block]
-      real(dp), intent(in), contiguous :: level(:)
-      !> Samples of a block
+   !> Finds the gaps with one interval after the other, until it hardly changes.
+   pure subroutine follow_lag(t, level, rows, interval, rise, usual, gaps)
+      real(dp), intent(in), contiguous :: t(:), level(:)
       integer, intent(in) :: rows
-      !> s from sample to sample
-      real(dp), intent(in) :: interval
-      !> Least rise at a loss, samples, from 0.5
-      real(dp), intent(in) :: rise
-      !> Appended to, in order
+      real(dp), value :: interval
+      real(dp), intent(in) :: rise, usual
       type(gap_type), intent(inout) :: gaps
-      integer(int64) :: b, i, lost, early, early_at
+      integer, parameter :: max_iterations = 4
+      real(dp), parameter :: tolerance = 5.0e-4_dp
+      real(dp) :: found
+      integer(int64) :: n
+      integer :: k
+
+      n = size(t, kind=int64)
+      do k = 1, max_iterations
+         gaps%count = 0
+         call find_gaps(t, level, rows, interval, rise, usual, gaps)
+         if (sum(gaps%length(:gaps%count)) > n) return
+         found = (t(n) - t(1))/real(n - 1 + sum(gaps%length(:gaps%count)), dp)
+         if (abs(found - interval) <= tolerance*interval) return
+         interval = found
+      end do
+   end subroutine follow_lag
+
+   !> Finds where the lag rises.
+   pure subroutine find_gaps(t, level, rows, interval, rise, usual, gaps)
+      !> Stamps, s; means of blocks of so many, or the stamps themselves
+      real(dp), intent(in), contiguous :: t(:), level(:)
+      integer, intent(in) :: rows
+      !> s from sample to sample; least rise at a loss, from 0.5, and longest step of most blocks, samples
+      real(dp), intent(in) :: interval, rise, usual
+      type(gap_type), intent(inout) :: gaps
+      integer(int64) :: b, i, lost, early, early_at, known
       real(dp) :: rate, phase, x
 
       rate = 1.0_dp/interval
       phase = 0.0_dp
       early = 0
       early_at = 0
+      known = 0
       do b = 2, size(level, kind=int64)
          x = (level(b) - level(b - 1))*rate - rows + phase
          if (x >= -rise .and. x < rise) then
             phase = (1.0_dp - phase_gain)*x
             cycle
          end if
+         i = b*rows
          lost = nint(min(x, 1.0e15_dp), int64)
+         if (rows > 1) then
+            if (x > 0.0_dp) call place_rise(t, max(known, i - max(2_int64*rows, farthest)), min(i + rows, size(t, kind=int64)), &
+                                            rate, usual, i, lost)
+            if (b < size(level)) lost = min(lost, nint(min(x + (level(b + 1) - level(b))*rate - rows, 1.0e15_dp), int64))
+            if (x > 0.0_dp .and. lost < rise) then
+               phase = (1.0_dp - phase_gain)*x
+               cycle
+            end if
+         end if
+         known = i - 1
          phase = 0.0_dp
-         if (x < longest_kept) phase = (1.0_dp - phase_gain)*(x - real(lost, dp))
-         i = longest_step(t, (b - 2)*rows + 1, b*rows)
+         if (rows > 1 .or. x < longest_kept) phase = x - real(lost, dp)
          if (i - early_at > lasting) early = 0
          if (lost > 0) then
             x = real(lost, dp)
@@ -102,15 +125,51 @@ contains
             early = max(0_int64, early - int(x, int64))
             if (lost > 0) call add_gap(gaps, i, lost)
          else
-            call give_back(i, -lost, gaps, early)
+            call give_back(i, -lost, rise, gaps, early)
             early_at = i
          end if
       end do
    end subroutine find_gaps
 
+   !> Where the lag rises in a stretch, and by how much: where the squares that a step from one level to another leaves are least.
+   pure subroutine place_rise(t, first, last, rate, usual, before, lost)
+      real(dp), intent(in), contiguous :: t(:)
+      !> The sample before the stretch, and its last one
+      integer(int64), intent(in) :: first, last
+      real(dp), intent(in) :: rate, usual
+      !> The sample behind the longest step near it; 0 samples where that step is too short
+      integer(int64), intent(out) :: before, lost
+      real(dp) :: total(first:last), weight, height, most, found, step
+      integer(int64) :: i
+
+      total(first) = 0.0_dp
+      do i = first + 1, last
+         total(i) = total(i - 1) + (t(i) - t(first + 1))*rate - real(i - first, dp)
+      end do
+      most = 0.0_dp
+      height = 0.0_dp
+      before = first + 2
+      do i = first + edge, last - edge
+         weight = real(i - first, dp)*real(last - i, dp)/real(last - first, dp)
+         found = (total(last)*(real(i - first, dp)/real(last - first, dp)) - total(i))/weight
+         if (found <= 0.0_dp .or. found*found*weight <= most) cycle
+         most = found*found*weight
+         height = found
+         before = i + 1
+      end do
+      i = max(before - near, first + 2)
+      before = i - 1 + maxloc(t(i:min(before + near, last)) - t(i - 1:min(before + near, last) - 1), dim=1, kind=int64)
+      lost = nint(min(height, 1.0e15_dp), int64)
+      step = (t(before) - t(before - 1))*rate
+      height = min(real(lost, dp), step)
+      if (step < 0.75_dp*height + 0.45_dp) lost = 0
+      if (usual > 3.0_dp .and. step < usual + 0.5_dp*height - 0.5_dp) lost = 0
+   end subroutine place_rise
+
    !> Shortens the last gaps by places that are taken after all.
-   pure subroutine give_back(i, places, gaps, early)
+   pure subroutine give_back(i, places, rise, gaps, early)
       integer(int64), intent(in) :: i, places
+      real(dp), intent(in) :: rise
       type(gap_type), intent(inout) :: gaps
       integer(int64), intent(inout) :: early
       integer(int64) :: left, taken
@@ -122,19 +181,11 @@ contains
             taken = min(left, length)
             length = length - taken
             left = left - taken
-            if (length == 0) gaps%count = gaps%count - 1
+            if (length < rise) gaps%count = gaps%count - 1
          end associate
       end do
       early = early + left
    end subroutine give_back
-
-   !> The sample behind the longest step in a stretch.
-   pure integer(int64) function longest_step(t, first, last)
-      real(dp), intent(in), contiguous :: t(:)
-      integer(int64), intent(in) :: first, last
-
-      longest_step = first + maxloc(t(first + 1:last) - t(first:last - 1), dim=1, kind=int64)
-   end function longest_step
 
    !> Appends a gap; one behind the last lengthens it.
    pure subroutine add_gap(gaps, before, length)

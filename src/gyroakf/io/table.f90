@@ -444,7 +444,6 @@ contains
       type(reader_options), intent(in) :: options
       logical, intent(in) :: texts(:)
       type(table_type), intent(inout) :: table
-      !> The column of fractions of the time's seconds, 0 where there is none, and whether these are nanoseconds
       integer, intent(out) :: fraction
       logical, intent(out) :: nano
       type(error_type), allocatable, intent(out) :: error

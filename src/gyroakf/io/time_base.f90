@@ -26,8 +26,7 @@ module gyroakf_io_time_base
 
 contains
 
-   !> Turns the stamps into seconds from the first, keeps the rows that are asked for and audits
-   !> them.
+   !> Turns the stamps into seconds from the first, keeps the rows that are asked for and audits them.
    subroutine use_stamps(options, table, stamps, record, gaps, error)
       type(reader_options), intent(in) :: options
       type(table_type), intent(in) :: table
