@@ -63,10 +63,9 @@ contains
 
    !> Seconds in the unit that the stamps themselves suggest.
    !>
-   !> A rate that was given decides where it fits one unit within a factor of 3. Else they are told
-   !> by their size where they count from 1970, else by their mean step: up to 1.5 (1 where
-   !> stamps are equal) seconds, below 1000 milliseconds, below 10^6 microseconds, nanoseconds.
-   !> Seconds with decimals are sure.
+   !> A rate that was given decides where it fits one unit within a factor of 3. Else they are told by their size where they count
+   !> from 1970, else by their mean step: up to 1.5 (1 where stamps are equal) seconds, below 1000 milliseconds, below 10^6
+   !> microseconds, nanoseconds. Seconds with decimals are sure.
    pure subroutine infer_scale(stamps, rate_hz, scale, sure, offset)
       !> As read, NaN where missing: [n]
       real(dp), intent(in), contiguous :: stamps(:)
@@ -131,24 +130,26 @@ contains
       end if
    end subroutine infer_scale
 
-   !> Turns hhmmss.sss, as NMEA writes UTC, into seconds from midnight: where all stamps can be that, from one o'clock on, and
-   !> a minute ends among them.
+   !> Turns hhmmss.sss of NMEA into seconds from midnight, where all stamps can be that and a minute ends in a step like others.
    pure subroutine unpack_clock(stamps, found)
       !> As read, NaN where missing: [n]
       real(dp), intent(inout), contiguous :: stamps(:)
       !> False where they are left as they are
       logical, intent(out) :: found
-      real(dp) :: step, before
+      real(dp) :: step, usual, before
       integer(int64) :: i
 
       found = .false.
       before = 0.0_dp
+      usual = 0.0_dp
       do i = 1, size(stamps, kind=int64)
          if (ieee_is_nan(stamps(i))) cycle
-         if (stamps(i) < 1.0e4_dp .or. stamps(i) >= 2.4e5_dp) exit
+         if (stamps(i) < 0.0_dp .or. stamps(i) >= 2.4e5_dp) exit
          if (modulo(stamps(i), 1.0e2_dp) >= 61.0_dp .or. modulo(stamps(i), 1.0e4_dp) >= 6.0e3_dp) exit
          step = seconds_of(stamps(i)) - seconds_of(before)
-         found = found .or. (step > 0.0_dp .and. step < 20.0_dp .and. stamps(i) - before >= 40.0_dp)
+         if (step < -8.0e4_dp) step = step + 8.64e4_dp
+         found = found .or. (step > 0.5_dp*usual .and. step < 2.0_dp*usual .and. abs(stamps(i) - before) >= 40.0_dp)
+         if (step > 0.0_dp) usual = step
          before = stamps(i)
       end do
       found = found .and. i > size(stamps)
