@@ -27,6 +27,7 @@ contains
          new_unittest("random-losses", test_random), &
          new_unittest("losses-in-runs", test_runs), &
          new_unittest("two-rates", test_two_rates), &
+         new_unittest("late-stamps", test_late), &
          new_unittest("rollovers", test_rollovers)]
    end subroutine collect_cadence
 
@@ -135,7 +136,31 @@ contains
       call audit_stamps(t, audit, gaps)
       call check(error, gaps%count == 0 .and. audit%beats > 0 .and. abs(audit%other_rate - 1000.0_dp) < 1.0e-6_dp, &
                  "833.1 Hz: "//format_real(real(gaps%count, dp), 5)//", other "//format_real(audit%other_rate, 9))
+      if (allocated(error)) return
+      t(:) = [(interval*(i - 1 + (i - 1)/59), i=1, 7000)]
+      audit = audit_type()
+      call audit_stamps(t, audit, gaps)
+      call check(error, gaps%count == 118 .and. abs(audit%stamp_rate - 1000.0_dp) < 1.0e-6_dp .and. audit%other_rate > 983.0_dp, &
+                 "every 60th lost")
    end subroutine test_two_rates
+
+   !> Lost samples among stamps that are up to an interval late are found where they were lost.
+   subroutine test_late(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: lost = 20
+      type(audit_type) :: audit
+      type(gap_type) :: gaps
+      real(dp) :: t(20000)
+      integer :: i
+
+      t(:) = [(interval*(i + (i + 500)/1000 + uniform(i)), i=1, size(t))]
+      call audit_stamps(t, audit, gaps)
+      call check(error, gaps%count, lost)
+      if (allocated(error)) return
+      call check(error, all(gaps%length(:lost) == 1), "one each")
+      if (allocated(error)) return
+      call check(error, int(maxval(abs(gaps%before(:lost) - [(1000*i - 500, i=1, lost)]))) <= 4, "place")
+   end subroutine test_late
 
    !> A GPS week, 32 bits of us, 16 bits of ms again and again.
    subroutine test_rollovers(error)
@@ -147,6 +172,12 @@ contains
       real(dp) :: t(10000)
       integer :: k, i
 
+      t(:) = [(modulo(604795.0_dp + 0.01_dp*(i + merge(30, 0, i > 480)), 604800.0_dp), i=1, size(t))]
+      call audit_stamps(t, audit, gaps)
+      call check(error, int(audit%rollovers), 1, more="beside a gap")
+      if (allocated(error)) return
+      call check(error, int(gaps%length(1)), 30, more="the gap")
+      if (allocated(error)) return
       do k = 1, size(period)
          t(:) = [(modulo(start(k) + 0.01_dp*i, period(k)), i=1, size(t))]
          audit = audit_type()

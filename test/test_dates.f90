@@ -91,11 +91,12 @@ contains
 
    subroutine test_kinds(error)
       type(error_type), allocatable, intent(out) :: error
-      character(32), parameter :: text(12) = [character(32) :: "2026-05-01T12:00:00.5Z", "2026/5/1", "12:00", "9:05:07.25", &
-         "2026-05-01", "01.05.2026", "1777636800123456789", "1777636800.123456789", "12.5", "2026", "1.05.26", "20260501"]
-      integer, parameter :: kind(12) = [stamp_kind%moment, stamp_kind%date, stamp_kind%clock, stamp_kind%clock, stamp_kind%date, &
+      character(32), parameter :: text(17) = [character(32) :: "2026-05-01T12:00:00.5Z", "2026/5/1", "12:00", "9:05:07.25", &
+         "2026-05-01", "01.05.2026", "1777636800123456789", "1777636800.123456789", "12.5", "2026", "1.05.26", "20260501", &
+         "20260501120000020", "20260501_120000.020", "12-00-00_020", "12-00-00", "14463792000000000"]
+      integer, parameter :: kind(17) = [stamp_kind%moment, stamp_kind%date, stamp_kind%clock, stamp_kind%clock, stamp_kind%date, &
          stamp_kind%date, stamp_kind%long, stamp_kind%long, stamp_kind%number, stamp_kind%number, stamp_kind%number, &
-         stamp_kind%number]
+         stamp_kind%number, stamp_kind%moment, stamp_kind%moment, stamp_kind%clock, stamp_kind%number, stamp_kind%long]
       integer :: i
 
       do i = 1, size(text)
@@ -106,16 +107,17 @@ contains
 
    subroutine test_moments(error)
       type(error_type), allocatable, intent(out) :: error
-      character(32), parameter :: text(9) = [character(32) :: "2026-05-01T12:00:00", "2026/05/01T12:00", "2026-5-1 12:00:00", &
+      character(32), parameter :: text(13) = [character(32) :: "20260501120000000", "20260501_120000.000", &
+         "20260501T120000Z", "2026-05-01_12-00-00_000", "2026-05-01T12:00:00", "2026/05/01T12:00", "2026-5-1 12:00:00", &
          """2026-05-01 12:00:00,0""", "2026-05-01t12:00:00.000Z", "2026.05.01   12:00:00", "01.05.2026 12:00:00", &
          "2026-05-01 12:00", "2026-04-30T36:00:00"]
       integer :: i
 
-      do i = 1, 8
+      do i = 1, 12
          call check(error, seconds(trim(text(i)), stamp_kind%moment), 43200.0_dp, thr=0.0_dp, more=trim(text(i)))
          if (allocated(error)) return
       end do
-      call check(error, seconds(trim(text(9)), stamp_kind%moment), -1.0_dp, more="36 hours")
+      call check(error, seconds(trim(text(13)), stamp_kind%moment), -1.0_dp, more="36 hours")
       if (allocated(error)) return
       call check(error, seconds("2026-05-02T23:59:60", stamp_kind%moment), 172800.0_dp, thr=0.0_dp, more="leap second")
    end subroutine test_moments
@@ -146,9 +148,10 @@ contains
 
    subroutine test_refused(error)
       type(error_type), allocatable, intent(out) :: error
-      character(32), parameter :: text(14) = [character(32) :: "2026-13-01T00:00", "2026-02-29", "2026-00-10", "2026-05-32", &
+      character(32), parameter :: text(18) = [character(32) :: "2026-13-01T00:00", "2026-02-29", "2026-00-10", "2026-05-32", &
          "2026-05/01", "2026-05-01T25:00", "2026-05-01T12:60", "2026-05-01T12:00:61", "2026-05-01T", "2026-05-01T12:0", &
-         "26-05-01", "2026-05-01T12:00+2", "01/05/2026", "2026-05-01T12:00:00,5"]
+         "26-05-01", "2026-05-01T12:00+2", "01/05/2026", "2026-05-01T12:00:00,5", &
+         "20261301120000", "18260501120000", "20260501126000", "20260501_1200"]
       integer :: i
 
       do i = 1, size(text)

@@ -2,8 +2,7 @@
 !> The audit of a record: what the time stamps show, and what the values show.
 !>
 !> Samples are taken as evenly spaced at the mean rate. Samples were lost only where the lag, elapsed
-!> time * rate - count, rises and does not fall back: among regular stamps ([[gyroakf_io_cadence]]) at a
-!> long step, among others by the levels before and behind it ([[gyroakf_io_losses]]).
+!> time * rate - count, rises and does not fall back ([[gyroakf_io_losses]]).
 module gyroakf_io_audit
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
@@ -11,8 +10,8 @@ module gyroakf_io_audit
    use gyroakf_stats_extremes, only : scan_extremes
    use gyroakf_io_cadence, only : cadence_type, count_bursts, find_cadence
    use gyroakf_io_losses, only : add_gap, find_losses, gap_type
+   use gyroakf_io_loss_pattern, only : loss_pattern, pattern
    use gyroakf_io_rate_changes, only : find_changes
-   use gyroakf_io_regular_losses, only : find_gaps, loss_pattern, pattern
    use gyroakf_record, only : audit_type
    implicit none (type, external)
    private
@@ -27,16 +26,13 @@ contains
 
    !> Counts what the stamps show and finds the gaps.
    subroutine audit_stamps(t, audit, gaps, rate_hz)
-      !> Stamps in s, none missing: [n]; afterwards without backward jumps and jumps that are not
-      !> filled
+      !> Stamps in s, none missing: [n]; afterwards without backward jumps and jumps that are not filled
       real(dp), intent(inout), contiguous :: t(:)
-      !> What they show: stamps, rate, duplicates, backward steps, bursts, jitter; `line_of_*` hold sample
-      !> indices
+      !> What they show: stamps, rate, duplicates, backward steps, bursts, jitter; `line_of_*` hold sample indices
       type(audit_type), intent(inout) :: audit
       !> Where samples were lost
       type(gap_type), intent(out) :: gaps
-      !> Sample rate that was given, which decides between two that explain the stamps equally well,
-      !> Hz; 0 (also if absent): none
+      !> Sample rate that was given, which decides between two that explain the stamps equally well, Hz; 0 (also if absent): none
       real(dp), intent(in), optional :: rate_hz
       type(cadence_type) :: whole
       integer(int64) :: n, change(most_changes), lost
@@ -73,12 +69,10 @@ contains
       call count_bursts(t, whole, audit)
    end subroutine audit_stamps
 
-   !> Finds the losses in each stretch of one rate; jumps that are too long to be filled are taken out of
-   !> the stamps.
+   !> Finds the losses in each stretch of one rate; jumps that are too long to be filled are taken out of the stamps.
    subroutine audit_stretches(t, whole, change, given, audit, gaps)
       real(dp), intent(inout), contiguous :: t(:)
       type(cadence_type), intent(in) :: whole
-      !> First sample of each further rate
       integer(int64), intent(in) :: change(:)
       real(dp), intent(in) :: given
       type(audit_type), intent(inout) :: audit
@@ -98,15 +92,10 @@ contains
          cadence = whole
          if (size(change) > 0) call find_cadence(t(first:last), cadence)
          if (cadence%step <= 0.0_dp) cycle
-         part%count = 0
          part%jumps = 0
          part%first_jump = 0
-         if (cadence%regular) then
-            call find_regular(t(first:last), cadence%step, part)
-            call explain_losses(t(first:last), cadence, given, part, audit)
-         else
-            call find_losses(t(first:last), cadence, part)
-         end if
+         call find_losses(t(first:last), cadence, cadence%regular, part)
+         if (cadence%regular) call explain_losses(t(first:last), cadence, given, part, audit)
          call join_jumps(t(first:), last - first + 1, cadence%step, part)
          do g = 1, part%count
             call add_gap(gaps, part%before(g) + first - 1, part%length(g))
@@ -116,33 +105,8 @@ contains
       end do
    end subroutine audit_stretches
 
-   !> The losses among regular stamps; again with the interval that follows from them, where jitter let
-   !> it be a little wrong.
-   subroutine find_regular(t, interval, gaps)
-      real(dp), intent(in), contiguous :: t(:)
-      real(dp), intent(in) :: interval
-      type(gap_type), intent(inout) :: gaps
-      integer, parameter :: max_iterations = 4
-      real(dp), parameter :: tolerance = 5.0e-4_dp
-      real(dp) :: used, found
-      integer(int64) :: n
-      integer :: k
-
-      n = size(t, kind=int64)
-      used = interval
-      do k = 1, max_iterations
-         gaps%count = 0
-         call find_gaps(t, used, gaps)
-         if (sum(gaps%length(:gaps%count)) > n) return
-         found = (t(n) - t(1))/real(n - 1 + sum(gaps%length(:gaps%count)), dp)
-         if (abs(found - used) <= tolerance*used) return
-         used = found
-      end do
-   end subroutine find_regular
-
-   !> Decides whether losses at even distances are losses or the beat of the samples with a coarse
-   !> clock: those at exactly even distances below 50 samples are losses, others are not, unless the
-   !> given rate is nearer to that of the other explanation.
+   !> Decides whether losses at even distances are losses or the beat of the samples with a coarse clock: those at exactly even
+   !> distances below 50 samples are losses, others are not, unless the given rate is nearer to that of the other explanation.
    subroutine explain_losses(t, cadence, given, gaps, audit)
       real(dp), intent(in), contiguous :: t(:)
       type(cadence_type), intent(in) :: cadence
@@ -158,8 +122,7 @@ contains
       if (found == pattern%losses) return
       grid_rate = 1.0_dp/cadence%step
       if (found == pattern%comb) then
-         gaps%count = 0
-         call find_losses(t, cadence, gaps)
+         call find_losses(t, cadence, .false., gaps)
          return
       end if
       beat = found == pattern%beat
@@ -208,7 +171,7 @@ contains
    end subroutine count_steps
 
    !> The period after which a clock starts again, s; 0 where the stamps would not go on within 20
-   !> samples.
+   !> samples or half a percent of the period.
    pure real(dp) function rollover_of(step, interval) result(period)
       real(dp), intent(in) :: step
       real(dp), intent(in) :: interval
@@ -219,14 +182,14 @@ contains
 
       do k = 1, size(periods)
          period = periods(k)
-         if (period > 100.0_dp*interval .and. step + period >= 0.0_dp .and. step + period <= 20.0_dp*interval) return
+         if (period <= 100.0_dp*interval .or. step + period < 0.0_dp) cycle
+         if (step + period <= max(20.0_dp*interval, 0.005_dp*period)) return
       end do
       period = 0.0_dp
    end function rollover_of
 
    !> Takes jumps that are too long to be filled out of the stamps and of the gaps.
    subroutine join_jumps(t, n, interval, gaps)
-      !> From the first sample of the stretch to the last of the record
       real(dp), intent(inout), contiguous :: t(:)
       integer(int64), intent(in) :: n
       real(dp), intent(in) :: interval
@@ -252,8 +215,7 @@ contains
       gaps%count = kept
    end subroutine join_jumps
 
-   !> The largest and the usual distance of a stamp from the even grid at the mean rate, and the
-   !> rates of the halves.
+   !> The largest and the usual distance of a stamp from the even grid at the mean rate, and the rates of the halves.
    subroutine measure_jitter(t, gaps, audit)
       real(dp), intent(in), contiguous :: t(:)
       type(gap_type), intent(in) :: gaps
@@ -312,8 +274,7 @@ contains
          if (allocated(error)) return
          if (allocated(present_mask)) then
             audit%missing = audit%missing + audit%samples - sum(int(present_mask(:, j), int64))
-            call scan_extremes(value(:, j), audit%minimum(j), audit%maximum(j), audit%quantisation(j), &
-                               present_mask(:, j))
+            call scan_extremes(value(:, j), audit%minimum(j), audit%maximum(j), audit%quantisation(j), present_mask(:, j))
          else
             call scan_extremes(value(:, j), audit%minimum(j), audit%maximum(j), audit%quantisation(j))
          end if

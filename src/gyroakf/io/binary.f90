@@ -169,7 +169,6 @@ contains
       type(binary_type), intent(inout) :: binary
       type(table_type), intent(in) :: table
       real(dp), intent(inout), contiguous :: value(:, :)
-      !> Rows of `value` that are filled already, and how many are to be filled
       integer(int64), intent(in) :: before, rows
       integer(int64), intent(out) :: got
       type(error_type), allocatable, intent(out) :: error
@@ -221,13 +220,10 @@ contains
    subroutine read_part(binary, column, piece, start, from, to, value, rounded, short, failed)
       type(binary_type), intent(in) :: binary
       integer, intent(in) :: column(:)
-      !> The stored column that is read where the columns come one after the other, 0: all
       integer, intent(in) :: piece
-      !> Rows of the file before these, and where they go
       integer(int64), intent(in) :: start, from, to
       real(dp), intent(inout), contiguous, target :: value(:, :)
       integer(int64), intent(inout) :: rounded
-      !> Rows at the end that are not there
       integer(int64), intent(out) :: short
       logical, intent(out) :: failed
       integer(int64), allocatable, target :: buffer(:)

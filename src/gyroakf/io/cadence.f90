@@ -1,11 +1,10 @@
 ! SPDX-License-Identifier: MIT
 !> The sample interval from time stamps, the resolution of their clock, and samples that come in bursts.
 !>
-!> All steps are counted in a histogram of 32 bins an octave. Where samples lie on an even grid of
-!> interval \(T\), some of them lost and each with a jitter, the steps \(x\) are whole multiples of
-!> \(T\) with a scatter, and the coherence $$C(f) = \overline{\cos 2\pi f x}$$ has a maximum at
-!> \(f = 1/T\), whatever the pattern of the losses. \(1/T\) lies above the mean rate; of several
-!> maxima of about the same height the lowest counts (the others are its harmonics).
+!> All steps are counted in a histogram of 32 bins an octave. Where samples lie on an even grid of interval \(T\), some of them
+!> lost and each with a jitter, the steps \(x\) are whole multiples of \(T\) with a scatter, and the coherence $$C(f) =
+!> \overline{\cos 2\pi f x}$$ has a maximum at \(f = 1/T\), whatever the pattern of the losses. \(1/T\) lies above the mean rate;
+!> of several maxima of about the same height the lowest counts (the others are its harmonics).
 module gyroakf_io_cadence
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type
@@ -19,11 +18,9 @@ module gyroakf_io_cadence
    type :: cadence_type
       !> s from sample to sample where none is lost; 0 where the stamps do not rise
       real(dp) :: step = 0.0_dp
-      !> Smallest difference between two steps, s: the stamps count in it; 0 where it is below 1e-4
-      !> of the step
+      !> Smallest difference between two steps, s: the stamps count in it; 0 where it is below 1e-4 of the step
       real(dp) :: resolution = 0.0_dp
-      !> Almost all steps are near the interval, or whole multiples of it: one lost sample is seen
-      !> at its place
+      !> Almost all steps are near the interval, or whole multiples of it: one lost sample is seen at its place
       logical :: regular = .false.
       !> Share of the steps that are shorter than half of the interval, and longer than 1.5 of it
       real(dp) :: short = 0.0_dp, long = 0.0_dp
@@ -31,14 +28,11 @@ module gyroakf_io_cadence
 
    !> Steps looked at for the resolution
    integer, parameter :: resolution_steps = 4001
-   !> The histogram: 32 bins an octave from 2^-40 s to 2^40 s; what lies outside is in the outermost
-   !> bins
+   !> The histogram: 32 bins an octave from 2^-40 s to 2^40 s; what lies outside is in the outermost bins
    integer, parameter :: mantissa_bits = 5, octaves = 80, bins = octaves*2**mantissa_bits
-   !> Lowest and highest rate looked for, in mean rates of the usual steps, and the distance of
-   !> those tried
+   !> Lowest and highest rate looked for, in mean rates of the usual steps, and the distance of those tried
    real(dp), parameter :: lowest_rate = 0.9_dp, highest_rate = 3.4_dp, rate_distance = 0.02_dp
-   !> Steps at least so coherent are those of an even grid; harmonics that are no more than this
-   !> much higher do not count
+   !> Steps at least so coherent are those of an even grid; harmonics that are no more than this much higher do not count
    real(dp), parameter :: least_coherence = 0.18_dp, harmonic_share = 0.9_dp
 
 contains
@@ -137,11 +131,9 @@ contains
 
    !> The interval that the steps are whole multiples of, and whether they are.
    !>
-   !> Regular are stamps whose steps are near the interval (97 %), or coherent and hardly ever
-   !> short. Where most of the time passes in steps of more than 2.5 intervals, samples are
-   !> delivered in bursts.
+   !> Regular are stamps whose steps are near the interval (97 %), or coherent and hardly ever short. Where most of the time passes
+   !> in steps of more than 2.5 intervals, samples are delivered in bursts.
    pure subroutine choose_step(x, weight, flat, cadence)
-      !> Mean step of every bin, s, rising, and how many there are: [bin]
       real(dp), intent(in), contiguous :: x(:), weight(:)
       real(dp), intent(in) :: flat
       type(cadence_type), intent(inout) :: cadence
@@ -193,9 +185,7 @@ contains
 
    !> Mean cosine of the phases that the steps have at all rates that are tried.
    pure subroutine find_coherence(x, weight, coherence)
-      !> Steps, in usual steps, and how many there are: [bin]
       real(dp), intent(in), contiguous :: x(:), weight(:)
-      !> [rate]
       real(dp), intent(out) :: coherence(0:)
       real(dp), parameter :: turn = 6.283185307179586_dp
       complex(dp) :: phase(size(x)), change(size(x))

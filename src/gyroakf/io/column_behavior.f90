@@ -21,8 +21,7 @@ module gyroakf_io_column_behavior
       integer :: rising = 1
       !> Rises evenly, perhaps with equal values or a rollover
       integer :: time = 2
-      !> Whole numbers that rise by 1 in most rows, or a counter by name that never falls; they may
-      !> start again
+      !> Whole numbers that rise by 1 in most rows, or a counter by name that never falls; they may start again
       integer :: counter = 3
    end type behavior_enum
 
@@ -84,12 +83,10 @@ contains
                     integer_text(int(table%chosen(1), int64))//" takes it for the time")
    end subroutine find_time_and_counters
 
-   !> What a column does; a column that falls otherwise than by starting again is left after a few
-   !> rows.
+   !> What a column does; a column that falls otherwise than by starting again is left after a few rows.
    pure integer function behavior_of(store, column, named_counter) result(found)
       type(store_type), intent(in) :: store
       integer, intent(in) :: column
-      !> Its name is that of a counter
       logical, intent(in) :: named_counter
       integer(int64) :: i, rises, ones, even, falls, rows
       integer :: k
@@ -122,6 +119,7 @@ contains
                      rises = rises + 1
                      if (abs(step - 1.0_dp) <= 0.0_dp) ones = ones + 1
                      if (step >= 0.2_dp*usual .and. step <= 5.0_dp*usual) even = even + 1
+                     if (rises > 20) step = min(step, 5.0_dp*usual)         ! a pause
                      usual = usual + (step - usual)/real(min(rises, 100_int64), dp)
                   else if (step < 0.0_dp) then
                      falls = falls + 1

@@ -2,7 +2,7 @@
 !> Columns by name and number: names with units in brackets, which columns were asked for.
 module gyroakf_io_columns
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_column_class, only : class_of, column_class, is_unit
+   use gyroakf_column_class, only : class_of, column_class, is_unit, opening_bracket
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_place, only : integer_text, integer_length
@@ -174,26 +174,19 @@ contains
       end associate
    end function names_way
 
-   !> "gx [deg/s]" as name and unit; what stands in brackets at the end belongs to the name where it
-   !> is no unit: "gyro[0]".
+   !> "gx [deg/s]" as name and unit; what stands in brackets at the end belongs to the name where it is no unit: "gyro[0]".
    pure subroutine take_name(word, name, unit)
       !> As the file has it
       character(*), intent(in) :: word
       !> The unit is "" where there is none
       character(:), allocatable, intent(inout) :: name, unit
       character(:), allocatable :: text
-      integer :: bracket, depth
+      integer :: bracket
 
       text = word
       name = text
       unit = ""
-      if (scan(text, "])", back=.true.) /= len(text)) return
-      depth = 0
-      do bracket = len(text), 2, -1
-         if (scan(text(bracket:bracket), "])") > 0) depth = depth + 1
-         if (scan(text(bracket:bracket), "[(") > 0) depth = depth - 1
-         if (depth == 0) exit
-      end do
+      bracket = opening_bracket(text)
       if (bracket < 2) return
       if (.not. is_unit(text(bracket + 1:len(text) - 1))) return
       name = trim(text(:bracket - 1))

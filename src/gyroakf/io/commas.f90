@@ -172,7 +172,6 @@ contains
    !> The first comma of a line, 0 where there is none, -1 where one is no decimal comma or a point is a decimal point; and the
    !> end of the last word with a comma and a colon, 0 where there is none.
    pure subroutine find_commas(text, comma_at, clock)
-      !> Ends with a blank
       character(*), intent(in) :: text
       integer, intent(out) :: comma_at, clock
       integer :: from, to, found

@@ -3,8 +3,8 @@
 !>
 !> Read are the forms of ISO 8601 that loggers write: `2026-05-01T12:00:00.123456Z`, with a blank instead of the T, with `/` or `.`
 !> between year, month and day, with a zone (`Z`, `+02:00`, `-0530`, `+02`), with a comma before the decimals of the seconds
-!> within quotes; a date or a time of day alone; and `01.05.2026`, day first, where points part it. Days first with `/` or `-`
-!> are not read: the order of day and month is ambiguous.
+!> within quotes, with a colon before three; a date or a time of day alone; and `01.05.2026`, day first, where points part it.
+!> Also `20260501120000020`, `20260501_120000.020`, `12-00-00_020`. Days first with `/` or `-` are not read: they may be months.
 !>
 !> Whole seconds are subtracted as integers before they become a real number, so that the decimals survive: a day after the
 !> first stamp a double still resolves 15 ps.
@@ -36,7 +36,7 @@ module gyroakf_io_date
    type(stamp_kind_enum), parameter :: stamp_kind = stamp_kind_enum()
 
    integer(int8), parameter :: blank = 32, quote = 34, apostrophe = 39, plus = 43, comma = 44, minus = 45, point = 46, &
-                               slash = 47, zero = 48, nine = 57, colon = 58
+                               slash = 47, zero = 48, nine = 57, colon = 58, underscore = 95
    integer(int64), parameter :: day_seconds = 86400
 
 contains
@@ -76,7 +76,7 @@ contains
       case (stamp_kind%nano, stamp_kind%micro)
          call scan_long(bytes, p, 0_int64, whole, part, found)
       case (stamp_kind%clock)
-         call scan_clock(bytes, p, mark /= 0, whole, part, found)
+         call scan_clock(bytes, p, mark /= 0, .false., whole, part, found)
       case default
          call scan_day(bytes, p, day, found)
          if (found .and. kind == stamp_kind%moment) call scan_time_behind(bytes, p, mark /= 0, whole, part, found)
@@ -93,7 +93,7 @@ contains
       at = p
    end subroutine scan_stamp
 
-   !> `Y-M-D`, `Y/M/D`, `Y.M.D` or `D.M.Y`, the year of four digits.
+   !> `Y-M-D`, `Y/M/D`, `Y.M.D` or `D.M.Y`, the year of four digits; YYYYMMDD from 1970 to 2099, with a time behind it.
    pure subroutine scan_day(bytes, p, day, found)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: p
@@ -103,19 +103,25 @@ contains
       integer :: digits(3), i, first
       integer(int8) :: parts
 
+      parts = minus
       day = 0
       found = .false.
       do i = 1, 3
-         call scan_digits(bytes, p, 4, part(i), digits(i))
+         call scan_digits(bytes, p, merge(2, 4, i > 1 .and. parts == zero), part(i), digits(i))
          if (digits(i) == 0) return
          if (i == 3) exit
-         if (i == 1) parts = bytes(p)
+         if (i == 1) parts = merge(zero, bytes(p), is_digit(bytes(p)))
+         if (parts == zero) cycle
          if (bytes(p) /= parts .or. (parts /= minus .and. parts /= slash .and. parts /= point)) return
          p = p + 1
       end do
       first = 1
       if (digits(1) /= 4) first = 3
       if (first == 3 .and. parts /= point) return
+      if (parts == zero) then
+         if (part(1) < 1970 .or. part(1) > 2099) return
+         if (.not. (is_digit(bytes(p)) .or. any(bytes(p) == [underscore, int(iachar("T"), int8)]))) return
+      end if
       if (digits(first) /= 4 .or. digits(2) > 2 .or. digits(4 - first) > 2) return
       if (part(2) < 1 .or. part(2) > 12 .or. part(4 - first) < 1) return
       if (part(4 - first) > month_days(int(part(first)), int(part(2)))) return
@@ -147,7 +153,7 @@ contains
       is_digit = byte >= zero .and. byte <= nine
    end function is_digit
 
-   !> The time behind a date: after a T or blanks; none is midnight. A number behind blanks is no time.
+   !> The time behind a date: after a T, _ or blanks, or digits behind digits; none is midnight. A number behind blanks is no time.
    pure subroutine scan_time_behind(bytes, p, quoted, whole, part, found)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: p
@@ -162,41 +168,53 @@ contains
       do while (bytes(q) == blank)
          q = q + 1
       end do
-      if (bytes(p) == iachar("T") .or. bytes(p) == iachar("t")) then
+      if (bytes(p) == iachar("T") .or. bytes(p) == iachar("t") .or. bytes(p) == underscore) then
          q = p + 1
+      else if (is_digit(bytes(p))) then
+         q = p
       else if (q == p .or. (bytes(q + 1) /= colon .and. .not. (is_digit(bytes(q + 1)) .and. bytes(q + 2) == colon))) then
          return
       end if
       p = q
-      call scan_clock(bytes, p, quoted, whole, part, found)
+      call scan_clock(bytes, p, quoted, .true., whole, part, found)
    end subroutine scan_time_behind
 
-   !> `h:mm`, `h:mm:ss`, decimals of the seconds, a zone.
-   pure subroutine scan_clock(bytes, p, quoted, whole, part, found)
+   !> `h:mm`, `h:mm:ss`, `hh-mm-ss_mmm`, and hhmmss behind a date; decimals of the seconds, a zone.
+   pure subroutine scan_clock(bytes, p, quoted, dated, whole, part, found)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: p
-      !> A comma may stand before the decimals
-      logical, intent(in) :: quoted
+      logical, intent(in) :: quoted, dated
       integer(int64), intent(out) :: whole
       real(dp), intent(out) :: part
       logical, intent(out) :: found
       integer(int64) :: hour, minute, second
+      integer(int8) :: parts
       integer :: digits
+      logical :: decimals
 
       whole = 0
       part = 0.0_dp
       found = .false.
       call scan_digits(bytes, p, 2, hour, digits)
-      if (digits == 0 .or. bytes(p) /= colon .or. hour > 24) return
-      p = p + 1
+      parts = bytes(p)
+      if (digits == 0 .or. hour > 24) return
+      if (.not. (parts == colon .or. parts == minus .or. (dated .and. is_digit(parts)))) return
+      if (.not. is_digit(parts)) p = p + 1
       call scan_digits(bytes, p, 2, minute, digits)
       if (digits /= 2 .or. minute > 59) return
       second = 0
-      if (bytes(p) == colon) then
+      if (is_digit(parts)) p = p - 1
+      if (bytes(p) == parts .or. is_digit(parts)) then
          p = p + 1
          call scan_digits(bytes, p, 2, second, digits)
          if (digits /= 2 .or. second > 60) return
-         if (bytes(p) == point .or. (quoted .and. bytes(p) == comma)) call scan_decimals(bytes, p, part)
+         if (parts == minus .and. .not. dated .and. bytes(p) /= underscore) return
+         decimals = any(bytes(p) == [point, underscore]) .or. is_digit(bytes(p)) .or. (quoted .and. bytes(p) == comma)
+         if (bytes(p) == colon) decimals = all(is_digit(bytes(p + 1:min(p + 3, size(bytes, kind=int64)))))
+         if (is_digit(parts) .and. is_digit(bytes(p))) p = p - 1
+         if (decimals) call scan_decimals(bytes, p, part)
+      else if (parts == minus) then
+         return
       end if
       whole = 3600*hour + 60*minute + second
       call scan_zone(bytes, p, whole, found)

@@ -136,11 +136,8 @@ contains
    !>
    !> Pieces of constant length are copied, longer than what is used: the compiler does these without a call.
    pure subroutine lay_out(whole, exponent, wanted, text, length)
-      !> 17 digits
       integer(int64), intent(in) :: whole
-      !> Of the first digit
       integer, intent(in) :: exponent
-      !> From so many digits before the point on the form with an exponent is taken; 0: more than are used, 15 at least
       integer, intent(in) :: wanted
       character(longest_real), intent(inout) :: text
       integer, intent(inout) :: length
@@ -288,9 +285,7 @@ contains
 
    !> power * factor / 2^127, rounded to odd: a fraction makes the last bit 1.
    pure integer(int64) function round_to_odd(power, factor)
-      !> In [2^125, 2^126]
       integer(int128), intent(in) :: power
-      !> Below 2^62
       integer(int64), intent(in) :: factor
       integer(int128) :: sum
 

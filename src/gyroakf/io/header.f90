@@ -1,11 +1,10 @@
 ! SPDX-License-Identifier: MIT
-!> What comment lines say about the record: `# rate_hz: 5`, `# dt = 0.2`, `# unit: deg/h`, `#
-!> columns: t gx gy gz`.
+!> What comment lines say about the record: `# rate_hz: 5`, `# dt = 0.2`, `# unit: deg/h`, `# columns: t gx gy gz`.
 !>
-!> They are read leniently (the first number counts); a value that cannot be understood is a
-!> warning, never an error.
+!> They are read leniently (the first number counts); a value that cannot be understood is a warning, never an error.
 module gyroakf_io_header
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_column_class, only : without_notes
    use gyroakf_error, only : error_type
    use gyroakf_io_columns, only : column_names_type, read_names
    use gyroakf_io_decimal, only : format_real
@@ -28,8 +27,7 @@ module gyroakf_io_header
       real(dp) :: rate_hz = 0.0_dp
       !> Of the values; quantity unknown where it says none
       type(unit_type) :: unit
-      !> Of each column, as written: [column], with or without the time's; unallocated where it says
-      !> none
+      !> Of each column, as written: [column], with or without the time's; unallocated where it says none
       type(text_type), allocatable :: units(:)
       !> From the key `columns`
       type(column_names_type) :: names
@@ -118,8 +116,7 @@ contains
       header%rate_hz = x
    end subroutine read_rate
 
-   !> Key `unit`: the whole value, or its first word; where every word is a unit, or the key is
-   !> `units`, one for each column.
+   !> Key `unit`: the whole value, or its first word; where every word is a unit, or the key is `units`, one for each column.
    subroutine read_unit(bytes, first, last, key, line, header, warnings)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last, line
@@ -132,7 +129,7 @@ contains
       character(:), allocatable :: value
       integer :: i, several, first_word
 
-      value = bytes_text(bytes, first, last)
+      value = without_notes(bytes_text(bytes, first, last))
       call parse_unit(value, unit, failed)
       if (allocated(failed)) then
          call split_words(value, words)

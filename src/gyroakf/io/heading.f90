@@ -147,9 +147,7 @@ contains
    !> True for a byte that a name does not begin with, perhaps behind brackets: what begins so, or with U+2212, is a number,
    !> right or wrong.
    pure recursive logical function begins_like_number(bytes, at) result(begins)
-      !> Holds it, and a byte more
       integer(int8), intent(in), contiguous :: bytes(:)
-      !> Its first byte
       integer(int64), intent(in) :: at
 
       begins = is_digit(bytes(at)) .or. bytes(at) == 43 .or. bytes(at) == 45

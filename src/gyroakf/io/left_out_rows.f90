@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Rows that are no samples of their own: without a time, or with the stamp and the values of the
-!> row above.
+!> Rows that are no samples of their own: without a time, or with the stamp and the values of the row above.
 !>
 !> A row without a time stays where it fills exactly the places that are free between its neighbors;
 !> its stamp is not invented anywhere else. Where neighbors of different stamps are as often alike
@@ -19,8 +18,7 @@ contains
 
    !> Takes rows out that are no samples of their own.
    subroutine leave_rows_out(t, value, audit, dropped, error)
-      !> s, NaN where missing; none missing afterwards; of size 0 where fewer than half of the rows
-      !> with values have a time
+      !> s, NaN where missing; none missing afterwards; of size 0 where fewer than half of the rows with values have a time
       real(dp), allocatable, intent(inout) :: t(:)
       !> [row, channel]
       real(dp), allocatable, intent(inout) :: value(:, :)
@@ -72,8 +70,7 @@ contains
       t = pack(t, keep)
    end subroutine keep_rows
 
-   !> Lets rows without a time fill the places between their neighbors, where they are as many; the
-   !> others are not kept.
+   !> Lets rows without a time fill the places between their neighbors, where they are as many; the others are not kept.
    subroutine place_untimed(t, value, keep, audit)
       real(dp), allocatable, intent(inout) :: t(:)
       real(dp), intent(in), contiguous :: value(:, :)

@@ -1,19 +1,16 @@
 ! SPDX-License-Identifier: MIT
-!> Lost samples in stamps that are late, jittery, coarse or come in bursts: where the level of the lag rises for good.
+!> Lost samples: where the lag, elapsed time / step - count, rises and does not fall back.
 !>
-!> The lag is elapsed time / step - count. Its means over windows before and behind a block of 16 samples tell the rise there; the
-!> windows are as short as the scatter of the means allows (below 0.12 samples), 1024 samples at most. A rise counts where it
-!>
-!> - is more than 0.75 samples and five times that scatter (1.6 samples where a coarse clock beats with the samples),
-!> - is local: more than the rises a window further on both sides, so that a rate that drifts is no loss,
-!> - does not fall back within the next 2048 samples, or four times its length,
-!> - holds a step of the stamps that is long enough.
+!> The lag is followed from stamp to stamp where they are regular, and from block to block by the mean stamps where they are not
+!> ([[gyroakf_io_lag_levels]]). Every rise above a threshold begins a gap, where the stamps fit a step of the lag best; where they
+!> come sooner than the grid lets them, as after a late one, the last gap is given back.
 module gyroakf_io_losses
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_io_cadence, only : cadence_type, median_of, sort
+   use gyroakf_io_cadence, only : cadence_type
+   use gyroakf_io_lag_levels, only : find_levels
    implicit none (type, external)
    private
-   public :: gap_type, add_gap, find_losses, lasting
+   public :: gap_type, add_gap, find_losses
 
    !> Samples that were lost, and rows that are no samples
    type :: gap_type
@@ -29,291 +26,168 @@ module gyroakf_io_losses
       integer(int64) :: first_jump = 0
    end type gap_type
 
-   !> Samples of a block; blocks of the longest window; positions looked at for the scatter
-   integer, parameter :: block_rows = 16, most_blocks = 64
-   integer(int64), parameter :: looked_at = 2001
+   !> How the phase follows the stamps, and the longest gap over which it is kept, intervals
+   real(dp), parameter :: phase_gain = 1.0_dp/32.0_dp, longest_kept = 50.0_dp
    !> A rise has to last so many samples, or four times as many as are lost; what is late for less is not lost
    integer(int64), parameter :: lasting = 2048
+   !> A rise that shows in blocks is looked for so many samples back, no nearer to an end than `edge`; its longest step is near
+   integer(int64), parameter :: farthest = 160, edge = 4, near = 2
 
 contains
 
-   !> Finds the losses.
-   subroutine find_losses(t, cadence, gaps)
+   !> Finds the losses; again with the interval that follows from them, where jitter or bursts let it be a little wrong.
+   subroutine find_losses(t, cadence, regular, gaps)
       !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
       !> Of the stamps
       type(cadence_type), intent(in) :: cadence
-      !> Appended to, in order; none where there are fewer than 12 blocks
+      !> False: the mean stamps of blocks are followed
+      logical, intent(in) :: regular
+      !> Emptied first; none among fewer than 192 stamps that are not regular
       type(gap_type), intent(inout) :: gaps
       real(dp), allocatable :: level(:)
-      integer(int64), allocatable :: lost(:)
-      real(dp) :: step, scatter, enough, usual
-      integer(int64) :: blocks, i, b
-      integer :: window, round
-      logical :: more
+      real(dp) :: step, rise, usual
+      integer :: rows
 
-      blocks = size(t, kind=int64)/block_rows
-      if (blocks < 12) return
-      allocate (level(blocks), lost(blocks))
-      lost = 0
-      do b = 1, blocks
-         i = (b - 1)*block_rows
-         level(b) = sum(t(i + 1:i + block_rows) - t(1))/block_rows
-      end do
-      call choose_window(level, cadence%step, window, scatter, step)
-      if (step <= 0.0_dp) return
-      level = level/step - [(real(b*block_rows, dp), b=1, blocks)]
-      enough = max(0.75_dp, 5.0_dp*scatter, beat_bound(cadence, step, window), burst_bound(t, cadence, step, level))
-      usual = usual_longest(t, step)
-      do round = 1, 6
-         call find_rises(t, level, step, window, enough, usual, lost, more)
-         if (.not. more) exit
-      end do
-      do b = 1, blocks
-         if (lost(b) > 0) call add_gap(gaps, longest_step(t, b), lost(b))
-      end do
+      gaps%count = 0
+      if (regular) then
+         call follow_lag(t, t, 1, cadence%step, 0.5_dp, 0.0_dp, gaps)
+         return
+      end if
+      call find_levels(t, cadence, level, rows, step, rise, usual)
+      if (size(level) > 0) call follow_lag(t, level, rows, step, rise, usual, gaps)
    end subroutine find_losses
 
-   !> The shortest window whose means scatter by less than 0.12 steps, else the one that scatters least; and the step.
-   subroutine choose_window(level, rough, window, scatter, step)
-      !> s, means of the blocks
-      real(dp), intent(in), contiguous :: level(:)
-      real(dp), intent(in) :: rough
-      integer, intent(out) :: window
-      !> Of the difference of two windows, steps
-      real(dp), intent(out) :: scatter
-      real(dp), intent(out) :: step
-      real(dp) :: middle, found, usual
-      real(dp), allocatable :: rise(:)
-      integer(int64), allocatable :: b(:)
-      integer(int64) :: blocks
-      integer :: k, w
-
-      blocks = size(level, kind=int64)
-      scatter = huge(1.0_dp)
-      window = 1
-      step = rough
-      allocate (b, source=spread_over(blocks - 4))
-      usual = middle_mean(level(b + 4) - level(b))/(4*block_rows)
-      if (usual <= 0.0_dp) usual = rough
-      w = 1
-      do while (w <= most_blocks .and. 4*w + 4 <= blocks)
-         b = w + spread_over(blocks - 2*w)
-         rise = [(mean_of(level, b(k) + 1, b(k) + w) - mean_of(level, b(k) - w, b(k) - 1), k=1, size(b))]
-         middle = middle_mean(rise)
-         found = spread_of(abs(rise - middle))/usual
-         if (found < 0.8_dp*scatter) then
-            scatter = found
-            window = w
-            step = middle/real((w + 1)*block_rows, dp)
-         end if
-         if (scatter <= 0.12_dp) exit
-         w = 2*w
-      end do
-   end subroutine choose_window
-
-   !> Places from 1 to `last`, evenly spread: so many that they tell a scatter.
-   pure function spread_over(last) result(place)
-      integer(int64), intent(in) :: last
-      integer(int64) :: place(min(looked_at, last)), k
-
-      place(:) = [(1 + ((k - 1)*(last - 1))/max(size(place) - 1, 1), k=1, size(place, kind=int64))]
-   end function spread_over
-
-   !> Mean of the middle three fifths: samples that are delivered together make rises of few different sizes, and a median jumps
-   !> from one to the other.
-   real(dp) function middle_mean(x)
-      real(dp), intent(in) :: x(:)
-      real(dp) :: y(size(x))
-      integer :: cut
-
-      y = x
-      call sort(y)
-      cut = size(y)/5
-      middle_mean = sum(y(cut + 1:size(y) - cut))/(size(y) - 2*cut)
-   end function middle_mean
-
-   !> Standard deviation from distances, by their median and by four fifths of them.
-   real(dp) function spread_of(distance)
-      real(dp), intent(in) :: distance(:)
-      real(dp) :: y(size(distance))
-
-      y = distance
-      call sort(y)
-      spread_of = max(1.4826_dp*y((size(y) + 1)/2), 0.7803_dp*y(max(1, (4*size(y))/5)))
-   end function spread_of
-
-   !> Mean of some levels.
-   pure real(dp) function mean_of(level, from, to)
-      real(dp), intent(in), contiguous :: level(:)
-      integer(int64), intent(in) :: from, to
-
-      mean_of = sum(level(from:to))/real(to - from + 1, dp)
-   end function mean_of
-
-   !> Where a tick of the clock is about the step or several steps, the two beat: the lag of a clock that counts in nearly a whole
-   !> number of steps jumps by one at each beat. Where no window averages beats, one lost sample is not distinguishable from them;
-   !> where a tick holds more than two samples, losses of less than 1.2 ticks cannot (samples that are delivered together do too).
-   pure real(dp) function beat_bound(cadence, step, window)
-      type(cadence_type), intent(in) :: cadence
-      real(dp), intent(in) :: step
-      integer, intent(in) :: window
-      real(dp) :: ratio
-
-      beat_bound = 0.0_dp
-      ratio = cadence%resolution/step
-      if (ratio < 0.7_dp) return
-      if (ratio > 2.0_dp) beat_bound = 1.2_dp*ratio
-      if (abs(ratio/max(1.0_dp, anint(ratio)) - 1.0_dp)*real(window*block_rows, dp) < 5.0_dp) beat_bound = max(beat_bound, 1.6_dp)
-   end function beat_bound
-
-   !> The longest step of most blocks, in steps.
-   real(dp) function usual_longest(t, step)
-      real(dp), intent(in), contiguous :: t(:)
-      real(dp), intent(in) :: step
-      real(dp), allocatable :: seen(:)
-      integer(int64), allocatable :: i(:)
-      integer :: k
-
-      allocate (i, source=(spread_over(size(t, kind=int64)/block_rows) - 1)*block_rows)
-      seen = [(maxval(t(i(k) + 2:i(k) + block_rows) - t(i(k) + 1:i(k) + block_rows - 1))/step, k=1, size(i))]
-      usual_longest = median_of(seen)
-   end function usual_longest
-
-   !> Where samples come in bursts, deliveries are late for seconds and minutes too: a loss has to be more than what usually
-   !> lies between the largest and the smallest lag of a block, and three times the scatter of the levels 2048 samples apart.
-   real(dp) function burst_bound(t, cadence, step, level)
+   !> Finds the gaps with one interval after the other, until it hardly changes.
+   pure subroutine follow_lag(t, level, rows, interval, rise, usual, gaps)
       real(dp), intent(in), contiguous :: t(:), level(:)
-      type(cadence_type), intent(in) :: cadence
-      real(dp), intent(in) :: step
-      real(dp) :: lag(block_rows), height, middle
-      real(dp), allocatable :: seen(:)
-      integer(int64), allocatable :: b(:)
-      integer(int64) :: far, blocks, i
+      integer, intent(in) :: rows
+      real(dp), value :: interval
+      real(dp), intent(in) :: rise, usual
+      type(gap_type), intent(inout) :: gaps
+      integer, parameter :: max_iterations = 4
+      real(dp), parameter :: tolerance = 5.0e-4_dp
+      real(dp) :: found
+      integer(int64) :: n
       integer :: k
 
-      burst_bound = 0.0_dp
-      blocks = size(level, kind=int64)
-      allocate (b, source=spread_over(blocks))
-      allocate (seen(size(b)))
-      do k = 1, size(b)
-         i = (b(k) - 1)*block_rows
-         lag = (t(i + 1:i + block_rows) - t(i + 1))/step - [(real(i, dp), i=1, block_rows)]
-         seen(k) = maxval(lag) - minval(lag)
+      n = size(t, kind=int64)
+      do k = 1, max_iterations
+         gaps%count = 0
+         call find_gaps(t, level, rows, interval, rise, usual, gaps)
+         if (sum(gaps%length(:gaps%count)) > n) return
+         found = (t(n) - t(1))/real(n - 1 + sum(gaps%length(:gaps%count)), dp)
+         if (abs(found - interval) <= tolerance*interval) return
+         interval = found
       end do
-      height = median_of(seen)
-      if (height < 2.0_dp + cadence%resolution/step) return
-      far = min(lasting/block_rows, blocks/4)
-      b = spread_over(blocks - far)
-      seen = level(b + far) - level(b)
-      middle = median_of(seen)
-      burst_bound = max(height, 3.0_dp*1.4826_dp*median_of(abs(seen - middle)))
-   end function burst_bound
+   end subroutine follow_lag
 
-   !> One pass over the blocks: the highest rises, at least two windows apart, are taken out of the level.
-   subroutine find_rises(t, level, step, window, enough, usual, lost, more)
-      real(dp), intent(in), contiguous :: t(:)
-      real(dp), intent(inout), contiguous :: level(:)
-      real(dp), intent(in) :: step, enough, usual
-      integer, intent(in) :: window
-      integer(int64), intent(inout) :: lost(:)
-      logical, intent(out) :: more
-      real(dp), allocatable :: rise(:)
-      integer(int64), allocatable :: taken(:)
-      real(dp) :: before, behind, length
-      integer(int64) :: blocks, b, best, w
+   !> Finds where the lag rises.
+   pure subroutine find_gaps(t, level, rows, interval, rise, usual, gaps)
+      !> Stamps, s; means of blocks of so many, or the stamps themselves
+      real(dp), intent(in), contiguous :: t(:), level(:)
+      integer, intent(in) :: rows
+      !> s from sample to sample; least rise at a loss, from 0.5, and longest step of most blocks, samples
+      real(dp), intent(in) :: interval, rise, usual
+      type(gap_type), intent(inout) :: gaps
+      integer(int64) :: b, i, lost, early, early_at, known
+      real(dp) :: rate, phase, x
 
-      more = .false.
-      blocks = size(level, kind=int64)
-      w = window
-      if (blocks < 2*w + 1) return
-      allocate (rise(blocks))
-      rise = 0.0_dp
-      before = sum(level(1:w))
-      behind = sum(level(w + 2:2*w + 1))
-      do b = w + 1, blocks - w
-         rise(b) = (behind - before)/w
-         before = before - level(b - w) + level(b)
-         if (b < blocks - w) behind = behind - level(b + 1) + level(b + w + 1)
-      end do
-      allocate (taken(blocks))
-      taken = 0
-      b = w + 1
-      do while (b <= blocks - w)
-         best = b
-         if (rise(b) >= enough) then
-            best = b - 1 + maxloc(rise(b:min(b + w, blocks - w)), dim=1, kind=int64)
-            length = rise(best) - 0.5_dp*(rise(max(best - 2*w - 1, 1_int64)) + rise(min(best + 2*w + 1, blocks)))
-            if (length >= enough) then
-               if (is_loss(t, level, best, w, length, step, usual)) then
-                  taken(best) = nint(length, int64)
-                  best = best + 2*w
-               end if
+      rate = 1.0_dp/interval
+      phase = 0.0_dp
+      early = 0
+      early_at = 0
+      known = 0
+      do b = 2, size(level, kind=int64)
+         x = (level(b) - level(b - 1))*rate - rows + phase
+         if (x >= -rise .and. x < rise) then
+            phase = (1.0_dp - phase_gain)*x
+            cycle
+         end if
+         i = b*rows
+         lost = nint(min(x, 1.0e15_dp), int64)
+         if (rows > 1) then
+            if (x > 0.0_dp) call place_rise(t, max(known, i - max(2_int64*rows, farthest)), min(i + rows, size(t, kind=int64)), &
+                                            rate, usual, i, lost)
+            if (b < size(level)) lost = min(lost, nint(min(x + (level(b + 1) - level(b))*rate - rows, 1.0e15_dp), int64))
+            if (x > 0.0_dp .and. lost < rise) then
+               phase = (1.0_dp - phase_gain)*x
+               cycle
             end if
          end if
-         b = best + 1
+         known = i - 1
+         phase = 0.0_dp
+         if (rows > 1 .or. x < longest_kept) phase = x - real(lost, dp)
+         if (i - early_at > lasting) early = 0
+         if (lost > 0) then
+            x = real(lost, dp)
+            lost = max(0_int64, lost - early)
+            early = max(0_int64, early - int(x, int64))
+            if (lost > 0) call add_gap(gaps, i, lost)
+         else
+            call give_back(i, -lost, rise, gaps, early)
+            early_at = i
+         end if
       end do
-      more = any(taken > 0)
-      lost(:) = lost + taken
-      call take_out(t, taken, level)
-   end subroutine find_rises
+   end subroutine find_gaps
 
-   !> Takes losses out of the levels: of the block that holds one and its neighbors as many samples as stand behind it.
-   pure subroutine take_out(t, taken, level)
+   !> Where the lag rises in a stretch, and by how much: where the squares that a step from one level to another leaves are least.
+   pure subroutine place_rise(t, first, last, rate, usual, before, lost)
       real(dp), intent(in), contiguous :: t(:)
-      integer(int64), intent(in), contiguous :: taken(:)
-      real(dp), intent(inout), contiguous :: level(:)
-      integer(int64) :: b, k, i, shift
-
-      shift = 0
-      do b = 1, size(level, kind=int64)
-         if (b > 2) shift = shift + taken(max(b - 2, 1_int64))
-         level(b) = level(b) - real(shift, dp)
-         if (taken(b) == 0) cycle
-         i = longest_step(t, b)
-         do k = max(b - 1, 1_int64), min(b + 1, size(level, kind=int64))
-            level(k) = level(k) - real(taken(b)*min(max(k*block_rows - i + 1, 0_int64), int(block_rows, int64)), dp)/block_rows
-         end do
-      end do
-   end subroutine take_out
-
-   !> True where a rise lasts and holds a long step.
-   logical function is_loss(t, level, at, w, length, step, usual)
-      real(dp), intent(in), contiguous :: t(:), level(:)
-      integer(int64), intent(in) :: at, w
-      real(dp), intent(in) :: length, step
-      !> Longest step of most blocks: where samples come in bursts, that of a loss has to be longer
-      real(dp), intent(in) :: usual
-      real(dp) :: start
-      integer(int64) :: i, last, b
-
-      is_loss = .false.
-      i = longest_step(t, at)
-      if (t(i) - t(i - 1) < (0.75_dp*length + 0.5_dp)*step) return
-      if (usual > 3.0_dp .and. t(i) - t(i - 1) < (usual + 0.5_dp*length - 0.5_dp)*step) return
-      start = mean_of(level, at - w, at - 1)
-      last = at + max(lasting, min(int(4.0_dp*min(length, 1.0e6_dp), int64), 20000_int64))/block_rows
-      b = at + 1
-      do while (b + w - 1 <= min(last, size(level, kind=int64)))
-         if (mean_of(level, b, b + w - 1) < start + 0.5_dp*length) return
-         b = b + max(w/2, 1_int64)
-      end do
-      is_loss = .true.
-   end function is_loss
-
-   !> The sample behind the longest step in a block and its neighbors' edges.
-   pure integer(int64) function longest_step(t, block)
-      real(dp), intent(in), contiguous :: t(:)
-      integer(int64), intent(in) :: block
+      !> The sample before the stretch, and its last one
+      integer(int64), intent(in) :: first, last
+      real(dp), intent(in) :: rate, usual
+      !> The sample behind the longest step near it; 0 samples where that step is too short
+      integer(int64), intent(out) :: before, lost
+      real(dp) :: total(first:last), weight, height, most, found, step
       integer(int64) :: i
 
-      longest_step = max(2_int64, (block - 1)*block_rows - 1)
-      do i = longest_step, min(block*block_rows + 2, size(t, kind=int64))
-         if (t(i) - t(i - 1) > t(longest_step) - t(longest_step - 1)) longest_step = i
+      total(first) = 0.0_dp
+      do i = first + 1, last
+         total(i) = total(i - 1) + (t(i) - t(first + 1))*rate - real(i - first, dp)
       end do
-   end function longest_step
+      most = 0.0_dp
+      height = 0.0_dp
+      before = first + 2
+      do i = first + edge, last - edge
+         weight = real(i - first, dp)*real(last - i, dp)/real(last - first, dp)
+         found = (total(last)*(real(i - first, dp)/real(last - first, dp)) - total(i))/weight
+         if (found <= 0.0_dp .or. found*found*weight <= most) cycle
+         most = found*found*weight
+         height = found
+         before = i + 1
+      end do
+      i = max(before - near, first + 2)
+      before = i - 1 + maxloc(t(i:min(before + near, last)) - t(i - 1:min(before + near, last) - 1), dim=1, kind=int64)
+      lost = nint(min(height, 1.0e15_dp), int64)
+      step = (t(before) - t(before - 1))*rate
+      height = min(real(lost, dp), step)
+      if (step < 0.75_dp*height + 0.45_dp) lost = 0
+      if (usual > 3.0_dp .and. step < usual + 0.5_dp*height - 0.5_dp) lost = 0
+   end subroutine place_rise
 
-   !> Appends a gap.
+   !> Shortens the last gaps by places that are taken after all.
+   pure subroutine give_back(i, places, rise, gaps, early)
+      integer(int64), intent(in) :: i, places
+      real(dp), intent(in) :: rise
+      type(gap_type), intent(inout) :: gaps
+      integer(int64), intent(inout) :: early
+      integer(int64) :: left, taken
+
+      left = places
+      do while (left > 0 .and. gaps%count > 0)
+         associate (before => gaps%before(gaps%count), length => gaps%length(gaps%count))
+            if (i - before > max(lasting, 4*length)) exit
+            taken = min(left, length)
+            length = length - taken
+            left = left - taken
+            if (length < rise) gaps%count = gaps%count - 1
+         end associate
+      end do
+      early = early + left
+   end subroutine give_back
+
+   !> Appends a gap; one behind the last lengthens it.
    pure subroutine add_gap(gaps, before, length)
       !> Grows by one
       type(gap_type), intent(inout) :: gaps
@@ -323,6 +197,12 @@ contains
       if (gaps%count == size(gaps%before)) then
          gaps%before = [gaps%before, gaps%before]
          gaps%length = [gaps%length, gaps%length]
+      end if
+      if (gaps%count > 0) then
+         if (gaps%before(gaps%count) == before) then
+            gaps%length(gaps%count) = gaps%length(gaps%count) + length
+            return
+         end if
       end if
       gaps%count = gaps%count + 1
       gaps%before(gaps%count) = before

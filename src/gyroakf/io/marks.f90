@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Labels, brackets and checksums in rows: `gx=1.2, gy=-3`, `{"gx": 1.2}`, `0.01,"[1, 2, 3]"`, `$IMU,1,2*5A`.
+!> Labels, brackets and checksums in rows: `gx=1.2, gy=-3`, `{"gx": 1.2}`, `0.01,"[1, 2, 3]"`, `$IMU,1,2*5A`, `b'1.2'`.
 !>
 !> They become blanks in the rows where they are those of the first row, which leaves numbers between separators.
 module gyroakf_io_marks
@@ -81,6 +81,10 @@ contains
             fresh = .true.
          else if (is_in(sign, separators)) then
             fresh = .true.
+         else if (fresh .and. sign == "b" .and. is_in(next, quotes) .and. p < last) then
+            marks%brackets = marks%brackets + 1
+            to = p + 1
+            if (erase) call take_bytes_off(bytes(p:closing_quote(bytes, to, last)))
          else if (fresh .and. is_in(sign, quotes) .and. is_in(next, opening)) then
             if (erase) bytes(p) = blank
          else if (fresh) then
@@ -107,6 +111,21 @@ contains
          p = to + 1
       end do
    end subroutine find_marks
+
+   !> Writes blanks for the marks of b'1.2,3.4\r\n', as Python writes bytes.
+   pure subroutine take_bytes_off(bytes)
+      integer(int8), intent(inout), contiguous :: bytes(:)
+      integer :: last
+
+      bytes(:2) = blank
+      last = size(bytes)
+      bytes(last) = blank
+      do while (last > 4)
+         if (bytes(last - 2) /= iachar(achar(92))) exit
+         bytes(last - 2:last - 1) = blank
+         last = last - 2
+      end do
+   end subroutine take_bytes_off
 
    !> True for a character of a set; quick, as no text is built.
    pure logical function is_in(sign, set)
@@ -278,7 +297,6 @@ contains
    !> A label as name and unit of field j; a unit that stands before it is that of field j - 1.
    pure subroutine take_label(label, group, within, j, named)
       character(*), intent(in) :: label, group
-      !> True in brackets
       logical, intent(in) :: within
       integer, intent(in) :: j
       type(column_names_type), intent(inout) :: named

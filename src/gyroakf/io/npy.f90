@@ -301,7 +301,8 @@ contains
          element%kind = merge("i", merge("u", "b", descr == "B"), descr == "b")
          element%bytes = 1
       case default
-         advice = "save numbers: numpy.save(file, array.astype('f8'))"
+         advice = "save numbers: python3 -c ""import numpy; numpy.save('numbers.npy', numpy.stack(numpy.load('"// &
+                  cursor%name//"', allow_pickle=True)).astype('f8'))"""
          select case (descr(:min(1, len(descr))))
          case ("f", "g"); what = " is a long double, which differs from machine to machine"
          case ("c"); what = " is complex"

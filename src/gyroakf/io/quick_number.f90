@@ -1,10 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> Decimal numbers of the usual forms, correctly rounded or not at all: the first two paths of [[gyroakf_io_number]].
 !>
-!> Usual are `[+-] [digits] [. digits] [e|E|d|D [+-] digits]` with up to 15 digits before the point,
-!> no more digits than an integer of 64 bits without a sign holds, fewer than 24 behind the point, and
-!> an exponent of 1 to 3 digits. Digits are taken eight at a time (as bytes of a word); nothing is
-!> allocated, and no branch depends on a sign or on the value of a digit.
+!> Usual are `[+-] [digits] [. digits] [e|E|d|D [+-] digits]` with up to 15 digits before the point, no more digits than an integer
+!> of 64 bits without a sign holds, fewer than 24 behind the point, and an exponent of 1 to 3 digits. Digits are taken eight at a
+!> time (as bytes of a word); nothing is allocated, and no branch depends on a sign or on the value of a digit.
 module gyroakf_io_quick_number
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_wide_power, only : int128, power, ten
@@ -103,9 +102,7 @@ contains
    pure subroutine take_whole(bytes, at, p, m, minus)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: at
-      !> The byte after the digits; 0 where there are none, or more than 15
       integer(int64), intent(out) :: p
-      !> The number that the digits are; 1 for a minus sign, else 0
       integer(int64), intent(out) :: m, minus
       integer(int64) :: word
       integer :: sign_bits, signed, point
@@ -168,8 +165,7 @@ contains
       word = ieor(transfer(bytes(p:p + 7), word), zeros)
    end subroutine take_eight
 
-   !> Adds an exponent, whose letter is at p, to q; p is 0 where it is not of 1 to 3 digits. A sign and
-   !> two digits are usual.
+   !> Adds an exponent, whose letter is at p, to q; p is 0 where it is not of 1 to 3 digits. A sign and two digits are usual.
    pure subroutine take_exponent(bytes, p, q)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: p, q

@@ -1,9 +1,8 @@
 ! SPDX-License-Identifier: MIT
-!> Where the sample rate changes for good: by more than 0.5 %, and by more than the rates of the
-!> parts of a record scatter.
+!> Where the sample rate changes for good: by more than 0.5 %, and by more than the rates of the parts of a record scatter.
 module gyroakf_io_rate_changes
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_io_cadence, only : cadence_type, find_step, median_of, sort
+   use gyroakf_io_cadence, only : cadence_type, find_step, median_of
    implicit none (type, external)
    private
    public :: find_changes
@@ -15,8 +14,7 @@ module gyroakf_io_rate_changes
 
 contains
 
-   !> Where the rate changes for good: by more than 0.5 % and than the rates of the parts of the
-   !> record scatter.
+   !> Where the rate changes for good: by more than 0.5 % and than the rates of the parts of the record scatter.
    subroutine find_changes(t, change, steps, count_changes)
       !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
@@ -72,14 +70,12 @@ contains
          mean(k) = sum(t((k - 1)*piece + 1:k*piece) - t(1))/real(piece, dp)
       end do
       slope = (mean(2:) - mean(:8))/real(piece, dp)
-      call sort(slope)
-      step = 0.5_dp*(slope(4) + slope(5))
+      step = median_of(slope)
    end function step_of_part
 
    !> Divides the parts where their medians differ most, again and again.
    subroutine divide(part, ends, changes, most)
       real(dp), intent(in) :: part(:)
-      !> The last part of each stretch: [0:]
       integer, intent(inout) :: ends(0:)
       integer, intent(inout) :: changes
       integer, intent(in) :: most
@@ -103,9 +99,8 @@ contains
       end do
    end subroutine divide
 
-   !> The last part before the change, 0 where there is none: both sides' medians differ by more
-   !> than 0.5 % and six times the scatter of either side, and the sides overlap in no more than an
-   !> eighth of their parts.
+   !> The last part before the change, 0 where there is none: both sides' medians differ by more than 0.5 % and six times the
+   !> scatter of either side, and the sides overlap in no more than an eighth of their parts.
    subroutine best_division(part, at)
       real(dp), intent(in) :: part(:)
       integer, intent(out) :: at
@@ -134,8 +129,7 @@ contains
       end do
    end subroutine best_division
 
-   !> The first sample behind a bend of the stamps between two samples: where their distance from
-   !> the mean slope is extreme.
+   !> The first sample behind a bend of the stamps between two samples: where their distance from the mean slope is extreme.
    pure integer(int64) function corner(t, first, last, step, faster)
       real(dp), intent(in), contiguous :: t(:)
       integer(int64), intent(in) :: first, last

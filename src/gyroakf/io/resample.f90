@@ -3,10 +3,9 @@
 !>
 !> `nearest` moves each sample to the slot of the grid that is nearest to its stamp; no value changes. `linear` interpolates
 !> between the two samples around each instant of the grid. That averages: with \(w\) the phase of the instant between its
-!> neighbors, white noise keeps \(f = \overline{w^2 + (1-w)^2}\) of its variance (2/3 where the phases are uniform),
-!> neighbors are correlated by \((1-f)/2\), and where the phase drifts slowly the Allan variance of \(m\) samples becomes
-!> $$\sigma^2(m\tau_0) = \frac{N^2}{m\tau_0}\left(1 - \frac{3(1-f)}{2m}\right),$$
-!> at long times unchanged, at the first one half.
+!> neighbors, white noise keeps \(f = \overline{w^2 + (1-w)^2}\) of its variance (2/3 where the phases are uniform), neighbors are
+!> correlated by \((1-f)/2\), and where the phase drifts slowly the Allan variance of \(m\) samples becomes $$\sigma^2(m\tau_0) =
+!> \frac{N^2}{m\tau_0}\left(1 - \frac{3(1-f)}{2m}\right),$$ at long times unchanged, at the first one half.
 module gyroakf_io_resample
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int64
@@ -100,7 +99,6 @@ contains
       real(dp), intent(in), contiguous :: t(:)
       real(dp), intent(in) :: phase
       type(record_type), intent(inout) :: record
-      !> [slot, channel]
       real(dp), intent(out), contiguous :: value(:, :)
       logical, allocatable :: filled(:)
       real(dp) :: rate, shift

@@ -132,7 +132,6 @@ contains
       type(layout_type), intent(in) :: layout
       integer, intent(in) :: column
       real(dp), intent(inout) :: value
-      !> True where it is no number, or one that is too large
       logical, intent(out) :: wrong
       integer(int64) :: p
       real(dp) :: x

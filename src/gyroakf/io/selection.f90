@@ -178,9 +178,7 @@ contains
 
    !> The number of values that a column goes through again and again while the stamps repeat in most rows; 0 where it does not.
    pure integer function alternating(field, stamp, known) result(period)
-      !> [row]
       type(text_type), intent(in) :: field(:), stamp(:)
-      !> False where the stamps may be other values: they are new then each time the values come again
       logical, intent(in) :: known
       integer :: i, equal, n
 

@@ -84,12 +84,10 @@ contains
    !> Moves to the next row that `layout%where_column` selects, and finds its end.
    subroutine skip_unwanted(bytes, at, feed, layout, span, odd)
       integer(int8), intent(in), contiguous :: bytes(:)
-      !> First byte of a line; afterwards that of the row, behind the span where there is none
       integer(int64), intent(inout) :: at
       integer(int64), intent(out) :: feed
       type(layout_type), intent(in) :: layout
       type(span_type), intent(inout) :: span
-      !> True for a line that is wrong, or none, where other rows are
       logical, intent(out) :: odd
 
       odd = .false.

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Time columns: fractions of a second in a column of their own, and the unit.
+!> Time columns: fractions of a second in a column of their own, the unit, times of day.
 module gyroakf_io_stamps
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int64
@@ -9,7 +9,7 @@ module gyroakf_io_stamps
    use gyroakf_units, only : time_scale
    implicit none (type, external)
    private
-   public :: fraction_of, named_scale, infer_scale, unwrap_days
+   public :: fraction_of, named_scale, infer_scale, unpack_clock, unwrap_days
 
 contains
 
@@ -63,9 +63,9 @@ contains
 
    !> Seconds in the unit that the stamps themselves suggest.
    !>
-   !> A rate that was given decides where it fits one unit within a factor of 3. Else it follows
-   !> from the size of stamps that count from 1970, else from their mean step: up to 1.5 (1 where
-   !> stamps are equal) seconds, below 1000 ms, below 10^6 us, ns. Seconds with decimals are sure.
+   !> A rate that was given decides where it fits one unit within a factor of 3. Else it follows from their size where they count
+   !> from 1970, else from their mean step: up to 1.5 (1 where stamps are equal) seconds, below 1000 milliseconds, below 10^6
+   !> microseconds, nanoseconds. Seconds with decimals are sure.
    pure subroutine infer_scale(stamps, rate_hz, scale, sure, offset)
       !> As read, NaN where missing: [n]
       real(dp), intent(in), contiguous :: stamps(:)
@@ -129,6 +129,39 @@ contains
          if (step >= 1.0e6_dp) scale = units(4)
       end if
    end subroutine infer_scale
+
+   !> Turns hhmmss.sss of NMEA into seconds from midnight, where all stamps can be that and a minute ends in a step like others.
+   pure subroutine unpack_clock(stamps, found)
+      !> As read, NaN where missing: [n]
+      real(dp), intent(inout), contiguous :: stamps(:)
+      !> False where they are left as they are
+      logical, intent(out) :: found
+      real(dp) :: step, usual, before
+      integer(int64) :: i
+
+      found = .false.
+      before = 0.0_dp
+      usual = 0.0_dp
+      do i = 1, size(stamps, kind=int64)
+         if (ieee_is_nan(stamps(i))) cycle
+         if (stamps(i) < 0.0_dp .or. stamps(i) >= 2.4e5_dp) exit
+         if (modulo(stamps(i), 1.0e2_dp) >= 61.0_dp .or. modulo(stamps(i), 1.0e4_dp) >= 6.0e3_dp) exit
+         step = seconds_of(stamps(i)) - seconds_of(before)
+         if (step < -8.0e4_dp) step = step + 8.64e4_dp
+         found = found .or. (step > 0.5_dp*usual .and. step < 2.0_dp*usual .and. abs(stamps(i) - before) >= 40.0_dp)
+         if (step > 0.0_dp) usual = step
+         before = stamps(i)
+      end do
+      found = found .and. i > size(stamps)
+      if (found) stamps(:) = seconds_of(stamps)
+   end subroutine unpack_clock
+
+   !> 120030.5 as seconds from midnight.
+   pure elemental real(dp) function seconds_of(digits)
+      real(dp), intent(in) :: digits
+
+      seconds_of = digits - 40.0_dp*aint(digits/1.0e2_dp) - 2400.0_dp*aint(digits/1.0e4_dp)
+   end function seconds_of
 
    !> Lets a time of day go on behind midnight: it falls by more than half a day there.
    pure subroutine unwrap_days(stamps)

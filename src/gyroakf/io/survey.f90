@@ -57,7 +57,6 @@ contains
    pure subroutine find_range(store, slot, minimum, maximum, step)
       type(store_type), intent(in) :: store
       integer, intent(in) :: slot
-      !> Unchanged where no value is there
       real(dp), intent(inout) :: minimum, maximum, step
       real(dp) :: before, change
       integer(int64) :: i

@@ -144,7 +144,7 @@ contains
             call find_pattern(lines%bytes, lines%at, last, pattern, marks)
             if (len_trim(pattern) == 0 .and. .not. named(table%names, len(pattern))) then
                continue
-            else if (marks%labels == 0 .and. only_words(lines, last)) then
+            else if (4*marks%labels <= len(pattern)/2 .and. only_words(lines, last)) then
                word = lower(bytes_text(lines%bytes, lines%at, min(last, lines%at + 3)))
                if (word /= "sep=" .and. .not. names_wanted(options, table%names)) then
                   call take_heading(lines, last, table%names%line < setting, table%names, table%layout)
@@ -181,11 +181,8 @@ contains
 
    !> A setting between names and rows: words above it are no names, unless there are as many of them as columns, which is an error.
    subroutine check_names(columns, setting, equal, table, error)
-      !> Of the first row
       integer, intent(in) :: columns
-      !> The last line of settings, 0 where there is none
       integer(int64), intent(in) :: setting
-      !> True where its values are those of a row, and its labels are others
       logical, intent(in) :: equal
       type(table_type), intent(inout) :: table
       type(error_type), allocatable, intent(out) :: error
@@ -285,6 +282,10 @@ contains
       end if
       call refuse_ambiguous_dates(lines, last, options, fields, table, error)
       if (allocated(error)) return
+      if (.not. (allocated(options%columns) .or. table%names%known)) then
+         call refuse_long_rows(lines, fields%count, table%name, error)
+         if (allocated(error)) return
+      end if
       call find_joined(lines%bytes, lines%at, last, names_at_hand(table), table%layout, fields)
       if (.not. table%names%known) call take_names(fields, table)
       named = fields%count
@@ -390,6 +391,23 @@ contains
          excerpt(lines%bytes, fields%first(column), fields%last(column))//"' may have the day or the month first", date_advice)
    end subroutine refuse_ambiguous_dates
 
+   !> Few rows of many numbers are series side by side: an error.
+   subroutine refuse_long_rows(lines, columns, name, error)
+      type(lines_type), intent(in) :: lines
+      integer, intent(in) :: columns
+      character(*), intent(in) :: name
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: rows
+
+      if (columns < 256 .or. .not. lines%ended) return
+      rows = count(lines%bytes(lines%at:lines%last) == 10_int8, kind=int64)
+      if (16*rows > columns) return
+      call fatal_error(error, status%parse, name//":"//integer_text(lines%number)//":1: the number of rows is "// &
+         integer_text(rows)//", that of columns "//integer_text(int(columns, int64))//": a series in each row?"//new_line("a")// &
+         "a column for each: python3 -c ""import numpy; numpy.savetxt('columns.txt', numpy.array([r.replace(',', ' ').split() "// &
+         "for r in open('"//name//"') if r[0] != '#'], float).T)""")
+   end subroutine refuse_long_rows
+
    !> True where the line has a field for every name.
    pure logical function fits_names(fields, named)
       type(fields_type), intent(in) :: fields
@@ -424,10 +442,8 @@ contains
    !> The columns that are kept.
    subroutine choose(options, texts, table, fraction, nano, error)
       type(reader_options), intent(in) :: options
-      !> Columns of text: [column], or of size 0
       logical, intent(in) :: texts(:)
       type(table_type), intent(inout) :: table
-      !> The column of fractions of the time's seconds, 0 where there is none, and whether these are nanoseconds
       integer, intent(out) :: fraction
       logical, intent(out) :: nano
       type(error_type), allocatable, intent(out) :: error
@@ -507,7 +523,6 @@ contains
 
    !> True for a column of dates or times of day.
    elemental logical function is_stamp(kind)
-      !> A component of stamp_kind
       integer, intent(in) :: kind
 
       is_stamp = kind /= stamp_kind%number .and. kind /= stamp_kind%long
@@ -516,7 +531,6 @@ contains
    !> Where the columns are kept: the chosen ones in their order, then the time, unless it is one of them. A date and a time of day
    !> in two columns are kept in one place.
    subroutine set_slots(partner, table)
-      !> The column of dates or times of day that goes with the time's, 0 where there is none
       integer, intent(in) :: partner
       type(table_type), intent(inout) :: table
       integer :: i

@@ -15,7 +15,7 @@ module gyroakf_io_time_base
    use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_resample, only : resample
    use gyroakf_io_shape, only : fill_gaps, wrap_of
-   use gyroakf_io_stamps, only : infer_scale, named_scale, unwrap_days
+   use gyroakf_io_stamps, only : infer_scale, named_scale, unpack_clock, unwrap_days
    use gyroakf_io_table, only : table_type
    use gyroakf_record, only : add_text, audit_type, record_type
    use gyroakf_spelling, only : lower
@@ -26,8 +26,7 @@ module gyroakf_io_time_base
 
 contains
 
-   !> Turns the stamps into seconds from the first, keeps the rows that are asked for and audits
-   !> them.
+   !> Turns the stamps into seconds from the first, keeps the rows that are asked for and audits them.
    subroutine use_stamps(options, table, stamps, record, gaps, error)
       type(reader_options), intent(in) :: options
       type(table_type), intent(in) :: table
@@ -41,6 +40,7 @@ contains
       real(dp) :: scale, origin, given, rate
       integer(int64) :: rows, first
       integer :: k
+      logical :: clock
 
       record%audit%bad_lines = table%bad_lines
       if (size(stamps) == 0) then
@@ -48,9 +48,12 @@ contains
          return
       end if
       associate (slot => table%layout%slot)         ! a time of day without a date begins again at midnight
-         if (abs(table%layout%kind(table%time)) == stamp_kind%clock .and. count(slot == slot(table%time)) == 1) then
-            call unwrap_days(stamps)
+         clock = abs(table%layout%kind(table%time)) == stamp_kind%clock .and. count(slot == slot(table%time)) == 1
+         if (table%layout%kind(table%time) == stamp_kind%number .and. .not. allocated(options%time_unit)) then
+            call unpack_clock(stamps, clock)
+            if (clock) call add_text(record%warnings, label_of(table%names, table%time)//" is read as hhmmss", note=.true.)
          end if
+         if (clock) call unwrap_days(stamps)
       end associate
       call drop_absurd(stamps)
       rows = size(stamps, kind=int64)
@@ -61,7 +64,8 @@ contains
                        integer_text(record%audit%untimed)//" of "//integer_text(rows)// &
                        " rows and is not used: --rate HZ gives the sample rate")
       else
-         call find_scale(options, table, stamps, record, scale)
+         scale = 1.0_dp
+         if (.not. clock) call find_scale(options, table, stamps, record, scale)
          origin = stamps(1)
          stamps = (stamps - origin)*scale
       end if
@@ -85,9 +89,7 @@ contains
       type(reader_options), intent(in) :: options
       real(dp), intent(in) :: given
       real(dp), allocatable, intent(inout) :: stamps(:), value(:, :)
-      !> The row of all that the first kept one is
       integer(int64), intent(out) :: first
-      !> Of all rows, Hz; 0 where all are kept
       real(dp), intent(out) :: rate
       type(error_type), allocatable, intent(out) :: error
       type(audit_type) :: audit

@@ -1,0 +1,91 @@
+! SPDX-License-Identifier: MIT
+!> What losses among regular stamps look like: lost samples, or the beat of the samples with a coarse clock.
+module gyroakf_io_loss_pattern
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_io_cadence, only : cadence_type
+   use gyroakf_io_losses, only : gap_type
+   implicit none (type, external)
+   private
+   public :: loss_pattern, pattern
+
+   !> Losses at even distances of so many samples or more are the beat of a clock that counts in
+   !> nearly the interval, unless all distances are equal and only the rate with losses is round
+   integer(int64), parameter :: longest_period = 50
+
+   !> What losses look like, reached as `pattern%beat`
+   type :: pattern_enum
+      !> Scattered, or none: samples were lost
+      integer :: losses = 0
+      !> Mostly single samples at exactly even distances: every k-th was lost, or the clock counts in the interval
+      integer :: periodic = 1
+      !> Nearly even distances: the beat of the samples with a clock that counts in more than half of the interval
+      integer :: beat = 2
+      !> Such beats, and losses among them
+      integer :: comb = 3
+   end type pattern_enum
+
+   !> All patterns
+   type(pattern_enum), parameter :: pattern = pattern_enum()
+
+contains
+
+   !> What the losses look like; always losses where the clock counts in less than half of the interval, and no beat is possible.
+   pure subroutine loss_pattern(gaps, cadence, n, found, distance)
+      type(gap_type), intent(in) :: gaps
+      type(cadence_type), intent(in) :: cadence
+      !> Samples
+      integer(int64), intent(in) :: n
+      !> A component of [[gyroakf_io_loss_pattern:pattern]]
+      integer, intent(out) :: found
+      !> Samples from loss to loss where most are alike, 0 where none are
+      integer(int64), intent(out) :: distance
+      !> A clock that runs so much fast or slow explains single double steps
+      real(dp), parameter :: usual_drift = 3.0e-4_dp
+      integer(int64) :: between(max(gaps%count - 1, 0))
+      real(dp) :: usual
+      integer :: k, m, equal, beside, alike
+
+      found = pattern%losses
+      distance = 0
+      m = gaps%count - 1
+      if (m < 0 .or. cadence%resolution < 0.5_dp*cadence%step) return
+      between(:) = gaps%before(2:gaps%count) - gaps%before(:m)
+      if (m < 3) then
+         if (any(gaps%length(:gaps%count) > 1)) return
+         if (real(gaps%count, dp) < usual_drift*real(n, dp)) found = pattern%beat
+         return
+      end if
+      equal = 0
+      do k = 1, min(m, 12)
+         alike = count(between == between(k))
+         if (alike <= equal) cycle
+         equal = alike
+         distance = between(k)
+      end do
+      beside = count(abs(between - distance) == 1)
+      usual = real(gaps%before(gaps%count) - gaps%before(1), dp)/real(m, dp)
+      alike = count(abs(real(between, dp) - usual) <= max(1.0_dp, 0.1_dp*usual))
+      if (2*count(gaps%length(:gaps%count) == 1) < gaps%count) return
+      if (2*equal >= m .and. 2*beside <= m - equal .and. distance < longest_period) then
+         found = pattern%periodic
+      else if (equal == m .and. m >= 20 .and. is_round(1.0_dp/cadence%step) .and. &
+               .not. is_round(real(distance, dp)/(real(distance + 1, dp)*cadence%step))) then
+         found = pattern%periodic
+      else if (10*alike >= 9*m .and. all(gaps%length(:gaps%count) == 1)) then
+         found = pattern%beat
+      else if (m >= 8 .and. 2*count(abs(between - distance) <= max(2_int64, distance/10)) >= m .and. &
+               distance >= longest_period) then
+         found = pattern%comb
+      end if
+   end subroutine loss_pattern
+
+   !> True for a rate of three digits.
+   pure logical function is_round(rate)
+      real(dp), intent(in) :: rate
+      real(dp) :: digits
+
+      digits = rate*10.0_dp**(2 - floor(log10(rate)))
+      is_round = abs(digits - anint(digits)) <= 1.0e-5_dp*digits
+   end function is_round
+
+end module gyroakf_io_loss_pattern
