@@ -38,10 +38,10 @@ def best(channel):
 
 
 def table_row(text):
-    """The cells of the row "as read" of the table of coefficients, as in CELLS."""
-    found = re.search(r"^Table III\.[^\n]*\n(?:[^\n]*\n){1,4}?  as read +([^\n]*)", text, re.MULTILINE)
+    """The cells of the row "raw" of the table of coefficients, as in CELLS."""
+    found = re.search(r"^Table III\.[^\n]*\n(?:[^\n]*\n){1,4}?  raw +([^\n]*)", text, re.MULTILINE)
     if not found:
-        return []
+        return ["no row"] * 5
     return [cell if cell in ("-", "withheld") else "<" if cell[0] == "<" else "value"
             for cell in re.sub(r"< +", "<", found.group(1)).split()]
 
@@ -50,14 +50,14 @@ def drift_contradictions(channel, text):
     """The verdict against the drift model, the coefficients and the first line of the report."""
     verdict, drift, fitted = channel["verdict"], channel["drift"], channel["coefficients"]["input"] or {}
     walks = [p for p in (drift or {}).get("processes", []) if p["kind"] == "walk" and p["drift"]]
-    noise = re.search(r"^  Noise +(.*)$", text, re.MULTILINE)
-    word = {True: "stationary", False: "drifts", None: "not described"}[verdict["stationary"]]
-    if noise and not noise.group(1).startswith(word):
-        yield f"text: \"{noise.group(1)}\"; JSON: {word}"
+    noise = re.search(r"^Verdict\n +(.*)$", text, re.MULTILINE)
+    word = {True: "stationary", False: "not stationary", None: "drift"}[verdict["stationary"]]
+    if not noise or not noise.group(1).startswith(word):
+        yield f"text: \"{noise and noise.group(1)}\"; JSON: {word}"
     if verdict["stationary"]:
         if any(walk["k"] is not None for walk in walks):
             yield f"verdict {verdict['drift']}; the drift model has a random walk with a K"
-        if walks and not re.search(r"no drift model describes|approximation of the slow part", re.sub(r"\s+", " ", text)):
+        if walks and not re.search(r"no model describes|approximation of the slow part", re.sub(r"\s+", " ", text)):
             yield f"verdict {verdict['drift']}; the text has a random walk as drift"
         if verdict["trend"]:
             yield "verdict stationary; a trend is stated"

@@ -108,7 +108,9 @@ contains
             call out%absent("doubt")
          end if
          call out%put("tau_s", channel%drift_tau, title="of processes slower than")
-         call out%put("name", trim(drift%name), title="model")
+         call out%put("name", trim(drift%name), title=trim(merge("approximation of the slow part of stationary noise:", &
+                                                                        "model                                              ", &
+                                                                        channel%verdict%stationary .and. drift%found)))
          call out%put("source", trim(drift%source))
          call put_model(out, drift%model)
          call out%open_list("slow", "")
