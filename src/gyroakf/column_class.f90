@@ -10,7 +10,7 @@ module gyroakf_column_class
    implicit none (type, external)
    private
    public :: column_class, class_names, class_of, is_unit, find_unit, unit_fits, split_name
-   public :: is_time_name, may_hold_time, is_counter_name, is_temperature_name, opening_bracket, without_notes
+   public :: is_time_name, may_hold_time, is_counter_name, is_temperature_name, opening_bracket, noteless_length
 
    !> What a column measures, reached as `column_class%rate`
    type :: column_class_enum
@@ -177,7 +177,7 @@ contains
          if (.not. any(magnetic_units == lower(unit))) call parse_quietly(unit, found)
          return
       end if
-      call split_name(without_notes(name), word)
+      call split_name(name(:noteless_length(name)), word)
       do last = size(word), 2, -1
          if (verify(word(last)%text, "0123456789") > 0 .and. all(["x     ", "y     ", "z     ", "column"] /= word(last)%text)) exit
       end do
@@ -229,21 +229,20 @@ contains
       if (at == len(text)) at = 0
    end function opening_bracket
 
-   !> A name or unit without what stands in brackets at its end and is no unit: "gyro deg/s" of "gyro deg/s (LSB 1/131)".
-   pure function without_notes(text) result(short)
+   !> Length of a name or unit without what stands in brackets at its end and is no unit: "gyro deg/s" of "gyro deg/s (LSB 1/131)".
+   pure integer function noteless_length(text) result(length)
       !> As the file has it
       character(*), intent(in) :: text
-      character(:), allocatable :: short
       integer :: at
 
-      short = trim(text)
+      length = len_trim(text)
       do
-         at = opening_bracket(short)
+         at = opening_bracket(text(:length))
          if (at < 2) return
-         if (is_unit(short(at + 1:len(short) - 1))) return
-         short = trim(short(:at - 1))
+         if (is_unit(text(at + 1:length - 1))) return
+         length = len_trim(text(:at - 1))
       end do
-   end function without_notes
+   end function noteless_length
 
    !> True for a text that is a unit of anything; a whole number or an axis is none.
    pure logical function is_unit(text)

@@ -4,7 +4,7 @@
 !> They are read leniently (the first number counts); a value that cannot be understood is a warning, never an error.
 module gyroakf_io_header
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_column_class, only : without_notes
+   use gyroakf_column_class, only : noteless_length
    use gyroakf_error, only : error_type
    use gyroakf_io_columns, only : column_names_type, read_names
    use gyroakf_io_decimal, only : format_real
@@ -129,7 +129,8 @@ contains
       character(:), allocatable :: value
       integer :: i, several, first_word
 
-      value = without_notes(bytes_text(bytes, first, last))
+      value = bytes_text(bytes, first, last)
+      value = value(:noteless_length(value))
       call parse_unit(value, unit, failed)
       if (allocated(failed)) then
          call split_words(value, words)

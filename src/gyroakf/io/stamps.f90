@@ -62,7 +62,6 @@ contains
    end function named_scale
 
    !> Seconds in the unit that the stamps themselves suggest.
-   !>
    !> A rate that was given decides where it fits one unit within a factor of 3. Else the size of stamps that count from 1970, else
    !> their mean step: up to 1.5 (1 where stamps are equal) s, below 1000 ms, below 10^6 us, ns. Seconds with decimals are sure.
    pure subroutine infer_scale(stamps, rate_hz, scale, sure, offset)
