@@ -137,6 +137,7 @@ contains
          drift%white_std = 0.005_dp
          drift%drift_std = 1.0e-5_dp
          drift%samples = 8
+         drift%samples = 12
          drift%of_samples = 12
          drift%chosen = 2
          allocate (drift%candidate(2))

@@ -28,8 +28,28 @@ contains
          & new_unittest("coarse_spikes", test_coarse), &
          & new_unittest("motion", test_motion), &
          & new_unittest("long_motion", test_long_motion), &
-         & new_unittest("missing", test_missing)]
+         & new_unittest("missing", test_missing), &
+         & new_unittest("low_threshold", test_low_threshold)]
    end subroutine collect_auto_outliers
+
+   !> A threshold that most of the noise exceeds ends the search, too, and is the one that was asked for.
+   subroutine test_low_threshold(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: wanted(6) = [1.0_dp, 0.5_dp, 0.1_dp, 1.0e-3_dp, 1.0e-9_dp, 1.0e-300_dp]
+      integer(int64), parameter :: n = 3000
+      real(dp) :: x(n), used
+      integer(int8) :: inlier(n)
+      integer(int64), allocatable :: motion(:, :)
+      type(gyro_error), allocatable :: failure
+      integer :: i
+
+      x = normal_series(n, 77_int64)
+      do i = 1, size(wanted)
+         call find_auto_outliers(x, wanted(i), inlier, used, motion, failure)
+         call check(error, used, wanted(i), thr=0.05_dp*wanted(i))
+         if (allocated(error)) return
+      end do
+   end subroutine test_low_threshold
 
    !> Residuals of a record of 600, some of it missing, against sorted windows of the mirrored and bridged record.
    subroutine test_residuals(error)

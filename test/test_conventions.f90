@@ -178,6 +178,8 @@ contains
       character(:), allocatable :: text
 
       call noise_text(.false., stage%input, text)
+      call check(error, index(text, "N               = 0.01580 +/- 0.00020 input unit*sqrt(sample), definition") > 0, text)
+      if (allocated(error)) return
       call check(error, index(text, "SI") + index(text, "Density") == 0, text)
    end subroutine test_text_nothing_known
 
@@ -196,7 +198,7 @@ contains
       call make_record(record, known)
       call make_result(record, result)
       call begin_text(writer)
-      out%writer => writer
+      call out%attach(writer)
       call put_noise(out, "", "Noise coefficients", result%channel(1)%allan(which))
       call end_text(writer, text)
    end subroutine noise_text

@@ -132,15 +132,16 @@ contains
    !> What was read, removed, tested, and what to make of it.
    subroutine test_run(error)
       type(error_type), allocatable, intent(out) :: error
-      character(120), parameter :: fragments(16) = [character(120) :: "12 in 1 channel: gx", &
+      character(130), parameter :: fragments(17) = [character(130) :: "12 in 1 channel: gx", &
             "5 Hz (as the file says); 2.4 s", &
          "deg/s (as the option says)", "the stamps show 5.2 Hz", &
          "Outliers method auto, threshold 4.27 sigma, passes 2, removed 1,", &
-         "coefficients of i^0, i^1, ... 0.0043 -2e-06", "stationary, drift flicker, reasons a reason", &
-         "Jarque-Bera statistic 1.2, p = 0.55, skewness 0.013 +/- 0.022, kurtosis 3.250 +/- 0.045", &
+         "coefficients of i^0, i^1, ... 0.0043 -2e-06", "Verdict stationary, flicker reasons a reason", &
+         "Jarque-Bera nearly normal, a small departure is seen because the record is long: statistic 1.2, p = 0.55, ", &
+         "skewness 0.013 +/- 0.022, kurtosis 3.250 +/- 0.045; the samples are correlated: the p-value is too small", &
          "p = 0.067, distance", "samples 5994, stride 2", &
          "quantized, step 0.0114, step over std 0.5, variance share 0.0208, levels 17", &
-         "Ljung-Box statistic 2030.00, p < 1e-20, lags 20, largest |rho| 0.41, at lag 3", &
+         "Ljung-Box not white: statistic 2030.00, p < 1e-20, lags 20, largest |rho| 0.41, at lag 3", &
          "the Kalman filter passes 60.7 %", &
          "AR(1) predicts 16.8 % of the variance", "2.5 % of the samples (3) were removed", &
          "drift identification: too few"]
@@ -157,10 +158,10 @@ contains
       if (allocated(error)) return
       call run_text("tests", .true., text)
       call unwrap(text, flat)
-      call check(error, index(flat, "ADF statistic -71.5, p") > 0 &
-            .and. index(flat, "KPSS statistic 0.84, p < 0.01, ") > 0 &
+      call check(error, index(flat, "ADF unit root rejected at 5 %: statistic -71.5, p") > 0 &
+            .and. index(flat, "KPSS level stationarity rejected at 5 %: statistic 0.84, p < 0.01, ") > 0 &
                  .and. index(flat, "p asymptotic 0.0058") > 0 &
-                 .and. index(flat, "5% 0.463, 10% 0.347), not level stationary") > 0, flat)
+                 .and. index(flat, "5% 0.463, 10% 0.347), long") > 0, flat)
    end subroutine test_run
 
    !> Line ends and rows of blanks become one blank.
@@ -282,7 +283,8 @@ contains
 
       call run_text("run", .true., wrapped)
       call unwrap(wrapped, text)
-      call check(error, index(text, "Fisher's g statistic 0.3, p = 0.004, frequency 1.25 Hz, &
+      call check(error, index(text, "Fisher's g slow changes stand out, less than 5 periods in the record: drift, &
+            &not a period: statistic 0.3, p = 0.004, frequency 1.25 Hz, &
             applied to the residuals of AR(1)") > 0)
       if (allocated(error)) return
       call check(error, index(text, "segment samples 4, segments 4, segments left out 1, ") > 0 .and. &
@@ -465,7 +467,7 @@ contains
          "Drift model found, of processes slower than 1 s, model ", &
          "kind ar1, not drift, correlation time 0.224 +/- 0.012 s", &
          "kind walk, drift, standard deviation 1e-05, K 4.8 +/- 1.2 deg/h^1.5", &
-         "white noise 0.0050 +/- 0.0021", "of samples 12, block samples", &
+         "white noise 0.0050 +/- 0.0021", "found by the largest likelihood of 12 samples", &
          "model walk+ar1, chosen, parameters ", "AIC -58726.91, BIC -58697.34", &
          "The drift filters model the record as random walk + AR(1) of 0.224 s + white noise.", &
          "of a constant rotation it takes 100 % for drift", &

@@ -123,7 +123,7 @@ contains
       if (allocated(error)) return
       call fill_rmse(result%channel(1))
       call report_line(record, result, line)
-      call check_fragments(line, [character(100) :: "rmse 0.0625"], error)
+      call check_fragments(line, [character(100) :: " samples 0.0625"], error)
    end subroutine test_truth
 
    !> The same in the document; null where it is not known.

@@ -51,7 +51,7 @@ def drift_contradictions(channel, text):
     verdict, drift, fitted = channel["verdict"], channel["drift"], channel["coefficients"]["input"] or {}
     walks = [p for p in (drift or {}).get("processes", []) if p["kind"] == "walk" and p["drift"]]
     noise = re.search(r"^Verdict\n +(.*)$", text, re.MULTILINE)
-    word = {True: "stationary", False: "not stationary", None: "drift"}[verdict["stationary"]]
+    word = {True: "stationary", False: "drifts", None: "not described"}[verdict["stationary"]]
     if not noise or not noise.group(1).startswith(word):
         yield f"text: \"{noise and noise.group(1)}\"; JSON: {word}"
     if verdict["stationary"]:

@@ -9,8 +9,8 @@ module gyroakf_pipeline_warnings
    use gyroakf_pipeline_result, only : channel_result_type, not_described, stage
    implicit none (type, external)
    private
-   public :: is_fatal, is_of_channel, note_failure, outlier_share, warn_outliers, warn_order, warn_model, warn_curve, &
-      warn_fit, warn_halves, warn_centred
+   public :: is_fatal, is_of_channel, note_failure, negligible_rho, outlier_share
+   public :: warn_outliers, warn_order, warn_model, warn_curve, warn_fit, warn_halves, warn_centred
 
    !> So many times of outliers are named
    integer, parameter :: named_outliers = 8, named_motions = 3
@@ -18,8 +18,8 @@ module gyroakf_pipeline_warnings
    real(dp), parameter :: outlier_share = 0.01_dp
    !> Residuals are called correlated at this significance, and only where an autocorrelation is as large as this: in a long
    !> record every test rejects
-   real(dp), parameter :: significant = 0.01_dp, coloured = 0.05_dp
-   !> A change between the halves is a warning where it is less probable by chance and larger than this
+   real(dp), parameter :: significant = 0.01_dp, negligible_rho = 0.05_dp
+   !> A change between the halves is said where it is less probable by chance, and is a warning where it is larger than this
    real(dp), parameter :: certain = 1e-3_dp, small_change = 0.03_dp
 
 contains
@@ -140,7 +140,7 @@ contains
          integer_text(int(channel%ar%order, int64))//", was chosen: the series is not a short AR process; "// &
          "compare BIC, raise --max-order, or expect a drift under white noise", note=.true.)
       associate (test => channel%ar%residual_ljung_box)
-         if (test%lags > 0 .and. test%p_value < significant .and. test%largest_rho > coloured) then
+         if (test%lags > 0 .and. test%p_value < significant .and. test%largest_rho > negligible_rho) then
             call add_text(channel%warnings, "the residuals of AR("//integer_text(int(channel%ar%order, int64))// &
                           ") are not white (an autocorrelation of "//format_real(test%largest_rho, 2)// &
                           "): the model is incomplete")
@@ -203,13 +203,13 @@ contains
       logical, intent(in) :: rate_known
       integer :: i
 
-      if (.not. (channel%available%halves .and. channel%halves%changed)) return
+      if (.not. (channel%available%halves .and. channel%halves%p_value < certain)) return
       associate (halves => channel%halves)
          i = maxloc(abs(halves%score), dim=1)
          call add_text(channel%warnings, "the noise changed during the record: at tau = "//format_real(halves%tau(i), 4)// &
             trim(merge(" s      ", " samples", rate_known))//" the second half has "//format_real(halves%ratio(i), 3)// &
             " times the Allan deviation of the first; the coefficients are those of both together", &
-            note=halves%p_value >= certain .or. abs(halves%ratio(i) - 1) < small_change)
+            note=abs(halves%ratio(i) - 1) < small_change)
       end associate
    end subroutine warn_halves
 

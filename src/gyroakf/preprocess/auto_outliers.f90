@@ -35,6 +35,8 @@ module gyroakf_preprocess_auto_outliers
 
    !> Of white normal noise less its running median: median residual, 90 % point over it, scale of the tail
    real(dp), parameter :: median_residual = 0.6003_dp, tail_ratio = 2.734_dp, tail_scale = 1.0506_dp
+   !> The quantiles are those of the residuals below this many standard deviations at least; of fewer they would shrink to 0
+   real(dp), parameter :: least_scale = 2.0_dp
    !> Samples of a normal record that exceed the threshold on average; the same of motion
    real(dp), parameter :: false_alarms = 0.1_dp, false_motion = 0.001_dp
    !> Loudness from which on residuals are divided by it, and from which on it is motion
@@ -269,7 +271,7 @@ contains
       !> Residuals of each class; afterwards those of it and of all below
       integer(int64), intent(inout) :: counts(0:)
       real(dp), intent(in) :: z
-      !> T, huge where half of the residuals are 0; and in standard deviations, then z
+      !> T, huge where half of the residuals below it are 0; and in standard deviations, then z
       real(dp), intent(out) :: limit, used
       real(dp) :: middle, g, n, kept, old, expected, band
       integer :: bin, round
@@ -286,11 +288,12 @@ contains
       do round = 1, 30
          middle = quantile(counts, 0.5_dp*kept)
          g = max(1.0_dp, log(quantile(counts, 0.9_dp*kept)/middle)/log(tail_ratio))
-         limit = middle*(tail_scale/median_residual*z)**g
          old = kept
-         kept = below(counts, limit)
-         if (abs(kept - old) < 0.5_dp) exit
+         kept = below(counts, middle*(tail_scale/median_residual*max(z, least_scale))**g)
+         if (abs(kept - old) < 0.5_dp .or. 2*counts(0) > kept) exit
       end do
+      if (2*counts(0) > kept) return
+      limit = middle*(tail_scale/median_residual*z)**g
       do
          expected = n*erfc((limit/1.5_dp/middle)**(1/g)*median_residual/tail_scale/sqrt(2.0_dp))
          band = below(counts, limit) - below(counts, limit/1.5_dp)

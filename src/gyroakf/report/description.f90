@@ -6,41 +6,53 @@
 !>     call out%put("rmse", rmse, known=samples > 0, unit="deg/s")   ! null where it is not known
 !>     call out%close()                                              ! }
 !>
-!> A text shows the title; where none is given, the key in words. What has the title "" stands in JSON only.
+!> A text shows the title; where none is given, the key in words. What is not `shown` stands in JSON only, a remark in texts only.
 module gyroakf_report_description
-   use gyroakf_kinds, only : dp, int64
-   use gyroakf_record, only : text_type
+   use gyroakf_kinds, only : dp
    implicit none (type, external)
    private
    public :: description_type
 
+   !> How people see a member
+   type :: member_type
+      !> Unallocated where there is none
+      character(:), allocatable :: title, unit
+      !> Not positive: not known
+      real(dp) :: std_error = 0.0_dp
+      !> Of each value of a list
+      real(dp), allocatable :: std_errors(:)
+      logical :: shown = .true.
+   end type member_type
+
+   !> The value of what is not known
+   type :: unknown_type
+   end type unknown_type
+
    !> A renderer
    type, abstract :: description_type
-      !> Of the member that is being put; a text unallocated and an error of zero where it has none
-      character(:), allocatable :: title, unit
-      real(dp) :: std_error = 0.0_dp
+      !> The one that is being put
+      type(member_type) :: member
+      !> It shows remarks, and nothing of what is not known
+      logical :: for_people = .false.
    contains
-      !> Begins a group of members, `open(key, title)`; the key is "" at the root and in a list
+      !> Begins a group of members, `open(key, title, shown)`; the key is "" at the root and in a list
       procedure, non_overridable :: open => open_group
-      !> Begins a list of values or groups without keys, `open_list(key, title)`
+      !> Begins a list of values or groups without keys, `open_list(key, title, shown)`
       procedure, non_overridable :: open_list
       !> Ends the group or list that was begun last
       procedure(end_group), deferred :: close
       !> A member without a value, `absent(key)`
-      procedure(put_word), deferred :: absent
+      procedure, non_overridable :: absent
+      !> A sentence for people, `remark(text)`: a verdict on the values that follow, or what to mind about those before
+      procedure, non_overridable :: remark
       !> One member, `put(key, value, known, ...)`; no value where it is not known (default: it is)
-      generic :: put => put_real, put_integer, put_int64, put_logical, put_text, put_reals, put_texts
-      !> A text, or no value where it is unallocated or empty, `put_known_text(key, text)`
+      generic :: put => put_value, put_values
+      !> A text, or no value where it is unallocated or empty, `put_known_text(key, text, title)`
       procedure, non_overridable :: put_known_text
-      procedure, non_overridable :: put_real, put_integer, put_int64, put_logical, put_text, put_reals, put_texts
-      procedure, private, non_overridable :: describe
+      procedure, private, non_overridable :: put_value, put_values
       procedure(begin_group), deferred :: begin
-      procedure(render_number), deferred :: number
-      procedure(render_count), deferred :: count
-      procedure(render_flag), deferred :: flag
-      procedure(render_text), deferred :: text
-      procedure(render_numbers), deferred :: numbers
-      procedure(render_texts), deferred :: texts
+      procedure(render_value), deferred :: value
+      procedure(render_values), deferred :: values
    end type description_type
 
    abstract interface
@@ -58,77 +70,41 @@ module gyroakf_report_description
          class(description_type), intent(inout) :: self
       end subroutine end_group
 
-      subroutine put_word(self, key)
+      subroutine render_value(self, key, value)
+         import :: description_type
+         implicit none (type, external)
+         class(description_type), intent(inout) :: self
+         !> "" of a remark
+         character(*), intent(in) :: key
+         !> Real of double precision, integer, logical, text, or `unknown_type`
+         class(*), intent(in) :: value
+      end subroutine render_value
+
+      subroutine render_values(self, key, value)
          import :: description_type
          implicit none (type, external)
          class(description_type), intent(inout) :: self
          character(*), intent(in) :: key
-      end subroutine put_word
-
-      subroutine render_number(self, key, value)
-         import :: description_type, dp
-         implicit none (type, external)
-         class(description_type), intent(inout) :: self
-         character(*), intent(in) :: key
-         real(dp), intent(in) :: value
-      end subroutine render_number
-
-      subroutine render_count(self, key, value)
-         import :: description_type, int64
-         implicit none (type, external)
-         class(description_type), intent(inout) :: self
-         character(*), intent(in) :: key
-         integer(int64), intent(in) :: value
-      end subroutine render_count
-
-      subroutine render_flag(self, key, value)
-         import :: description_type
-         implicit none (type, external)
-         class(description_type), intent(inout) :: self
-         character(*), intent(in) :: key
-         logical, intent(in) :: value
-      end subroutine render_flag
-
-      subroutine render_text(self, key, value)
-         import :: description_type
-         implicit none (type, external)
-         class(description_type), intent(inout) :: self
-         character(*), intent(in) :: key, value
-      end subroutine render_text
-
-      subroutine render_numbers(self, key, value)
-         import :: description_type, dp
-         implicit none (type, external)
-         class(description_type), intent(inout) :: self
-         character(*), intent(in) :: key
-         real(dp), intent(in) :: value(:)
-      end subroutine render_numbers
-
-      subroutine render_texts(self, key, value)
-         import :: description_type, text_type
-         implicit none (type, external)
-         class(description_type), intent(inout) :: self
-         character(*), intent(in) :: key
-         type(text_type), intent(in) :: value(:)
-      end subroutine render_texts
+         !> Reals of double precision, or texts (`text_type`)
+         class(*), intent(in) :: value(:)
+      end subroutine render_values
    end interface
 
 contains
 
-   !> Notes how the next member is shown to people.
-   subroutine describe(self, title, unit, std_error)
-      class(description_type), intent(inout) :: self
+   !> Notes how the next member is shown.
+   pure subroutine set_member(member, title, unit, std_error, std_errors, shown)
+      type(member_type), intent(out) :: member
       character(*), intent(in), optional :: title, unit
-      !> Not positive: not known
-      real(dp), intent(in), optional :: std_error
+      real(dp), intent(in), optional :: std_error, std_errors(:)
+      logical, intent(in), optional :: shown
 
-      if (allocated(self%title)) deallocate (self%title)
-      if (allocated(self%unit)) deallocate (self%unit)
-      self%std_error = 0.0_dp
-      if (present(title)) self%title = title
-      if (present(unit)) self%unit = unit
-      if (present(std_error)) self%std_error = std_error
-   end subroutine describe
+      if (present(title)) member%title = title
+      if (present(unit)) member%unit = unit
+      if (present(std_error)) member%std_error = std_error
+      if (present(std_errors)) member%std_errors = std_errors
+      if (present(shown)) member%shown = shown
+   end subroutine set_member
 
    !> The default is true.
    pure logical function is_known(known)
@@ -138,94 +114,75 @@ contains
       if (present(known)) is_known = known
    end function is_known
 
-   subroutine open_group(self, key, title)
+   subroutine open_group(self, key, title, shown)
       class(description_type), intent(inout) :: self
       character(*), intent(in) :: key
       character(*), intent(in), optional :: title
+      logical, intent(in), optional :: shown
 
-      call self%describe(title)
+      call set_member(self%member, title, shown=shown)
       call self%begin(key, .false.)
    end subroutine open_group
 
-   subroutine open_list(self, key, title)
+   subroutine open_list(self, key, title, shown)
       class(description_type), intent(inout) :: self
       character(*), intent(in) :: key
       character(*), intent(in), optional :: title
+      logical, intent(in), optional :: shown
 
-      call self%describe(title)
+      call set_member(self%member, title, shown=shown)
       call self%begin(key, .true.)
    end subroutine open_list
 
-   subroutine put_real(self, key, value, known, unit, std_error, title)
+   subroutine absent(self, key)
       class(description_type), intent(inout) :: self
       character(*), intent(in) :: key
-      real(dp), intent(in) :: value
+
+      if (.not. self%for_people) call self%value(key, unknown_type())
+   end subroutine absent
+
+   subroutine remark(self, text)
+      class(description_type), intent(inout) :: self
+      character(*), intent(in) :: text
+
+      call set_member(self%member)
+      if (self%for_people .and. text /= "") call self%value("", text)
+   end subroutine remark
+
+   subroutine put_value(self, key, value, known, unit, std_error, title, shown)
+      class(description_type), intent(inout) :: self
+      character(*), intent(in) :: key
+      class(*), intent(in) :: value
       logical, intent(in), optional :: known
       character(*), intent(in), optional :: unit
       real(dp), intent(in), optional :: std_error
       character(*), intent(in), optional :: title
+      logical, intent(in), optional :: shown
 
-      call self%describe(title, unit, std_error)
+      call set_member(self%member, title, unit, std_error, shown=shown)
       if (is_known(known)) then
-         call self%number(key, value)
+         call self%value(key, value)
       else
          call self%absent(key)
       end if
-   end subroutine put_real
+   end subroutine put_value
 
-   subroutine put_integer(self, key, value, known, title)
+   subroutine put_values(self, key, value, known, std_errors, title, shown)
       class(description_type), intent(inout) :: self
       character(*), intent(in) :: key
-      integer, intent(in) :: value
+      class(*), intent(in) :: value(:)
       logical, intent(in), optional :: known
+      real(dp), intent(in), optional :: std_errors(:)
       character(*), intent(in), optional :: title
+      logical, intent(in), optional :: shown
 
-      call self%put_int64(key, int(value, int64), known, title)
-   end subroutine put_integer
-
-   subroutine put_int64(self, key, value, known, title)
-      class(description_type), intent(inout) :: self
-      character(*), intent(in) :: key
-      integer(int64), intent(in) :: value
-      logical, intent(in), optional :: known
-      character(*), intent(in), optional :: title
-
-      call self%describe(title)
+      call set_member(self%member, title, std_errors=std_errors, shown=shown)
       if (is_known(known)) then
-         call self%count(key, value)
+         call self%values(key, value)
       else
          call self%absent(key)
       end if
-   end subroutine put_int64
-
-   subroutine put_logical(self, key, value, known, title)
-      class(description_type), intent(inout) :: self
-      character(*), intent(in) :: key
-      logical, intent(in) :: value
-      logical, intent(in), optional :: known
-      character(*), intent(in), optional :: title
-
-      call self%describe(title)
-      if (is_known(known)) then
-         call self%flag(key, value)
-      else
-         call self%absent(key)
-      end if
-   end subroutine put_logical
-
-   subroutine put_text(self, key, value, known, title)
-      class(description_type), intent(inout) :: self
-      character(*), intent(in) :: key, value
-      logical, intent(in), optional :: known
-      character(*), intent(in), optional :: title
-
-      call self%describe(title)
-      if (is_known(known)) then
-         call self%text(key, value)
-      else
-         call self%absent(key)
-      end if
-   end subroutine put_text
+   end subroutine put_values
 
    subroutine put_known_text(self, key, value, title)
       class(description_type), intent(inout) :: self
@@ -233,44 +190,11 @@ contains
       character(:), allocatable, intent(in) :: value
       character(*), intent(in), optional :: title
 
-      call self%describe(title)
       if (allocated(value)) then
-         if (len(value) > 0) then
-            call self%text(key, value)
-            return
-         end if
+         call self%put(key, value, value /= "", title=title)
+      else
+         call self%absent(key)
       end if
-      call self%absent(key)
    end subroutine put_known_text
-
-   subroutine put_reals(self, key, value, known, title)
-      class(description_type), intent(inout) :: self
-      character(*), intent(in) :: key
-      real(dp), intent(in) :: value(:)
-      logical, intent(in), optional :: known
-      character(*), intent(in), optional :: title
-
-      call self%describe(title)
-      if (is_known(known)) then
-         call self%numbers(key, value)
-      else
-         call self%absent(key)
-      end if
-   end subroutine put_reals
-
-   subroutine put_texts(self, key, value, known, title)
-      class(description_type), intent(inout) :: self
-      character(*), intent(in) :: key
-      type(text_type), intent(in) :: value(:)
-      logical, intent(in), optional :: known
-      character(*), intent(in), optional :: title
-
-      call self%describe(title)
-      if (is_known(known)) then
-         call self%texts(key, value)
-      else
-         call self%absent(key)
-      end if
-   end subroutine put_texts
 
 end module gyroakf_report_description

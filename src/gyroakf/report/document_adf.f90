@@ -19,13 +19,13 @@ contains
 
       if (adf%lag_chosen) then
          call out%put("criterion", trim(adf%criterion))
-         call out%put("criterion_value", adf%criterion_value, title="")
+         call out%put("criterion_value", adf%criterion_value, shown=.false.)
       else
          call out%absent("criterion")
          call out%absent("criterion_value")
       end if
       call out%put("max_lags", adf%max_lags)
-      call out%put("wanted_lags", adf%wanted_lags, title="")
+      call out%put("wanted_lags", adf%wanted_lags, shown=.false.)
       call out%put("level", adf%level)
       call out%put("noise_variance", adf%noise_variance)
       if (.not. allocated(adf%table)) then
@@ -37,7 +37,7 @@ contains
          call out%open("")
          call out%put("name", trim(adf%table(i)%name), title="coefficient")
          call out%put("value", adf%table(i)%value, std_error=adf%table(i)%std_error)
-         call out%put("std_error", adf%table(i)%std_error, title="")
+         call out%put("std_error", adf%table(i)%std_error, shown=.false.)
          call out%put("t", adf%table(i)%t)
          call out%close()
       end do

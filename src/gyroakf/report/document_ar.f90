@@ -18,7 +18,7 @@ contains
       type(ar_model_type), intent(in) :: model
       integer :: i
 
-      call out%put("stationary", model%stationary, title=trim(merge("          ", "stationary", model%stationary)))
+      call out%put("stationary", model%stationary, shown=.not. model%stationary)
       call out%open_list("roots", "Roots")
       do i = 1, merge(model%order, 0, allocated(model%root))
          call out%open("")
@@ -31,14 +31,14 @@ contains
          call out%close()
       end do
       call out%close()
-      call out%put("rows", model%rows, title="")
-      call out%put("compared_rows", model%compared_rows, title="")
+      call out%put("rows", model%rows, shown=.false.)
+      call out%put("compared_rows", model%compared_rows, shown=.false.)
       call out%put("intercept", model%intercept, std_error=model%intercept_std_error, &
-                   title=trim(merge("intercept", "         ", model%method == "ols")))
+                   shown=model%method == "ols")
       call out%put("intercept_std_error", model%intercept_std_error, model%method == "ols", &
-                   title="")
-      call out%put("unbiased_variance", model%unbiased_variance, title="")
-      call out%put("residual_variance", model%residual_variance, title="")
+                   shown=.false.)
+      call out%put("unbiased_variance", model%unbiased_variance, shown=.false.)
+      call out%put("residual_variance", model%residual_variance, shown=.false.)
       if (model%residual_normality%kurtosis > 0.0_dp) then
          call out%open("residual_normality", "Jarque-Bera")
          call out%put("statistic", model%residual_normality%statistic)

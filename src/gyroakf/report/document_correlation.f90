@@ -4,6 +4,7 @@ module gyroakf_report_document_correlation
    use gyroakf_stats_whiteness, only : ljung_box_type
    use gyroakf_pipeline_result, only : channel_result_type
    use gyroakf_report_description, only : description_type
+   use gyroakf_report_verdicts, only : rejection_text, whiteness_text
    implicit none (type, external)
    private
    public :: put_kpss, put_ljung_box
@@ -12,7 +13,7 @@ contains
 
    !> "kpss": p_bound says whether p is below, at or above p_value, which the table bounds.
    subroutine put_kpss(out, channel)
-      !> The document
+      !> The renderer
       class(description_type), intent(inout) :: out
       !> One channel
       type(channel_result_type), intent(in) :: channel
@@ -23,11 +24,12 @@ contains
          return
       end if
       call out%open("kpss", "KPSS")
+      call out%remark(rejection_text("level stationarity", .not. channel%kpss%stationary))
       call out%put("statistic", channel%kpss%statistic)
       call out%put("p_value", channel%kpss%p_value, title="p "//bound(channel%kpss%p_bound))
       call out%put("lags", channel%kpss%lags)
       call out%put("regression", trim(channel%kpss%regression))
-      call out%put("p_bound", bound(channel%kpss%p_bound), title="")
+      call out%put("p_bound", bound(channel%kpss%p_bound), shown=.false.)
       call out%put("p_asymptotic", channel%kpss%p_asymptotic)
       call out%put("rule", trim(channel%kpss%rule))
       call out%put("observations", channel%kpss%observations)
@@ -37,7 +39,7 @@ contains
       call out%put("5%", channel%kpss%critical(2))
       call out%put("10%", channel%kpss%critical(1))
       call out%close()
-      call out%put("stationary", channel%kpss%stationary, title="level stationary at 5 %")
+      call out%put("stationary", channel%kpss%stationary, shown=.false.)
       call out%put("long_run_variance", channel%kpss%long_run_variance)
       call out%put("drift", channel%kpss%drift)
       call out%close()
@@ -45,7 +47,7 @@ contains
 
    !> A Ljung-Box test.
    subroutine put_ljung_box(out, key, title, test, available)
-      !> The document
+      !> The renderer
       class(description_type), intent(inout) :: out
       !> Its key, and what a text calls it
       character(*), intent(in) :: key, title
@@ -59,6 +61,7 @@ contains
          return
       end if
       call out%open(key, title)
+      call out%remark(whiteness_text(test))
       call out%put("statistic", test%statistic)
       call out%put("p_value", test%p_value)
       call out%put("lags", test%lags)

@@ -12,12 +12,12 @@ contains
 
    !> "normality", "anderson_darling", "histogram", "quantisation"; null where one is not available.
    subroutine put_distribution(out, channel)
-      !> The document
+      !> The renderer
       class(description_type), intent(inout) :: out
       !> One channel
       type(channel_result_type), intent(in) :: channel
 
-      call out%put("normality", trim(channel%normality), channel%available%jarque_bera, title="")
+      call out%put("normality", trim(channel%normality), channel%available%jarque_bera, shown=.false.)
       if (channel%available%anderson_darling) then
          call put_anderson_darling(out, channel)
       else
@@ -54,7 +54,7 @@ contains
       type(channel_result_type), intent(in) :: channel
 
       associate (histogram => channel%histogram)
-         call out%open("histogram", "")
+         call out%open("histogram", shown=.false.)
          call out%put("samples", histogram%samples)
          call out%put("mean", histogram%mean)
          call out%put("std", histogram%std)
@@ -77,7 +77,7 @@ contains
       type(channel_result_type), intent(in) :: channel
 
       associate (grid => channel%quantisation)
-         call out%open("quantisation", trim(merge("Quantization", "            ", grid%quantised)))
+         call out%open("quantisation", "Quantization", grid%quantised)
          call out%put("quantised", grid%quantised, title="quantized")
          call out%put("step", grid%step)
          call out%put("step_over_std", grid%ratio)

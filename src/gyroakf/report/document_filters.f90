@@ -9,6 +9,8 @@ module gyroakf_report_document_filters
    use gyroakf_pipeline_result, only : channel_result_type, filter_figures_type
    use gyroakf_report_description, only : description_type
    use gyroakf_report_document_correlation, only : put_ljung_box
+   use gyroakf_report_text_layout, only : count_text
+   use gyroakf_report_verdicts, only : drift_source_text
    implicit none (type, external)
    private
    public :: put_filters, put_drift
@@ -17,7 +19,7 @@ contains
 
    !> "filters".
    subroutine put_filters(out, channel)
-      !> The document
+      !> The renderer
       class(description_type), intent(inout) :: out
       !> One channel
       type(channel_result_type), intent(in) :: channel
@@ -51,13 +53,13 @@ contains
       end if
       measured = filter%nis_high > 0.0_dp
       call out%open(key, title)
-      call out%put("mean", filter%mean, title="")
-      call out%put("variance", filter%variance, title="")
+      call out%put("mean", filter%mean, shown=.false.)
+      call out%put("variance", filter%variance, shown=.false.)
       call out%put("gain", filter%gain, measured, title="mean gain of the last third")
-      call out%put("dc_gain", filter%dc_gain, title="")
+      call out%put("dc_gain", filter%dc_gain, shown=.false.)
       call out%put("q", filter%q, title="Q")
       call out%put("r", filter%r, title="R")
-      call out%put("nis_mean", filter%nis_mean, measured, title="")
+      call out%put("nis_mean", filter%nis_mean, measured, shown=.false.)
       call put_ljung_box(out, "ljung_box", "Ljung-Box of the innovations", filter%ljung_box, filter%ljung_box%lags > 0)
       if (adapts(filter)) then
          call out%put("forgetting", filter%forgetting)
@@ -68,14 +70,15 @@ contains
       end if
       call out%put("clamped", filter%clamped, title="steps at a bound")
       call out%put("gated", filter%gated, title="gated steps")
-      call out%put("rmse", figures%rmse, figures%rmse_samples > 0)
+      call out%put("rmse", figures%rmse, figures%rmse_samples > 0, &
+                   title="RMSE over "//count_text(figures%rmse_samples)//" samples")
       if (allocated(filter%warnings)) then
          call out%put("warnings", filter%warnings, title="notes:")
       else
          call out%put("warnings", nothing)
       end if
-      call out%put("nis_low", filter%nis_low, measured, title="")
-      call out%put("nis_high", filter%nis_high, measured, title="")
+      call out%put("nis_low", filter%nis_low, measured, shown=.false.)
+      call out%put("nis_high", filter%nis_high, measured, shown=.false.)
       call out%close()
    end subroutine put_filter
 
@@ -89,7 +92,7 @@ contains
 
    !> "drift": the model, what speaks for it, and what is left of the record without it.
    subroutine put_drift(out, channel)
-      !> The document
+      !> The renderer
       class(description_type), intent(inout) :: out
       !> One channel
       type(channel_result_type), intent(in) :: channel
@@ -108,12 +111,12 @@ contains
             call out%absent("doubt")
          end if
          call out%put("tau_s", channel%drift_tau, title="of processes slower than")
-         call out%put("name", trim(drift%name), title=trim(merge("approximation of the slow part of stationary noise:", &
-                                                                        "model                                              ", &
-                                                                        channel%verdict%stationary .and. drift%found)))
-         call out%put("source", trim(drift%source))
+         call out%put("name", trim(drift%name), title="model")
+         if (channel%verdict%stationary .and. drift%found) call out%remark("an approximation of the slow part of stationary noise")
+         call out%remark(drift_source_text(channel))
+         call out%put("source", trim(drift%source), shown=.false.)
          call put_model(out, drift%model)
-         call out%open_list("slow", "")
+         call out%open_list("slow", shown=.false.)
          do i = 1, drift%model%count
             call out%put("", drift%slow(i))
          end do
@@ -121,26 +124,26 @@ contains
          call put_errors(out, drift%std_error, drift%model%count, drift%errors_known)
          call put_processes(out, channel)
          call out%put("correlation_s", channel%drift_time, &
-                      drift%found .and. channel%drift_time > 0.0_dp, title="")
+                      drift%found .and. channel%drift_time > 0.0_dp, shown=.false.)
          call out%put("drift_std", drift%drift_std, drift%found, title="standard deviation of the drift")
          call out%put("white_std", drift%white_std, std_error=channel%white_std_error, &
                       title="standard deviation of the white noise")
-         call out%put("white_std_error", channel%white_std_error, drift%errors_known, title="")
-         call out%put("level", channel%level%mean, title="")
-         call out%put("level_variance", channel%level%variance, title="")
+         call out%put("white_std_error", channel%white_std_error, drift%errors_known, shown=.false.)
+         call out%put("level", channel%level%mean, shown=.false.)
+         call out%put("level_variance", channel%level%variance, shown=.false.)
          call out%put("log_likelihood", drift%log_likelihood)
          call out%open_list("candidates", "Candidates")
          do i = 1, size(drift%candidate)
             call put_candidate(out, drift%candidate(i), i == drift%chosen)
          end do
          call out%close()
-         call out%put("samples", drift%samples, title="")
-         call out%put("of_samples", drift%of_samples)
-         call out%put("block_samples", drift%block)
+         call out%put("samples", drift%samples, shown=.false.)
+         call out%put("of_samples", drift%of_samples, shown=.false.)
+         call out%put("block_samples", drift%block, shown=.false.)
          call out%put("compensated_mean", channel%compensated%mean, &
-                      channel%available%drift_smoother, title="")
+                      channel%available%drift_smoother, shown=.false.)
          call out%put("compensated_variance", channel%compensated%variance, &
-                      channel%available%drift_smoother, title="")
+                      channel%available%drift_smoother, shown=.false.)
       end associate
       call out%close()
    end subroutine put_drift
@@ -150,9 +153,9 @@ contains
       class(description_type), intent(inout) :: out
       type(component_model_type), intent(in) :: model
 
-      call out%put("phi", model%phi(:model%count), title="")
-      call out%put("q", model%q(:model%count), title="")
-      call out%put("r", model%r, title="")
+      call out%put("phi", model%phi(:model%count), shown=.false.)
+      call out%put("q", model%q(:model%count), shown=.false.)
+      call out%put("r", model%r, shown=.false.)
    end subroutine put_model
 
    !> Their standard errors, null where they are not known.
@@ -164,9 +167,9 @@ contains
       logical, intent(in) :: known
 
       if (known) then
-         call out%put("phi_std_error", std_error%phi(:count), title="")
-         call out%put("q_std_error", std_error%q(:count), title="")
-         call out%put("r_std_error", std_error%r, title="")
+         call out%put("phi_std_error", std_error%phi(:count), shown=.false.)
+         call out%put("q_std_error", std_error%q(:count), shown=.false.)
+         call out%put("r_std_error", std_error%r, shown=.false.)
       else
          call out%absent("phi_std_error")
          call out%absent("q_std_error")
@@ -189,14 +192,14 @@ contains
             call out%put("correlation_s", process%time, process%time > 0.0_dp, &
                          std_error=process%time_error, title="correlation time")
             call out%put("correlation_s_std_error", process%time_error, &
-                         known .and. process%time > 0.0_dp, title="")
+                         known .and. process%time > 0.0_dp, shown=.false.)
             call out%put("std", process%std, title="standard deviation")
             call out%put("k", process%k%value, process%k%detected, process%k%unit, &
                          process%k%std_error, "K")
             call out%put("k_std_error", process%k%std_error, known .and. process%k%detected, &
-                         title="")
+                         shown=.false.)
             if (process%walk) then
-               call out%put("k_unit", process%k%unit, title="")
+               call out%put("k_unit", process%k%unit, shown=.false.)
             else
                call out%absent("k_unit")
             end if

@@ -13,6 +13,7 @@ module gyroakf_report_document_parts
    use gyroakf_report_document_adf, only : put_adf_regression
    use gyroakf_record, only : record_type, text_type
    use gyroakf_report_document_correlation, only : put_kpss, put_ljung_box
+   use gyroakf_report_verdicts, only : correlation_caution, normality_text, rejection_text, verdict_text
    implicit none (type, external)
    private
    public :: put_verdict, put_tests, put_ar, put_allan, put_halves, put_coefficients, put_noise
@@ -21,7 +22,7 @@ contains
 
    !> "verdict": null where none was looked for.
    subroutine put_verdict(out, record, channel)
-      !> The document
+      !> The renderer
       class(description_type), intent(inout) :: out
       !> For the units
       type(record_type), intent(in) :: record
@@ -37,15 +38,16 @@ contains
       if (allocated(channel%verdict%reasons)) reasons = channel%verdict%reasons
       associate (verdict => channel%verdict)
          call out%open("verdict", "Verdict")
-         call out%put("stationary", verdict%stationary, verdict%stationary .or. verdict%drifts)
-         call out%put("drift", trim(verdict%drift))
+         call out%remark(verdict_text(channel))
+         call out%put("stationary", verdict%stationary, verdict%stationary .or. verdict%drifts, shown=.false.)
+         call out%put("drift", trim(verdict%drift), shown=.false.)
          if (verdict%trend%shape == "") then
             call out%absent("trend")
          else
             call out%open("trend")
             call out%put("shape", trim(merge("ramp   ", "warm_up", verdict%trend%shape == "ramp")))
             call out%put("size", verdict%trend%size, std_error=verdict%trend%std_error)
-            call out%put("std_error", verdict%trend%std_error, title="")
+            call out%put("std_error", verdict%trend%std_error, shown=.false.)
             call out%put("time_constant_s", verdict%trend%time_constant*record%sample_interval, &
                            verdict%trend%shape /= "ramp" .and. record%rate_known)
             call out%put("gain", verdict%trend%gain)
@@ -58,7 +60,7 @@ contains
 
    !> "tests".
    subroutine put_tests(out, channel)
-      !> The document
+      !> The renderer
       class(description_type), intent(inout) :: out
       !> One channel
       type(channel_result_type), intent(in) :: channel
@@ -69,14 +71,16 @@ contains
       call put_kpss(out, channel)
       if (channel%available%jarque_bera) then
          call out%open("jarque_bera", "Jarque-Bera")
+         call out%remark(normality_text(channel))
          call out%put("statistic", channel%jarque_bera%statistic)
          call out%put("p_value", channel%jarque_bera%p_value)
          call out%put("skewness", channel%jarque_bera%skewness, &
                       std_error=channel%jarque_bera%skewness_error)
          call out%put("kurtosis", channel%jarque_bera%kurtosis, &
                       std_error=channel%jarque_bera%kurtosis_error)
-         call out%put("skewness_std_error", channel%jarque_bera%skewness_error, title="")
-         call out%put("kurtosis_std_error", channel%jarque_bera%kurtosis_error, title="")
+         call out%put("skewness_std_error", channel%jarque_bera%skewness_error, shown=.false.)
+         call out%put("kurtosis_std_error", channel%jarque_bera%kurtosis_error, shown=.false.)
+         call out%remark(correlation_caution(channel))
          call out%close()
       else
          call out%absent("jarque_bera")
@@ -98,6 +102,7 @@ contains
          return
       end if
       call out%open("adf", "ADF")
+      call out%remark(rejection_text("unit root", channel%adf%stationary))
       call out%put("statistic", channel%adf%statistic)
       call out%put("p_value", channel%adf%p_value)
       call out%put("lag", channel%adf%lag)
@@ -108,14 +113,14 @@ contains
       call out%put("5%", channel%adf%critical(2))
       call out%put("10%", channel%adf%critical(3))
       call out%close()
-      call out%put("stationary", channel%adf%stationary, title="rejected at 5 %")
+      call out%put("stationary", channel%adf%stationary, shown=.false.)
       call put_adf_regression(out, channel%adf)
       call out%close()
    end subroutine put_adf
 
    !> "ar".
    subroutine put_ar(out, channel)
-      !> The document
+      !> The renderer
       class(description_type), intent(inout) :: out
       !> One channel
       type(channel_result_type), intent(in) :: channel
@@ -129,11 +134,11 @@ contains
       call out%put("method", trim(channel%ar%method))
       call out%put("criterion", trim(channel%ar%criterion))
       call out%put("order", channel%ar%order)
-      call out%put("coefficients", channel%ar%coefficient)
-      call out%put("std_errors", channel%ar%std_error, title="standard errors")
+      call out%put("coefficients", channel%ar%coefficient, std_errors=channel%ar%std_error)
+      call out%put("std_errors", channel%ar%std_error, shown=.false.)
       call out%put("noise_variance", channel%ar%noise_variance)
-      call out%put("mean", channel%ar%mean, title="")
-      call out%open_list("table", "")
+      call out%put("mean", channel%ar%mean, shown=.false.)
+      call out%open_list("table", shown=.false.)
       do i = lbound(channel%ar%table, 1), ubound(channel%ar%table, 1)
          call out%open("")
          call out%put("order", channel%ar%table(i)%order)
@@ -155,7 +160,7 @@ contains
 
    !> "allan".
    subroutine put_allan(out, channel)
-      !> The document
+      !> The renderer
       class(description_type), intent(inout) :: out
       !> One channel
       type(channel_result_type), intent(in) :: channel
@@ -198,17 +203,17 @@ contains
          call out%put("statistic", halves%statistic, title="chi-square")
          call out%put("freedom", halves%freedom, title="degrees of freedom")
          call out%put("p_value", halves%p_value)
-         call out%put("tau_s", halves%tau, title="")
-         call out%put("ratio", halves%ratio, title="")
-         call out%put("lower", halves%lower, title="")
-         call out%put("upper", halves%upper, title="")
+         call out%put("tau_s", halves%tau, shown=.false.)
+         call out%put("ratio", halves%ratio, shown=.false.)
+         call out%put("lower", halves%lower, shown=.false.)
+         call out%put("upper", halves%upper, shown=.false.)
          call out%close()
       end associate
    end subroutine put_halves
 
    !> Members of a curve.
    subroutine put_curve(out, curve)
-      !> The document
+      !> The renderer
       class(description_type), intent(inout) :: out
       !> The curve
       type(allan_curve_type), intent(in) :: curve
@@ -224,7 +229,7 @@ contains
 
    !> "other_kinds": the curves of the further kinds, each under its name.
    subroutine put_other_kinds(out, curves)
-      !> The document
+      !> The renderer
       class(description_type), intent(inout) :: out
       !> The curves; those that could not be computed are left out
       type(allan_curve_type), intent(in) :: curves(:)
@@ -243,7 +248,7 @@ contains
 
    !> "coefficients".
    subroutine put_coefficients(out, channel)
-      !> The document
+      !> The renderer
       class(description_type), intent(inout) :: out
       !> One channel
       type(channel_result_type), intent(in) :: channel
@@ -281,10 +286,10 @@ contains
          call put_stated(out, term_names(term), allan%stated%term(term), allan%stated%in_units)
       end do
       call put_unquantized(out, allan%stated)
-      call out%put("chi2_reduced", allan%noise%chi2_reduced, title="")
+      call out%put("chi2_reduced", allan%noise%chi2_reduced, shown=.false.)
       call put_read_off(out, allan%read_off)
       call put_densities(out, allan%stated)
-      call put_description(out, allan%noise)
+      call put_description(out, allan%noise, allan%curve)
       call out%close()
    end subroutine put_noise
 

@@ -4,6 +4,7 @@ module gyroakf_report_document_periodicity
    use gyroakf_kinds, only : int64
    use gyroakf_pipeline_result, only : channel_result_type
    use gyroakf_report_description, only : description_type
+   use gyroakf_report_verdicts, only : periodicity_text
    implicit none (type, external)
    private
    public :: put_fisher, put_welch
@@ -12,7 +13,7 @@ contains
 
    !> "fisher_g".
    subroutine put_fisher(out, channel)
-      !> The document
+      !> The renderer
       class(description_type), intent(inout) :: out
       !> One channel
       type(channel_result_type), intent(in) :: channel
@@ -22,21 +23,22 @@ contains
          return
       end if
       call out%open("fisher_g", "Fisher's g")
+      call out%remark(periodicity_text(channel))
       call out%put("statistic", channel%periodicity%fisher%statistic)
       call out%put("p_value", channel%periodicity%fisher%p_value)
       call out%put("frequency_hz", channel%fisher_frequency, unit=trim(channel%frequency_unit))
-      call out%put("log_p_value", channel%periodicity%fisher%log_p_value, title="")
+      call out%put("log_p_value", channel%periodicity%fisher%log_p_value, shown=.false.)
       call out%put("applied_to", trim(channel%whitened))
       call out%put("samples", channel%periodicity%samples)
-      call out%put("frequency_unit", trim(channel%frequency_unit), title="")
+      call out%put("frequency_unit", trim(channel%frequency_unit), shown=.false.)
       call out%put("of_samples", channel%periodicity%total)
-      call out%put("first_sample", channel%periodicity%first, title="")
+      call out%put("first_sample", channel%periodicity%first, shown=.false.)
       call out%close()
    end subroutine put_fisher
 
    !> "welch": what spectrum.csv holds.
    subroutine put_welch(out, channel)
-      !> The document
+      !> The renderer
       class(description_type), intent(inout) :: out
       !> One channel
       type(channel_result_type), intent(in) :: channel

@@ -12,7 +12,7 @@ contains
 
    !> "preprocess": null where the record was taken as it is.
    subroutine put_preprocess(out, channel)
-      !> The document
+      !> The renderer
       class(description_type), intent(inout) :: out
       !> One channel
       type(channel_result_type), intent(in) :: channel
@@ -52,7 +52,7 @@ contains
          call out%absent("coefficients")
       end if
       call out%close()
-      call out%put("mean", channel%clean%mean, title="")
+      call out%put("mean", channel%clean%mean, shown=.false.)
       call out%put("variance", channel%clean%variance)
       call out%put("corrected_variance", channel%clean%corrected_variance, &
                    channel%clean%corrected_variance > 0)

@@ -9,6 +9,7 @@ module gyroakf_report_json
    use gyroakf_io_writer, only : writer_type, put
    use gyroakf_record, only : text_type
    use gyroakf_report_description, only : description_type
+   use gyroakf_report_text_layout, only : count_text
    use gyroakf_utf8, only : sequence_length
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
@@ -32,14 +33,9 @@ module gyroakf_report_json
       logical :: list(0:max_depth) = .false.
    contains
       procedure :: close => close_group
-      procedure :: absent => put_null
       procedure :: begin => open_bracket
-      procedure :: number => put_number
-      procedure :: count => put_count
-      procedure :: flag => put_flag
-      procedure :: text => put_quoted
-      procedure :: numbers => put_numbers
-      procedure :: texts => put_list_of_texts
+      procedure :: value => put_value
+      procedure :: values => put_values
       !> Writes one value that is JSON already, `put_json(key, text)`
       procedure :: put_json => put_raw
    end type json_type
@@ -63,13 +59,6 @@ contains
       self%used = 0
    end subroutine close_group
 
-   subroutine put_null(self, key)
-      class(json_type), intent(inout) :: self
-      character(*), intent(in) :: key
-
-      call put_raw(self, key, "null")
-   end subroutine put_null
-
    !> The text that is in memory.
    pure function json_text(self) result(text)
       !> The document
@@ -79,70 +68,49 @@ contains
       if (allocated(self%buffer)) text = self%buffer(:self%used)
    end function json_text
 
-   subroutine put_number(self, key, value)
+   subroutine put_value(self, key, value)
       class(json_type), intent(inout) :: self
       character(*), intent(in) :: key
-      real(dp), intent(in) :: value
+      class(*), intent(in) :: value
+      character(:), allocatable :: text
 
-      call put_raw(self, key, json_number(value))
-   end subroutine put_number
+      select type (value)
+      type is (real(dp))
+         text = json_number(value)
+      type is (integer)
+         text = count_text(int(value, int64))
+      type is (integer(int64))
+         text = count_text(value)
+      type is (logical)
+         text = trim(merge("true ", "false", value))
+      type is (character(*))
+         call quote_json(value, text)
+      class default
+         text = "null"
+      end select
+      call put_raw(self, key, text)
+   end subroutine put_value
 
-   subroutine put_count(self, key, value)
+   subroutine put_values(self, key, value)
       class(json_type), intent(inout) :: self
       character(*), intent(in) :: key
-      integer(int64), intent(in) :: value
-      character(24) :: digits
-
-      write (digits, "(i0)") value
-      call put_raw(self, key, trim(digits))
-   end subroutine put_count
-
-   subroutine put_flag(self, key, value)
-      class(json_type), intent(inout) :: self
-      character(*), intent(in) :: key
-      logical, intent(in) :: value
-
-      call put_raw(self, key, trim(merge("true ", "false", value)))
-   end subroutine put_flag
-
-   subroutine put_quoted(self, key, value)
-      class(json_type), intent(inout) :: self
-      character(*), intent(in) :: key, value
-      character(:), allocatable :: quoted
-
-      call quote_json(value, quoted)
-      call put_raw(self, key, quoted)
-   end subroutine put_quoted
-
-   subroutine put_numbers(self, key, value)
-      class(json_type), intent(inout) :: self
-      character(*), intent(in) :: key
-      real(dp), intent(in) :: value(:)
+      class(*), intent(in) :: value(:)
+      character(:), allocatable :: text
       integer(int64) :: i
 
       call put_raw(self, key, "[")
       do i = 1, size(value, kind=int64)
          if (i > 1) call append(self, ", ")
-         call append(self, json_number(value(i)))
+         select type (value)
+         type is (real(dp))
+            call append(self, json_number(value(i)))
+         type is (text_type)
+            call quote_json(value(i)%text, text)
+            call append(self, text)
+         end select
       end do
       call append(self, "]")
-   end subroutine put_numbers
-
-   subroutine put_list_of_texts(self, key, value)
-      class(json_type), intent(inout) :: self
-      character(*), intent(in) :: key
-      type(text_type), intent(in) :: value(:)
-      character(:), allocatable :: quoted
-      integer :: i
-
-      call put_raw(self, key, "[")
-      do i = 1, size(value)
-         if (i > 1) call append(self, ", ")
-         call quote_json(value(i)%text, quoted)
-         call append(self, quoted)
-      end do
-      call append(self, "]")
-   end subroutine put_list_of_texts
+   end subroutine put_values
 
    !> The length of `json_number`.
    pure integer function number_length(value)

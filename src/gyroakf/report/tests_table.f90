@@ -5,12 +5,10 @@ module gyroakf_report_tests_table
    use gyroakf_pipeline_result, only : channel_result_type
    use gyroakf_report_text_layout, only : number, p_value_text
    use gyroakf_report_text_table, only : table_type, new_table, set_cell, set_row
+   use gyroakf_report_verdicts, only : level
    implicit none (type, external)
    private
    public :: make_tests_table, has_tests, kpss_p_text, bare
-
-   !> A test rejects at this level
-   real(dp), parameter :: level = 0.05_dp
 
 contains
 

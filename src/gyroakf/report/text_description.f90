@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> The text renderer of a description, for a terminal and a page: the outermost groups have a heading, the groups in them a
-!> labeled line each, "statistic 2570, p < 1e-20, lags 20".
+!> The text renderer of a description, for a terminal and a page: the outermost groups have a heading, the groups and lists in them
+!> a labeled line each, "not white: statistic 2570, p < 1e-20, lags 20", each element of a list a line of its own.
 module gyroakf_report_text_description
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_writer, only : writer_type
@@ -19,8 +19,7 @@ module gyroakf_report_text_description
    !> The line so far
    type, extends(description_type) :: text_description_type
       private
-      !> Where the text goes
-      type(writer_type), pointer, public :: writer => null()
+      type(writer_type), pointer :: writer => null()
       integer :: depth = 0
       !> Keys of groups that are not shown
       character(8), allocatable, public :: skip(:)
@@ -33,41 +32,45 @@ module gyroakf_report_text_description
       character(:), allocatable :: heading
       character(:), allocatable :: label, line
    contains
+      !> Sets where the text goes, `attach(writer)`
+      procedure :: attach
       procedure :: begin
       procedure :: close => close_group
-      procedure :: absent
-      procedure :: number => put_number
-      procedure :: count => put_count
-      procedure :: flag
-      procedure :: text => put_words
-      procedure :: numbers
-      procedure :: texts
+      procedure :: value => put_value
+      procedure :: values => put_values
    end type text_description_type
 
 contains
 
-   !> A heading at depth 1, a line at depth 2 and for each element of a list there, words in the line below.
+   subroutine attach(self, writer)
+      class(text_description_type), intent(inout) :: self
+      !> Open; outlives the renderer
+      type(writer_type), intent(inout), target :: writer
+
+      self%writer => writer
+      self%for_people = .true.
+   end subroutine attach
+
    subroutine begin(self, key, list)
       class(text_description_type), intent(inout) :: self
       character(*), intent(in) :: key
       logical, intent(in) :: list
       character(:), allocatable :: title
+      logical :: shown
 
-      call title_of(self, key, title)
-      if (allocated(self%skip)) then
-         if (any(self%skip == key)) title = ""
-      end if
-      if (self%depth == 1) call end_line(self)
+      call find_title(self, key, title, shown)
+      if (allocated(self%skip)) shown = shown .and. .not. any(self%skip == key)
+      if (self%depth == 1 .or. list) call end_line(self)
       self%depth = self%depth + 1
       self%list(self%depth) = list
       if (self%depth > self%hidden) return
-      if (title == "" .and. key /= "") then
+      if (.not. shown) then
          self%hidden = self%depth - 1
       else if (self%depth == 1) then
          self%heading = capitalized(title)
          self%label = ""
          self%line = ""
-      else if (self%depth == 2) then
+      else if (self%depth == 2 .or. list) then
          self%label = capitalized(title)
       else if (self%list(self%depth - 1)) then
          call end_line(self)
@@ -77,118 +80,112 @@ contains
       end if
    end subroutine begin
 
-   !> Writes the line of a group.
+   !> Writes the line of a group; one in a line ends with its parenthesis, and is nothing where nothing of it is shown.
    subroutine close_group(self)
       class(text_description_type), intent(inout) :: self
 
-      if (self%depth <= 2 .or. self%list(max(self%depth - 1, 0))) then
+      if (self%depth <= 2 .or. any(self%list(self%depth - 1:self%depth))) then
          call end_line(self)
       else if (self%depth <= self%hidden) then
-         if (self%line(len(self%line):) == "(") then
+         if (ends_with(self%line, "(")) then
             self%line = self%line(:self%start(self%depth))
          else
             self%line = self%line//")"
          end if
       end if
-      if (self%depth == 2) then
-         self%label = ""
-         self%list(2) = .false.
-      end if
+      if (self%depth == 2 .or. self%list(self%depth)) self%label = ""
+      self%list(self%depth) = .false.
       self%depth = self%depth - 1
       if (self%depth <= self%hidden) self%hidden = max_depth
    end subroutine close_group
 
-   !> Nothing: what is not known is left out.
-   subroutine absent(self, key)
+   subroutine put_value(self, key, value)
       class(text_description_type), intent(inout) :: self
       character(*), intent(in) :: key
-
-      if (len(key) > 0 .and. allocated(self%title)) deallocate (self%title)
-   end subroutine absent
-
-   subroutine put_number(self, key, value)
-      class(text_description_type), intent(inout) :: self
-      character(*), intent(in) :: key
-      real(dp), intent(in) :: value
+      class(*), intent(in) :: value
       character(:), allocatable :: title, unit
+      logical :: shown
 
-      call title_of(self, key, title)
-      if (title == "" .and. key /= "") return
-      unit = unit_of(key)
-      if (allocated(self%unit)) unit = " "//self%unit
-      if (key == "p_value" .and. .not. allocated(self%title)) then
-         call add(self, p_value_text(value))
+      call find_title(self, key, title, shown)
+      if (.not. shown) return
+      select type (value)
+      type is (real(dp))
+         unit = unit_of(key)
+         if (allocated(self%member%unit)) unit = " "//self%member%unit
+         if (key == "p_value" .and. .not. allocated(self%member%title)) then
+            title = p_value_text(value)
+         else
+            title = title//" "//value_text(value, self%member%std_error)//unit
+         end if
+      type is (integer)
+         title = title//" "//count_text(int(value, int64))
+      type is (integer(int64))
+         title = title//" "//count_text(value)
+      type is (logical)
+         if (.not. value) title = "not "//title
+      type is (character(*))
+         if (key == "") then
+            call put_remark(self, value)
+            return
+         end if
+         title = title//" "//value
+      end select
+      call add(self, trim(adjustl(title)))
+   end subroutine put_value
+
+   subroutine put_values(self, key, value)
+      class(text_description_type), intent(inout) :: self
+      character(*), intent(in) :: key
+      class(*), intent(in) :: value(:)
+      character(:), allocatable :: title
+      logical :: shown
+      integer :: i
+
+      call find_title(self, key, title, shown)
+      if (.not. shown .or. size(value) == 0) return
+      select type (value)
+      type is (real(dp))
+         if (size(value) > longest_list) return
+         do i = 1, size(value)
+            if (allocated(self%member%std_errors)) then
+               title = title//" "//rounded(value(i), self%member%std_errors(i))
+            else
+               title = title//" "//number(value(i), 6)
+            end if
+         end do
+      type is (text_type)
+         do i = 1, size(value)
+            title = title//" "//value(i)%text//";"
+         end do
+         title = title(:len(title) - 1)
+      end select
+      call add(self, title)
+   end subroutine put_values
+
+   !> Before the values of a line "not white: ", after them "; the samples are correlated"; a line of its own in an outermost group.
+   subroutine put_remark(self, text)
+      class(text_description_type), intent(inout) :: self
+      character(*), intent(in) :: text
+
+      if (self%depth == 1) then
+         call end_line(self)
+         self%line = text
+         call end_line(self)
+      else if (self%line == "") then
+         self%line = text//":"
+      else if (ends_with(self%line, "(")) then
+         self%line = self%line//text//":"
       else
-         call add(self, trim(title//" "//value_text(value, self%std_error))//unit)
+         self%line = self%line//"; "//text
       end if
-   end subroutine put_number
+   end subroutine put_remark
 
-   subroutine put_count(self, key, value)
-      class(text_description_type), intent(inout) :: self
-      character(*), intent(in) :: key
-      integer(int64), intent(in) :: value
-      character(:), allocatable :: title
-
-      call title_of(self, key, title)
-      if (title /= "") call add(self, title//" "//count_text(value))
-   end subroutine put_count
-
-   !> "stationary", "not stationary".
-   subroutine flag(self, key, value)
-      class(text_description_type), intent(inout) :: self
-      character(*), intent(in) :: key
-      logical, intent(in) :: value
-      character(:), allocatable :: title
-
-      call title_of(self, key, title)
-      if (title /= "") call add(self, trim(merge("    ", "not ", value))//repeat(" ", merge(0, 1, value))//title)
-   end subroutine flag
-
-   subroutine put_words(self, key, value)
-      class(text_description_type), intent(inout) :: self
-      character(*), intent(in) :: key, value
-      character(:), allocatable :: title
-
-      call title_of(self, key, title)
-      if (title /= "" .or. key == "") call add(self, trim(title//" "//value))
-   end subroutine put_words
-
-   subroutine numbers(self, key, value)
-      class(text_description_type), intent(inout) :: self
-      character(*), intent(in) :: key
-      real(dp), intent(in) :: value(:)
-      character(:), allocatable :: title
-      integer :: i
-
-      call title_of(self, key, title)
-      if (title == "" .or. size(value) == 0 .or. size(value) > longest_list) return
-      do i = 1, size(value)
-         title = title//" "//number(value(i), 6)
-      end do
-      call add(self, title)
-   end subroutine numbers
-
-   subroutine texts(self, key, value)
-      class(text_description_type), intent(inout) :: self
-      character(*), intent(in) :: key
-      type(text_type), intent(in) :: value(:)
-      character(:), allocatable :: title
-      integer :: i
-
-      call title_of(self, key, title)
-      if (title == "" .or. size(value) == 0) return
-      do i = 1, size(value)
-         if (i > 1) title = title//";"
-         title = title//" "//value(i)%text
-      end do
-      call add(self, title)
-   end subroutine texts
-
-   !> What a member is called, "" where it is not shown.
-   subroutine title_of(self, key, title)
+   !> What a member is called, and whether it is shown.
+   subroutine find_title(self, key, title, shown)
       class(text_description_type), intent(in) :: self
       character(*), intent(in) :: key
       character(:), allocatable, intent(out) :: title
+      logical, intent(out) :: shown
       integer :: i
 
       title = key
@@ -197,9 +194,9 @@ contains
       do i = 1, len(title)
          if (title(i:i) == "_") title(i:i) = " "
       end do
-      if (allocated(self%title)) title = self%title
-      if (self%depth > self%hidden) title = ""
-   end subroutine title_of
+      if (allocated(self%member%title)) title = self%member%title
+      shown = self%member%shown .and. self%depth <= self%hidden
+   end subroutine find_title
 
    !> " s" of "tau_s".
    pure function unit_of(key) result(unit)
@@ -219,31 +216,44 @@ contains
       class(text_description_type), intent(inout) :: self
       character(*), intent(in) :: text
 
-      if (self%depth > self%hidden) return
       if (self%line == "") then
          self%line = text
-      else if (self%line(len(self%line):) == "(") then
+      else if (ends_with(self%line, "(")) then
          self%line = self%line//text
+      else if (ends_with(self%line, ":")) then
+         self%line = self%line//" "//text
       else
          self%line = self%line//", "//text
       end if
    end subroutine add
 
+   !> Whether a text ends with a character.
+   pure logical function ends_with(text, ending)
+      character(*), intent(in) :: text
+      character(1), intent(in) :: ending
+
+      ends_with = .false.
+      if (len(text) > 0) ends_with = text(len(text):) == ending
+   end function ends_with
+
    !> Writes the line, before it the heading that is waiting.
    subroutine end_line(self)
       class(text_description_type), intent(inout) :: self
+      logical :: in_list
 
       if (self%line == "" .or. self%depth > self%hidden) return
+      in_list = any(self%list(2:self%depth))
+      if (ends_with(self%line, ":")) self%line = self%line(:len(self%line) - 1)       ! a remark alone
       if (allocated(self%heading)) then
          call put_heading(self%writer, self%heading)
          deallocate (self%heading)
       end if
-      if (self%label == "" .and. .not. self%list(2)) then
+      if (self%label == "" .and. .not. in_list) then
          call put_paragraph(self%writer, self%line, 2)
       else
          call put_item(self%writer, self%label, self%line)
       end if
-      if (self%list(2)) self%label = ""
+      if (in_list) self%label = ""
       self%line = ""
    end subroutine end_line
 

@@ -4,19 +4,16 @@ module gyroakf_report_text_filters
    use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : record_type
    use gyroakf_io_writer, only : writer_type
-   use gyroakf_stats_whiteness, only : ljung_box_type
    use gyroakf_filter_filter_series, only : filter_result_type
    use gyroakf_pipeline_result, only : channel_result_type, filter_figures_type
    use gyroakf_report_input, only : has_unit, unit_name
    use gyroakf_report_text_layout, only : put_heading, put_item, put_paragraph, number, scientific, fixed, &
       count_text
    use gyroakf_report_text_table, only : table_type, new_table, set_exact, set_cell, set_row, put_numbered, put_table
+   use gyroakf_report_verdicts, only : whiteness_word
    implicit none (type, external)
    private
-   public :: put_filter_table, make_filter_table, whiteness_word, put_rmse
-
-   !> An autocorrelation that does no harm, however significant it is
-   real(dp), parameter :: negligible_rho = 0.05_dp
+   public :: put_filter_table, make_filter_table, put_rmse
 
 contains
 
@@ -147,21 +144,6 @@ contains
       call set_cell(table, row, 8, number(filter%ljung_box%largest_rho, 2))
       call set_cell(table, row, 9, trim(whiteness_word(filter%ljung_box)))
    end subroutine add_filter
-
-   !> Whiteness in a word: significance alone would call every long record colored.
-   pure function whiteness_word(test) result(text)
-      !> Of residuals or innovations
-      type(ljung_box_type), intent(in) :: test
-      character(8) :: text
-
-      if (.not. test%p_value < 0.05_dp) then
-         text = "white"
-      else if (test%largest_rho < negligible_rho) then
-         text = "nearly"
-      else
-         text = "colored"
-      end if
-   end function whiteness_word
 
    !> RMSE of every filter against the true drift; nothing where that is not known.
    subroutine put_rmse(writer, record, channel)

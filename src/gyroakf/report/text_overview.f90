@@ -10,10 +10,10 @@ module gyroakf_report_text_overview
    use gyroakf_report_removed, only : cleaning_text
    use gyroakf_report_tests_table, only : bare, has_tests, kpss_p_text, make_tests_table
    use gyroakf_report_text_description, only : text_description_type
-   use gyroakf_report_text_filters, only : make_filter_table, put_rmse, whiteness_word
+   use gyroakf_report_text_filters, only : make_filter_table, put_rmse
    use gyroakf_report_text_layout, only : count_text, number, p_value_text, put_item, put_paragraph, rounded, scientific
    use gyroakf_report_text_table, only : new_table, put_numbered, put_table, set_cell, set_row, table_type
-   use gyroakf_report_verdicts, only : put_verdict, verdict_text
+   use gyroakf_report_verdicts, only : put_verdict, verdict_text, whiteness_word
    implicit none (type, external)
    private
    public :: put_overview
@@ -65,7 +65,7 @@ contains
          if (.not. channel%available%ar) return
          call make_ar_table(record, channel, table)
          call put_numbered(writer, table)
-         out%writer => writer
+         call out%attach(writer)
          call put_ar(out, channel)
       case default
          if (channel%available%preprocess) call put_item(writer, "Cleaned", cleaning_text(channel%clean))

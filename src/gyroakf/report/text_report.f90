@@ -92,7 +92,7 @@ contains
       character(:), allocatable :: title
       logical :: all
 
-      out%writer => writer
+      call out%attach(writer)
       all = command == "run"
       if (all) out%skip = [character(8) :: "adf", "kpss"]       ! of a long record they reject a unit root for any sensor
       call put_alerts(writer, channel)

@@ -1,12 +1,22 @@
 ! SPDX-License-Identifier: MIT
-!> The verdict on the drift of a channel in words: the only sentences of a report that say whether it drifts.
+!> Verdicts in words: whether a channel drifts, and what its tests and its fit say.
 module gyroakf_report_verdicts
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : channel_result_type
-   use gyroakf_report_text_layout, only : put_item
+   use gyroakf_pipeline_warnings, only : negligible_rho
+   use gyroakf_report_text_layout, only : count_text, number, put_item
+   use gyroakf_stats_whiteness, only : ljung_box_type
    implicit none (type, external)
    private
-   public :: put_verdict, verdict_text
+   public :: put_verdict, verdict_text, level, rejection_text, whiteness_word, whiteness_text, normality_text
+   public :: correlation_caution, periodicity_text, drift_source_text, slopes_text
+
+   !> Tests reject at this significance
+   real(dp), parameter :: level = 0.05_dp
+   !> Fewer periods in a record are drift
+   integer(int64), parameter :: fewest_periods = 5_int64
 
 contains
 
@@ -46,5 +56,125 @@ contains
          end select
       end associate
    end function verdict_text
+
+   !> "unit root rejected at 5 %".
+   pure function rejection_text(hypothesis, rejected) result(text)
+      !> What the test takes for granted
+      character(*), intent(in) :: hypothesis
+      logical, intent(in) :: rejected
+      character(:), allocatable :: text
+
+      text = hypothesis//" not rejected at 5 %"
+      if (rejected) text = hypothesis//" rejected at 5 %"
+   end function rejection_text
+
+   !> Whiteness in a word: significance alone would call every long record colored.
+   pure function whiteness_word(test) result(text)
+      !> Of residuals or innovations
+      type(ljung_box_type), intent(in) :: test
+      character(8) :: text
+
+      if (.not. test%p_value < 0.05_dp) then
+         text = "white"
+      else if (test%largest_rho < negligible_rho) then
+         text = "nearly"
+      else
+         text = "colored"
+      end if
+   end function whiteness_word
+
+   !> The same in words.
+   pure function whiteness_text(test) result(text)
+      !> Of samples, residuals or innovations
+      type(ljung_box_type), intent(in) :: test
+      character(:), allocatable :: text
+
+      select case (whiteness_word(test))
+      case ("white"); text = "white"
+      case ("nearly"); text = "nearly white, a small correlation is seen because the record is long"
+      case default; text = "not white"
+      end select
+   end function whiteness_text
+
+   !> What the tests of normality say together.
+   pure function normality_text(channel) result(text)
+      !> With its tests
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
+
+      select case (channel%normality)
+      case ("normal"); text = "normality not rejected"
+      case ("nearly"); text = "nearly normal, a small departure is seen because the record is long"
+      case ("undecided"); text = "too few samples to tell"
+      case default; text = "not normal"
+      end select
+   end function normality_text
+
+   !> What correlation does to tests of normality, "" where there is little of it.
+   pure function correlation_caution(channel) result(text)
+      !> With its tests
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
+
+      text = ""
+      if (.not. channel%available%ljung_box) return
+      if (whiteness_word(channel%ljung_box) == "colored") text = "the samples are correlated: the p-value is too small"
+   end function correlation_caution
+
+   !> What Fisher's test says.
+   pure function periodicity_text(channel) result(text)
+      !> With its periodogram
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
+
+      associate (fisher => channel%periodicity%fisher)
+         if (.not. fisher%p_value < level) then
+            text = "no single period stands out"
+         else if (fisher%ordinate < fewest_periods) then
+            text = "slow changes stand out, less than "//count_text(fewest_periods)//" periods in the record: drift, not a period"
+         else
+            text = "a period stands out, or correlation that the AR model does not describe"
+         end if
+      end associate
+   end function periodicity_text
+
+   !> How the model of the drift was found.
+   pure function drift_source_text(channel) result(text)
+      !> With its drift model
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
+
+      associate (drift => channel%drift)
+         if (drift%source == "autocov") then
+            text = "found by least squares on the autocovariances, for no likelihood has a maximum"
+         else
+            text = "found by the largest likelihood of "
+            if (drift%samples < drift%of_samples) text = text//"the middle "//count_text(drift%samples)//" of "
+            text = text//count_text(drift%of_samples)//" samples"
+            if (drift%block > 1) text = text//", its slowest processes by that of means of "//count_text(drift%block)// &
+               " samples over the whole record"
+         end if
+         if (.not. drift%errors_known .and. drift%model%count > 0) text = text//"; standard errors are not known"
+      end associate
+   end function drift_source_text
+
+   !> Slopes of a curve that the terms do not describe, over factors of 8 in averaging time.
+   pure function slopes_text(curve) result(text)
+      !> With two points or more
+      type(allan_curve_type), intent(in) :: curve
+      character(:), allocatable :: text
+      character(5) :: slope
+      integer :: i, k
+
+      text = ""
+      i = 1
+      do k = 2, size(curve%tau)
+         if (curve%tau(k) < 7.9_dp*curve%tau(i)) cycle
+         write (slope, "(sp, f5.2)") log(curve%deviation(k)/curve%deviation(i))/log(curve%tau(k)/curve%tau(i))
+         text = text//slope//" from tau = "//number(curve%tau(i), 3)//" to "//number(curve%tau(k), 3)//", "
+         i = k
+      end do
+      text = "slope "//text//"where -1 is quantization, -1/2 white noise, 0 bias instability, +1/2 random walk"
+   end function slopes_text
 
 end module gyroakf_report_verdicts
