@@ -139,28 +139,10 @@ static void outliers(void) {
 static void tests(void) {
   gyroakf_adf adf;
   gyroakf_kpss kpss;
-  gyroakf_whiteness white;
-  gyroakf_histogram *h;
-  gyroakf_adf_coefficient rows[400];
-  int32_t count;
-  double acf[1001], pacf[1001], limit[1001];
   WITH("ADF", adf, status = gyroakf_adf_test(x, n, &opt, &adf, NULL));
   WITH("ADF, ctt, by t", adf, opt.regression = "ctt"; opt.criterion = "t"; status = gyroakf_adf_test(x, n, &opt, &adf, NULL));
-  WITH("ADF, coefficients", adf, opt.lags = 10; status = gyroakf_adf_coefficients(x, n, &opt, 400, rows, &count, NULL));
   WITH("KPSS", kpss, status = gyroakf_kpss_test(x, n, &opt, &kpss, NULL));
   WITH("KPSS, line", kpss, opt.regression = "ct"; status = gyroakf_kpss_test(x, n, &opt, &kpss, NULL));
-  WATCHED("autocorrelation, 20 lags", status = gyroakf_autocorrelation_watched(x, n, 20, acf, NULL, NULL, listen, NULL, NULL));
-  WATCHED("autocorrelation, 1000 lags", status = gyroakf_autocorrelation_watched(x, n, 1000, acf, pacf, limit, listen, NULL, NULL));
-  WATCHED("Ljung-Box", status = gyroakf_ljung_box_watched(x, n, 20, 0, &white, listen, NULL, NULL));
-  WATCHED("histogram", status = gyroakf_histogram_new_watched(x, n, 0, &h, listen, NULL, NULL); gyroakf_histogram_free(h));
-}
-
-static void spectra(void) {
-  gyroakf_fisher fisher;
-  WATCHED("Fisher's g", status = gyroakf_fisher_g_watched(x, n, &fisher, listen, NULL, NULL));
-  WATCHED("Fisher's g, a hard length", status = gyroakf_fisher_g_watched(x, n - 1, &fisher, listen, NULL, NULL));
-  WATCHED("Welch's spectrum", status = gyroakf_welch_spectrum_watched(x, n, 0.01, 0, NULL, y, NULL, listen, NULL, NULL));
-  WATCHED("Welch's spectrum, one segment", status = gyroakf_welch_spectrum_watched(x, n, 0.01, n, NULL, y, NULL, listen, NULL, NULL));
 }
 
 static void models(void) {
@@ -269,7 +251,6 @@ int main(int argc, char **argv) {
     allan();
     outliers();
     tests();
-    spectra();
     models();
     filters();
     recordings();

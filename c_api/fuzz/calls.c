@@ -34,15 +34,10 @@
   F(run_options_init, 1) F(run, 2) F(result_json, 8) F(result_free, 8) \
   F(allan_options_init, 1) F(allan_new, 60) F(allan_size, 8) F(allan_tau, 8) F(allan_deviation, 8) F(allan_lower, 8) \
   F(allan_upper, 8) F(allan_edf, 8) F(allan_free, 30) \
-  F(fit_options_init, 1) F(noise_fit, 4) F(noise_covariance, 4) \
+  F(fit_options_init, 1) F(noise_fit, 4) \
   F(outlier_options_init, 1) F(mark_outliers, 80) \
-  F(adf_options_init, 1) F(adf_test, 60) F(adf_coefficients, 60) \
+  F(adf_options_init, 1) F(adf_test, 60) \
   F(kpss_options_init, 1) F(kpss_test, 80) \
-  F(autocorrelation, 50) F(autocorrelation_watched, 25) F(ljung_box, 50) F(ljung_box_watched, 25) \
-  F(histogram_new, 50) F(histogram_new_watched, 25) F(histogram_bins, 8) F(histogram_edges, 8) F(histogram_counts, 8) \
-  F(histogram_expected, 8) \
-  F(histogram_outside, 16) F(histogram_free, 30) \
-  F(fisher_g, 50) F(fisher_g_watched, 25) F(welch_size, 30) F(welch_spectrum, 50) F(welch_spectrum_watched, 25) \
   F(ar_options_init, 1) F(ar_fit, 60) \
   F(filter_options_init, 1) F(filter_new, 120) F(filter_step, 200) F(filter_freeze, 40) F(filter_run, 100) \
   F(filter_run_watched, 60) F(filter_get, 60) \
@@ -267,7 +262,7 @@ static gyroakf_error *error_place(void) { return one_in(8) ? NULL : (gyroakf_err
 
 /* ------------------------------------------------------------------------------------------------------------- handles */
 
-enum kind { records, allans, histograms, filters, runs, kinds };
+enum kind { records, allans, filters, runs, kinds };
 enum { most_handles = 4 };
 static void *handles[kinds][most_handles];
 static int handle_count[kinds];
@@ -276,7 +271,6 @@ static void release(enum kind kind, void *handle) {
   switch (kind) {
     case records: gyroakf_record_free((gyroakf_record *)handle); break;
     case allans: gyroakf_allan_free((gyroakf_allan *)handle); break;
-    case histograms: gyroakf_histogram_free((gyroakf_histogram *)handle); break;
     case filters: gyroakf_filter_free((gyroakf_filter *)handle); break;
     default: gyroakf_result_free((gyroakf_result *)handle); break;
   }
@@ -707,10 +701,6 @@ TELLS(allan_deviation, gyroakf_allan, allans, const double *, r ? value && value
 TELLS(allan_lower, gyroakf_allan, allans, const double *, r ? value && value[0] >= 0 : !value)
 TELLS(allan_upper, gyroakf_allan, allans, const double *, r ? value && value[0] >= 0 : !value)
 TELLS(allan_edf, gyroakf_allan, allans, const double *, r ? value && value[0] >= 0 : !value)
-TELLS(histogram_bins, gyroakf_histogram, histograms, int32_t, (value > 0) == (r != NULL))
-TELLS(histogram_edges, gyroakf_histogram, histograms, const double *, r ? value && value[0] < value[1] : !value)
-TELLS(histogram_counts, gyroakf_histogram, histograms, const int64_t *, r ? value && value[0] >= 0 : !value)
-TELLS(histogram_expected, gyroakf_histogram, histograms, const double *, r ? value && value[0] >= 0 : !value)
 TELLS_OF(record_values, const double *, there ? value && is_values(r, value) : !value)
 TELLS_OF(record_present, const int8_t *, there ? !value || value[0] == 0 || value[0] == 1 : !value)
 TELLS_OF(record_name, const char *, there ? value && is_clean(value) : !value)
@@ -748,7 +738,6 @@ static void call_record_audit(void) {
   }
 FREES(record_free, gyroakf_record, records)
 FREES(allan_free, gyroakf_allan, allans)
-FREES(histogram_free, gyroakf_histogram, histograms)
 FREES(filter_free, gyroakf_filter, filters)
 FREES(result_free, gyroakf_result, runs)
 
@@ -799,19 +788,6 @@ static void call_noise_fit(void) {
   if (out) promise_numbers(status, &out->n.value, 3);
 }
 
-static void call_noise_covariance(void) {
-  const gyroakf_allan *a = (const gyroakf_allan *)handle(allans);
-  gyroakf_fit_options *opt = any_fit_options();
-  gyroakf_noise *out = (gyroakf_noise *)place(sizeof *out);
-  double *covariance = one_in(40) ? NULL : (double *)take(25 * sizeof *covariance, any_offset(), output);
-  gyroakf_error *err = error_place();
-  int status;
-  begin();
-  status = gyroakf_noise_covariance(a, opt, out, covariance, err);
-  end(status, err);
-  promise_numbers(status, covariance, 25);
-}
-
 static void call_mark_outliers(void) {
   int64_t n;
   const double *x = series(&n);
@@ -842,143 +818,6 @@ static void call_mark_outliers(void) {
   }
 TESTS(adf, adf, 5)
 TESTS(kpss, kpss, 10)
-
-static void call_adf_coefficients(void) {
-  int64_t n;
-  const double *x = series(&n);
-  gyroakf_adf_options *opt = any_adf_options();
-  int32_t capacity = below(12), *rows = (int32_t *)place(sizeof *rows);
-  gyroakf_adf_coefficient *table = one_in(4) ? NULL : (gyroakf_adf_coefficient *)take((size_t)capacity * sizeof *table, 0, output);
-  gyroakf_error *err = error_place();
-  int status;
-  if (!table || (capacity == 0 && one_in(2))) capacity = -capacity;
-  begin();
-  status = gyroakf_adf_coefficients(x, n, opt, capacity, table, rows, err);
-  end(status, err);
-}
-
-static void try_autocorrelation(int watched) {
-  gyroakf_progress_fn listener = any_progress();
-  int64_t n;
-  const double *x = series(&n);
-  int32_t lags = one_in(3) ? any_int() : below(20);
-  size_t bytes = lags >= 0 && lags <= 6000 ? ((size_t)lags + 1) * sizeof(double) : 0;
-  double *acf = (double *)results(bytes, 40), *pacf = (double *)results(bytes, 4), *limit = (double *)results(bytes, 4);
-  gyroakf_error *err = error_place();
-  int status;
-  begin();
-  if (watched) status = gyroakf_autocorrelation_watched(x, n, lags, acf, pacf, limit, listener, &user, err);
-  else status = gyroakf_autocorrelation(x, n, lags, acf, pacf, limit, err);
-  end(status, err);
-  if (acf != pacf && acf != limit && pacf != limit) { /* else one is behind another */
-    promise_numbers(status, acf, (int64_t)lags + 1);
-    promise_numbers(status, pacf, (int64_t)lags + 1);
-    promise_numbers(status, limit, (int64_t)lags + 1);
-  }
-}
-
-static void call_autocorrelation(void) { try_autocorrelation(0); }
-static void call_autocorrelation_watched(void) { try_autocorrelation(1); }
-
-static void try_ljung_box(int watched) {
-  gyroakf_progress_fn listener = any_progress();
-  int64_t n;
-  const double *x = series(&n);
-  int32_t lags = one_in(3) ? any_int() : below(20), fitted = one_in(3) ? any_int() : below(3);
-  gyroakf_whiteness *out = (gyroakf_whiteness *)place(sizeof *out);
-  gyroakf_error *err = error_place();
-  int status;
-  begin();
-  if (watched) status = gyroakf_ljung_box_watched(x, n, lags, fitted, out, listener, &user, err);
-  else status = gyroakf_ljung_box(x, n, lags, fitted, out, err);
-  end(status, err);
-  promise_numbers(status, (const double *)out, 3);
-}
-
-static void call_ljung_box(void) { try_ljung_box(0); }
-static void call_ljung_box_watched(void) { try_ljung_box(1); }
-
-static void try_histogram_new(int watched) {
-  gyroakf_progress_fn listener = any_progress();
-  int64_t n;
-  const double *x = series(&n);
-  int32_t most = one_in(2) ? 0 : one_in(3) ? -below(3) : 2 + below(1000);
-  gyroakf_histogram **out = one_in(40) ? NULL : (gyroakf_histogram **)take(sizeof *out, 0, always);
-  gyroakf_error *err = error_place();
-  int status;
-  if (one_in(12)) most = any_int();
-  begin();
-  if (watched) status = gyroakf_histogram_new_watched(x, n, most, out, listener, &user, err);
-  else status = gyroakf_histogram_new(x, n, most, out, err);
-  end(status, err);
-  if (status == GYROAKF_OK) {
-    promise_numbers(status, gyroakf_histogram_edges(*out), gyroakf_histogram_bins(*out) + 1);
-    promise_numbers(status, gyroakf_histogram_expected(*out), gyroakf_histogram_bins(*out));
-  }
-  keep(histograms, status, (void **)out);
-}
-
-static void call_histogram_new(void) { try_histogram_new(0); }
-static void call_histogram_new_watched(void) { try_histogram_new(1); }
-
-static void call_histogram_outside(void) {
-  const gyroakf_histogram *h = (const gyroakf_histogram *)handle(histograms);
-  int64_t *below_first = (int64_t *)place(8), *above = (int64_t *)place(8);
-  begin();
-  gyroakf_histogram_outside(h, below_first, above);
-  done();
-  promise((!below_first || *below_first >= 0) && (!above || *above >= 0), "counts are not negative");
-}
-
-static void try_fisher_g(int watched) {
-  gyroakf_progress_fn listener = any_progress();
-  int64_t n;
-  const double *x = series(&n);
-  gyroakf_fisher *out = (gyroakf_fisher *)place(sizeof *out);
-  gyroakf_error *err = error_place();
-  int status;
-  begin();
-  if (watched) status = gyroakf_fisher_g_watched(x, n, out, listener, &user, err);
-  else status = gyroakf_fisher_g(x, n, out, err);
-  end(status, err);
-  promise_numbers(status, (const double *)out, 4);
-}
-
-static void call_fisher_g(void) { try_fisher_g(0); }
-static void call_fisher_g_watched(void) { try_fisher_g(1); }
-
-static void call_welch_size(void) {
-  int64_t n = any_long(), segment = one_in(2) ? 0 : any_long(), size;
-  begin();
-  size = gyroakf_welch_size(n, segment);
-  done();
-  promise(size >= 0 && (n < 2 ? size == 0 : size <= n / 2 + 1), "a spectrum has at most n/2 + 1 frequencies");
-}
-
-static void try_welch_spectrum(int watched) {
-  gyroakf_progress_fn listener = any_progress();
-  int64_t n, segment = one_in(2) ? 0 : one_in(3) ? any_long() : below(64), size;
-  const double *x = series(&n);
-  double dt = one_in(3) ? any_double() : 0.01, *frequency, *density, *freedom;
-  gyroakf_error *err;
-  int status;
-  size = gyroakf_welch_size(n, segment);
-  if (size > 6000) size = 0; /* nothing has so many samples */
-  frequency = (double *)results((size_t)size * sizeof *frequency, 4);
-  density = (double *)results((size_t)size * sizeof *density, 4);
-  freedom = (double *)place(sizeof *freedom);
-  err = error_place();
-  begin();
-  if (watched) status = gyroakf_welch_spectrum_watched(x, n, dt, segment, frequency, density, freedom, listener, &user, err);
-  else status = gyroakf_welch_spectrum(x, n, dt, segment, frequency, density, freedom, err);
-  end(status, err);
-  promise_numbers(status, frequency, size);
-  promise_numbers(status, density, size);
-  promise_numbers(status, freedom, 1);
-}
-
-static void call_welch_spectrum(void) { try_welch_spectrum(0); }
-static void call_welch_spectrum_watched(void) { try_welch_spectrum(1); }
 
 static void call_ar_fit(void) {
   int64_t n;

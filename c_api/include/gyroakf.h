@@ -368,17 +368,6 @@ typedef struct gyroakf_noise {
 GYROAKF_API int gyroakf_noise_fit(const gyroakf_allan *a, const gyroakf_fit_options *opt, gyroakf_noise *out,
                                   gyroakf_error *err);
 
-/*
- * The same fit with the covariance of the five estimates.
- *   out         as above; may be NULL
- *   covariance  [25] of q n b k r, row by row, in the product of the units of both: std_error squared on the diagonal, beside it the
- *               correlation of the estimates, none of which becomes negative, times both std_error; 0 where a term was not fitted,
- *               and beside the diagonal where a value is 0
- * On failure nothing but err is written.
- */
-GYROAKF_API int gyroakf_noise_covariance(const gyroakf_allan *a, const gyroakf_fit_options *opt, gyroakf_noise *out,
-                                         double *covariance, gyroakf_error *err);
-
 /* ---------------------------------------------------------------------------------------------------------- outliers */
 
 typedef struct gyroakf_outlier_options {
@@ -439,20 +428,6 @@ typedef struct gyroakf_adf {
 GYROAKF_API int gyroakf_adf_test(const double *x, int64_t n, const gyroakf_adf_options *opt, gyroakf_adf *out,
                                  gyroakf_error *err);
 
-typedef struct gyroakf_adf_coefficient {
-  char name[16];    /* "constant", "time", "time^2", "level", "lag 1", "lag 2", ... */
-  double value;     /* time = 1, 2, ... from the first row, sample number lag + 2 of the series */
-  double std_error; /* residual variance with N - k */
-  double t;         /* value/std_error; of "level" it is the statistic of the test, not Student's */
-} gyroakf_adf_coefficient;
-
-/*
- * Coefficients of the regression of the same test: rows becomes their number (deterministic ones, level, lags), table [capacity]
- * (>= 1) the first of them. With table NULL only the number is returned.
- */
-GYROAKF_API int gyroakf_adf_coefficients(const double *x, int64_t n, const gyroakf_adf_options *opt, int32_t capacity,
-                                         gyroakf_adf_coefficient *table, int32_t *rows, gyroakf_error *err);
-
 typedef struct gyroakf_kpss_options {
   size_t struct_size;
   const char *regression; /* "c" (default), "ct": stationary about a level, about a line */
@@ -480,90 +455,6 @@ typedef struct gyroakf_kpss {
 /* KPSS test of a series x [n]. Its null hypothesis is that the series is stationary. */
 GYROAKF_API int gyroakf_kpss_test(const double *x, int64_t n, const gyroakf_kpss_options *opt, gyroakf_kpss *out,
                                   gyroakf_error *err);
-
-/* -------------------------------------------------------------------------------------------------------- correlation */
-
-/*
- * Autocorrelation, partial autocorrelation and the 95 % limit of |acf| of white noise at the lags 0 .. lags of a series x [n].
- * Each array has lags + 1 values; pacf and limit may be NULL. 1 <= lags < n.
- */
-GYROAKF_API int gyroakf_autocorrelation(const double *x, int64_t n, int32_t lags, double *acf, double *pacf, double *limit,
-                                        gyroakf_error *err);
-GYROAKF_API int gyroakf_autocorrelation_watched(const double *x, int64_t n, int32_t lags, double *acf, double *pacf,
-                                                double *limit, gyroakf_progress_fn progress, void *progress_user,
-                                                gyroakf_error *err);
-
-typedef struct gyroakf_whiteness {
-  double statistic;    /* Q */
-  double p_value;      /* of whiteness */
-  double largest_rho;  /* largest |autocorrelation|: the size of the effect, which n does not inflate */
-  int32_t largest_lag; /* the lag that has it */
-} gyroakf_whiteness;
-
-/* Ljung-Box test of a series x [n], over more lags than parameters that were fitted to it before (0: it is no residual). */
-GYROAKF_API int gyroakf_ljung_box(const double *x, int64_t n, int32_t lags, int32_t fitted, gyroakf_whiteness *out,
-                                  gyroakf_error *err);
-GYROAKF_API int gyroakf_ljung_box_watched(const double *x, int64_t n, int32_t lags, int32_t fitted, gyroakf_whiteness *out,
-                                          gyroakf_progress_fn progress, void *progress_user, gyroakf_error *err);
-
-/* --------------------------------------------------------------------------------------------------------- histogram */
-
-/* Samples counted in bins of equal width. */
-typedef struct gyroakf_histogram gyroakf_histogram;
-
-/*
- * Histogram of a series x [n].
- *   most_bins  2 to 10,000,000; 0: 256
- *   out        the histogram; free it with gyroakf_histogram_free
- * The width is that of Freedman and Diaconis, a whole number of steps where the samples are quantised.
- */
-GYROAKF_API int gyroakf_histogram_new(const double *x, int64_t n, int32_t most_bins, gyroakf_histogram **out,
-                                      gyroakf_error *err);
-GYROAKF_API int gyroakf_histogram_new_watched(const double *x, int64_t n, int32_t most_bins, gyroakf_histogram **out,
-                                              gyroakf_progress_fn progress, void *progress_user, gyroakf_error *err);
-
-/* Bins; 0 for NULL. */
-GYROAKF_API int32_t gyroakf_histogram_bins(const gyroakf_histogram *h);
-
-/* Arrays; they live as long as the histogram. NULL for NULL. */
-GYROAKF_API const double *gyroakf_histogram_edges(const gyroakf_histogram *h);    /* [bins + 1], u */
-GYROAKF_API const int64_t *gyroakf_histogram_counts(const gyroakf_histogram *h);  /* [bins] samples */
-GYROAKF_API const double *gyroakf_histogram_expected(const gyroakf_histogram *h); /* [bins] of the normal distribution with
-                                                                                     the same mean and variance */
-
-/* Samples below the first and not below the last edge; either may be NULL. */
-GYROAKF_API void gyroakf_histogram_outside(const gyroakf_histogram *h, int64_t *below, int64_t *above);
-
-GYROAKF_API void gyroakf_histogram_free(gyroakf_histogram *h);
-
-/* ------------------------------------------------------------------------------------------------------- periodicity */
-
-typedef struct gyroakf_fisher {
-  double statistic;   /* g: share of the largest ordinate of the periodogram in the sum of all */
-  double p_value;     /* of a larger g in white noise; 0 where it underflows */
-  double log_p_value; /* its logarithm, which does not */
-  double frequency;   /* of the largest ordinate, cycles per sample */
-  int64_t ordinates;  /* (n - 1)/2, rounded down */
-} gyroakf_fisher;
-
-/* Fisher's test for a hidden periodicity in a white series x [n], n >= 3. Of a correlated one it finds the correlation. */
-GYROAKF_API int gyroakf_fisher_g(const double *x, int64_t n, gyroakf_fisher *out, gyroakf_error *err);
-GYROAKF_API int gyroakf_fisher_g_watched(const double *x, int64_t n, gyroakf_fisher *out, gyroakf_progress_fn progress,
-                                         void *progress_user, gyroakf_error *err);
-
-/* Frequencies of a spectrum of n samples: segment/2 + 1, segment = 0 chooses it; 0 where there is none. */
-GYROAKF_API int64_t gyroakf_welch_size(int64_t n, int64_t segment);
-
-/*
- * Two-sided power spectral density of x [n] by Welch's method: Hann's window, half overlap, each segment less its mean. frequency
- * in 1/(unit of dt) and density in x's unit squared times that of dt have gyroakf_welch_size(n, segment) places each; each, and
- * degrees_of_freedom, may be NULL.
- */
-GYROAKF_API int gyroakf_welch_spectrum(const double *x, int64_t n, double dt, int64_t segment, double *frequency, double *density,
-                                       double *degrees_of_freedom, gyroakf_error *err);
-GYROAKF_API int gyroakf_welch_spectrum_watched(const double *x, int64_t n, double dt, int64_t segment, double *frequency,
-                                               double *density, double *degrees_of_freedom, gyroakf_progress_fn progress,
-                                               void *progress_user, gyroakf_error *err);
 
 /* ---------------------------------------------------------------------------------------------------------- AR model */
 

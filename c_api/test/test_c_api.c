@@ -218,43 +218,6 @@ static void test_allan_options(void) {
 }
 
 /* White noise of variance 1/12 at 1 Hz: N = sqrt(1/12), no random walk, no ramp. */
-/* The covariance of a fit belongs to the coefficients of the same fit. */
-static void test_noise_covariance(void) {
-  static double x[20000];
-  gyroakf_allan *a = NULL;
-  gyroakf_fit_options opt;
-  gyroakf_noise noise, same;
-  const gyroakf_coefficient *c[5];
-  double covariance[26];
-  int i, j;
-  c[0] = &noise.q, c[1] = &noise.n, c[2] = &noise.b, c[3] = &noise.k, c[4] = &noise.r;
-  nbs(x, 20000);
-  for (i = 0; i < 19999; i++) x[i] = 2 * (x[i + 1] - x[i]) + x[i]; /* Q and N */
-  check_success(gyroakf_allan_new(x, 19999, 1.0, NULL, &a, &err), "deviation of quantisation and white noise");
-  if (a == NULL) return;
-  covariance[25] = 42;
-  check_success(gyroakf_noise_fit(a, NULL, &same, &err), "a fit");
-  check_success(gyroakf_noise_covariance(a, NULL, &noise, covariance, &err), "a fit with covariance");
-  check(noise.n.value == same.n.value && noise.b.std_error == same.b.std_error && noise.points == same.points, "the same fit");
-  for (i = 0; i < 5; i++) {
-    check(fabs(covariance[6 * i] - c[i]->std_error * c[i]->std_error) <= 1e-14 * covariance[6 * i] &&
-              (covariance[6 * i] > 0) == (c[i]->value > 0),
-          "std_error squared on the diagonal");
-    for (j = 0; j < i; j++)
-      check(covariance[5 * i + j] == covariance[5 * j + i] &&
-                fabs(covariance[5 * i + j]) <= (1 + 1e-12) * c[i]->std_error * c[j]->std_error &&
-                (covariance[5 * i + j] == 0) == (c[i]->value == 0 || c[j]->value == 0),
-            "a covariance is symmetric, no correlation beyond 1 or of what is 0");
-  }
-  check(noise.q.detected && noise.n.detected && covariance[1] < 0, "Q and N pull at each other");
-  gyroakf_fit_options_init(&opt);
-  opt.terms = "QB";
-  check_success(gyroakf_noise_covariance(a, &opt, NULL, covariance, &err), "covariance alone, of two terms");
-  check(covariance[0] > 0 && covariance[2] != 0 && covariance[6] == 0 && covariance[7] == 0 && covariance[12] > 0, "two terms");
-  check(covariance[25] == 42, "25 numbers and no more");
-  gyroakf_allan_free(a);
-}
-
 static void test_noise(void) {
   static double x[20000];
   gyroakf_allan *a = NULL;
@@ -289,7 +252,6 @@ static void test_noise(void) {
   opt.lsb = -1;
   check_failure(gyroakf_noise_fit(a, &opt, &noise, &err), GYROAKF_INVALID_ARGUMENT, "negative step");
   gyroakf_allan_free(a);
-  test_noise_covariance();
 }
 
 static void test_noise_failures(void) {
@@ -302,8 +264,6 @@ static void test_noise_failures(void) {
   gyroakf_fit_options_init(&opt);
   check_failure(gyroakf_noise_fit(NULL, NULL, &noise, &err), GYROAKF_INVALID_ARGUMENT, "fit of NULL");
   check_failure(gyroakf_noise_fit(a, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "fit into NULL");
-  check_failure(gyroakf_noise_covariance(NULL, NULL, &noise, x, &err), GYROAKF_INVALID_ARGUMENT, "covariance of NULL");
-  check_failure(gyroakf_noise_covariance(a, NULL, &noise, NULL, &err), GYROAKF_INVALID_ARGUMENT, "covariance into NULL");
   opt.terms = "NX";
   check_failure(gyroakf_noise_fit(a, &opt, &noise, &err), GYROAKF_INVALID_ARGUMENT, "unknown term");
   opt.terms = "QNBKRQNBKR";
@@ -318,28 +278,6 @@ static void test_noise_failures(void) {
   check_failure(gyroakf_noise_fit(a, &opt, &noise, &err), GYROAKF_INVALID_ARGUMENT, "fit options not initialised");
   gyroakf_fit_options_init(NULL);
   gyroakf_allan_free(a);
-}
-
-/* Five levels: a bin for each two of them, as in test/test_histogram.f90. */
-static void test_histogram(void) {
-  static const double nine[9] = {0, 1, 1, 2, 2, 2, 3, 3, 4};
-  static const double flat[3] = {1, 1, 1};
-  gyroakf_histogram *h = NULL;
-  int64_t below = -1, above = -1;
-  check_success(gyroakf_histogram_new(nine, 9, 0, &h, &err), "histogram of 9 samples");
-  check(gyroakf_histogram_bins(h) == 3, "three bins");
-  if (gyroakf_histogram_bins(h) == 3) {
-    check(gyroakf_histogram_edges(h)[0] == -0.5 && gyroakf_histogram_edges(h)[3] == 5.5, "edges");
-    check(gyroakf_histogram_counts(h)[0] == 3 && gyroakf_histogram_counts(h)[1] == 5, "counts");
-    check(gyroakf_histogram_expected(h)[1] > 4 && gyroakf_histogram_expected(h)[1] < 6, "expected counts");
-  }
-  gyroakf_histogram_outside(h, &below, &above);
-  check(below == 0 && above == 0, "nothing outside");
-  gyroakf_histogram_free(h);
-  check_failure(gyroakf_histogram_new(flat, 3, 0, &h, &err), GYROAKF_CONSTANT_INPUT, "a constant");
-  check(h == NULL && gyroakf_histogram_bins(h) == 0 && gyroakf_histogram_counts(h) == NULL, "no histogram");
-  check_failure(gyroakf_histogram_new(nine, 9, 1, &h, &err), GYROAKF_INVALID_ARGUMENT, "one bin");
-  gyroakf_histogram_free(NULL);
 }
 
 /* A stationary series and its sums, which have a unit root. */
@@ -381,8 +319,6 @@ static void test_adf(void) {
   double x[2000], sum[2000];
   gyroakf_adf_options opt;
   gyroakf_adf adf;
-  gyroakf_adf_coefficient table[6];
-  int32_t rows;
   int i;
   autoregressive(x, 2000, 0.5);
   for (i = 0, sum[0] = x[0]; i < 1999; i++) sum[i + 1] = sum[i] + x[i + 1];
@@ -399,25 +335,16 @@ static void test_adf(void) {
   opt.lags = 3;
   check_success(gyroakf_adf_test(x, 2000, &opt, &adf, &err), "given lags");
   check(adf.lag == 3 && adf.observations == 1996, "3 lags leave 1996 observations");
-  check_success(gyroakf_adf_coefficients(x, 2000, &opt, 0, NULL, &rows, &err), "number of coefficients");
-  check(rows == 6, "constant, time, level, three lags");
-  table[5].t = 17.0;
-  check_success(gyroakf_adf_coefficients(x, 2000, &opt, 5, table, &rows, &err), "coefficients");
-  check(strcmp(table[0].name, "constant") == 0 && strcmp(table[2].name, "level") == 0, "names of coefficients");
-  check(fabs(table[2].t - adf.statistic) < 1e-9 && fabs(table[2].value / table[2].std_error - table[2].t) < 1e-12, "level");
-  check(strcmp(table[4].name, "lag 2") == 0 && table[5].t == 17.0, "no more than the table holds");
-  check_failure(gyroakf_adf_coefficients(x, 2000, &opt, 5, table, NULL, &err), GYROAKF_INVALID_ARGUMENT, "number NULL");
   for (i = 0; i < 6; i++) x[300 * i] = NAN;
   check_success(gyroakf_adf_test(x, 2000, NULL, &adf, &err), "missing samples");
   check(adf.statistic < adf.critical[0], "still stationary");
 }
 
-/* A stationary series, white noise, and its sums: KPSS, autocorrelation, Ljung-Box. */
-static void test_correlation(void) {
-  double x[2000], sum[2000], acf[11], pacf[11], limit[11];
+/* A stationary series, white noise, and its sums: KPSS. */
+static void test_kpss(void) {
+  double x[2000], sum[2000];
   gyroakf_kpss_options opt;
   gyroakf_kpss kpss;
-  gyroakf_whiteness white;
   int i;
   autoregressive(x, 2000, 0.5);
   for (i = 0, sum[0] = x[0]; i < 1999; i++) sum[i + 1] = sum[i] + x[i + 1];
@@ -431,22 +358,15 @@ static void test_correlation(void) {
   opt.lags = 7;
   check_success(gyroakf_kpss_test(x, 2000, &opt, &kpss, &err), "given bandwidth");
   check(kpss.lags == 7 && kpss.critical[1] == 0.146, "about a line");
-  check_success(gyroakf_autocorrelation(x, 2000, 10, acf, pacf, limit, &err), "autocorrelation");
-  check(acf[0] == 1 && fabs(acf[1] - 0.5) < 0.1 && acf[1] == pacf[1] && fabs(pacf[3]) < 0.1, "AR(1)");
-  check(fabs(limit[10] - 1.959963984540054 / sqrt(2000.0)) < 1e-12, "limit");
-  check_success(gyroakf_autocorrelation(x, 2000, 10, acf, NULL, NULL, &err), "autocorrelation alone");
-  check_success(gyroakf_ljung_box(x, 2000, 10, 0, &white, &err), "Ljung-Box");
-  check(white.p_value < 1e-10 && white.largest_lag == 1 && white.largest_rho == acf[1], "not white");
   for (i = 0; i < 6; i++) x[300 * i] = NAN;
   check_success(gyroakf_kpss_test(x, 2000, NULL, &kpss, &err), "missing samples");
   check(kpss.observations == 1994, "those present");
 }
 
-static void test_correlation_failures(void) {
-  double x[100], flat[100] = {0}, acf[100];
+static void test_kpss_failures(void) {
+  double x[100], flat[100] = {0};
   gyroakf_kpss_options opt;
   gyroakf_kpss kpss;
-  gyroakf_whiteness white;
   nbs(x, 100);
   check_failure(gyroakf_kpss_test(NULL, 100, NULL, &kpss, &err), GYROAKF_INVALID_ARGUMENT, "series NULL");
   check_failure(gyroakf_kpss_test(x, 100, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "result NULL");
@@ -461,36 +381,6 @@ static void test_correlation_failures(void) {
   opt.struct_size = 0;
   check_failure(gyroakf_kpss_test(x, 100, &opt, &kpss, &err), GYROAKF_INVALID_ARGUMENT, "options not initialised");
   gyroakf_kpss_options_init(NULL);
-  check_failure(gyroakf_autocorrelation(x, 100, 10, NULL, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "result NULL");
-  check_failure(gyroakf_autocorrelation(x, 100, 100, acf, NULL, NULL, &err), GYROAKF_TOO_FEW_SAMPLES, "as many lags as samples");
-  check_failure(gyroakf_autocorrelation(x, 100, INT32_MAX, acf, NULL, NULL, &err), GYROAKF_TOO_FEW_SAMPLES, "lags huge");
-  check_failure(gyroakf_autocorrelation(x, 100, 0, acf, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "no lags");
-  check_failure(gyroakf_autocorrelation(flat, 100, 9, acf, NULL, NULL, &err), GYROAKF_CONSTANT_INPUT, "constant series");
-  check_failure(gyroakf_ljung_box(x, 100, 3, 3, &white, &err), GYROAKF_INVALID_ARGUMENT, "no degree of freedom");
-  check_failure(gyroakf_ljung_box(x, 100, 3, 0, NULL, &err), GYROAKF_INVALID_ARGUMENT, "result NULL");
-}
-
-static void test_periodicity(void) {
-  static double x[2000], frequency[65], density[65];
-  gyroakf_fisher g;
-  double freedom = 0.0, mean = 0.0;
-  int i;
-  autoregressive(x, 2000, 0.0);
-  check_success(gyroakf_fisher_g(x, 2000, &g, &err), "Fisher's test of white noise");
-  check(g.p_value > 0.001 && g.ordinates == 999 && close_to(exp(g.log_p_value), g.p_value, 1e-9), "no period in it");
-  check(gyroakf_welch_size(2000, 128) == 65 && gyroakf_welch_size(2000, 0) == 65, "frequencies of a spectrum");
-  check(gyroakf_welch_size(2000, 2001) == 0 && gyroakf_welch_size(1, 0) == 0, "no spectrum");
-  check_success(gyroakf_welch_spectrum(x, 2000, 0.5, 128, frequency, density, &freedom, &err), "spectrum");
-  for (i = 1; i < 64; i++) mean += density[i] / 63;
-  check(close_to(frequency[64], 1.0, 1e-12) && close_to(mean, 0.5, 0.15) && freedom > 40, "white level, highest frequency");
-  check_success(gyroakf_welch_spectrum(x, 2000, 0.5, 0, NULL, NULL, NULL, &err), "nothing wanted of a spectrum");
-  for (i = 0; i < 2000; i++) x[i] += cos(0.7 * i);
-  check_success(gyroakf_fisher_g(x, 2000, &g, &err), "Fisher's test of a sinusoid");
-  check(g.p_value < 1e-20 && fabs(g.frequency - 0.7 / 6.283185307179586) < 5e-4, "its period");
-  check_failure(gyroakf_fisher_g(x, 2000, NULL, &err), GYROAKF_INVALID_ARGUMENT, "Fisher's test: result NULL");
-  check_failure(gyroakf_fisher_g(x, 2, &g, &err), GYROAKF_TOO_FEW_SAMPLES, "Fisher's test: two samples");
-  check_failure(gyroakf_welch_spectrum(x, 2000, 0.0, 0, NULL, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "dt = 0");
-  check_failure(gyroakf_welch_spectrum(NULL, 9, 1.0, 0, NULL, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "spectrum of NULL");
 }
 
 static void test_adf_failures(void) {
@@ -997,11 +887,9 @@ int main(int argc, char **argv) {
   test_noise_failures();
   test_outliers();
   test_adf();
-  test_histogram();
   test_adf_failures();
-  test_correlation();
-  test_correlation_failures();
-  test_periodicity();
+  test_kpss();
+  test_kpss_failures();
   test_ar();
   test_ar_failures();
   test_filter_values();

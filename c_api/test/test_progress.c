@@ -153,35 +153,6 @@ static int run_simulate(listener *l) {
   return status;
 }
 
-static int run_correlation(listener *l) {
-  double acf[301];
-  return gyroakf_autocorrelation_watched(x, samples, 300, acf, NULL, NULL, listen, l, &err);
-}
-
-static int run_ljung_box(listener *l) {
-  gyroakf_whiteness out;
-  return gyroakf_ljung_box_watched(x, samples, 20, 0, &out, listen, l, &err);
-}
-
-static int run_histogram(listener *l) {
-  gyroakf_histogram *h = NULL;
-  int status = gyroakf_histogram_new_watched(x, samples, 0, &h, listen, l, &err);
-  check((status == GYROAKF_OK) == (h != NULL), "*out is NULL after a failure");
-  gyroakf_histogram_free(h);
-  return status;
-}
-
-static int run_fisher(listener *l) {
-  gyroakf_fisher out;
-  return gyroakf_fisher_g_watched(x, samples, &out, listen, l, &err);
-}
-
-static int run_welch(listener *l) { return gyroakf_welch_spectrum_watched(x, samples, 1.0, 1024, NULL, NULL, NULL, listen, l, &err); }
-
-static int run_one_segment(listener *l) {
-  return gyroakf_welch_spectrum_watched(x, samples, 1.0, samples, NULL, NULL, NULL, listen, l, &err);
-}
-
 /* A filter goes on where it was cancelled; the estimates up to there are those of a whole run. */
 static int run_filter(listener *l) {
   const double phi = 0.9;
@@ -291,19 +262,6 @@ static int run_arrays(listener *l) {
   return status;
 }
 
-/* One segment of a long series with gaps is told of on the way to its transform. */
-static int run_gapped_segment(listener *l) {
-  enum { many = 2200000 };
-  double *values = (double *)malloc(many * sizeof *values);
-  int status, i;
-  if (values == NULL) abort();
-  for (i = 0; i < many; i++) values[i] = x[i % samples];
-  for (i = 100; i < many; i += 1000) memset(&values[i], 0xff, sizeof *values); /* NaN */
-  status = gyroakf_welch_spectrum_watched(values, many, 1.0, many, NULL, NULL, NULL, listen, l, &err);
-  free(values);
-  return status;
-}
-
 /* Stages of the whole job within which it is told how far it is. */
 static const char *const stages[] = {"stationarity test", "unit-root test", "residuals of the AR model", "normality test",
                                      "steps of the samples", "histogram"};
@@ -404,19 +362,12 @@ void test_progress(void) {
   check_progress(run_hampel, "progress of the Hampel filter", "cleaning");
   check_often(run_hampel, 10, "windows of the Hampel filter");
   check_progress(run_simulate, "progress of a simulation", "simulating");
-  check_progress(run_correlation, "progress of the autocorrelation", "autocovariances");
-  check_progress(run_ljung_box, "progress of the Ljung-Box test", "autocovariances");
-  check_progress(run_histogram, "progress of a histogram", "histogram");
-  check_progress(run_fisher, "progress of Fisher's test", "Fourier");
-  check_progress(run_welch, "progress of a spectrum", "spectrum");
-  check_progress(run_one_segment, "progress of a spectrum of one segment", "spectrum");
   check_progress(run_filter, "progress of a filter", "filtering");
   check_progress(run_smoother, "progress of the smoother", "weighing");
   check_progress(run_adf, "progress of the ADF test", "unit-root");
   check_progress(run_drift, "progress of the drift", "identifying");
   check_progress(run_arrays, "progress of a recording of arrays", "copying");
   check_often(run_arrays, 6, "samples that are copied");
-  check_progress(run_gapped_segment, "progress of a spectrum of one segment with gaps", "spectrum");
   check_often(run_gapped_burg, 100, "chunks of Burg's recursion");
   test_stages_of_the_job();
   check_progress(run_parse, "progress of the reader", "reading");

@@ -64,7 +64,7 @@ static int allan_new(call *c) {
   return status;
 }
 
-static int noise_covariance(call *c) {
+static int noise_fit(call *c) {
   static gyroakf_allan *a; /* of the series, once: this table's calls differ in the options alone */
   if (c->x == NULL) {
     gyroakf_allan_free(a);
@@ -72,7 +72,7 @@ static int noise_covariance(call *c) {
     return GYROAKF_INVALID_ARGUMENT;
   }
   if (a == NULL) gyroakf_allan_new(filled, n, 0.01, NULL, &a, NULL);
-  return gyroakf_noise_covariance(a, (const gyroakf_fit_options *)c->opt, (gyroakf_noise *)(void *)c->figures, c->array[0], &err);
+  return gyroakf_noise_fit(a, (const gyroakf_fit_options *)c->opt, (gyroakf_noise *)(void *)c->figures, &err);
 }
 
 static int mark_outliers(call *c) {
@@ -84,35 +84,8 @@ static int adf_test(call *c) {
   return gyroakf_adf_test(c->x, c->length, (const gyroakf_adf_options *)c->opt, (gyroakf_adf *)(void *)c->figures, &err);
 }
 
-static int adf_coefficients(call *c) {
-  return gyroakf_adf_coefficients(c->x, c->length, (const gyroakf_adf_options *)c->opt, 10,
-                                  (gyroakf_adf_coefficient *)(void *)(c->figures + 64), (int32_t *)(void *)c->figures, &err);
-}
-
 static int kpss_test(call *c) {
   return gyroakf_kpss_test(c->x, c->length, (const gyroakf_kpss_options *)c->opt, (gyroakf_kpss *)(void *)c->figures, &err);
-}
-
-static int autocorrelation(call *c) {
-  return gyroakf_autocorrelation(c->x, c->length, 30, c->array[0], c->array[1], c->array[2], &err);
-}
-
-static int ljung_box(call *c) { return gyroakf_ljung_box(c->x, c->length, 20, 0, (gyroakf_whiteness *)(void *)c->figures, &err); }
-
-static int histogram_new(call *c) {
-  gyroakf_histogram *h = (gyroakf_histogram *)c;
-  const int status = gyroakf_histogram_new(c->x, c->length, 50, &h, &err);
-  made(status, h);
-  if (h != NULL) memcpy(c->array[0], gyroakf_histogram_edges(h), (size_t)(gyroakf_histogram_bins(h) + 1) * sizeof(double));
-  if (h != NULL) memcpy(c->figures, gyroakf_histogram_counts(h), (size_t)gyroakf_histogram_bins(h) * sizeof(int64_t));
-  gyroakf_histogram_free(h);
-  return status;
-}
-
-static int fisher_g(call *c) { return gyroakf_fisher_g(c->x, c->length, (gyroakf_fisher *)(void *)c->figures, &err); }
-
-static int welch_spectrum(call *c) {
-  return gyroakf_welch_spectrum(c->x, c->length, 0.01, 256, c->array[0], c->array[1], (double *)(void *)c->figures, &err);
 }
 
 static int ar_fit(call *c) {
@@ -260,16 +233,10 @@ static const row table[] = {
     {"simulate", simulate, 0, 0, 0, init_simulation, sizeof(gyroakf_simulate_options), 144},
     {"run", run, 0, 0, 0, OPTIONS(run), 0},
     {"allan_new", allan_new, 1, 1, 0, OPTIONS(allan), 0},
-    {"noise_covariance", noise_covariance, 0, 0, 1, OPTIONS(fit), 0},
+    {"noise_fit", noise_fit, 0, 0, 0, OPTIONS(fit), 0},
     {"mark_outliers", mark_outliers, 1, 1, 0, OPTIONS(outlier), 40},
     {"adf_test", adf_test, 1, 1, 0, OPTIONS(adf), 0},
-    {"adf_coefficients", adf_coefficients, 1, 1, 0, OPTIONS(adf), 0},
     {"kpss_test", kpss_test, 1, 1, 0, OPTIONS(kpss), 32},
-    {"autocorrelation", autocorrelation, 1, 1, 3, NONE},
-    {"ljung_box", ljung_box, 1, 1, 0, NONE},
-    {"histogram_new", histogram_new, 1, 1, 0, NONE},
-    {"fisher_g", fisher_g, 1, 1, 0, NONE},
-    {"welch_spectrum", welch_spectrum, 1, 1, 2, NONE},
     {"ar_fit", ar_fit, 1, 1, 1, OPTIONS(ar), 32},
     {"filter_new", filter_new, 1, 0, 0, OPTIONS(filter), 0},
     {"filter_run", filter_run, 1, 1, 1, NONE},
@@ -400,30 +367,20 @@ static void test_overlaps(const row *r) {
 }
 
 /* The same of results that are no doubles. */
-static void test_overlapping_tables(void) {
+static void test_overlapping_marks(void) {
   static double room[n + 100], before[n + 100];
   double *x = room + 100;
-  void *ahead = x - 1, *last = x + n - 1, *apart = room;
-  gyroakf_adf_coefficient *const tables[3] = {(gyroakf_adf_coefficient *)ahead, (gyroakf_adf_coefficient *)last,
-                                              (gyroakf_adf_coefficient *)apart};
+  void *last = x + n - 1, *apart = room;
   int8_t *const marks[3] = {(int8_t *)x - 1, (int8_t *)last + 7, (int8_t *)apart};
-  int32_t count;
   int k;
   memcpy(x, series, sizeof series);
   memcpy(before, room, sizeof room);
   for (k = 0; k < 2; k++) {
-    check_failure(gyroakf_adf_coefficients(x, n, NULL, 2, tables[k], &count, &err), GYROAKF_INVALID_ARGUMENT, "a table over the series");
     check_failure(gyroakf_mark_outliers(x, n, NULL, marks[k], NULL, &err), GYROAKF_INVALID_ARGUMENT, "marks over the series");
   }
   check(memcmp(before, room, sizeof room) == 0, "the series is not changed");
-  check_success(gyroakf_adf_coefficients(x, n, NULL, 20, tables[2], &count, &err), "a table before the series");
   check_success(gyroakf_mark_outliers(x, 800, NULL, marks[2], NULL, &err), "marks before the series");
   check(memcmp(x, series, sizeof series) == 0, "the series is not changed");
-  for (k = 1; k < 8; k++) {
-    char *odd = (char *)room + k;
-    check_failure(gyroakf_adf_coefficients(x, n, NULL, 2, (gyroakf_adf_coefficient *)(void *)odd, &count, &err),
-                  GYROAKF_INVALID_ARGUMENT, "a table at an odd address");
-  }
 }
 
 /* A filter may write over the series that it reads. */
@@ -658,18 +615,6 @@ static int call_within(const row *r, call c, size_t bytes) {
   return code;
 }
 
-/* Results that are as long as the series. */
-static int welch_of_all(call *c) {
-  return gyroakf_welch_spectrum(c->x, c->length, 0.01, c->length, c->array[0], c->array[1], NULL, &err);
-}
-
-static int autocorrelation_of_all(call *c) {
-  return gyroakf_autocorrelation(c->x, c->length, (int32_t)(c->length / 2), c->array[0], c->array[1], c->array[2], &err);
-}
-
-static const row wide[2] = {{"welch_spectrum, one segment", welch_of_all, 1, 1, 2, NONE},
-                            {"autocorrelation, all lags", autocorrelation_of_all, 1, 1, 3, NONE}};
-
 /* The call with more and more memory, until that is enough. */
 static void within_limits(const row *r, const double *longer, char *room) {
   size_t bytes = 1 << 20;
@@ -700,7 +645,6 @@ void test_memory(void) {
   for (k = 0; k < rows && address_space() > 0; k++) {
     if (table[k].takes_length && table[k].takes_series) within_limits(&table[k], longer, room);
   }
-  for (k = 0; k < 2 && address_space() > 0; k++) within_limits(&wide[k], longer, room);
   omp_set_num_threads(threads);
   free(longer);
   free(room);
@@ -746,23 +690,14 @@ static void test_other_structs(void) {
 /* Counts that none has, beside those of series. */
 static void test_counts(void) {
   static const int32_t wrong[] = {-1, INT32_MIN};
-  gyroakf_adf_coefficient rows_of[4];
-  gyroakf_histogram *h;
-  gyroakf_whiteness white;
   gyroakf_filter *f;
   gyroakf_record *r;
   const double *values[1];
   double acf[4];
-  int32_t count = 77;
   int64_t size = 77;
   size_t k;
   values[0] = series;
   for (k = 0; k < 2; k++) {
-    check_failure(gyroakf_adf_coefficients(series, n, NULL, wrong[k], rows_of, &count, &err), GYROAKF_INVALID_ARGUMENT, "a table of no rows");
-    check_failure(gyroakf_histogram_new(series, n, wrong[k], &h, &err), GYROAKF_INVALID_ARGUMENT, "no bins");
-    check_failure(gyroakf_autocorrelation(series, n, wrong[k], acf, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "no lags");
-    check_failure(gyroakf_ljung_box(series, n, wrong[k], 0, &white, &err), GYROAKF_INVALID_ARGUMENT, "no lags tested");
-    check_failure(gyroakf_ljung_box(series, n, 5, wrong[k], &white, &err), GYROAKF_INVALID_ARGUMENT, "fewer than no parameters");
     check_failure(gyroakf_filter_new(wrong[k], series, 1.0, 1.0, NULL, &f, &err), GYROAKF_INVALID_ARGUMENT, "an order below 0");
     check_failure(gyroakf_record_new(values, wrong[k], n, 1.0, NULL, NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "channels below 0");
     check_failure(gyroakf_record_parse("1\n", wrong[k], NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "bytes below 0");
@@ -771,15 +706,7 @@ static void test_counts(void) {
     check_failure(gyroakf_filter_save(f, acf, wrong[k], &size, &err), GYROAKF_INVALID_ARGUMENT, "a place of no bytes");
     gyroakf_filter_free(f);
   }
-  check(count == 77 && size > 0, "no number after a failure, but how many bytes a filter takes");
-  check_failure(gyroakf_adf_coefficients(series, n, NULL, 0, rows_of, &count, &err), GYROAKF_INVALID_ARGUMENT, "a table of 0 rows");
-  check_success(gyroakf_adf_coefficients(series, n, NULL, 0, NULL, &count, &err), "no table");
-  check(count > 1 && count < 77, "its rows");
-  check_failure(gyroakf_histogram_new(series, n, 10000001, &h, &err), GYROAKF_INVALID_ARGUMENT, "too many bins");
-  check_failure(gyroakf_histogram_new(series, n, 1, &h, &err), GYROAKF_INVALID_ARGUMENT, "one bin");
-  check(gyroakf_welch_size(-1, 0) == 0 && gyroakf_welch_size(INT64_MIN, 0) == 0 && gyroakf_welch_size(10, -1) == 0 &&
-            gyroakf_welch_size(10, INT64_MAX) == 0 && gyroakf_welch_size(100, 10) == 6,
-        "sizes of spectra");
+  check(size > 0, "how many bytes a filter takes");
 }
 
 /* A series of one and of few samples, each function of the table. */
@@ -851,7 +778,7 @@ void test_promises(void) {
   omp_set_num_threads(1); /* sums of several threads may differ in the last bit */
   make_series();
   run_table();
-  test_overlapping_tables();
+  test_overlapping_marks();
   test_filter_in_place();
   test_disturbing_progress();
   test_flags_of_a_step();
@@ -859,7 +786,7 @@ void test_promises(void) {
   test_counts();
   test_silence();
   memset(&last, 0, sizeof last);
-  noise_covariance(&last); /* frees its curve */
+  noise_fit(&last); /* frees its curve */
   check(memcmp(series, filled, sizeof series) == 0, "the series is as it was");
   omp_set_num_threads(threads);
 }
