@@ -97,7 +97,7 @@ contains
       do while (first < len(list))
          last = first + index(list(first:), "/") - 2
          if (any(figure_kinds == list(first:first + scan(list(first:last), "-.") - 2))) then
-            names = [names, [character(name_length) :: figure_folder//"/"//list(first:last)]]
+            names = [character(name_length) :: names, figure_folder//"/"//list(first:last)]
          end if
          first = last + 2
       end do

@@ -84,7 +84,7 @@ contains
       if (self%depth <= 2 .or. self%list(max(self%depth - 1, 0))) then
          call end_line(self)
       else if (self%depth <= self%hidden) then
-         if (self%line(len(self%line):) == "(") then
+         if (self%line(max(1, len(self%line)):) == "(") then
             self%line = self%line(:self%start(self%depth))
          else
             self%line = self%line//")"
