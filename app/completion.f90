@@ -2,7 +2,7 @@
 !> Completion scripts for bash, zsh and fish: `gyroakf --completion SHELL`, made from the table of options.
 module gyroakf_app_completion
    use gyroakf_spelling, only : replace_all
-   use gyroakf_app_option, only : option_type, options, commands, command_names, belongs_to, takes_value
+   use gyroakf_app_option, only : option_type, options, commands, command_names, explained, belongs_to, takes_value
    use gyroakf_app_words, only : joined, quoted => shell_quoted
    implicit none (type, external)
    private
@@ -87,7 +87,7 @@ contains
       character(:), allocatable :: spec
       integer :: i
 
-      spec = trim(option%help)
+      spec = explained(option)
       do i = 1, 4
          call replace_all(spec, escaped(i:i), "\"//escaped(i:i))
       end do
@@ -118,7 +118,7 @@ contains
          if (belongs_to(options(i), "run")) condition = condition// &
             "; or not __fish_seen_subcommand_from "//joined(command_names, " ")
          text = text//"complete -c gyroakf -n "//quoted(condition)//" -l "//trim(options(i)%name(3:))//" -d "// &
-            quoted(trim(options(i)%help))
+            quoted(explained(options(i)))
          if (options(i)%short /= "") text = text//" -s "//options(i)%short(2:)
          if (has_words(options(i))) then
             text = text//" -x -a "//quoted(spaced(trim(options(i)%value)))

@@ -11,7 +11,7 @@ module gyroakf_app_config_file
    use gyroakf_release, only : release_string
    use gyroakf_app_config_value, only : read_value, quoted
    use gyroakf_app_file_list, only : read_text
-   use gyroakf_app_option, only : options, command_names, find_option, belongs_to, takes_value, &
+   use gyroakf_app_option, only : options, command_names, find_option, explained, belongs_to, takes_value, &
       & suggest_option
    use gyroakf_app_words, only : given_type, words_type, is_given, value_of
    implicit none (type, external)
@@ -228,7 +228,7 @@ contains
          text = text//trim(options(row)%value)
       end if
       if (.not. is_given(words, options(row)%name)) text = "# "//text
-      text = "# "//trim(options(row)%help)//nl//text//nl
+      text = "# "//explained(options(row))//nl//text//nl
    end function lines_of
 
 end module gyroakf_app_config_file

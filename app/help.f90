@@ -2,7 +2,8 @@
 !> The texts of `--help`, `--version`, `--citation`, of a bare call and of the manual page (`--man`, in roff); the options in them
 !> come from [[gyroakf_app_option]].
 module gyroakf_app_help
-   use gyroakf_app_option, only : option_type, options, commands, all_names, group_titles, belongs_to, option_names
+   use gyroakf_app_option, only : option_type, options, commands, all_names, group_titles, belongs_to, &
+      option_names, explained
    use gyroakf_release, only : release_string
    use gyroakf_spelling, only : replace_all
    implicit none (type, external)
@@ -179,7 +180,7 @@ contains
          text = trim(line)//nl
          line = ""
       end if
-      text = text//wrapped(trim(option%help), first_column, line)
+      text = text//wrapped(explained(option), first_column, line)
    end function option_lines
 
    !> A text in lines that begin at a column and end at [[last_column]].
@@ -246,7 +247,7 @@ contains
          if (options(i)%group /= group_titles(1, group)) cycle
          text = text//".TP"//nl//"\fB"//roff(option_names(options(i)))//"\fR"
          if (options(i)%value /= "") text = text//" \fI"//roff(trim(options(i)%value))//"\fR"
-         text = text//nl//roff(trim(options(i)%help))//nl//".br"//nl//"Commands: "//trim(options(i)%commands)//"."//nl
+         text = text//nl//roff(explained(options(i)))//nl//".br"//nl//"Commands: "//trim(options(i)%commands)//"."//nl
       end do
       if (text /= "") text = ".SS "//roff(trim(group_titles(2, group)))//nl//text
    end function group_of

@@ -5,13 +5,14 @@
 !> A new option is a row here and a case in [[gyroakf_app_settings]] or [[gyroakf_app_simulation]].
 module gyroakf_app_option
    use gyroakf_kinds, only : dp
+   use gyroakf_io_decimal, only : format_real
    use gyroakf_preprocess_local_outliers, only : largest_half_width
    use gyroakf_record, only : text_type
    use gyroakf_spelling, only : edit_distance, nearest_word, replace_all
    implicit none (type, external)
    private
    public :: option_type, options, commands, all_names, command_names, group_titles
-   public :: find_option, option_names, takes_value, belongs_to, suggest_option, suggest_word
+   public :: find_option, option_names, explained, takes_value, belongs_to, suggest_option, suggest_word
    public :: name_options, name_options_in
 
    !> One row
@@ -21,8 +22,8 @@ module gyroakf_app_option
       !> What stands for its value in the help; the words themselves, separated by |, where kind is "choice" or "choices"
       character(64) :: value = ""
       !> flag: no value; all: no value, or =all; text; choice: one of the words; choices: some of them, separated by commas; real;
-      !> positive; share: 0 < x <= 1; natural: 0, 1, ...; count: 1, 2, ...; reals, positives: numbers separated by commas. Where
-      !> words in lower case stand before |, they may be given instead of a number
+      !> positive; share: 0 < x <= 1; natural: 0, 1, ...; count: 1, 2, ...; reals, positives: numbers separated by commas;
+      !> size: bytes. Where words in lower case stand before |, they may be given instead of a number
       character(9) :: kind = "flag"
       !> The commands that know it
       character(51) :: commands = ""
@@ -34,7 +35,7 @@ module gyroakf_app_option
       character(2) :: short = ""
       !> Shown by `gyroakf --help`, which leaves the others to `--help=all`
       logical :: frequent = .false.
-      !> Range of a number, both ends in it
+      !> Range of a number, both ends in it; the upper one stands in the help
       real(dp) :: lower = -huge(1.0_dp), upper = huge(1.0_dp)
       !> The library's argument that it sets, where that is not its name with underscores
       character(18) :: argument = ""
@@ -134,7 +135,7 @@ module gyroakf_app_option
                   "hampel compares a sample with K on either side (default 25); 3 marks 4.8 % of clean noise, 10 1.4 %, "// &
                   "25 0.7 %, 100 0.4 %", upper=real(largest_half_width, dp)), &
       option_type("--detrend", "none|DEGREE", "natural", analysing, "clean", &
-                  "remove a polynomial trend of degree 0 to 9 (default: 3 in run, else none)", &
+                  "remove a polynomial trend of this degree (default: 3 in run, else none)", &
                   upper=9.0_dp), &
       option_type("--adf-regression", "n|c|ct|ctt", "choice", "run tests", "tests", &
                   "terms of the ADF regression: none, constant (default), trend, quadratic trend"), &
@@ -151,7 +152,7 @@ module gyroakf_app_option
                   "bandwidth of the KPSS test (default auto: from the correlation)", &
                   upper=100000.0_dp), &
       option_type("--lags", "N", "count", "run tests", "tests", &
-                  "lags of the autocorrelation (correlation.csv) and of the test of whiteness, at most 4096 (default 20)", &
+                  "lags of the autocorrelation (correlation.csv) and of the test of whiteness (default 20)", &
                   upper=4096.0_dp), &
       option_type("--welch-segment", "auto|S", "positive", "run tests", "tests", &
                   "segments of Welch's spectrum in seconds (default auto: a power of two samples of which 8 fit, at most 16384)"), &
@@ -229,7 +230,7 @@ module gyroakf_app_option
                   "factor Q, 0.5 to 100"), &
       option_type("--lsb", "STEP", "positive", "simulate", "record", &
                   "round the values to multiples of STEP"), &
-      option_type("--missing", "P", "real", "simulate", "record", "share of the samples lost at random, 0 to 0.9", &
+      option_type("--missing", "P", "real", "simulate", "record", "share of the samples lost at random", &
                   lower=0.0_dp, upper=0.9_dp), &
       option_type("--output", "FILE", "text", "simulate", "record", &
                   "write FILE instead of standard output; FILE.npy and FILE.f64 are binary"), &
@@ -273,9 +274,9 @@ module gyroakf_app_option
                   "work on the files named in FILE too, one a line; - is standard input"), &
       option_type("--threads", "N", "count", any_command, "work", &
                   "number of threads (default: all)", upper=most_threads), &
-      option_type("--memory", "SIZE", "text", reading, "work", &
+      option_type("--memory", "SIZE", "size", reading, "work", &
                   "memory that may be used, 28MB or more, as 500MB or 2GB (default: 0.95 of what is free); "// &
-                  "a recording that needs more is refused"), &
+                  "a recording that needs more is refused", lower=28e6_dp), &
       option_type("--progress", "auto|on|off", "choice", any_command, "work", &
                   "how far long work is, on standard error; auto (default): on a terminal, after a second"), &
       option_type("--config", "FILE", "text", any_command, "common", &
@@ -321,6 +322,16 @@ contains
       names = trim(option%name)
       if (option%short /= "") names = option%short//", "//names
    end function option_names
+
+   !> What an option does, with the end of its range.
+   function explained(option) result(text)
+      !> A row
+      type(option_type), intent(in) :: option
+      character(:), allocatable :: text
+
+      text = trim(option%help)
+      if (option%upper < huge(option%upper)) text = text//"; at most "//format_real(option%upper, 6)
+   end function explained
 
    !> Whether a value follows.
    pure logical function takes_value(option)

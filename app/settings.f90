@@ -1,10 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> Where the values of options go: a case for every row of [[gyroakf_app_option]], by its group.
 module gyroakf_app_settings
-   use gyroakf_kinds, only : dp, int64
+   use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type
    use gyroakf_io_element, only : element_type, parse_element
-   use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_reader, only : reader_options
    use gyroakf_pipeline, only : apply_preset, pipeline_options
    use gyroakf_units, only : unit_type, parse_units
@@ -15,9 +14,6 @@ module gyroakf_app_settings
    implicit none (type, external)
    private
    public :: apply_option
-
-   !> The program itself and a small recording
-   integer(int64), parameter :: least_memory = 28000000
 
 contains
 
@@ -289,7 +285,7 @@ contains
          if (value%text == "-" .and. option%name == "--kalibr") call value_error(option, "it needs the name of a file", error)
       case ("--out"); config%out = value%text
       case ("--list"); config%list = value%text
-      case ("--memory"); call set_memory(config%reader, option, value%text, error)
+      case ("--memory"); config%reader%memory = value%count
       case ("--chart"); config%chart = value%text == "on"
       case ("--details"); config%details = .true.
       case ("--color"); config%colour = value%text
@@ -309,37 +305,5 @@ contains
       config%truth = text
       if (text == "-") call value_error(option, "it needs the name of a file", error)
    end subroutine set_truth
-
-   !> 500MB, 2GB, 1.5G, 300MiB, or a number of bytes.
-   subroutine set_memory(reader, option, text, error)
-      type(reader_options), intent(inout) :: reader
-      type(option_type), intent(in) :: option
-      character(*), intent(in) :: text
-      type(error_type), allocatable, intent(out) :: error
-      character(3), parameter :: units(14) = [character(3) :: "", "B", "k", "kB", "KiB", "M", "MB", "MiB", "G", "GB", "GiB", &
-                                             "T", "TB", "TiB"]
-      real(dp), parameter :: bytes(14) = [1.0_dp, 1.0_dp, 1e3_dp, 1e3_dp, 1024.0_dp, 1e6_dp, 1e6_dp, 1024.0_dp**2, &
-         1e9_dp, 1e9_dp, 1024.0_dp**3, 1e12_dp, 1e12_dp, 1024.0_dp**4]
-      real(dp) :: x
-      integer :: last, found, unit
-
-      last = scan(text, "0123456789.", back=.true.)
-      found = -1
-      unit = 0
-      if (last > 0) then
-         call parse_number(text(:last), x, found)
-         unit = findloc(units, text(last + 1:), dim=1)
-      end if
-      if (found /= number%ok .or. unit == 0) then
-         call value_error(option, "'"//text//"' is not a size such as 500MB or 2GB", error)
-         return
-      end if
-      x = x*bytes(unit)
-      if (x < real(least_memory, dp)) then
-         call value_error(option, "'"//text//"' is too small, at least 28MB", error)
-      else
-         reader%memory = int(min(x, 1.0e18_dp), int64)
-      end if
-   end subroutine set_memory
 
 end module gyroakf_app_settings

@@ -18,7 +18,7 @@ module gyroakf_app_value
       character(:), allocatable :: text
       !> Of the kinds real, positive, share; 0 where a word stands for it
       real(dp) :: number = 0.0_dp
-      !> Of the kinds natural and count; -1 where a word stands for it
+      !> Of the kinds natural, count and size (bytes); -1 where a word stands for it
       integer(int64) :: count = 0
       !> Of the kinds reals and positives
       real(dp), allocatable :: list(:)
@@ -49,6 +49,7 @@ contains
       case ("reals", "positives"); call convert_list(option, text, value%list, error)
       case ("real", "positive", "share"); call convert_real(option, text, value%number, error)
       case ("natural", "count"); call convert_count(option, text, value%count, error)
+      case ("size"); call convert_size(option, text, value%count, error)
       case default                          ! text
       end select
    end subroutine convert_value
@@ -178,5 +179,36 @@ contains
          call value_error(option, "it is at least 1", error)
       end if
    end subroutine convert_count
+
+   !> Bytes: 500MB, 2GB, 1.5G, 300MiB, or their number.
+   subroutine convert_size(option, text, bytes, error)
+      type(option_type), intent(in) :: option
+      character(*), intent(in) :: text
+      integer(int64), intent(out) :: bytes
+      type(error_type), allocatable, intent(out) :: error
+      character(3), parameter :: units(14) = [character(3) :: "", "B", "k", "kB", "KiB", "M", "MB", "MiB", "G", "GB", "GiB", &
+                                             "T", "TB", "TiB"]
+      real(dp), parameter :: bytes_of(14) = [1.0_dp, 1.0_dp, 1e3_dp, 1e3_dp, 1024.0_dp, 1e6_dp, 1e6_dp, 1024.0_dp**2, &
+         1e9_dp, 1e9_dp, 1024.0_dp**3, 1e12_dp, 1e12_dp, 1024.0_dp**4]
+      real(dp) :: x
+      integer :: last, found, unit
+
+      bytes = 0
+      x = 0.0_dp
+      last = scan(text, "0123456789.", back=.true.)
+      found = -1
+      unit = 0
+      if (last > 0) then
+         call parse_number(text(:last), x, found)
+         unit = findloc(units, text(last + 1:), dim=1)
+      end if
+      if (found /= number%ok .or. unit == 0) then
+         call value_error(option, "'"//text//"' is not a size such as 500MB or 2GB", error)
+      else if (x*bytes_of(unit) < option%lower) then
+         call value_error(option, "'"//text//"' is too small, at least "//format_real(option%lower/1e6_dp, 6)//"MB", error)
+      else
+         bytes = int(min(x*bytes_of(unit), 1.0e18_dp), int64)
+      end if
+   end subroutine convert_size
 
 end module gyroakf_app_value

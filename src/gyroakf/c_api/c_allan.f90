@@ -3,7 +3,7 @@
 module gyroakf_c_api_c_allan
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int64_t, c_double, c_size_t, &
       & c_null_ptr, c_associated, c_f_pointer, c_loc, c_sizeof
-   use gyroakf_error, only : error_type
+   use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type, compute_allan
    use gyroakf_c_api_c_host, only : progress_c, callback_type
    use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
@@ -44,11 +44,14 @@ contains
       type(allan_options) :: options
       type(allan_curve_type), pointer :: curve
       type(error_type), allocatable :: error
+      integer :: stat
 
       call enter_library(c)
       nullify (curve)
       call check_place(present(out), "result (out)", error)
-      if (.not. allocated(error)) allocate (curve)
+      stat = 0
+      if (.not. allocated(error)) allocate (curve, stat=stat)
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for a deviation curve")
       if (.not. allocated(error)) call read_options(options, c%callback, error, opt)
       call open_series(rate, n, c, error)
       if (.not. allocated(error)) call compute_allan(c%x, dt, options, curve, error, c%valid, c%callback)

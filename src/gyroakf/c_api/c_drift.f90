@@ -71,7 +71,8 @@ contains
       if (.not. allocated(error)) call read_drift_options(options, c%callback, error, opt)
       call open_series(z, n, c, error)
       if (.not. allocated(error)) call identify_drift_model(c%x, options, found, error, c%valid, progress=c%callback)
-      if (.not. allocated(error)) call return_model(found, model)
+      if (.not. allocated(error)) model = drift_model_c(c_sizeof(model), found%model%count, found%model%phi, found%model%q, &
+         & found%model%r, merge(1, 0, found%slow))
       gyroakf_drift_identify = leave_library(c, error, err)
    end function gyroakf_drift_identify
 
@@ -199,18 +200,5 @@ contains
       slow = model%slow /= 0
       call check_components(components, error)
    end subroutine read_model
-
-   !> What was found, to the caller.
-   subroutine return_model(found, model)
-      type(drift_identification_type), intent(in) :: found
-      type(drift_model_c), intent(inout), optional :: model
-
-      if (.not. present(model)) return
-      model%count = int(found%model%count, c_int32_t)
-      model%phi = found%model%phi
-      model%q = found%model%q
-      model%r = found%model%r
-      model%slow = merge(1_c_int32_t, 0_c_int32_t, found%slow)
-   end subroutine return_model
 
 end module gyroakf_c_api_c_drift

@@ -189,10 +189,13 @@ contains
       type(filter_type), pointer, intent(out) :: handle
       type(error_type), allocatable, intent(out) :: error
       type(c_ptr), intent(in), optional :: out
+      integer :: stat
 
       nullify (handle)
       call check_place(present(out), "result (out)", error)
-      if (.not. allocated(error)) allocate (handle)
+      stat = 0
+      if (.not. allocated(error)) allocate (handle, stat=stat)
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for a filter")
    end subroutine new_handle
 
    !> The handle to the caller; nothing after an error.

@@ -3,7 +3,7 @@
 module gyroakf_c_api_c_histogram
    use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, &
       & c_null_ptr, c_null_funptr, c_associated, c_f_pointer, c_loc
-   use gyroakf_error, only : error_type
+   use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_stats_moments, only : moments_type, compute_moments
    use gyroakf_stats_quantization, only : quantisation_type, find_quantisation
    use gyroakf_stats_histogram, only : histogram_options, histogram_type, compute_histogram
@@ -42,11 +42,14 @@ contains
       type(call_type) :: c
       type(histogram_type), pointer :: histogram
       type(error_type), allocatable :: error
+      integer :: stat
 
       call enter_library(c, progress, progress_user)
       nullify (histogram)
       call check_place(present(out), "result (out)", error)
-      if (.not. allocated(error)) allocate (histogram)
+      stat = 0
+      if (.not. allocated(error)) allocate (histogram, stat=stat)
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for a histogram")
       call open_series(x, n, c, error)
       if (.not. allocated(error)) call count_series(c, most_bins, histogram, error)
       if (allocated(error) .and. associated(histogram)) deallocate (histogram)

@@ -128,34 +128,18 @@ contains
       type(noise_type), intent(in) :: noise
       type(noise_c), intent(inout) :: out
 
-      out%q = coefficient_of(noise%coefficient(1))
-      out%n = coefficient_of(noise%coefficient(2))
-      out%b = coefficient_of(noise%coefficient(3))
-      out%k = coefficient_of(noise%coefficient(4))
-      out%r = coefficient_of(noise%coefficient(5))
-      out%chi2_reduced = noise%chi2_reduced
-      out%points = noise%points
-      out%left_out = noise%left_out
-      out%cut_off = noise%cut_off
-      out%described = merge(1_c_int32_t, 0_c_int32_t, noise%described)
-      out%tau_first = noise%tau_first
-      out%tau_last = noise%tau_last
-      out%chi2_probability = noise%chi2_probability
-      out%floor = noise%floor
-      out%kurtosis = noise%kurtosis
-      out%n_unquantized = coefficient_of(noise%unquantized)
-      out%lsb_ratio = noise%lsb_ratio
+      associate (term => coefficient_of(noise%coefficient))
+         out = noise_c(term(1), term(2), term(3), term(4), term(5), noise%chi2_reduced, noise%points, noise%left_out, &
+            & noise%cut_off, merge(1, 0, noise%described), noise%tau_first, noise%tau_last, noise%chi2_probability, &
+            & noise%floor, noise%kurtosis, coefficient_of(noise%unquantized), noise%lsb_ratio)
+      end associate
    end subroutine write_noise
 
    !> One coefficient in C's struct.
-   pure type(coefficient_c) function coefficient_of(c)
+   elemental type(coefficient_c) function coefficient_of(c)
       type(coefficient_type), intent(in) :: c
 
-      coefficient_of%value = c%value
-      coefficient_of%std_error = c%std_error
-      coefficient_of%upper_limit = c%upper_limit
-      coefficient_of%detected = merge(1_c_int32_t, 0_c_int32_t, c%detected)
-      coefficient_of%fitted = merge(1_c_int32_t, 0_c_int32_t, c%fitted)
+      coefficient_of = coefficient_c(c%value, c%std_error, c%upper_limit, merge(1, 0, c%detected), merge(1, 0, c%fitted))
    end function coefficient_of
 
 end module gyroakf_c_api_c_noise

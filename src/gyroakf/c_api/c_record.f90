@@ -282,12 +282,15 @@ contains
       logical, intent(in) :: good
       type(error_type), allocatable, intent(out) :: error
       type(c_ptr), intent(in), optional :: out
+      integer :: stat
 
       nullify (handle)
       call check_place(present(out), "result (out)", error)
       if (.not. (allocated(error) .or. good)) call fatal_error(error, status%invalid_argument, &
          & "the path, the bytes or the options must not be NULL, and there must be 1 .. 2**47 bytes")
-      if (.not. allocated(error)) allocate (handle)
+      stat = 0
+      if (.not. allocated(error)) allocate (handle, stat=stat)
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for a recording")
    end subroutine new_handle
 
    !> The handle to the caller; nothing after an error.

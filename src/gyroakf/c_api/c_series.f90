@@ -94,7 +94,8 @@ contains
       call open_series(x, n, c, error)
       if (.not. allocated(error)) call test_adf(c%x, options, result, error, c%valid, progress=c%callback)
       call check_finite([result%statistic, result%p_value], error)
-      if (.not. allocated(error)) call write_adf(result, out)
+      if (.not. allocated(error)) out = adf_c(result%statistic, result%p_value, result%critical, int(result%lag, c_int32_t), &
+         & int(result%observations, c_int64_t))
       gyroakf_adf_test = leave_library(c, error, err)
    end function gyroakf_adf_test
 
@@ -166,18 +167,6 @@ contains
       call take_text(opt%criterion, options%criterion, error)
       callback = callback_type(opt%progress)
    end subroutine read_options
-
-   !> The result in C's struct.
-   pure subroutine write_adf(result, out)
-      type(adf_type), intent(in) :: result
-      type(adf_c), intent(inout) :: out
-
-      out%statistic = result%statistic
-      out%p_value = result%p_value
-      out%critical(:) = result%critical
-      out%lag = int(result%lag, c_int32_t)
-      out%observations = result%observations
-   end subroutine write_adf
 
    !> `gyroakf_kpss_options_init`
    subroutine gyroakf_kpss_options_init(opt) bind(C, name="gyroakf_kpss_options_init")
