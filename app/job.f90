@@ -17,7 +17,7 @@ module gyroakf_app_job
    use gyroakf_app_interrupt, only : guard_files, interrupted, release_files
    use gyroakf_app_progress_bar, only : bar_type, clear_bar
    use gyroakf_app_reading, only : read_and_look, read_and_run
-   use gyroakf_app_terminal, only : adapt_writer
+   use gyroakf_app_system, only : adapt_writer
    implicit none (type, external)
    private
    public :: inspect, analyze
@@ -66,13 +66,9 @@ contains
       call guard_files()
       call make_directory(directory, error)
       if (.not. allocated(error)) call open_writer(report, directory//"/report.txt", error)
-      if (.not. allocated(error)) then
-         call report_inspect(report, record)
-         call complete_writer(report, error)
-      end if
-      if (.not. allocated(error)) then
-         call begin_document(directory//"/results.json", record, command_line, document, error)
-      end if
+      if (.not. allocated(error)) call report_inspect(report, record)
+      if (.not. allocated(error)) call complete_writer(report, error)
+      if (.not. allocated(error)) call begin_document(directory//"/results.json", record, command_line, document, error)
       if (.not. allocated(error)) call complete_writer(document, error)
       if (.not. allocated(error)) call remove_others(directory, written)
       if (.not. allocated(error)) call commit_writer(report, error)

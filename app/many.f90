@@ -17,7 +17,7 @@ module gyroakf_app_many
    use gyroakf_app_option, only : name_options
    use gyroakf_app_progress_bar, only : bar_type, clear_bar
    use gyroakf_app_reading, only : with_path
-   use gyroakf_app_terminal, only : adapt_writer
+   use gyroakf_app_system, only : adapt_writer
    use gyroakf_app_words, only : usage_error
    implicit none (type, external)
    private

@@ -8,7 +8,7 @@ module gyroakf_c_api_c_ar
    use gyroakf_c_api_c_host, only : progress_c, callback_type
    use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
       & check_struct_size, check_finite, take_text, open_series
-   use gyroakf_c_api_c_places, only : check_aligned, check_apart
+   use gyroakf_c_api_c_places, only : check_aligned, check_apart, copy_out
    implicit none (type, external)
    private
    public :: gyroakf_ar_options_init, gyroakf_ar_fit
@@ -60,7 +60,12 @@ contains
       call check_apart([x, phi], 8*[n, int(max_order, c_int64_t)], error)
       if (.not. allocated(error)) call fit_ar(c%x, options, model, error, c%valid, progress=c%callback)
       if (.not. allocated(error)) call check_finite([model%coefficient, model%noise_variance, model%mean], error)
-      if (.not. allocated(error)) call write_model(model, max_order, order, phi, noise_variance, mean)
+      if (.not. allocated(error)) then
+         order = int(model%order, c_int32_t)
+         call copy_out([model%coefficient, spread(0.0_c_double, 1, max_order - model%order)], phi)
+         if (present(noise_variance)) noise_variance = model%noise_variance
+         if (present(mean)) mean = model%mean
+      end if
       gyroakf_ar_fit = leave_library(c, error, err)
    end function gyroakf_ar_fit
 
@@ -96,24 +101,5 @@ contains
          call fatal_error(error, status%invalid_argument, "the places for the order and the coefficients must not be NULL")
       end if
    end subroutine check_arguments
-
-   !> The model in C's arguments.
-   subroutine write_model(model, max_order, order, phi, noise_variance, mean)
-      type(ar_model_type), intent(in) :: model
-      integer(c_int32_t), intent(in) :: max_order
-      integer(c_int32_t), intent(inout) :: order
-      type(c_ptr), intent(in) :: phi
-      real(c_double), intent(inout), optional :: noise_variance, mean
-      real(c_double), pointer :: coefficient(:)
-
-      order = int(model%order, c_int32_t)
-      if (max_order > 0) then
-         call c_f_pointer(phi, coefficient, [max_order])
-         coefficient(:) = 0
-         coefficient(:model%order) = model%coefficient
-      end if
-      if (present(noise_variance)) noise_variance = model%noise_variance
-      if (present(mean)) mean = model%mean
-   end subroutine write_model
 
 end module gyroakf_c_api_c_ar

@@ -90,7 +90,6 @@ contains
       !> invalid_argument: too few
       type(error_type), allocatable, intent(out) :: error
       integer(c_int8_t), pointer :: place(:)
-      integer(int64) :: k
       character(100) :: text
 
       if (capacity < word_bytes*size(word, kind=int64)) then
@@ -100,9 +99,7 @@ contains
          return
       end if
       call c_f_pointer(bytes, place, [word_bytes*size(word, kind=int64)])
-      do k = 1, size(word, kind=int64)
-         place(word_bytes*(k - 1) + 1:word_bytes*k) = transfer(word(k), 0_c_int8_t, word_bytes)
-      end do
+      place(:) = transfer(word, place)
    end subroutine write_bytes
 
    !> Words from the caller's bytes.
@@ -113,7 +110,6 @@ contains
       !> invalid_argument, parse (no whole number of words), no_memory
       type(error_type), allocatable, intent(out) :: error
       integer(c_int8_t), pointer, contiguous :: place(:)
-      integer(int64) :: k
       integer :: stat
 
       if (.not. c_associated(bytes) .or. length < 1 .or. length > max_samples) then
@@ -128,9 +124,7 @@ contains
          return
       end if
       call c_f_pointer(bytes, place, [length])
-      do k = 1, size(word, kind=int64)
-         word(k) = transfer(place(word_bytes*(k - 1) + 1:word_bytes*k), 0_int64)
-      end do
+      word(:) = transfer(place, word)
    end subroutine read_bytes
 
 end module gyroakf_c_api_c_saving
