@@ -4,24 +4,20 @@
 !> First the words are sorted ([[gyroakf_app_words]]); the first one that is no option may be a command. Then the options
 !> are checked against the command and applied: --preset first, the others in order on top of it.
 module gyroakf_app_cli
-   use gyroakf_kinds, only : int64
    use gyroakf_error, only : error_type
    use gyroakf_io_place, only : integer_text
-   use gyroakf_app_argument, only : argument_list
-   use gyroakf_pipeline, only : apply_preset
+   use gyroakf_record, only : text_type
    use gyroakf_app_check, only : check_job
-   use gyroakf_app_config, only : cli_config, text_config, reading_config, analysis_config, simulate_config, new_config
-   use gyroakf_app_config_file, only : add_config, config_text
    use gyroakf_app_completion, only : completion_text
-   use gyroakf_app_help, only : program_help, command_help, version_text, citation_text
-   use gyroakf_app_manual, only : manual_text
+   use gyroakf_app_config, only : config_type, new_config, reads_files
+   use gyroakf_app_config_file, only : add_config, config_text
+   use gyroakf_app_help, only : program_help, command_help, version_text, citation_text, manual_text
    use gyroakf_app_option, only : option_type, options, all_names, command_names, find_option, belongs_to, suggest_word, &
       takes_value
-   use gyroakf_app_setting_input, only : set_input, set_common
-   use gyroakf_app_setting_method, only : set_method
-   use gyroakf_app_setting_record, only : set_preset, set_record
+   use gyroakf_app_settings, only : apply_option
    use gyroakf_app_value, only : value_type, convert_value
-   use gyroakf_app_words, only : given_type, words_type, sort_words, is_given, value_of, shell_word, usage_error
+   use gyroakf_app_words, only : words_type, sort_words, is_given, value_of, shell_word, usage_error, &
+      joined
    implicit none (type, external)
    private
    public :: get_config
@@ -31,9 +27,9 @@ contains
    !> Parses a command line.
    subroutine get_config(arguments, config, error)
       !> The words
-      type(argument_list), intent(in) :: arguments
+      type(text_type), intent(in) :: arguments(:)
       !> What they ask for
-      class(cli_config), allocatable, intent(out) :: config
+      type(config_type), intent(out) :: config
       !> usage
       type(error_type), allocatable, intent(out) :: error
       type(words_type) :: words
@@ -44,18 +40,14 @@ contains
       if (.not. allocated(error)) call take_verb(words, error)
       if (allocated(error)) return
       if (is_given(words, "--config")) call add_config(value_of(words, "--config"), words, error)
+      if (.not. allocated(error)) call find_command(words, command, first, error)
+      if (.not. allocated(error)) call make_text(words, config, error)
       if (allocated(error)) return
-      call find_command(words, command, first, error)
-      if (allocated(error)) return
-      call make_text(words, config, error)
-      if (allocated(config) .or. allocated(error)) return
+      if (config%command == "help") return
       call make_job(words, command, first, config, error)
       if (allocated(error)) return
-      select type (config)
-      class is (reading_config)
-         config%command_line = typed_line(arguments)
-         config%input_options = options_of("input", words, config%command)
-      end select
+      config%command_line = typed_line(arguments)
+      if (reads_files(command)) config%input_options = options_of("input", words, command)
    end subroutine get_config
 
    !> `gyroakf help` is `gyroakf --help`, `gyroakf version` is `gyroakf --version`.
@@ -78,13 +70,13 @@ contains
 
    !> The command line as it would be typed.
    function typed_line(arguments) result(line)
-      type(argument_list), intent(in) :: arguments
+      type(text_type), intent(in) :: arguments(:)
       character(:), allocatable :: line
       integer :: i
 
       line = "gyroakf"
-      do i = 1, size(arguments%item)
-         line = line//" "//shell_word(arguments%item(i)%text)
+      do i = 1, size(arguments)
+         line = line//" "//shell_word(arguments(i)%text)
       end do
    end function typed_line
 
@@ -135,38 +127,37 @@ contains
       if (known /= "") then
          call usage_error(error, "unknown command '"//word//"'"//and//"; the nearest command is '"//known//"'")
       else
-         call usage_error(error, "unknown command '"//word//"'; the commands are "//list_of(all_names))
+         call usage_error(error, "unknown command '"//word//"'; the commands are "//joined(all_names, ", "))
       end if
    end subroutine unknown_command
 
-   !> --help, --version, --citation, --man and --completion go before everything else.
+   !> --help, --version, --citation, --man and --completion go before everything else: then the command is help.
    subroutine make_text(words, config, error)
       type(words_type), intent(in) :: words
-      class(cli_config), allocatable, intent(inout) :: config
+      type(config_type), intent(out) :: config
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: text
       type(value_type) :: value
       integer :: i
 
+      call new_config("help", config)
       do i = 1, words%used
          select case (options(words%given(i)%row)%name)
          case ("--help")
-            text = program_help(whole=words%given(i)%value == "all")
+            config%text = program_help(whole=words%given(i)%value == "all")
             if (words%positional > 0) then
-               if (any(command_names == words%word(1)%text)) text = command_help(words%word(1)%text)
+               if (any(command_names == words%word(1)%text)) config%text = command_help(words%word(1)%text)
             end if
-         case ("--version"); text = version_text()
-         case ("--citation"); text = citation_text()
-         case ("--man"); text = manual_text()
+         case ("--version"); config%text = version_text()
+         case ("--citation"); config%text = citation_text()
+         case ("--man"); config%text = manual_text()
          case ("--completion")
             call convert_value(options(words%given(i)%row), words%given(i)%value, value, error)
-            if (allocated(error)) return
-            text = completion_text(value%text)
+            if (.not. allocated(error)) config%text = completion_text(value%text)
          case default; cycle
          end select
-         allocate (config, source=text_config(command="help", text=text))
          return
       end do
+      config%command = ""
    end subroutine make_text
 
    !> A command that works on data: its defaults, then --preset, then the other options in order.
@@ -175,50 +166,32 @@ contains
       character(*), intent(in) :: command
       !> Word of the first file
       integer, intent(in) :: first
-      class(cli_config), allocatable, intent(inout) :: config
+      type(config_type), intent(out) :: config
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: path
-      integer :: i
+      logical :: force
 
-      path = ""
-      if (words%positional >= first) path = words%word(first)%text
-      call new_config(command, path, config)
-      select type (config)
-      class is (reading_config)
-         allocate (config%paths(max(0, words%positional - first + 1)))
-         do i = 1, size(config%paths)
-            config%paths(i)%text = words%word(first + i - 1)%text
-         end do
-      end select
+      call new_config(command, config)
+      if (reads_files(command)) config%paths = words%word(first:words%positional)
+      if (size(config%paths) > 0) config%path = config%paths(1)%text
       call apply_options(words, config, .true., error)
       if (allocated(error)) return
       call apply_options(words, config, .false., error)
       if (allocated(error)) return
+      force = config%force
+      if (is_given(words, "--write-config") .and. reads_files(command) .and. config%path == "" .and. config%list == "") then
+         call new_config("help", config)                            ! no recording: nothing but that file
+         config%force = force
+      end if
       if (is_given(words, "--write-config")) then
-         if (path == "" .and. command /= "simulate" .and. command /= "selftest" .and. .not. is_given(words, "--list")) then
-            call move_to_text(config)                               ! no recording: nothing but that file
-         end if
          config%options_file = value_of(words, "--write-config")
          config%options_text = config_text(words, command, first)
       end if
-      call check_job(words, config, error)
+      if (config%command /= "help") call check_job(words, config, error)
       if (allocated(error)) return
-      select type (config)
-      type is (analysis_config)
-         config%pipeline%keep_series = allocated(config%out) .and. config%pipeline%do_filter
-      type is (simulate_config)
-         config%origin = origin_of(words, config%record%seed)
-      end select
+      config%pipeline%keep_series = config%out /= "" .and. config%pipeline%do_filter
+      config%origin = "gyroakf simulate"//options_of("record", words, "simulate")//" --seed "// &
+                      integer_text(config%record%seed)
    end subroutine make_job
-
-   !> The command line that makes a simulated record again: what was given but for the file, and the seed.
-   function origin_of(words, seed) result(origin)
-      type(words_type), intent(in) :: words
-      integer(int64), intent(in) :: seed
-      character(:), allocatable :: origin
-
-      origin = "gyroakf simulate"//options_of("record", words, "simulate")//" --seed "//integer_text(seed)
-   end function origin_of
 
    !> The options of a group as they were given, each after a blank; of a record without its files and its seed.
    function options_of(group, words, command) result(text)
@@ -242,77 +215,26 @@ contains
    !> Applies --preset, or all others; an error in an option of a file is reported with its line.
    subroutine apply_options(words, config, preset, error)
       type(words_type), intent(in) :: words
-      class(cli_config), intent(inout) :: config
-      logical, intent(in) :: preset
-      type(error_type), allocatable, intent(out) :: error
-      integer :: i
-
-      do i = 1, words%used
-         call apply_option(words%given(i), config, preset, error)
-         if (.not. allocated(error)) cycle
-         if (allocated(words%given(i)%place)) error%message = words%given(i)%place//": "//error%message
-         return
-      end do
-   end subroutine apply_options
-
-   !> A job that only writes its options.
-   subroutine move_to_text(config)
-      class(cli_config), allocatable, intent(inout) :: config
-      logical :: force
-
-      force = config%force
-      deallocate (config)
-      allocate (config, source=text_config(command="help", text=""))
-      config%force = force
-   end subroutine move_to_text
-
-   !> Applies --preset, or any other option.
-   subroutine apply_option(given, config, preset, error)
-      type(given_type), intent(in) :: given
-      class(cli_config), intent(inout) :: config
+      type(config_type), intent(inout) :: config
       logical, intent(in) :: preset
       type(error_type), allocatable, intent(out) :: error
       type(option_type) :: option
-      type(value_type) :: value
-
-      option = options(find_option(options(given%row)%name, config%command))
-      call convert_value(option, given%value, value, error)
-      if (allocated(error)) return
-      if (.not. belongs_to(option, config%command)) then
-         call usage_error(error, "option '"//trim(option%name)//"' is not one of '"//config%command// &
-                          "'; it belongs to: "//trim(option%commands))
-         return
-      end if
-      if (preset .neqv. option%name == "--preset") return
-      if (any(option%group == [character(6) :: "output", "work", "common"])) then
-         call set_common(config, option, value, error)
-         return
-      end if
-      select type (config)
-      class is (reading_config)
-         if (option%group == "input") call set_input(config%reader, option, value, error)
-      type is (simulate_config)
-         if (preset) call set_preset(config, option, value%text, error)
-         if (.not. preset) call set_record(config, option, value, error)
-      end select
-      if (allocated(error)) return
-      select type (config)
-      type is (analysis_config)
-         if (preset) call apply_preset(value%text, config%pipeline, error)
-         if (.not. preset) call set_method(config%pipeline, option, value, error)
-      end select
-   end subroutine apply_option
-
-   !> Words separated by commas.
-   function list_of(words) result(list)
-      character(*), intent(in) :: words(:)
-      character(:), allocatable :: list
       integer :: i
 
-      list = trim(words(1))
-      do i = 2, size(words)
-         list = list//", "//trim(words(i))
+      do i = 1, words%used
+         associate (given => words%given(i))
+            option = options(find_option(options(given%row)%name, config%command))
+            if (.not. belongs_to(option, config%command)) then
+               call usage_error(error, "option '"//trim(option%name)//"' is not one of '"//config%command// &
+                                "'; it belongs to: "//trim(option%commands))
+            else if (preset .eqv. option%name == "--preset") then
+               call apply_option(config, option, given%value, error)
+            end if
+            if (.not. allocated(error)) cycle
+            if (allocated(given%place)) error%message = given%place//": "//error%message
+            return
+         end associate
       end do
-   end function list_of
+   end subroutine apply_options
 
 end module gyroakf_app_cli

@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> Completion scripts for bash, zsh and fish: `gyroakf --completion SHELL`, made from the table of options.
 module gyroakf_app_completion
-   use gyroakf_app_option, only : option_type, options, commands, command_names, belongs_to, takes_value
-   use gyroakf_app_words, only : quoted => shell_quoted
+   use gyroakf_spelling, only : replace_all
+   use gyroakf_app_option, only : option_type, options, commands, command_names, explained, belongs_to, takes_value
+   use gyroakf_app_words, only : joined, quoted => shell_quoted
    implicit none (type, external)
    private
    public :: completion_text
@@ -32,7 +33,7 @@ contains
       text = "# bash completion of gyroakf; made by: gyroakf --completion bash"//nl// &
          "_gyroakf() {"//nl// &
          "  local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} command=run words="//nl// &
-         "  case ${COMP_WORDS[1]} in"//nl//"    "//joined("|")//") command=${COMP_WORDS[1]} ;;"//nl//"  esac"//nl// &
+         "  case ${COMP_WORDS[1]} in"//nl//"    "//joined(command_names, "|")//") command=${COMP_WORDS[1]} ;;"//nl//"  esac"//nl// &
          "  case $command:$prev in"//nl
       do i = 1, size(options)
          if (.not. has_words(options(i))) cycle
@@ -47,7 +48,7 @@ contains
          text = text//"      "//trim(command_names(j))//") words='"//names_of(command_names(j))//"' ;;"//nl
       end do
       text = text//"    esac"//nl//"  fi"//nl// &
-         "  [[ $COMP_CWORD -gt 1 && $prev != help || $cur == -* ]] || words='"//joined(" ")//" help version'"//nl// &
+         "  [[ $COMP_CWORD -gt 1 && $prev != help || $cur == -* ]] || words='"//joined(command_names, " ")//" help version'"//nl// &
          '  mapfile -t COMPREPLY < <(compgen -W "$words" -- "$cur")'//nl//"}"//nl// &
          "complete -o default -o bashdefault -F _gyroakf gyroakf"//nl
    end function bash_text
@@ -58,7 +59,8 @@ contains
       integer :: i, j
 
       text = "#compdef gyroakf"//nl//"# zsh completion of gyroakf; made by: gyroakf --completion zsh"//nl// &
-         "local command=run"//nl//"case ${words[2]} in"//nl//"  "//joined("|")//") command=${words[2]} ;;"//nl//"esac"//nl// &
+         "local command=run"//nl//"case ${words[2]} in"//nl// &
+         "  "//joined(command_names, "|")//") command=${words[2]} ;;"//nl//"esac"//nl// &
          "if (( CURRENT == 2 )) && [[ ${words[2]} != -* ]]; then"//nl//"  local -a commands=("//nl
       do i = 1, size(commands)
          text = text//"    "//quoted(trim(commands(i)%name)//":"//trim(commands(i)%purpose))//nl
@@ -81,20 +83,19 @@ contains
       type(option_type), intent(in) :: option
       !> The long or the short one
       character(*), intent(in) :: name
-      character(:), allocatable :: spec, help
+      character(4), parameter :: escaped = "\[]:"
+      character(:), allocatable :: spec
       integer :: i
 
-      help = trim(option%help)
-      spec = trim(name)//"["
-      do i = 1, len(help)
-         if (scan(help(i:i), "[]:\") > 0) spec = spec//"\"
-         spec = spec//help(i:i)
+      spec = explained(option)
+      do i = 1, 4
+         call replace_all(spec, escaped(i:i), "\"//escaped(i:i))
       end do
-      spec = spec//"]"
+      spec = trim(name)//"["//spec//"]"
       if (.not. takes_value(option)) return
       if (has_words(option)) then
          spec = spec//":value:("//spaced(trim(option%value))//")"
-      else if (names_a_file(option)) then
+      else if (any(option%value == ["FILE", "DIR "])) then
          spec = spec//":file:_files"
       else
          spec = spec//":value: "
@@ -114,9 +115,10 @@ contains
       do i = 1, size(options)
          if (options(i)%commands == "") cycle
          condition = "__fish_seen_subcommand_from "//trim(options(i)%commands)
-         if (belongs_to(options(i), "run")) condition = condition//"; or not __fish_seen_subcommand_from "//joined(" ")
+         if (belongs_to(options(i), "run")) condition = condition// &
+            "; or not __fish_seen_subcommand_from "//joined(command_names, " ")
          text = text//"complete -c gyroakf -n "//quoted(condition)//" -l "//trim(options(i)%name(3:))//" -d "// &
-            quoted(trim(options(i)%help))
+            quoted(explained(options(i)))
          if (options(i)%short /= "") text = text//" -s "//options(i)%short(2:)
          if (has_words(options(i))) then
             text = text//" -x -a "//quoted(spaced(trim(options(i)%value)))
@@ -134,13 +136,6 @@ contains
       has_words = option%kind(:6) == "choice" .and. option%commands /= ""
    end function has_words
 
-   !> Whether the value is a file or a folder.
-   pure logical function names_a_file(option)
-      type(option_type), intent(in) :: option
-
-      names_a_file = option%value == "FILE" .or. option%value == "DIR"
-   end function names_a_file
-
    !> The options that a command knows.
    function names_of(command) result(list)
       character(*), intent(in) :: command
@@ -156,28 +151,13 @@ contains
       list = list(2:)
    end function names_of
 
-   !> The names of the commands with something between them.
-   function joined(between) result(list)
-      character(*), intent(in) :: between
-      character(:), allocatable :: list
-      integer :: i
-
-      list = trim(command_names(1))
-      do i = 2, size(command_names)
-         list = list//between//trim(command_names(i))
-      end do
-   end function joined
-
    !> Words separated by blanks instead of |.
    function spaced(words) result(list)
       character(*), intent(in) :: words
-      character(len(words)) :: list
-      integer :: i
+      character(:), allocatable :: list
 
       list = words
-      do i = 1, len(words)
-         if (list(i:i) == "|") list(i:i) = " "
-      end do
+      call replace_all(list, "|", " ")
    end function spaced
 
 end module gyroakf_app_completion

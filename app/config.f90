@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> What a command line asks for: one type for every kind of command, filled by [[gyroakf_app_cli]].
+!> What a command line asks for, filled by [[gyroakf_app_cli]].
 module gyroakf_app_config
    use gyroakf_io_reader, only : reader_options
    use gyroakf_pipeline, only : pipeline_options
@@ -8,13 +8,15 @@ module gyroakf_app_config
    use gyroakf_simulate_simulate_record, only : simulate_options
    implicit none (type, external)
    private
-   public :: cli_config, text_config, reading_config, inspect_config, analysis_config, simulate_config, selftest_config
-   public :: new_config, has_many_files
+   public :: config_type, new_config, reads_files, is_analysis, has_many_files, file_options
 
-   !> Common to all commands
-   type, abstract :: cli_config
-      !> Name of the command
-      character(:), allocatable :: command
+   !> Options that name a file of results each, in the order of `config_type%file`
+   character(8), parameter :: file_options(3) = [character(8) :: "--json", "--kalibr", "--latex"]
+
+   !> A job; texts are "" where an option was not given
+   type :: config_type
+      !> Name of the command; help prints `text` and does nothing else
+      character(:), allocatable :: command, text
       !> Number of threads, 0: as many as there are
       integer :: threads = 0
       !> No report on standard output
@@ -23,127 +25,98 @@ module gyroakf_app_config
       character(4) :: progress = "auto"
       !> Files that are there already are overwritten
       logical :: force = .false.
-      !> File that gets the options, and what is written into it; unallocated: none
+      !> File that gets the options, and what is written into it
       character(:), allocatable :: options_file, options_text
-   end type cli_config
-
-   !> `--help`, `--version`, `--citation`
-   type, extends(cli_config) :: text_config
-      !> What is printed
-      character(:), allocatable :: text
-   end type text_config
-
-   !> Every command that reads a recording
-   type, extends(cli_config), abstract :: reading_config
       !> The recording, "-" is standard input
       character(:), allocatable :: path
-      !> How it is read
+      !> All recordings, `path` first, and the file that names more
+      type(text_type), allocatable :: paths(:)
+      character(:), allocatable :: list
+      !> How a recording is read
       type(reader_options) :: reader
-      !> File of the JSON document, "-" is standard output; unallocated: none
-      character(:), allocatable :: json
-      !> Directory of the result files; unallocated: none
+      !> As it was typed, and the part of it that says how the recording is read
+      character(:), allocatable :: command_line, input_options
+      !> What is computed and how
+      type(pipeline_options) :: pipeline
+      !> Directory of the result files
       character(:), allocatable :: out
+      !> Files of [[file_options]]; "-" is standard output
+      type(text_type) :: file(3)
+      !> How the series are written into `out`, and the digits of a simulated record
+      type(series_output_type) :: series
+      !> File of the true drift, read by run and filter, written by simulate
+      character(:), allocatable :: truth
       !> Colours of the report: "auto", "always", "never"; no signs beyond ASCII in it
       character(6) :: colour = "auto"
       logical :: ascii = .false.
-      !> Further recordings, `path` first, and the file that names more; unallocated: none
-      type(text_type), allocatable :: paths(:)
-      character(:), allocatable :: list
-      !> As it was typed, and the part of it that says how the recording is read
-      character(:), allocatable :: command_line, input_options
-   end type reading_config
-
-   !> inspect
-   type, extends(reading_config) :: inspect_config
-   end type inspect_config
-
-   !> run, allan, tests, ar, filter
-   type, extends(reading_config) :: analysis_config
-      !> What is computed and how
-      type(pipeline_options) :: pipeline
-      !> How the series are written into `out`
-      type(series_output_type) :: series
-      !> Files of Kalibr's imu.yaml and of the tables in LaTeX ("-" is standard output); unallocated: none
-      character(:), allocatable :: kalibr, latex
-      !> Draw the Allan deviation in characters
-      logical :: chart = .true.
-      !> The report has everything, not the first screen alone
-      logical :: details = .false.
-      !> File of the true drift; unallocated: none
-      character(:), allocatable :: truth
-   end type analysis_config
-
-   !> simulate
-   type, extends(cli_config) :: simulate_config
-      !> The record
+      !> Draw the Allan deviation in characters; the report has everything, not the first screen alone
+      logical :: chart = .true., details = .false.
+      !> The simulated record, its file ("-" is standard output), and the command line that makes it again, the seed included
       type(simulate_options) :: record
-      !> Its file, "-" is standard output
-      character(:), allocatable :: output
-      !> File of the true drift; unallocated: none
-      character(:), allocatable :: truth
-      !> Significant digits; 0: as few as read back to the same numbers
-      integer :: digits = 0
-      !> The command line that makes the same record again, the seed included
-      character(:), allocatable :: origin
-   end type simulate_config
-
-   !> selftest
-   type, extends(cli_config) :: selftest_config
-   end type selftest_config
+      character(:), allocatable :: output, origin
+   end type config_type
 
 contains
 
-   !> The defaults of a command: run cleans the record, the others take it as it is.
-   subroutine new_config(command, path, config)
-      !> A known command
+   !> The defaults of a command: run cleans the record, the others take it as it is and do only the stages that they name.
+   subroutine new_config(command, config)
+      !> A known command, or help
       character(*), intent(in) :: command
-      !> The recording; of no meaning to simulate
-      character(*), intent(in) :: path
       !> Filled with the defaults
-      class(cli_config), allocatable, intent(out) :: config
+      type(config_type), intent(out) :: config
+      integer :: i
 
-      select case (command)
-      case ("inspect"); allocate (inspect_config :: config)
-      case ("simulate"); allocate (simulate_config :: config)
-      case ("selftest"); allocate (selftest_config :: config)
-      case default; allocate (analysis_config :: config)
-      end select
       config%command = command
-      select type (config)
-      class is (reading_config)
-         config%path = path
-      type is (simulate_config)
-         config%output = "-"
-      end select
-      select type (config)
-      type is (analysis_config)
-         if (command == "run") return
-         call choose_stages(command, config%pipeline)
-      end select
+      config%text = ""
+      config%options_file = ""
+      config%options_text = ""
+      config%path = ""
+      config%list = ""
+      config%command_line = ""
+      config%input_options = ""
+      config%out = ""
+      do i = 1, size(config%file)
+         config%file(i)%text = ""
+      end do
+      config%truth = ""
+      config%output = "-"
+      config%origin = ""
+      allocate (config%paths(0))
+      if (command == "run") return
+      associate (pipeline => config%pipeline)
+         pipeline%clean%method = "none"
+         pipeline%clean%degree = -1
+         pipeline%do_allan = command == "allan"
+         pipeline%do_tests = command == "tests"
+         pipeline%test_cleaned = pipeline%do_tests
+         pipeline%do_ar = command == "ar" .or. command == "filter"
+         pipeline%do_filter = command == "filter"
+         if (command == "ar") pipeline%ar%max_order = 12
+      end associate
    end subroutine new_config
+
+   !> Whether a command reads recordings.
+   pure logical function reads_files(command)
+      !> Its name
+      character(*), intent(in) :: command
+
+      reads_files = command == "inspect" .or. is_analysis(command)
+   end function reads_files
+
+   !> Whether a command computes something of recordings.
+   pure logical function is_analysis(command)
+      !> Its name
+      character(*), intent(in) :: command
+
+      is_analysis = any(command == [character(6) :: "run", "allan", "tests", "ar", "filter"])
+   end function is_analysis
 
    !> Whether several files are worked on, or a list of them.
    pure logical function has_many_files(config)
       !> A checked job
-      class(reading_config), intent(in) :: config
+      type(config_type), intent(in) :: config
 
-      has_many_files = allocated(config%list)
-      if (allocated(config%paths)) has_many_files = has_many_files .or. size(config%paths) > 1
+      has_many_files = config%list /= "" .or. size(config%paths) > 1
    end function has_many_files
-
-   !> A single command: the raw record, and only the stages that the command names.
-   subroutine choose_stages(command, pipeline)
-      character(*), intent(in) :: command
-      type(pipeline_options), intent(inout) :: pipeline
-
-      pipeline%clean%method = "none"
-      pipeline%clean%degree = -1
-      pipeline%do_allan = command == "allan"
-      pipeline%do_tests = command == "tests"
-      pipeline%test_cleaned = pipeline%do_tests
-      pipeline%do_ar = command == "ar" .or. command == "filter"
-      pipeline%do_filter = command == "filter"
-      if (command == "ar") pipeline%ar%max_order = 12
-   end subroutine choose_stages
 
 end module gyroakf_app_config

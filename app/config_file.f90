@@ -11,9 +11,9 @@ module gyroakf_app_config_file
    use gyroakf_release, only : release_string
    use gyroakf_app_config_value, only : read_value, quoted
    use gyroakf_app_file_list, only : read_text
-   use gyroakf_app_option, only : options, command_names, find_option, belongs_to, is_of_the_line, takes_value, &
+   use gyroakf_app_option, only : options, command_names, find_option, explained, belongs_to, takes_value, &
       & suggest_option
-   use gyroakf_app_words, only : given_type, words_type, is_given
+   use gyroakf_app_words, only : given_type, words_type, is_given, value_of
    implicit none (type, external)
    private
    public :: add_config, config_text
@@ -101,7 +101,9 @@ contains
       integer :: row
 
       row = find_option(name, "")
-      if (is_of_the_line(name)) row = 0
+      if (row > 0) then
+         if (options(row)%group == "common") row = 0
+      end if
       if (row == 0) then
          known = suggest_option(name)
          if (known == name) known = ""
@@ -206,7 +208,7 @@ contains
          text = text//"# files = [""FILE""]"//nl
       end if
       do i = 1, size(options)
-         if (is_of_the_line(options(i)%name)) cycle
+         if (options(i)%group == "common") cycle
          if (belongs_to(options(i), command)) text = text//nl//lines_of(i, words)
       end do
    end function config_text
@@ -215,24 +217,18 @@ contains
    function lines_of(row, words) result(text)
       integer, intent(in) :: row
       type(words_type), intent(in) :: words
-      character(:), allocatable :: text, name
-      integer :: i, last
+      character(:), allocatable :: text
 
-      last = 0
-      do i = 1, words%used
-         if (options(words%given(i)%row)%name == options(row)%name) last = i
-      end do
-      name = trim(options(row)%name(3:))
-      text = "# "//trim(options(row)%help)//nl
-      if (last == 0 .and. takes_value(options(row))) then
-         text = text//"# "//name//" = "//trim(options(row)%value)//nl
-      else if (last == 0) then
-         text = text//"# "//name//" = true"//nl
-      else if (takes_value(options(row))) then
-         text = text//name//" = "//quoted(words%given(last)%value)//nl
+      text = trim(options(row)%name(3:))//" = "
+      if (.not. takes_value(options(row))) then
+         text = text//"true"
+      else if (is_given(words, options(row)%name)) then
+         text = text//quoted(value_of(words, options(row)%name))
       else
-         text = text//name//" = true"//nl
+         text = text//trim(options(row)%value)
       end if
+      if (.not. is_given(words, options(row)%name)) text = "# "//text
+      text = "# "//explained(options(row))//nl//text//nl
    end function lines_of
 
 end module gyroakf_app_config_file

@@ -2,6 +2,7 @@
 !> Values in a file of options: bare words, texts in quotes, lists of them.
 module gyroakf_app_config_value
    use gyroakf_record, only : text_type, add_text
+   use gyroakf_spelling, only : replace_all
    implicit none (type, external)
    private
    public :: read_value, quoted
@@ -18,56 +19,36 @@ contains
       type(text_type), allocatable, intent(out) :: value(:)
       !> What is wrong; "" if nothing
       character(:), allocatable, intent(out) :: problem
+      character(:), allocatable :: line
       integer :: at
       logical :: list
 
       allocate (value(0))
       problem = ""
-      at = 1
-      call skip_blanks(text, at)
-      list = .false.
-      if (at <= len(text)) list = text(at:at) == "["
-      if (list) then
-         at = at + 1
-         call read_list(text, at, value, problem)
-      else
-         call read_word(text, at, value, problem)
-      end if
-      if (problem /= "") return
-      call skip_blanks(text, at)
-      if (at > len(text)) return
-      if (text(at:at) /= "#") problem = "something follows the value: '"//text(at:)//"'"
-   end subroutine read_value
-
-   !> Values separated by commas, up to the closing bracket.
-   subroutine read_list(text, at, value, problem)
-      character(*), intent(in) :: text
-      integer, intent(inout) :: at
-      type(text_type), allocatable, intent(inout) :: value(:)
-      character(:), allocatable, intent(inout) :: problem
-
+      line = text//"#"                             ! a comment at the end at least
+      at = verify(line, white)
+      list = line(at:at) == "["
+      if (list) at = at + 1
       do
-         call skip_blanks(text, at)
-         if (at > len(text)) exit
-         if (text(at:at) == "]") then
-            at = at + 1
+         at = at - 1 + verify(line(at:), white)
+         if (list .and. line(at:at) == "]") exit
+         call read_word(line, at, value, problem)
+         if (problem /= "") return
+         at = at - 1 + verify(line(at:), white)
+         if (.not. list .or. line(at:at) == "]") exit
+         if (line(at:at) /= ",") then
+            problem = "the list does not end with ]"
             return
          end if
-         call read_word(text, at, value, problem)
-         if (problem /= "") return
-         call skip_blanks(text, at)
-         if (at > len(text)) exit
-         if (text(at:at) == ",") then
-            at = at + 1
-         else if (text(at:at) /= "]") then
-            exit
-         end if
+         at = at + 1
       end do
-      problem = "the list does not end with ]"
-   end subroutine read_list
+      if (list) at = at + verify(line(at + 1:), white)
+      if (line(at:at) /= "#") problem = "something follows the value: '"//text(at:)//"'"
+   end subroutine read_value
 
    !> A text in quotes, with \" and \\ in it, or a bare word.
    subroutine read_word(text, at, value, problem)
+      !> With # somewhere behind the word
       character(*), intent(in) :: text
       integer, intent(inout) :: at
       type(text_type), allocatable, intent(inout) :: value(:)
@@ -76,9 +57,7 @@ contains
       integer :: to
 
       word = ""
-      if (at > len(text)) then
-         problem = "there is no value"
-      else if (text(at:at) == """") then
+      if (text(at:at) == """") then
          at = at + 1
          do while (at <= len(text))
             if (text(at:at) == """") exit
@@ -90,7 +69,6 @@ contains
          at = at + 1
       else
          to = scan(text(at:), white//"#,]""")
-         if (to == 0) to = len(text) - at + 2
          word = text(at:at + to - 2)
          at = at + to - 1
          if (word == "") problem = "there is no value"
@@ -98,29 +76,15 @@ contains
       if (problem == "") call add_text(value, word)
    end subroutine read_word
 
-   !> To the next character that is no blank.
-   pure subroutine skip_blanks(text, at)
-      character(*), intent(in) :: text
-      integer, intent(inout) :: at
-
-      do while (at <= len(text))
-         if (scan(text(at:at), white) == 0) exit
-         at = at + 1
-      end do
-   end subroutine skip_blanks
-
    !> A text in quotes.
    pure function quoted(text) result(word)
       character(*), intent(in) :: text
       character(:), allocatable :: word
-      integer :: i
 
-      word = """"
-      do i = 1, len(text)
-         if (scan(text(i:i), """\") > 0) word = word//"\"
-         word = word//text(i:i)
-      end do
-      word = word//""""
+      word = text
+      call replace_all(word, "\", "\\")
+      call replace_all(word, """", "\""")
+      word = """"//word//""""
    end function quoted
 
 end module gyroakf_app_config_value

@@ -13,16 +13,16 @@ module gyroakf_app_driver
    use gyroakf_report_selftest_report, only : report_selftest, selftest_sum
    use gyroakf_selftest, only : run_selftest, selftest_type
    use gyroakf_simulate_simulate_record, only : simulate_record
-   use gyroakf_app_argument, only : argument_list, process_source, read_arguments
    use gyroakf_app_check, only : check_existing
    use gyroakf_app_cli, only : get_config
-   use gyroakf_app_config, only : cli_config, has_many_files, text_config, reading_config, inspect_config, analysis_config, &
-      & simulate_config, selftest_config
+   use gyroakf_app_config, only : config_type, has_many_files
    use gyroakf_app_help, only : usage_text
    use gyroakf_app_interrupt, only : guard_files, interrupt_signal, watch_signals
    use gyroakf_app_job, only : analyze, inspect
    use gyroakf_app_many, only : work_on_many
+   use gyroakf_app_option, only : name_options
    use gyroakf_app_progress_bar, only : bar_type, clear_bar, start_bar
+   use gyroakf_app_words, only : read_arguments
    implicit none (type, external)
    private
    public :: run_program
@@ -33,23 +33,22 @@ contains
    subroutine run_program(code)
       !> 0 done, 1 wrong usage, 2 the data or a file, 3 a numerical failure, 128 and the signal's number
       integer, intent(out) :: code
-      type(argument_list) :: arguments
-      class(cli_config), allocatable :: config
+      type(text_type), allocatable :: arguments(:)
+      type(config_type) :: config
       type(error_type), allocatable :: error
 
       call watch_signals()
-      call read_arguments(process_source(), arguments, error)
-      code = 0
-      if (.not. allocated(error)) then
-         if (size(arguments%item) == 0) then
-            write (error_unit, "(a)") usage_text()
-            code = exit_code(status%usage)
-            return
-         end if
-         call get_config(arguments, config, error)
+      call read_arguments(arguments)
+      if (size(arguments) == 0) then
+         write (error_unit, "(a)") usage_text()
+         code = exit_code(status%usage)
+         return
       end if
+      code = 0
+      call get_config(arguments, config, error)
       if (.not. allocated(error)) call execute(config, code, error)
       if (.not. allocated(error)) return
+      call name_options(error%message)
       write (error_unit, "(a)") "gyroakf: error: "//error%message
       code = exit_code(error%code)
       if (error%code == status%cancelled .and. interrupt_signal() > 0) code = 128 + interrupt_signal()
@@ -57,7 +56,7 @@ contains
 
    !> The job of one command.
    subroutine execute(config, code, error)
-      class(cli_config), intent(in) :: config
+      type(config_type), intent(in) :: config
       !> The largest of many files
       integer, intent(out) :: code
       type(error_type), allocatable, intent(out) :: error
@@ -68,23 +67,20 @@ contains
       code = 0
       call check_existing(config, error)
       if (allocated(error)) return
-      if (allocated(config%options_file)) call write_text(config%options_file, config%options_text, error)
+      if (config%options_file /= "") call write_text(config%options_file, config%options_text, error)
       if (allocated(error)) return
       if (config%threads > 0) call set_thread_count(config%threads)
       call start_bar(bar, config%progress)
-      select type (config)
-      class is (reading_config)
-         if (has_many_files(config)) then
-            call work_on_many(config, bar, code, error)
-            return
-         end if
-      end select
-      select type (config)
-      type is (text_config); call write_text("-", config%text, error)
-      type is (inspect_config); call inspect(config, bar, record, error)
-      type is (analysis_config); call analyze(config, bar, record, result, error)
-      type is (simulate_config); call simulate(config, bar, error)
-      type is (selftest_config); call test_itself(config, error)
+      if (has_many_files(config)) then
+         call work_on_many(config, bar, code, error)
+         return
+      end if
+      select case (config%command)
+      case ("help"); call write_text("-", config%text, error)
+      case ("inspect"); call inspect(config, bar, record, error)
+      case ("simulate"); call simulate(config, bar, error)
+      case ("selftest"); call test_itself(config, error)
+      case default; call analyze(config, bar, record, result, error)
       end select
       call clear_bar(bar)
    end subroutine execute
@@ -105,13 +101,13 @@ contains
 
    !> simulate: a record as a text file.
    subroutine simulate(config, bar, error)
-      type(simulate_config), intent(in) :: config
+      type(config_type), intent(in) :: config
       type(bar_type), intent(inout) :: bar
       type(error_type), allocatable, intent(out) :: error
       type(record_type) :: record, truth
       type(text_type) :: header(1)
 
-      if (allocated(config%truth)) then
+      if (config%truth /= "") then
          call simulate_record(config%record, record, error, truth)
       else
          call simulate_record(config%record, record, error)
@@ -120,19 +116,19 @@ contains
          if (error%code /= status%no_memory) error%code = status%usage
          return
       end if
-      if (config%output /= "-" .or. allocated(config%truth)) call guard_files()
-      if (allocated(config%truth)) then
+      if (config%output /= "-" .or. config%truth /= "") call guard_files()
+      if (config%truth /= "") then
          header(1)%text = "the true drift of: "//config%origin
-         call write_record(config%truth, truth, header, config%digits, error, bar)
+         call write_record(config%truth, truth, header, config%series%digits, error, bar)
          if (allocated(error)) return
       end if
       header(1)%text = "made by: "//config%origin
-      call write_record(config%output, record, header, config%digits, error, bar)
+      call write_record(config%output, record, header, config%series%digits, error, bar)
    end subroutine simulate
 
    !> selftest: the table; where a check failed the exit code is that of a numerical failure.
    subroutine test_itself(config, error)
-      type(selftest_config), intent(in) :: config
+      type(config_type), intent(in) :: config
       type(error_type), allocatable, intent(out) :: error
       type(selftest_type) :: result
       type(writer_type) :: writer

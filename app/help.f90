@@ -1,12 +1,14 @@
 ! SPDX-License-Identifier: MIT
-!> The texts of `--help`, `--version`, `--citation` and of a bare call; the options in them come from [[gyroakf_app_option]].
+!> The texts of `--help`, `--version`, `--citation`, of a bare call and of the manual page (`--man`, in roff); the options in them
+!> come from [[gyroakf_app_option]].
 module gyroakf_app_help
-   use gyroakf_app_option, only : option_type, options, commands, all_names, group_titles, belongs_to, option_names
+   use gyroakf_app_option, only : option_type, options, commands, all_names, group_titles, belongs_to, &
+      option_names, explained
    use gyroakf_release, only : release_string
+   use gyroakf_spelling, only : replace_all
    implicit none (type, external)
    private
-   public :: program_help, command_help, usage_text, version_text, citation_text
-   public :: about, usage_notes, run_is_default, reading_notes, exit_codes, examples, references
+   public :: program_help, command_help, usage_text, version_text, citation_text, manual_text
 
    character(*), parameter :: nl = new_line("a")
 
@@ -178,7 +180,7 @@ contains
          text = trim(line)//nl
          line = ""
       end if
-      text = text//wrapped(trim(option%help), first_column, line)
+      text = text//wrapped(explained(option), first_column, line)
    end function option_lines
 
    !> A text in lines that begin at a column and end at [[last_column]].
@@ -205,5 +207,60 @@ contains
          line = ""
       end do
    end function wrapped
+
+   !> What `--man` prints.
+   function manual_text() result(text)
+      character(:), allocatable :: text
+      integer :: i
+
+      text = '.TH GYROAKF 1 "" "gyroakf '//release_string//'" "User Commands"'//nl// &
+         ".SH NAME"//nl//"gyroakf \- "//roff(about)//nl// &
+         ".SH SYNOPSIS"//nl//".B gyroakf"//nl//"[\fICOMMAND\fR] \fIFILE\fR... [\fIOPTIONS\fR]"//nl// &
+         ".SH DESCRIPTION"//nl//roff(usage_notes)//nl//".PP"//nl//roff(reading_notes)//nl//".SH COMMANDS"//nl
+      do i = 1, size(commands)
+         text = text//".TP"//nl//".B "//trim(commands(i)%name)//nl//roff(trim(commands(i)%purpose))//nl
+      end do
+      text = text//".PP"//nl//roff(run_is_default)//nl//".SH OPTIONS"//nl
+      do i = 1, size(group_titles, 2)
+         text = text//group_of(i)
+      end do
+      text = text//".SH EXAMPLES"//nl//".nf"//nl
+      do i = 1, size(examples, 2)
+         text = text//roff(trim(examples(2, i)))//nl
+      end do
+      text = text//".fi"//nl//".SH EXIT STATUS"//nl//roff(exit_codes)//nl//".SH REFERENCES"//nl
+      do i = 1, size(references)
+         if (i > 1) text = text//".PP"//nl
+         text = text//roff(trim(references(i)))//nl
+      end do
+   end function manual_text
+
+   !> The options of a group under its title; "" where it has none.
+   function group_of(group) result(text)
+      !> Its place in the table
+      integer, intent(in) :: group
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ""
+      do i = 1, size(options)
+         if (options(i)%group /= group_titles(1, group)) cycle
+         text = text//".TP"//nl//"\fB"//roff(option_names(options(i)))//"\fR"
+         if (options(i)%value /= "") text = text//" \fI"//roff(trim(options(i)%value))//"\fR"
+         text = text//nl//roff(explained(options(i)))//nl//".br"//nl//"Commands: "//trim(options(i)%commands)//"."//nl
+      end do
+      if (text /= "") text = ".SS "//roff(trim(group_titles(2, group)))//nl//text
+   end function group_of
+
+   !> A text as roff takes it literally: backslashes and hyphens escaped, no line that begins like a request.
+   function roff(text) result(escaped)
+      character(*), intent(in) :: text
+      character(:), allocatable :: escaped
+
+      escaped = text
+      call replace_all(escaped, "\", "\e")
+      call replace_all(escaped, "-", "\-")
+      if (scan(text(:min(1, len(text))), ".'") > 0) escaped = "\&"//escaped
+   end function roff
 
 end module gyroakf_app_help

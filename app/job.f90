@@ -13,11 +13,11 @@ module gyroakf_app_job
    use gyroakf_report_kalibr, only : write_kalibr
    use gyroakf_report_latex, only : write_latex
    use gyroakf_report_text_report, only : write_report, report_inspect
-   use gyroakf_app_config, only : analysis_config, inspect_config
+   use gyroakf_app_config, only : config_type, file_options
    use gyroakf_app_interrupt, only : guard_files, interrupted, release_files
    use gyroakf_app_progress_bar, only : bar_type, clear_bar
    use gyroakf_app_reading, only : read_and_look, read_and_run
-   use gyroakf_app_terminal, only : adapt_writer
+   use gyroakf_app_system, only : adapt_writer
    implicit none (type, external)
    private
    public :: inspect, analyze
@@ -27,7 +27,7 @@ contains
    !> inspect: what was read.
    subroutine inspect(config, bar, record, error)
       !> What is wanted
-      type(inspect_config), intent(in) :: config
+      type(config_type), intent(in) :: config
       !> Progress of the run; taken away before the report
       type(bar_type), intent(inout) :: bar
       !> What was read
@@ -39,12 +39,12 @@ contains
       call read_and_look(config, record, error, bar)
       if (allocated(error)) return
       call clear_bar(bar)
-      if (allocated(config%out)) call write_inspection(config%out, record, config%command_line, error)
+      if (config%out /= "") call write_inspection(config%out, record, config%command_line, error)
       if (allocated(error)) return
-      if (allocated(config%json)) then
-         call begin_document(config%json, record, config%command_line, writer, error)
+      if (config%file(1)%text /= "") then
+         call begin_document(config%file(1)%text, record, config%command_line, writer, error)
          if (.not. allocated(error)) call commit_writer(writer, error)
-         if (allocated(error) .or. config%json == "-") return
+         if (allocated(error) .or. config%file(1)%text == "-") return
       end if
       if (config%quiet) return
       call open_writer(writer, "-", error)
@@ -66,13 +66,9 @@ contains
       call guard_files()
       call make_directory(directory, error)
       if (.not. allocated(error)) call open_writer(report, directory//"/report.txt", error)
-      if (.not. allocated(error)) then
-         call report_inspect(report, record)
-         call complete_writer(report, error)
-      end if
-      if (.not. allocated(error)) then
-         call begin_document(directory//"/results.json", record, command_line, document, error)
-      end if
+      if (.not. allocated(error)) call report_inspect(report, record)
+      if (.not. allocated(error)) call complete_writer(report, error)
+      if (.not. allocated(error)) call begin_document(directory//"/results.json", record, command_line, document, error)
       if (.not. allocated(error)) call complete_writer(document, error)
       if (.not. allocated(error)) call remove_others(directory, written)
       if (.not. allocated(error)) call commit_writer(report, error)
@@ -85,7 +81,7 @@ contains
    !> run, allan, tests, ar, filter: the files first, standard output last.
    subroutine analyze(config, bar, record, result, error)
       !> What is wanted
-      type(analysis_config), intent(in) :: config
+      type(config_type), intent(in) :: config
       !> Progress of the run; taken away before the report
       type(bar_type), intent(inout) :: bar
       !> What was read
@@ -108,86 +104,53 @@ contains
 
    !> The files that options name and the result files: all are complete before the first one appears.
    subroutine write_files(config, bar, record, result, error)
-      type(analysis_config), intent(in) :: config
+      type(config_type), intent(in) :: config
       type(bar_type), intent(inout) :: bar
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in) :: result
       type(error_type), allocatable, intent(out) :: error
-      character(8), parameter :: kinds(3) = [character(8) :: "--json", "--kalibr", "--latex"]
-      type(writer_type) :: writer(size(kinds))
+      type(writer_type) :: writer(size(config%file))
       integer :: i
 
-      if (allocated(config%out)) call make_directory(config%out, error)
-      do i = 1, size(kinds)
-         if (.not. allocated(error)) call begin_file(trim(kinds(i)), config, record, result, writer(i), error)
+      if (config%out /= "") call make_directory(config%out, error)
+      do i = 1, size(config%file)
+         if (allocated(error) .or. any(config%file(i)%text == ["-", " "])) cycle
+         call write_kind(i, config, record, result, writer(i), error)
+         if (.not. allocated(error)) call complete_writer(writer(i), error)
       end do
-      if (.not. allocated(error) .and. allocated(config%out)) call write_results(config%out, config%command, record, &
+      if (.not. allocated(error) .and. config%out /= "") call write_results(config%out, config%command, record, &
          config%pipeline, result, error, config%series, bar, config%command_line, config%chart)
-      if (allocated(error)) then
-         do i = 1, size(kinds)
+      do i = 1, size(config%file)
+         if (allocated(error)) then
             call discard_writer(writer(i))
-         end do
-         return
-      end if
-      do i = 1, size(kinds)
-         if (.not. allocated(error) .and. writer(i)%complete) call commit_writer(writer(i), error)
+         else if (writer(i)%complete) then
+            call commit_writer(writer(i), error)
+         end if
       end do
    end subroutine write_files
 
-   !> A file that an option names, complete but not yet in its place; nothing where it is not asked for, or is standard output.
-   subroutine begin_file(kind, config, record, result, writer, error)
-      !> The option
-      character(*), intent(in) :: kind
-      type(analysis_config), intent(in) :: config
-      type(record_type), intent(in) :: record
-      type(pipeline_result_type), intent(in) :: result
-      type(writer_type), intent(out) :: writer
-      type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: path
-
-      call find_target(config, kind, path)
-      if (path == "" .or. path == "-") return
-      call write_kind(kind, path, config, record, result, writer, error)
-      if (.not. allocated(error)) call complete_writer(writer, error)
-      if (allocated(error)) call discard_writer(writer)
-   end subroutine begin_file
-
    !> The content of a file that an option names, in an open writer.
-   subroutine write_kind(kind, path, config, record, result, writer, error)
-      !> The option, and its value
-      character(*), intent(in) :: kind, path
-      type(analysis_config), intent(in) :: config
+   subroutine write_kind(kind, config, record, result, writer, error)
+      !> Place of the option in [[file_options]]
+      integer, intent(in) :: kind
+      type(config_type), intent(in) :: config
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in) :: result
       type(writer_type), intent(out) :: writer
       type(error_type), allocatable, intent(out) :: error
 
-      call open_writer(writer, path, error)
+      call open_writer(writer, config%file(kind)%text, error)
       if (allocated(error)) return
-      select case (kind)
+      select case (file_options(kind))
       case ("--json"); call write_document(writer, record, result, config%command_line)
       case ("--kalibr"); call write_kalibr(writer, record, result, error)
       case default; call write_latex(writer, record, result)
       end select
    end subroutine write_kind
 
-   !> The file of an option, "" where it was not given.
-   subroutine find_target(config, kind, path)
-      type(analysis_config), intent(in) :: config
-      character(*), intent(in) :: kind
-      character(:), allocatable, intent(out) :: path
-
-      path = ""
-      select case (kind)
-      case ("--json"); if (allocated(config%json)) path = config%json
-      case ("--kalibr"); if (allocated(config%kalibr)) path = config%kalibr
-      case default; if (allocated(config%latex)) path = config%latex
-      end select
-   end subroutine find_target
-
    !> Where not one channel gives what the command is for, there is nothing to report: an error of the data.
    subroutine check_result(config, result, error)
-      type(analysis_config), intent(in) :: config
+      type(config_type), intent(in) :: config
       type(pipeline_result_type), intent(in) :: result
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: reason
@@ -224,19 +187,16 @@ contains
 
    !> What an option wants on standard output, or the command's report.
    subroutine print_result(config, record, result, error)
-      type(analysis_config), intent(in) :: config
+      type(config_type), intent(in) :: config
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in) :: result
       type(error_type), allocatable, intent(out) :: error
-      character(7), parameter :: kinds(2) = [character(7) :: "--json", "--latex"]
       type(writer_type) :: writer
-      character(:), allocatable :: path
       integer :: i
 
-      do i = 1, size(kinds)
-         call find_target(config, trim(kinds(i)), path)
-         if (path /= "-") cycle
-         call write_kind(trim(kinds(i)), "-", config, record, result, writer, error)
+      do i = 1, size(config%file)
+         if (config%file(i)%text /= "-") cycle
+         call write_kind(i, config, record, result, writer, error)
          if (.not. allocated(error)) call commit_writer(writer, error)
          return
       end do

@@ -1,20 +1,23 @@
 ! SPDX-License-Identifier: MIT
-!> Many files: each is processed independently, one after the other, then all are summarized.
+!> Many files: each is processed independently, one after the other, then all are summarized: into the folder of `--out`, the file
+!> of `--json`, and to standard output.
 module gyroakf_app_many
    use, intrinsic :: iso_fortran_env, only : error_unit
    use gyroakf_error, only : error_type, exit_code, status
+   use gyroakf_io_writer, only : commit_writer, complete_writer, discard_writer, make_directory, open_writer, writer_type
    use gyroakf_pipeline, only : pipeline_result_type
    use gyroakf_record, only : record_type, text_type
-   use gyroakf_report_summary, only : summarise, summarise_failure, summary_row_type
+   use gyroakf_report_summary, only : summarise, summarise_failure, summary_row_type, write_summary_csv, write_summary_json, &
+      write_summary_table
    use gyroakf_app_check, only : check_existing, is_result
-   use gyroakf_app_config, only : analysis_config, inspect_config, reading_config
-   use gyroakf_app_file_list, only : read_list
-   use gyroakf_app_folders, only : name_folders, summary_files
+   use gyroakf_app_config, only : config_type
+   use gyroakf_app_file_list, only : name_folders, read_list, summary_files
    use gyroakf_app_interrupt, only : guard_files, release_files
    use gyroakf_app_job, only : analyze, inspect
+   use gyroakf_app_option, only : name_options
    use gyroakf_app_progress_bar, only : bar_type, clear_bar
    use gyroakf_app_reading, only : with_path
-   use gyroakf_app_summary, only : write_summary
+   use gyroakf_app_system, only : adapt_writer
    use gyroakf_app_words, only : usage_error
    implicit none (type, external)
    private
@@ -25,123 +28,170 @@ contains
    !> Processes all files of a command line and of its list.
    subroutine work_on_many(config, bar, code, error)
       !> Its `paths` and `list`
-      class(reading_config), intent(in) :: config
+      type(config_type), intent(in) :: config
       !> Progress of the file in work
       type(bar_type), intent(inout) :: bar
       !> The highest exit status of all files
       integer, intent(out) :: code
       !> What prevents all of them: usage, io, cancelled
       type(error_type), allocatable, intent(out) :: error
-      class(reading_config), allocatable :: job
       type(text_type), allocatable :: paths(:), folders(:)
       type(summary_row_type), allocatable :: rows(:)
+      type(config_type) :: job
       integer :: i
 
       code = 0
-      allocate (job, source=config)
-      call gather_files(job, paths, folders, error)
+      call gather_files(config, paths, folders, error)
       if (allocated(error)) return
       allocate (rows(size(paths)))
       do i = 1, size(rows)
-         call work_on_one(job, paths(i)%text, folders(i)%text, bar, rows(i), error)
+         call prepare_job(config, paths(i)%text, folders(i)%text, job)
+         call work_on_one(job, bar, rows(i), error)
          call clear_bar(bar)
          if (allocated(error)) return
          code = max(code, rows(i)%code)
          if (rows(i)%code /= 0) write (error_unit, "(a)") "gyroakf: error: "//rows(i)%message
       end do
       call guard_files()
-      call write_summary(config, rows, error)
+      call write_files(config, rows, error)
       call release_files()
+      if (.not. allocated(error)) call print_summary(config, rows, error)
    end subroutine work_on_many
 
    !> One file; its failure is in its row.
-   subroutine work_on_one(config, path, folder, bar, row, error)
-      class(reading_config), intent(in) :: config
-      character(*), intent(in) :: path, folder
+   subroutine work_on_one(job, bar, row, error)
+      type(config_type), intent(in) :: job
       type(bar_type), intent(inout) :: bar
       type(summary_row_type), intent(out) :: row
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
-      class(reading_config), allocatable :: job
       type(record_type) :: record
       type(pipeline_result_type) :: result
 
-      allocate (job, source=config)
-      call prepare_one(job, path, folder)
-      select type (job)
-      type is (inspect_config)
+      if (job%command == "inspect") then
          call inspect(job, bar, record, error)
-         if (.not. allocated(error)) call summarise(job%command, path, folder, record, row)
-      type is (analysis_config)
+         if (.not. allocated(error)) call summarise(job%command, job%path, job%out, record, row)
+      else
          call analyze(job, bar, record, result, error)
-         if (.not. allocated(error)) call summarise(job%command, path, folder, record, row, result)
-      end select
+         if (.not. allocated(error)) call summarise(job%command, job%path, job%out, record, row, result)
+      end if
       if (.not. allocated(error)) return
       if (error%code == status%cancelled) return
-      call summarise_failure(config%command, path, "", exit_code(error%code), with_path(path, error%message), row)
+      call name_options(error%message)
+      call summarise_failure(job%command, job%path, "", exit_code(error%code), with_path(job%path, error%message), row)
       deallocate (error)
    end subroutine work_on_one
 
    !> The files and their folders.
    subroutine gather_files(config, paths, folders, error)
-      !> Its `paths` are moved out
-      class(reading_config), intent(inout) :: config
+      type(config_type), intent(in) :: config
       !> The files, and the folders of their results, "" where none are written: [number of files]
       type(text_type), allocatable, intent(out) :: paths(:), folders(:)
       !> usage, io, parse
       type(error_type), allocatable, intent(out) :: error
-      class(reading_config), allocatable :: job
+      character(:), allocatable :: out
+      type(config_type) :: job
       integer :: i, j
       logical :: forbidden
 
-      call move_alloc(config%paths, paths)
-      if (allocated(config%list)) then
-         call read_list(config%list, paths, error)
-         if (allocated(error)) return
-      end if
-      if (.not. allocated(config%out)) then
-         allocate (folders(size(paths)))
-         do i = 1, size(paths)
-            folders(i)%text = ""
-         end do
-         return
-      end if
-      do while (len(config%out) > 1 .and. index(config%out, "/", back=.true.) == len(config%out))
-         config%out = config%out(:len(config%out) - 1)
-      end do
+      paths = config%paths
+      if (config%list /= "") call read_list(config%list, paths, error)
+      if (allocated(error)) return
       call name_folders(paths, folders)
+      out = config%out
+      do while (len(out) > 1 .and. index(out, "/", back=.true.) == len(out))
+         out = out(:len(out) - 1)
+      end do
       do i = 1, size(paths)
-         folders(i)%text = config%out//"/"//folders(i)%text
+         if (out == "") then
+            folders(i)%text = ""
+            cycle
+         end if
+         folders(i)%text = out//"/"//folders(i)%text
          forbidden = is_result(folders(i)%text, paths(i)%text)
          do j = 1, size(summary_files)
-            if (paths(i)%text == config%out//"/"//trim(summary_files(j))) forbidden = .true.
+            if (paths(i)%text == out//"/"//trim(summary_files(j))) forbidden = .true.
          end do
-         if (forbidden) call usage_error(error, "--out would overwrite the recording '"//paths(i)%text//"'")
+         if (forbidden) then
+            call usage_error(error, "--out would overwrite the recording '"//paths(i)%text//"'")
+         else
+            call prepare_job(config, paths(i)%text, folders(i)%text, job)
+            call check_existing(job, error)
+         end if
          if (allocated(error)) return
-         allocate (job, source=config)
-         call prepare_one(job, paths(i)%text, folders(i)%text)
-         call check_existing(job, error)
-         if (allocated(error)) return
-         deallocate (job)
       end do
    end subroutine gather_files
 
-   !> The configuration of one file alone.
-   subroutine prepare_one(config, path, folder)
-      class(reading_config), intent(inout) :: config
+   !> The job of one file alone.
+   subroutine prepare_job(config, path, folder, job)
+      type(config_type), intent(in) :: config
       character(*), intent(in) :: path, folder
+      type(config_type), intent(out) :: job
+      integer :: i
 
-      config%path = path
-      config%quiet = .true.
-      if (allocated(config%json)) deallocate (config%json)
-      if (allocated(config%list)) deallocate (config%list)
-      if (allocated(config%options_file)) deallocate (config%options_file)
-      if (allocated(config%out)) config%out = folder
-      select type (config)
-      type is (analysis_config)
-         if (allocated(config%kalibr)) config%kalibr = folder//"/"//config%kalibr
-         if (allocated(config%latex)) config%latex = folder//"/"//config%latex
-      end select
-   end subroutine prepare_one
+      job = config
+      job%path = path
+      deallocate (job%paths)
+      allocate (job%paths(0))
+      job%list = ""
+      job%options_file = ""
+      job%quiet = .true.
+      job%out = folder
+      job%file(1)%text = ""
+      do i = 2, size(job%file)
+         if (job%file(i)%text /= "") job%file(i)%text = folder//"/"//job%file(i)%text
+      end do
+   end subroutine prepare_job
+
+   !> The summary on standard output.
+   subroutine print_summary(config, rows, error)
+      type(config_type), intent(in) :: config
+      type(summary_row_type), intent(in) :: rows(:)
+      type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: writer
+      logical :: as_json
+
+      as_json = config%file(1)%text == "-"
+      if (config%quiet .and. .not. as_json) return
+      call open_writer(writer, "-", error)
+      if (allocated(error)) return
+      if (as_json) then
+         call write_summary_json(writer, config%command, rows)
+      else
+         call adapt_writer(writer, config%colour, config%ascii)
+         call write_summary_table(writer, config%command, rows)
+      end if
+      call commit_writer(writer, error)
+   end subroutine print_summary
+
+   !> The summary's files: all are complete before the first one appears.
+   subroutine write_files(config, rows, error)
+      type(config_type), intent(in) :: config
+      type(summary_row_type), intent(in) :: rows(:)
+      type(error_type), allocatable, intent(out) :: error
+      type(writer_type) :: writer(3)
+      type(text_type) :: path(3)
+      integer :: i
+
+      path(1)%text = config%out//"/"//trim(summary_files(1))
+      path(2)%text = config%out//"/"//trim(summary_files(2))
+      path(3)%text = config%file(1)%text
+      if (config%out /= "") call make_directory(config%out, error)
+      do i = 1, size(writer)
+         if (allocated(error) .or. (i < 3 .and. config%out == "") .or. any(path(i)%text == ["-", " "])) cycle
+         call open_writer(writer(i), path(i)%text, error)
+         if (allocated(error)) cycle
+         if (i == 1) call write_summary_csv(writer(i), rows)
+         if (i > 1) call write_summary_json(writer(i), config%command, rows)
+         call complete_writer(writer(i), error)
+      end do
+      do i = 1, size(writer)
+         if (.not. allocated(error) .and. writer(i)%complete) call commit_writer(writer(i), error)
+      end do
+      if (.not. allocated(error)) return
+      do i = 1, size(writer)
+         call discard_writer(writer(i))
+      end do
+   end subroutine write_files
 
 end module gyroakf_app_many

@@ -1,13 +1,19 @@
 ! SPDX-License-Identifier: MIT
-!> The table of all options: parsing, `--help` and the suggestions for misspelt names are made from it.
+!> The table of all options: parsing, ranges, `--help`, the manual page, completion, files of options and the suggestions for
+!> misspelt names are made from it.
 !>
-!> A new option is a row here and a case in [[gyroakf_app_setting]].
+!> A new option is a row here and a case in [[gyroakf_app_settings]] or [[gyroakf_app_simulation]].
 module gyroakf_app_option
-   use gyroakf_spelling, only : edit_distance, nearest_word
+   use gyroakf_kinds, only : dp
+   use gyroakf_io_decimal, only : format_real
+   use gyroakf_preprocess_local_outliers, only : largest_half_width
+   use gyroakf_record, only : text_type
+   use gyroakf_spelling, only : edit_distance, nearest_word, replace_all
    implicit none (type, external)
    private
    public :: option_type, options, commands, all_names, command_names, group_titles
-   public :: find_option, option_names, takes_value, belongs_to, is_of_the_line, suggest_option, suggest_word
+   public :: find_option, option_names, explained, takes_value, belongs_to, suggest_option, suggest_word
+   public :: name_options, name_options_in
 
    !> One row
    type :: option_type
@@ -16,11 +22,12 @@ module gyroakf_app_option
       !> What stands for its value in the help; the words themselves, separated by |, where kind is "choice" or "choices"
       character(64) :: value = ""
       !> flag: no value; all: no value, or =all; text; choice: one of the words; choices: some of them, separated by commas; real;
-      !> positive; share: 0 < x <= 1; natural: 0, 1, ...; count: 1, 2, ...
-      character(8) :: kind = "flag"
+      !> positive; share: 0 < x <= 1; natural: 0, 1, ...; count: 1, 2, ...; reals, positives: numbers separated by commas;
+      !> size: bytes. Where words in lower case stand before |, they may be given instead of a number
+      character(9) :: kind = "flag"
       !> The commands that know it
       character(51) :: commands = ""
-      !> Under which title of the help it stands
+      !> Under which title of the help it stands; no file of options has those of the group common
       character(6) :: group = "common"
       !> What it does
       character(190) :: help = ""
@@ -28,6 +35,10 @@ module gyroakf_app_option
       character(2) :: short = ""
       !> Shown by `gyroakf --help`, which leaves the others to `--help=all`
       logical :: frequent = .false.
+      !> Range of a number, both ends in it; the upper one stands in the help
+      real(dp) :: lower = -huge(1.0_dp), upper = huge(1.0_dp)
+      !> The library's argument that it sets, where that is not its name with underscores
+      character(18) :: argument = ""
    end type option_type
 
    !> Name and purpose of a command
@@ -58,7 +69,11 @@ module gyroakf_app_option
    character(*), parameter :: analysing = "run allan tests ar filter"
    character(*), parameter :: every = "run inspect allan tests ar filter simulate"
    character(*), parameter :: any_command = every//" selftest"
-   character(*), parameter :: none = ""
+
+   !> Largest AR order and number of lags of a regression
+   real(dp), parameter :: most_lags = 1000.0_dp
+   !> More threads than this are a slip of the finger
+   real(dp), parameter :: most_threads = 4096.0_dp
 
    !> Groups and their titles, in the order of the help
    character(28), parameter :: group_titles(2, 11) = reshape([character(28) :: &
@@ -68,14 +83,14 @@ module gyroakf_app_option
 
    type(option_type), parameter :: input_options(*) = [ &
       option_type("--rate", "HZ", "positive", reading, "input", "sample rate; overrides header and time stamps", &
-                  frequent=.true.), &
+                  frequent=.true., argument="rate_hz"), &
       option_type("--dt", "S", "positive", reading, "input", "sample interval, instead of --rate"), &
       option_type("--unit", "UNIT[,...]", "text", reading, "input", &
                   "unit of the values: rad/s, deg/s, deg/h, mdps, m/s^2, g, mg, ...; of the angle (rad, deg, "// &
                   "arcsec) with --input increment or angle; a list has one unit for each channel", frequent=.true.), &
       option_type("--input", "rate|increment|angle", "choice", reading, "input", &
                   "what the values are: rates (default), angle increments per sample, or accumulated angles"), &
-      option_type("--wrap", "auto|none|VALUE", "text", reading, "input", &
+      option_type("--wrap", "auto|none|VALUE", "positive", reading, "input", &
                   "where the angles of --input angle begin again, in units of the file, as 65536 or 360; auto (default): the "// &
                   "range of the integers of a binary file"), &
       option_type("--resample", "index|nearest|linear", "choice", reading, "input", &
@@ -83,7 +98,7 @@ module gyroakf_app_option
                   "their time stamp, or interpolated onto the grid by the stamps"), &
       option_type("--scale", "F", "real", reading, "input", "multiply every value by F"), &
       option_type("--column", "N|NAME[,...]", "text", reading, "input", "columns to read (default: all but the time)", &
-                  frequent=.true.), &
+                  frequent=.true., argument="columns"), &
       option_type("--time-column", "N|NAME|none", "text", reading, "input", &
                   "column of the time stamps (default: found by its name, else by its even rise)", frequent=.true.), &
       option_type("--time-unit", "UNIT", "text", reading, "input", &
@@ -102,7 +117,7 @@ module gyroakf_app_option
       option_type("--decimal-comma", "", "flag", reading, "input", "every comma in the file is a decimal comma, as in 1,5; "// &
                   "recognised by itself where semicolons, tabs or blanks part the columns"), &
       option_type("--bad-lines", "error|missing", "choice", reading, "input", &
-                  "a line that cannot be read is an error (default), or marked missing and counted")]
+                  "a line that cannot be read is an error (default), or marked missing and counted", argument="bad_lines_missing")]
 
    type(option_type), parameter :: series_options(*) = [ &
       option_type("--preset", "paper", "choice", "run", "preset", &
@@ -114,35 +129,41 @@ module gyroakf_app_option
       option_type("--outlier-threshold", "K", "positive", analysing, "clean", &
                   "threshold in standard deviations (default: pauta, hampel 3; mad 4.5; auto by the length)"), &
       option_type("--outlier-rounds", "N", "count", analysing, "clean", &
-                  "most rounds (default 20); 1: a single pass over the samples, as the textbook has it"), &
+                  "most rounds (default 20); 1: a single pass over the samples, as the textbook has it", &
+                  upper=1000.0_dp), &
       option_type("--outlier-window", "K", "count", analysing, "clean", &
                   "hampel compares a sample with K on either side (default 25); 3 marks 4.8 % of clean noise, 10 1.4 %, "// &
-                  "25 0.7 %, 100 0.4 %"), &
-      option_type("--detrend", "none|DEGREE", "text", analysing, "clean", &
-                  "remove a polynomial trend of degree 0 to 9 (default: 3 in run, else none)"), &
+                  "25 0.7 %, 100 0.4 %", upper=real(largest_half_width, dp)), &
+      option_type("--detrend", "none|DEGREE", "natural", analysing, "clean", &
+                  "remove a polynomial trend of this degree (default: 3 in run, else none)", &
+                  upper=9.0_dp), &
       option_type("--adf-regression", "n|c|ct|ctt", "choice", "run tests", "tests", &
                   "terms of the ADF regression: none, constant (default), trend, quadratic trend"), &
-      option_type("--adf-lags", "auto|N", "text", "run tests", "tests", "lags of the ADF regression (default auto: chosen)"), &
+      option_type("--adf-lags", "auto|N", "natural", "run tests", "tests", "lags of the ADF regression (default auto: chosen)", &
+                  upper=most_lags), &
       option_type("--adf-criterion", "aic|bic|t", "choice", "run tests", "tests", "what chooses the lags (default aic)"), &
-      option_type("--adf-max-lags", "auto|N", "text", "run tests", "tests", &
-                  "lags to choose from (default auto: 12 (n/100)^(1/4))"), &
+      option_type("--adf-max-lags", "auto|N", "natural", "run tests", "tests", &
+                  "lags to choose from (default auto: 12 (n/100)^(1/4))", upper=most_lags), &
       option_type("--adf-table", "", "flag", "run tests", "tests", &
                   "show the coefficients of the ADF regression with their standard errors"), &
       option_type("--kpss-regression", "c|ct", "choice", "run tests", "tests", &
                   "what the KPSS test takes the series to be stationary about: a level (default) or a line"), &
-      option_type("--kpss-lags", "auto|N", "text", "run tests", "tests", &
-                  "bandwidth of the KPSS test (default auto: from the correlation)"), &
+      option_type("--kpss-lags", "auto|N", "natural", "run tests", "tests", &
+                  "bandwidth of the KPSS test (default auto: from the correlation)", &
+                  upper=100000.0_dp), &
       option_type("--lags", "N", "count", "run tests", "tests", &
-                  "lags of the autocorrelation (correlation.csv) and of the test of whiteness, at most 4096 (default 20)"), &
-      option_type("--welch-segment", "auto|S", "text", "run tests", "tests", &
+                  "lags of the autocorrelation (correlation.csv) and of the test of whiteness (default 20)", &
+                  upper=4096.0_dp), &
+      option_type("--welch-segment", "auto|S", "positive", "run tests", "tests", &
                   "segments of Welch's spectrum in seconds (default auto: a power of two samples of which 8 fit, at most 16384)"), &
       option_type("--ar-method", "yw|burg|ols", "choice", "run ar filter", "ar", &
                   "Yule-Walker by the Levinson recursion (default), Burg's recursion, or least squares with intercept"), &
       option_type("--ar-criterion", "aic|aicc|bic|hqic|fpe", "choice", "run ar filter", "ar", &
                   "what chooses the order (default aic)"), &
       option_type("--max-order", "N", "natural", "run ar filter", "ar", &
-                  "largest order compared (default: 12 in ar, else 3)"), &
-      option_type("--order", "N", "natural", "run ar filter", "ar", "take this order"), &
+                  "largest order compared (default: 12 in ar, else 3)", upper=most_lags), &
+      option_type("--order", "N", "natural", "run ar filter", "ar", "take this order", &
+                  upper=most_lags), &
       option_type("--akf", "paper|robust", "choice", "run filter", "filter", &
                   "the adaptive filter: the paper's Sage-Husa on Q and R (default), or on R only in residual form"), &
       option_type("--forgetting", "B", "share", "run filter", "filter", &
@@ -165,9 +186,9 @@ module gyroakf_app_option
                   "terms of the fit, e.g. NBK, at all averaging times in its range (default auto: those of QNBKR that the "// &
                   "curve asks for, at the longest run of octaves that they describe)"), &
       option_type("--fit-tau-min", "S", "positive", "run allan", "allan", &
-                  "the fit begins at this averaging time (default: the first)"), &
+                  "the fit begins at this averaging time (default: the first)", argument="tau_min"), &
       option_type("--fit-tau-max", "S", "positive", "run allan", "allan", &
-                  "the fit ends at this averaging time (default: the last)")]
+                  "the fit ends at this averaging time (default: the last)", argument="tau_max")]
 
    type(option_type), parameter :: record_options(*) = [ &
       option_type("--preset", "paper|adis16405|adis16405-xl|mti-g|xsens-dot|ring-laser|mpu6050", "choice", "simulate", &
@@ -184,32 +205,33 @@ module gyroakf_app_option
       option_type("--tails", "normal|laplace|t5|mixture", "choice", "simulate", "record", &
                   "distribution of the white noise N at the same variance: normal (default), Laplace, Student's t with "// &
                   "5 degrees of freedom, two normal distributions of standard deviations 1:8"), &
-      option_type("--ar", "PHI[,...]", "text", "simulate", "record", &
+      option_type("--ar", "PHI[,...]", "reals", "simulate", "record", &
                   "coefficients of an AR(p) term"), &
       option_type("--ar-variance", "V", "positive", "simulate", "record", "variance of the AR(p) term"), &
-      option_type("--markov", "SIGMA,T[,...]", "text", "simulate", "record", &
+      option_type("--markov", "SIGMA,T[,...]", "positives", "simulate", "record", &
                   "first-order Gauss-Markov processes: standard deviation and correlation time in s of each"), &
-      option_type("--vibration", "AMPLITUDE,HZ,WIDTH[,...]", "text", "simulate", "record", &
+      option_type("--vibration", "AMPLITUDE,HZ,WIDTH[,...]", "positives", "simulate", "record", &
                   "vibration lines: narrow-band noise with the power of a sine of that amplitude, frequency and width at "// &
                   "half the power in Hz"), &
-      option_type("--warmup", "A,S", "text", "simulate", "record", "warm-up A exp(-t/S)"), &
-      option_type("--motion", "NUMBER,SIZE,S[,END]", "text", "simulate", "record", &
+      option_type("--warmup", "A,S", "reals", "simulate", "record", "warm-up A exp(-t/S)"), &
+      option_type("--motion", "NUMBER,SIZE,S[,END]", "positives", "simulate", "record", &
                   "half sines of height SIZE and length S seconds, of random sign, at random places (before END seconds)"), &
-      option_type("--trend", "C0[,C1,...]", "text", "simulate", "record", "trend, in powers of the sample index 0, 1, ..."), &
+      option_type("--trend", "C0[,C1,...]", "reals", "simulate", "record", "trend, in powers of the sample index 0, 1, ..."), &
       option_type("--offset", "X", "real", "simulate", "record", "constant rate"), &
       option_type("--outlier-count", "N", "natural", "simulate", "record", "number of outliers"), &
       option_type("--outlier-size", "K", "real", "simulate", "record", "their size in standard deviations of the rest"), &
-      option_type("--contamination", "SHARE,SIGMA", "text", "simulate", "record", &
+      option_type("--contamination", "SHARE,SIGMA", "positives", "simulate", "record", &
                   "outliers in this share of the samples, of 4 to SIGMA standard deviations of the rest"), &
-      option_type("--lowpass", "HZ[,ORDER]", "text", "simulate", "record", &
+      option_type("--lowpass", "HZ[,ORDER]", "positives", "simulate", "record", &
                   "Butterworth low-pass filter of order 1 (default) or 2 on everything but outliers, rounding and "// &
                   "losses, which come after it"), &
-      option_type("--resonance", "HZ,Q", "text", "simulate", "record", &
+      option_type("--resonance", "HZ,Q", "positives", "simulate", "record", &
                   "mechanical resonance, as a low-pass section of second order with quality "// &
                   "factor Q, 0.5 to 100"), &
       option_type("--lsb", "STEP", "positive", "simulate", "record", &
                   "round the values to multiples of STEP"), &
-      option_type("--missing", "P", "real", "simulate", "record", "share of the samples lost at random, 0 to 0.9"), &
+      option_type("--missing", "P", "real", "simulate", "record", "share of the samples lost at random", &
+                  lower=0.0_dp, upper=0.9_dp), &
       option_type("--output", "FILE", "text", "simulate", "record", &
                   "write FILE instead of standard output; FILE.npy and FILE.f64 are binary"), &
       option_type("--truth", "FILE", "text", "simulate", "record", &
@@ -251,15 +273,15 @@ module gyroakf_app_option
       option_type("--list", "FILE", "text", reading, "work", &
                   "work on the files named in FILE too, one a line; - is standard input"), &
       option_type("--threads", "N", "count", any_command, "work", &
-                  "number of threads (default: all)"), &
-      option_type("--memory", "SIZE", "text", reading, "work", &
+                  "number of threads (default: all)", upper=most_threads), &
+      option_type("--memory", "SIZE", "size", reading, "work", &
                   "memory that may be used, 28MB or more, as 500MB or 2GB (default: 0.95 of what is free); "// &
-                  "a recording that needs more is refused"), &
+                  "a recording that needs more is refused", lower=28e6_dp), &
       option_type("--progress", "auto|on|off", "choice", any_command, "work", &
                   "how far long work is, on standard error; auto (default): on a terminal, after a second"), &
-      option_type("--config", "FILE", "text", any_command, "work", &
+      option_type("--config", "FILE", "text", any_command, "common", &
                   "take options from FILE, name = value a line; those of the command line come on top"), &
-      option_type("--write-config", "FILE", "text", any_command, "work", &
+      option_type("--write-config", "FILE", "text", any_command, "common", &
                   "write all options into FILE, those that are not given as comments; without a recording nothing else is done"), &
       option_type("--help", "", "all", any_command, "common", &
                   "the most used options, or all of a command; --help=all: all options", short="-h", frequent=.true.), &
@@ -271,10 +293,6 @@ module gyroakf_app_option
 
    !> All options
    type(option_type), parameter :: options(*) = [input_options, series_options, record_options, common_options]
-
-   !> Options of a command line alone: no file of options has them
-   character(14), parameter :: of_the_line(7) = [character(14) :: "--config", "--write-config", "--help", "--version", &
-                                                 "--citation", "--man", "--completion"]
 
 contains
 
@@ -305,6 +323,16 @@ contains
       if (option%short /= "") names = option%short//", "//names
    end function option_names
 
+   !> What an option does, with the end of its range.
+   function explained(option) result(text)
+      !> A row
+      type(option_type), intent(in) :: option
+      character(:), allocatable :: text
+
+      text = trim(option%help)
+      if (option%upper < huge(option%upper)) text = text//"; at most "//format_real(option%upper, 6)
+   end function explained
+
    !> Whether a value follows.
    pure logical function takes_value(option)
       !> A row
@@ -322,14 +350,6 @@ contains
 
       belongs_to = index(" "//option%commands//" ", " "//trim(command)//" ") > 0
    end function belongs_to
-
-   !> Whether an option is one of the command line alone.
-   pure logical function is_of_the_line(name)
-      !> With its dashes
-      character(*), intent(in) :: name
-
-      is_of_the_line = any(of_the_line == name)
-   end function is_of_the_line
 
    !> The known option that a misspelt one probably means, "" if none is near.
    !>
@@ -351,6 +371,34 @@ contains
          known = full
       end do
    end function suggest_option
+
+   !> A message of the library, which names its arguments in grave accents: with the options that set them.
+   subroutine name_options(text)
+      !> Any text
+      character(:), allocatable, intent(inout) :: text
+      character(:), allocatable :: argument
+      integer :: i
+
+      if (index(text, "`") == 0) return
+      do i = 1, size(options)
+         argument = trim(options(i)%argument)
+         if (argument == "") argument = trim(options(i)%name(3:))
+         call replace_all(argument, "-", "_")
+         call replace_all(text, "`"//argument//"`", trim(options(i)%name))
+      end do
+   end subroutine name_options
+
+   !> The same for a list of messages.
+   subroutine name_options_in(list)
+      !> Any texts; may be unallocated
+      type(text_type), allocatable, intent(inout) :: list(:)
+      integer :: i
+
+      if (.not. allocated(list)) return
+      do i = 1, size(list)
+         call name_options(list(i)%text)
+      end do
+   end subroutine name_options_in
 
    !> The nearest of some words, "" if none is near.
    function suggest_word(word, words) result(known)

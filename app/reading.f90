@@ -5,20 +5,20 @@ module gyroakf_app_reading
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_machine_memory, only : free_memory
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_reader, only : complete_record, reader_options
+   use gyroakf_io_reader, only : complete_record, read_record, reader_options
    use gyroakf_io_recording, only : base_bytes, bytes_needed, close_recording, hold_rows, open_recording, recording_type, &
       rows_within, say_too_large
-   use gyroakf_pipeline, only : pipeline_result_type, run_pipeline, estimate_memory
+   use gyroakf_pipeline, only : check_truth, estimate_memory, pipeline_result_type, run_pipeline
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
    use gyroakf_report_kalibr, only : check_kalibr
-   use gyroakf_app_config, only : analysis_config, cli_config, inspect_config, new_config, reading_config
+   use gyroakf_app_config, only : config_type, new_config
+   use gyroakf_app_option, only : name_options_in
    use gyroakf_app_remedy, only : add_remedies
-   use gyroakf_app_truth, only : read_truth
    use gyroakf_app_words, only : shell_word
    implicit none (type, external)
    private
-   public :: find_bound, read_and_look, read_and_run, with_path
+   public :: read_and_look, read_and_run, with_path
 
    !> Share of the memory that can be had which a recording may take
    real(dp), parameter :: usable_share = 0.95_dp
@@ -43,7 +43,7 @@ contains
    !> inspect: what was read.
    subroutine read_and_look(config, record, error, progress)
       !> The file and how it is read
-      type(inspect_config), intent(in) :: config
+      type(config_type), intent(in) :: config
       !> What was read
       type(record_type), intent(out) :: record
       !> As of [[read_record]]
@@ -56,12 +56,13 @@ contains
       reader%survey = .true.
       call find_bound(reader)
       call read_within(config, reader, record, error, progress)
+      call name_options_in(record%warnings)
    end subroutine read_and_look
 
    !> run, allan, tests, ar, filter: what was read, and what came out.
    subroutine read_and_run(config, record, result, error, progress)
       !> The file, how it is read and what is computed
-      type(analysis_config), intent(in) :: config
+      type(config_type), intent(in) :: config
       !> What was read
       type(record_type), intent(out) :: record
       !> What came out
@@ -72,29 +73,63 @@ contains
       class(progress_type), intent(inout) :: progress
       type(reader_options) :: reader
       type(record_type) :: truth
+      integer :: i
 
       reader = config%reader
       call estimate_memory(config%pipeline, reader%work_bytes, reader%channel_bytes, reader%part_bytes, &
                        reader%part_samples)
-      if (allocated(config%truth)) reader%work_bytes = reader%work_bytes + truth_bytes
+      if (config%truth /= "") reader%work_bytes = reader%work_bytes + truth_bytes
       call find_bound(reader)
       call read_within(config, reader, record, error, progress)
-      if (.not. allocated(error) .and. allocated(config%kalibr)) call check_kalibr(record, error)
+      call name_options_in(record%warnings)
+      if (.not. allocated(error) .and. config%file(2)%text /= "") call check_kalibr(record, error)
       if (allocated(error)) return
-      if (allocated(config%truth)) then
+      if (config%truth /= "") then
          call read_truth(config, record, truth, error, progress)
          if (.not. allocated(error)) call run_pipeline(record, config%pipeline, result, error, progress, truth)
       else
          call run_pipeline(record, config%pipeline, result, error, progress)
       end if
+      if (allocated(result%channel)) then
+         do i = 1, size(result%channel)
+            call name_options_in(result%channel(i)%warnings)
+            call name_options_in(result%channel(i)%unavailable)
+         end do
+      end if
       if (.not. allocated(error)) return
       if (error%code == status%too_few_samples) error%message = with_path(config%path, error%message)
    end subroutine read_and_run
 
+   !> Reads the true drift and checks that it fits the record.
+   !>
+   !> It is on the record's grid: --rate, --dt, --from and --to hold for it too. Its unit is that of its header, else the record's.
+   subroutine read_truth(config, record, truth, error, progress)
+      !> Its `truth` is given
+      type(config_type), intent(in) :: config
+      !> What is filtered
+      type(record_type), intent(in) :: record
+      !> The true drift
+      type(record_type), intent(out) :: truth
+      !> As of [[read_record]]; data: it does not fit
+      type(error_type), allocatable, intent(out) :: error
+      !> Progress callback; may cancel
+      class(progress_type), intent(inout) :: progress
+      type(reader_options) :: reader
+
+      reader%rate_hz = config%reader%rate_hz
+      reader%from = config%reader%from
+      reader%to = config%reader%to
+      reader%memory = config%reader%memory
+      call read_record(config%truth, reader, truth, error, progress)
+      if (.not. allocated(error)) call check_truth(truth, record, error)
+      if (.not. allocated(error)) return
+      if (error%code == status%invalid_argument) error%message = config%truth//": "//error%message
+   end subroutine read_truth
+
    !> Reads a recording; one that does not fit into the memory is refused with the options that make it fit.
    subroutine read_within(config, reader, record, error, progress)
       !> For the file and the command
-      class(reading_config), intent(in) :: config
+      type(config_type), intent(in) :: config
       !> How it is read, with the memory and what the command needs of it
       type(reader_options), intent(in) :: reader
       !> What was read
@@ -122,7 +157,7 @@ contains
 
    !> "what fits: --column 2; gyroakf allan FILE; --to 5000; --memory 63MB"; of a pipe, whose size is not known, what needs less.
    subroutine list_ways(config, recording, text)
-      class(reading_config), intent(in) :: config
+      type(config_type), intent(in) :: config
       !> Not whole
       type(recording_type), intent(in) :: recording
       character(:), allocatable, intent(out) :: text
@@ -177,13 +212,10 @@ contains
    subroutine allan_memory(reader)
       !> Its bytes per sample are set
       type(reader_options), intent(inout) :: reader
-      class(cli_config), allocatable :: config
+      type(config_type) :: config
 
-      call new_config("allan", "", config)
-      select type (config)
-      type is (analysis_config)
-         call estimate_memory(config%pipeline, reader%work_bytes, reader%channel_bytes, reader%part_bytes, reader%part_samples)
-      end select
+      call new_config("allan", config)
+      call estimate_memory(config%pipeline, reader%work_bytes, reader%channel_bytes, reader%part_bytes, reader%part_samples)
    end subroutine allan_memory
 
    !> A message that names the file.

@@ -1,13 +1,16 @@
 ! SPDX-License-Identifier: MIT
-!> The calls of the system (POSIX) that the program needs: signals and the terminal.
+!> What the program needs of the system (POSIX): signals, and what standard output can show: signs beyond ASCII by the locale,
+!> colours by what it is.
 module gyroakf_app_system
    use, intrinsic :: iso_c_binding, only : c_char, c_funptr, c_int, c_intptr_t, c_loc, c_null_funptr
    use gyroakf_kinds, only : int64
    use gyroakf_io_system, only : c_write, write_all
+   use gyroakf_io_writer, only : writer_type
+   use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
    public :: c_isatty, c_raise, c_signal, c_write
-   public :: write_bytes, ignore_signal
+   public :: write_bytes, ignore_signal, adapt_writer
    public :: signal_hangup, signal_interrupt, signal_pipe, signal_terminate, signal_file_size
 
    !> Numbers that are the same on every POSIX system
@@ -55,5 +58,45 @@ contains
    pure type(c_funptr) function ignore_signal()
       ignore_signal = transfer(1_c_intptr_t, c_null_funptr)
    end function ignore_signal
+
+   !> Sets what a report on standard output shows.
+   subroutine adapt_writer(writer, colour, ascii)
+      !> Open on standard output
+      type(writer_type), intent(inout) :: writer
+      !> "auto": on a terminal, unless NO_COLOR is set or TERM is dumb; "always"; "never"
+      character(*), intent(in) :: colour
+      !> Whatever the locale is
+      logical, intent(in) :: ascii
+
+      writer%unicode = .not. ascii .and. locale_is_utf8()
+      select case (colour)
+      case ("always"); writer%colour = .true.
+      case ("never"); writer%colour = .false.
+      case default
+         writer%colour = c_isatty(1_c_int) == 1 .and. variable("NO_COLOR") == "" .and. variable("TERM") /= "dumb" .and. &
+                         variable("TERM") /= ""
+      end select
+   end subroutine adapt_writer
+
+   !> The first of the variables that is set names the characters, as POSIX has it.
+   logical function locale_is_utf8()
+      character(:), allocatable :: name
+
+      name = variable("LC_ALL")
+      if (name == "") name = variable("LC_CTYPE")
+      if (name == "") name = variable("LANG")
+      locale_is_utf8 = index(lower(name), "utf-8") > 0 .or. index(lower(name), "utf8") > 0
+   end function locale_is_utf8
+
+   !> Value of a variable of the environment, "" where it is not set.
+   function variable(name) result(value)
+      character(*), intent(in) :: name
+      character(:), allocatable :: value
+      integer :: length
+
+      call get_environment_variable(name, length=length)
+      allocate (character(length) :: value)
+      if (length > 0) call get_environment_variable(name, value)
+   end function variable
 
 end module gyroakf_app_system

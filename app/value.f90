@@ -3,20 +3,25 @@
 module gyroakf_app_value
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_io_decimal, only : format_real
    use gyroakf_io_number, only : parse_number, number
-   use gyroakf_app_option, only : option_type, suggest_word, takes_value
+   use gyroakf_io_place, only : integer_text
+   use gyroakf_spelling, only : replace_all
+   use gyroakf_app_option, only : option_type, takes_value
    implicit none (type, external)
    private
-   public :: value_type, convert_value, convert_list, value_error, not_wired, is_word
+   public :: value_type, convert_value, value_error, not_wired, is_word
 
    !> A value
    type :: value_type
       !> As it was given
       character(:), allocatable :: text
-      !> Of the kinds real, positive, share
+      !> Of the kinds real, positive, share; 0 where a word stands for it
       real(dp) :: number = 0.0_dp
-      !> Of the kinds natural and count
+      !> Of the kinds natural, count and size (bytes); -1 where a word stands for it
       integer(int64) :: count = 0
+      !> Of the kinds reals and positives
+      real(dp), allocatable :: list(:)
    end type value_type
 
 contains
@@ -40,30 +45,31 @@ contains
       end if
       select case (option%kind)
       case ("choice"); call check_choice(option, text, error)
-      case ("choices"); call check_choices(option, text, error)
+      case ("choices"); call convert_list(option, text, value%list, error)
+      case ("reals", "positives"); call convert_list(option, text, value%list, error)
       case ("real", "positive", "share"); call convert_real(option, text, value%number, error)
       case ("natural", "count"); call convert_count(option, text, value%count, error)
+      case ("size"); call convert_size(option, text, value%count, error)
       case default                          ! text
       end select
    end subroutine convert_value
 
-   !> Numbers separated by commas.
+   !> Numbers separated by commas, or words, which become 0.
    subroutine convert_list(option, text, list, error)
-      !> Row of the table
       type(option_type), intent(in) :: option
-      !> As it was given
       character(*), intent(in) :: text
       !> [number of commas + 1]
       real(dp), allocatable, intent(out) :: list(:)
-      !> usage
       type(error_type), allocatable, intent(out) :: error
-      integer :: i, from, to
+      integer :: from, to
 
-      allocate (list(1 + count_of(text, ",")))
+      allocate (list(0))
       from = 1
-      do i = 1, size(list)
+      do while (from <= len(text) + 1)
          to = from + index(text(from:)//",", ",") - 2
-         call convert_real(option, text(from:to), list(i), error)
+         list = [list, 0.0_dp]
+         if (option%kind == "choices") call check_choice(option, text(from:to), error)
+         if (option%kind /= "choices") call convert_real(option, text(from:to), list(size(list)), error)
          if (allocated(error)) return
          from = to + 2
       end do
@@ -73,7 +79,7 @@ contains
    subroutine value_error(option, what, error)
       !> Row of the table
       type(option_type), intent(in) :: option
-      !> What is wrong
+      !> What is wrong with the value
       character(*), intent(in) :: what
       !> usage
       type(error_type), allocatable, intent(out) :: error
@@ -110,70 +116,99 @@ contains
       if (.not. is_word(text, option%value)) call value_error(option, "'"//text//"' is not one of these", error)
    end subroutine check_choice
 
-   !> Some of the option's words, separated by commas.
-   subroutine check_choices(option, text, error)
+   !> Whether one of the words that may stand for a number was given.
+   pure logical function stands_for_number(option, text)
       type(option_type), intent(in) :: option
       character(*), intent(in) :: text
-      type(error_type), allocatable, intent(out) :: error
-      integer :: i, from, to
 
-      from = 1
-      do i = 1, 1 + count_of(text, ",")
-         to = from + index(text(from:)//",", ",") - 2
-         call check_choice(option, text(from:to), error)
-         if (allocated(error)) return
-         from = to + 2
-      end do
-   end subroutine check_choices
+      stands_for_number = verify(text, "abcdefghijklmnopqrstuvwxyz") == 0 .and. is_word(text, option%value)
+   end function stands_for_number
 
-   !> A finite number in the range of the option's kind.
+   !> A finite number in the range of the option.
    subroutine convert_real(option, text, x, error)
       type(option_type), intent(in) :: option
       character(*), intent(in) :: text
       real(dp), intent(out) :: x
       type(error_type), allocatable, intent(out) :: error
-      integer :: found
+      character(:), allocatable :: words, problem
+      integer :: found, last
 
+      x = 0.0_dp
+      if (stands_for_number(option, text)) return
       call parse_number(text, x, found)
+      problem = ""
       if (found == number%overflow) then
-         call value_error(option, "'"//text//"' is too large for a number", error)
+         problem = "too large for a number"
       else if (found /= number%ok) then
-         call value_error(option, "'"//text//"' is not a number", error)
-      else if (option%kind == "positive" .and. x <= 0) then
-         call value_error(option, "'"//text//"' is not larger than 0", error)
+         problem = "not a number"
+         last = index(option%value, "|", back=.true.)
+         if (last > 0 .and. option%kind == "positive") then
+            words = option%value(:last - 1)
+            call replace_all(words, "|", ", ")
+            problem = "neither "//words//" nor a positive number"
+         end if
+      else if (option%kind(:8) == "positive" .and. x <= 0) then
+         problem = "not larger than 0"
       else if (option%kind == "share" .and. (x <= 0 .or. x > 1)) then
-         call value_error(option, "'"//text//"' is not larger than 0 and at most 1", error)
+         problem = "not larger than 0 and at most 1"
+      else if (x < option%lower .or. x > option%upper) then
+         problem = "not from "//format_real(option%lower, 6)//" to "//format_real(option%upper, 6)
       end if
+      if (problem == "") return
+      call value_error(option, "'"//text//"' is "//problem, error)
    end subroutine convert_real
 
-   !> A whole number, not negative; of the kind count not 0.
+   !> A whole number in the range of the option, not negative; of the kind count not 0.
    subroutine convert_count(option, text, n, error)
       type(option_type), intent(in) :: option
       character(*), intent(in) :: text
       integer(int64), intent(out) :: n
       type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: range
       integer :: stat
 
-      n = 0
+      n = -1
+      if (stands_for_number(option, text)) return
       stat = 1
       if (verify(text, "0123456789") == 0 .and. len(text) <= 18) read (text, "(i18)", iostat=stat) n
-      if (stat /= 0) then
-         call value_error(option, "'"//text//"' is not a whole number of at most 18 digits, 0 or more", error)
+      range = " of at most 18 digits, 0 or more"
+      if (option%upper < huge(option%upper)) range = " from 0 to "//integer_text(int(option%upper, int64))
+      if (stat /= 0 .or. real(n, dp) > option%upper) then
+         call value_error(option, "'"//text//"' is not a whole number"//range, error)
       else if (option%kind == "count" .and. n == 0) then
          call value_error(option, "it is at least 1", error)
       end if
    end subroutine convert_count
 
-   !> How often a character occurs.
-   pure integer function count_of(text, character)
+   !> Bytes: 500MB, 2GB, 1.5G, 300MiB, or their number.
+   subroutine convert_size(option, text, bytes, error)
+      type(option_type), intent(in) :: option
       character(*), intent(in) :: text
-      character(1), intent(in) :: character
-      integer :: i
+      integer(int64), intent(out) :: bytes
+      type(error_type), allocatable, intent(out) :: error
+      character(3), parameter :: units(14) = [character(3) :: "", "B", "k", "kB", "KiB", "M", "MB", "MiB", "G", "GB", "GiB", &
+                                             "T", "TB", "TiB"]
+      real(dp), parameter :: bytes_of(14) = [1.0_dp, 1.0_dp, 1e3_dp, 1e3_dp, 1024.0_dp, 1e6_dp, 1e6_dp, 1024.0_dp**2, &
+         1e9_dp, 1e9_dp, 1024.0_dp**3, 1e12_dp, 1e12_dp, 1024.0_dp**4]
+      real(dp) :: x
+      integer :: last, found, unit
 
-      count_of = 0
-      do i = 1, len(text)
-         if (text(i:i) == character) count_of = count_of + 1
-      end do
-   end function count_of
+      bytes = 0
+      x = 0.0_dp
+      last = scan(text, "0123456789.", back=.true.)
+      found = -1
+      unit = 0
+      if (last > 0) then
+         call parse_number(text(:last), x, found)
+         unit = findloc(units, text(last + 1:), dim=1)
+      end if
+      if (found /= number%ok .or. unit == 0) then
+         call value_error(option, "'"//text//"' is not a size such as 500MB or 2GB", error)
+      else if (x*bytes_of(unit) < option%lower) then
+         call value_error(option, "'"//text//"' is too small, at least "//format_real(option%lower/1e6_dp, 6)//"MB", error)
+      else
+         bytes = int(min(x*bytes_of(unit), 1.0e18_dp), int64)
+      end if
+   end subroutine convert_size
 
 end module gyroakf_app_value

@@ -1,13 +1,14 @@
 ! SPDX-License-Identifier: MIT
-!> The words of a command line sorted into options with their values and other words, by the table of options.
+!> The words of the command line, sorted into options with their values and other words by the table of options.
 module gyroakf_app_words
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_record, only : text_type
-   use gyroakf_app_argument, only : argument_list
+   use gyroakf_spelling, only : replace_all
    use gyroakf_app_option, only : option_type, options, find_option, takes_value, suggest_option
    implicit none (type, external)
    private
-   public :: given_type, words_type, sort_words, is_given, value_of, usage_error, shell_quoted, shell_word
+   public :: given_type, words_type, read_arguments, sort_words, is_given, value_of, usage_error, shell_quoted, shell_word, &
+      joined
 
    !> An option as it was given
    type :: given_type
@@ -33,10 +34,24 @@ module gyroakf_app_words
 
 contains
 
+   !> The words behind the program's name, trailing blanks included.
+   subroutine read_arguments(arguments)
+      !> In their order
+      type(text_type), allocatable, intent(out) :: arguments(:)
+      integer :: i, length
+
+      allocate (arguments(command_argument_count()))
+      do i = 1, size(arguments)
+         call get_command_argument(i, length=length)
+         allocate (character(length) :: arguments(i)%text)
+         if (length > 0) call get_command_argument(i, arguments(i)%text)
+      end do
+   end subroutine read_arguments
+
    !> Options with their values, and the other words.
    subroutine sort_words(arguments, words, error)
       !> The command line
-      type(argument_list), intent(in) :: arguments
+      type(text_type), intent(in) :: arguments(:)
       !> The same, sorted
       type(words_type), intent(out) :: words
       !> usage: an unknown option, a value that is missing or too much
@@ -44,11 +59,11 @@ contains
       integer :: i
       logical :: only_words
 
-      allocate (words%given(size(arguments%item)), words%word(size(arguments%item)))
+      allocate (words%given(size(arguments)), words%word(size(arguments)))
       only_words = .false.
       i = 1
-      do while (i <= size(arguments%item))
-         associate (word => arguments%item(i)%text)
+      do while (i <= size(arguments))
+         associate (word => arguments(i)%text)
             if (only_words .or. word == "-" .or. len(word) == 0 .or. index(word, "-") /= 1) then
                call add_word(words, word, only_words)
             else if (word == "--") then
@@ -75,14 +90,14 @@ contains
 
    !> The option at word i, with its value, which may be the next word: then i is moved on.
    subroutine add_option(arguments, i, words, error)
-      type(argument_list), intent(in) :: arguments
+      type(text_type), intent(in) :: arguments(:)
       integer, intent(inout) :: i
       type(words_type), intent(inout) :: words
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: name
       integer :: equals, row
 
-      name = arguments%item(i)%text
+      name = arguments(i)%text
       equals = index(name, "=")
       if (equals > 0) name = name(:equals - 1)
       row = find_option(name, "")
@@ -93,7 +108,7 @@ contains
       words%used = words%used + 1
       words%given(words%used)%row = row
       if (equals > 0) then
-         words%given(words%used)%value = arguments%item(i)%text(equals + 1:)
+         words%given(words%used)%value = arguments(i)%text(equals + 1:)
          if (takes_value(options(row)) .or. (options(row)%kind == "all" .and. words%given(words%used)%value == "all")) return
          call usage_error(error, "option '"//name//"' takes no value"// &
                           trim(merge(" but all", "        ", options(row)%kind == "all")))
@@ -106,16 +121,16 @@ contains
 
    !> The next word as the value of an option; a number may be negative, "-" is standard input or output.
    subroutine take_next(arguments, i, option, value, error)
-      type(argument_list), intent(in) :: arguments
+      type(text_type), intent(in) :: arguments(:)
       integer, intent(inout) :: i
       type(option_type), intent(in) :: option
       character(:), allocatable, intent(out) :: value
       type(error_type), allocatable, intent(out) :: error
 
-      if (i < size(arguments%item)) then
-         if (index(arguments%item(i + 1)%text, "--") /= 1 .and. find_option(arguments%item(i + 1)%text, "") == 0) then
+      if (i < size(arguments)) then
+         if (index(arguments(i + 1)%text, "--") /= 1 .and. find_option(arguments(i + 1)%text, "") == 0) then
             i = i + 1
-            value = arguments%item(i)%text
+            value = arguments(i)%text
             return
          end if
       end if
@@ -187,21 +202,27 @@ contains
    end function shell_word
 
    !> A text in the single quotes of the shell.
-   pure function shell_quoted(path) result(word)
+   pure function shell_quoted(text) result(word)
       !> Any
-      character(*), intent(in) :: path
+      character(*), intent(in) :: text
       character(:), allocatable :: word
+
+      word = text
+      call replace_all(word, "'", "'\''")
+      word = "'"//word//"'"
+   end function shell_quoted
+
+   !> Words in a row.
+   pure function joined(words, between) result(list)
+      !> At least one, blank padded, and what stands between them
+      character(*), intent(in) :: words(:), between
+      character(:), allocatable :: list
       integer :: i
 
-      word = "'"
-      do i = 1, len(path)
-         if (path(i:i) == "'") then
-            word = word//"'\''"
-         else
-            word = word//path(i:i)
-         end if
+      list = trim(words(1))
+      do i = 2, size(words)
+         list = list//between//trim(words(i))
       end do
-      word = word//"'"
-   end function shell_quoted
+   end function joined
 
 end module gyroakf_app_words

@@ -9,7 +9,7 @@ module test_legacy
    use gyroakf_allan_noise_fit, only : fit_noise, noise_options, noise_type
    use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
    use gyroakf_c_api_legacy, only : gyadev, gyadft, gyarft, gynfit
-   use gyroakf_c_api_legacy_filter, only : gyffrz, gyfget, gyfini, gyfrun, gyfstp
+   use gyroakf_c_api_legacy, only : gyffrz, gyfget, gyfini, gyfrun, gyfstp
    use gyroakf_filter_kalman, only : filter_options, filter_type, freeze_filter, new_filter, step_filter
    use gyroakf_series_adf, only : adf_options, adf_type, test_adf
    use gyroakf_random, only : fill_normal, random_type, seed_random

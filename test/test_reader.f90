@@ -222,7 +222,7 @@ contains
       call check(error, shown("1 2"//nl, reader_options(), record)//channels(record), "1 2 column1 column2 ")
       if (allocated(error)) return
       call check(error, shown(",gx"//nl//"0,1.5"//nl, reader_options(), record)//channels(record)//warned(record), &
-                 "1.5 gx columns not analyzed: 1 (unknown); --column reads them|")
+                 "1.5 gx columns not analyzed: 1 (unknown); `columns` reads them|")
    end subroutine test_names
 
    subroutine test_units_of_names(error)
@@ -355,7 +355,7 @@ contains
       call check(error, units_of(record)//record%unit_source, "rad/s m/s^2 option")
       if (allocated(error)) return
       options%unit = "rad/s,rad/s,m/s^2"
-      call check(error, shown(names//rows, options, record), "--unit names 3 units, but the number of channels is 2 (gx ax): "// &
+      call check(error, shown(names//rows, options, record), "`unit` names 3 units, but the number of channels is 2 (gx ax): "// &
                  "give one unit for all of them, or one for each")
    end subroutine test_channel_units
 
@@ -369,7 +369,7 @@ contains
       values = shown("t gx[rad/s] temperature[degC]"//rows, reader_options(), record)
       call check(error, channels(record)//units_of(record), "gx rad/s", more="left out")
       if (allocated(error)) return
-      call check(error, index(warned(record), "columns not analyzed: 3 temperature (temperature); --column reads them|") == 1)
+      call check(error, index(warned(record), "columns not analyzed: 3 temperature (temperature); `columns` reads them|") == 1)
       if (allocated(error)) return
       values = shown("t gx[rad/s] temperature[degC]"//rows, reader_options(columns="temperature"), record)
       call check(error, channels(record)//values, "temperature 20 / 21 / 22 ", more="asked for")
@@ -402,14 +402,14 @@ contains
       if (allocated(error)) return
       options%unit = "arcsec,deg/s"
       values = shown(rows, options, record)
-      call check(error, values, "--input increment needs the unit of an angle (deg, rad, "// &
+      call check(error, values, "`input` increment needs the unit of an angle (deg, rad, "// &
                  "arcsec), not deg/s; "// &
                  "increments of a velocity have m/s")
       if (allocated(error)) return
       deallocate (options%unit)
       values = shown("# units: arcsec deg/s"//nl//rows, options, record)
       call check(error, units_of(record)//record%unit_source//warned(record), &
-                 "nonethe header's unit deg/s does not fit --input increment or angle and is ignored|")
+                 "nonethe header's unit deg/s does not fit `input` increment or angle and is ignored|")
    end subroutine test_channel_increments
 
    subroutine test_header_columns(error)
@@ -474,12 +474,12 @@ contains
       call check(error, len(shown(rising, reader_options(), record)) > 0 .and. record%rate_known, "rate of an even rise")
       if (allocated(error)) return
       call check(error, channels(record)//warned(record), "column2 column 1 rises evenly from row to row and is taken for the "// &
-                 "time; --time-column none forbids it|")
+                 "time; `time_column` none forbids it|")
       if (allocated(error)) return
       call check(error, len(shown(uneven, reader_options(), record)) > 0 .and. .not. record%rate_known, "an uneven rise")
       if (allocated(error)) return
       call check(error, channels(record)//warned(record), "column1 column2 column 1 rises from row to row and looks like time; "// &
-                 "it is read as a channel, --time-column 1 takes it for the time|")
+                 "it is read as a channel, `time_column` 1 takes it for the time|")
       if (allocated(error)) return
       call check(error, shown("0 1"//nl//"0.1 2"//nl//"0.2 1"//nl, reader_options(), record)//warned(record), &
                  "0 1 / 0.1 2 / 0.2 1 ")
@@ -495,14 +495,14 @@ contains
       call check(error, shown(content, options, record), "5 / 4 ")
       if (allocated(error)) return
       call check(error, warned(record), "columns not analyzed: 2 seconds_elapsed (time); 3 frame (text); 5 temp (temperature); "// &
-                 "--column reads them|")
+                 "`columns` reads them|")
       if (allocated(error)) return
       options%columns = "frame"
       call check(error, index(shown(content, options, record), "'imu' is not a number") > 0, "text as a channel")
       if (allocated(error)) return
       call check(error, shown("0 -> X: 1 Y: 2"//nl//"1 -> X: 3 Y: 4"//nl, reader_options(), record), "0 1 2 / 1 3 4 ")
       if (allocated(error)) return
-      call check(error, warned(record) == "columns not analyzed: 2 (text); --column reads them|", &
+      call check(error, warned(record) == "columns not analyzed: 2 (text); `columns` reads them|", &
                  warned(record))
    end subroutine test_left_out
 

@@ -337,11 +337,11 @@ contains
 
       options%input = "increment"
       text = message("1", options, code)
-      call check(error, text(:35), "--input increment needs the rate, a", more=text)
+      call check(error, text(:35), "`input` increment needs the rate, a", more=text)
       if (allocated(error)) return
       options%rate_hz = 5.0_dp
       options%unit = "deg/s"
-      call check(error, message("1", options, code), "--input increment needs the unit of an angle (deg, rad, "// &
+      call check(error, message("1", options, code), "`input` increment needs the unit of an angle (deg, rad, "// &
                  "arcsec), not deg/s; "// &
                  "increments of a velocity have m/s")
       if (allocated(error)) return
@@ -351,10 +351,10 @@ contains
       call check(error, text(:30), "the unit deg is that of an ang", more=text)
       if (allocated(error)) return
       text = message("1", reader_options(from=1.0_dp), code)
-      call check(error, text(:28), "--from and --to need the rat", more=text)
+      call check(error, text(:28), "`from` and `to` need the rat", more=text)
       if (allocated(error)) return
       call check(error, message("1", reader_options(from=1.0_dp, rate_hz=2.0_dp), code), &
-                 "the record ends at 0.5 s, before --from 1")
+                 "the record ends at 0.5 s, before `from` 1")
       if (allocated(error)) return
       call check(error, code, status%too_few_samples)
    end subroutine test_options_file

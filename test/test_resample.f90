@@ -287,7 +287,7 @@ contains
       character(*), parameter :: rows = "time_s,gx"//nl//"0,1"//nl//"0.1,2"//nl//"0.2,3"//nl//"0.4,5"//nl
 
       call read_text("1"//nl//"2"//nl//"3"//nl, reader_options(resample="linear", rate_hz=1.0_dp), record, failed)
-      call check_message("--resample linear needs time stamps", status%invalid_argument)
+      call check_message("`resample` linear needs time stamps", status%invalid_argument)
       if (allocated(error)) return
       call read_text("t,x"//nl//"1,2"//nl//"1,3"//nl, reader_options(resample="nearest", rate_hz=1.0_dp), record, failed)
       call check_message("needs time stamps that rise", status%invalid_argument)

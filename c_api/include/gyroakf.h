@@ -5,7 +5,8 @@
  * Rules that hold for every function
  *
  * - A function that can fail returns GYROAKF_OK (0) or another value of enum gyroakf_status. Its last argument may be
- *   NULL; otherwise it is filled in either case: code, and a message in UTF-8 that says what is wrong (empty if nothing).
+ *   NULL; otherwise it is filled in either case: code, and a message in UTF-8 that says what is wrong (empty if nothing),
+ *   with the members of options that it is about in grave accents.
  * - Nothing prints, stops the program, throws, locks, or keeps state of its own. Every function may be called by several
  *   threads at the same time; a handle is for one thread at a time, but where it is const in all of them.
  * - const double * arrays hold evenly spaced samples; NaN marks a missing sample, an infinite value is an error unless

@@ -1,14 +1,14 @@
 ! SPDX-License-Identifier: MIT
 !> C: the AR model. What the function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_c_ar
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, c_double, c_size_t, &
-      & c_null_ptr, c_null_funptr, c_associated, c_f_pointer, c_sizeof
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, &
+      & c_size_t, c_null_ptr, c_associated, c_f_pointer, c_sizeof
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
-   use gyroakf_c_api_c_progress, only : callback_type
-   use gyroakf_c_api_c_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
-      & check_finite, take_text, open_series, close_series
-   use gyroakf_c_api_c_places, only : check_aligned, check_apart
+   use gyroakf_c_api_c_host, only : progress_c, callback_type
+   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
+      & check_struct_size, check_finite, take_text, open_series
+   use gyroakf_c_api_c_places, only : check_aligned, check_apart, copy_out
    implicit none (type, external)
    private
    public :: gyroakf_ar_options_init, gyroakf_ar_fit
@@ -19,10 +19,9 @@ module gyroakf_c_api_c_ar
    !> `gyroakf_ar_options`
    type, bind(C) :: ar_options_c
       integer(c_size_t) :: struct_size
-      type(c_ptr) :: method, criterion
+      type(c_ptr) :: method = c_null_ptr, criterion = c_null_ptr
       integer(c_int32_t) :: order
-      type(c_funptr) :: progress
-      type(c_ptr) :: progress_user
+      type(progress_c) :: progress
    end type ar_options_c
 
    !> Size of the options before they had a progress function
@@ -35,13 +34,7 @@ contains
       type(ar_options_c), intent(out), optional :: opt
       type(ar_options) :: defaults
 
-      if (.not. present(opt)) return
-      opt%struct_size = c_sizeof(opt)
-      opt%method = c_null_ptr
-      opt%criterion = c_null_ptr
-      opt%order = int(defaults%order, c_int32_t)
-      opt%progress = c_null_funptr
-      opt%progress_user = c_null_ptr
+      if (present(opt)) opt = ar_options_c(c_sizeof(opt), order=int(defaults%order, c_int32_t))
    end subroutine gyroakf_ar_options_init
 
    !> `gyroakf_ar_fit`
@@ -54,24 +47,26 @@ contains
       integer(c_int32_t), intent(inout), optional :: order
       real(c_double), intent(inout), optional :: noise_variance, mean
       type(error_c), intent(out), optional :: err
-      type(host_type) :: host
-      type(series_type) :: series
+      type(call_type) :: c
       type(ar_options) :: options
       type(ar_model_type) :: model
-      type(callback_type) :: callback
       type(error_type), allocatable :: error
 
-      call enter_library(host)
+      call enter_library(c)
       call check_arguments(max_order, present(order), c_associated(phi), error)
       call check_aligned(phi, error)
-      if (.not. allocated(error)) call read_options(options, max_order, callback, error, opt)
-      if (.not. allocated(error)) call open_series(x, n, series, error)
-      if (.not. allocated(error)) call check_apart([x, phi], 8*[n, int(max_order, c_int64_t)], error)
-      if (.not. allocated(error)) call fit_ar(series%x, options, model, error, series%valid, progress=callback)
-      call close_series(series)
+      if (.not. allocated(error)) call read_options(options, max_order, c%callback, error, opt)
+      call open_series(x, n, c, error)
+      call check_apart([x, phi], 8*[n, int(max_order, c_int64_t)], error)
+      if (.not. allocated(error)) call fit_ar(c%x, options, model, error, c%valid, progress=c%callback)
       if (.not. allocated(error)) call check_finite([model%coefficient, model%noise_variance, model%mean], error)
-      if (.not. allocated(error)) call write_model(model, max_order, order, phi, noise_variance, mean)
-      gyroakf_ar_fit = leave_library(host, error, err)
+      if (.not. allocated(error)) then
+         order = int(model%order, c_int32_t)
+         call copy_out([model%coefficient, spread(0.0_c_double, 1, max_order - model%order)], phi)
+         if (present(noise_variance)) noise_variance = model%noise_variance
+         if (present(mean)) mean = model%mean
+      end if
+      gyroakf_ar_fit = leave_library(c, error, err)
    end function gyroakf_ar_fit
 
    !> Options of C into options of the library; the defaults where they are absent.
@@ -89,7 +84,7 @@ contains
       call take_text(opt%method, options%method, error)
       call take_text(opt%criterion, options%criterion, error)
       options%order = opt%order
-      if (opt%struct_size == c_sizeof(opt)) callback = callback_type(opt%progress, opt%progress_user)
+      if (opt%struct_size == c_sizeof(opt)) callback = callback_type(opt%progress)
       if (allocated(error)) return
       if (opt%order > max_order) call fatal_error(error, status%invalid_argument, "the order of the options exceeds max_order")
    end subroutine read_options
@@ -106,24 +101,5 @@ contains
          call fatal_error(error, status%invalid_argument, "the places for the order and the coefficients must not be NULL")
       end if
    end subroutine check_arguments
-
-   !> The model in C's arguments.
-   subroutine write_model(model, max_order, order, phi, noise_variance, mean)
-      type(ar_model_type), intent(in) :: model
-      integer(c_int32_t), intent(in) :: max_order
-      integer(c_int32_t), intent(inout) :: order
-      type(c_ptr), intent(in) :: phi
-      real(c_double), intent(inout), optional :: noise_variance, mean
-      real(c_double), pointer :: coefficient(:)
-
-      order = int(model%order, c_int32_t)
-      if (max_order > 0) then
-         call c_f_pointer(phi, coefficient, [max_order])
-         coefficient(:) = 0
-         coefficient(:model%order) = model%coefficient
-      end if
-      if (present(noise_variance)) noise_variance = model%noise_variance
-      if (present(mean)) mean = model%mean
-   end subroutine write_model
 
 end module gyroakf_c_api_c_ar

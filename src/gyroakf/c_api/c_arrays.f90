@@ -1,17 +1,18 @@
 ! SPDX-License-Identifier: MIT
 !> C: recordings of arrays of the caller. What the function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_c_arrays
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, c_double, c_null_ptr, &
-      & c_null_funptr, c_associated, c_f_pointer
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, &
+      & c_double, c_null_ptr, c_null_funptr, c_associated, c_f_pointer
    use gyroakf_kinds, only : int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : tell_progress
    use gyroakf_io_reader, only : finish_record
    use gyroakf_record, only : record_type
    use gyroakf_utf8, only : make_readable
-   use gyroakf_c_api_c_progress, only : callback_type
+   use gyroakf_c_api_c_host, only : callback_type
    use gyroakf_c_api_c_record, only : record_handle, new_handle, hand_over
-   use gyroakf_c_api_c_support, only : error_c, host_type, enter_library, leave_library, copy_c_text, max_samples
+   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
+      & copy_c_text, max_samples
    use gyroakf_c_api_c_places, only : check_aligned
    implicit none (type, external)
    private
@@ -46,24 +47,22 @@ contains
       type(c_ptr), intent(out), optional :: out
       type(c_funptr), intent(in), value :: progress
       type(error_c), intent(out), optional :: err
-      type(host_type) :: host
+      type(call_type) :: c
       type(record_handle), pointer :: handle
-      type(callback_type) :: callback
       type(error_type), allocatable :: error
       character(:), allocatable :: unit_text
 
-      call enter_library(host)
-      callback = callback_type(progress, progress_user)
+      call enter_library(c, progress, progress_user)
       call new_handle(handle, c_associated(values), error, out)
       if (.not. allocated(error) .and. (channels < 1 .or. channels > most_channels .or. n < 1 .or. n > max_samples)) then
          call fatal_error(error, status%invalid_argument, "a recording has 1 .. 100000 channels of 1 .. 2**44 samples")
       end if
-      if (.not. allocated(error)) call copy_values(values, channels, n, handle%record, error, callback)
+      if (.not. allocated(error)) call copy_values(values, channels, n, handle%record, error, c%callback)
       if (.not. allocated(error)) call copy_names(names, channels, handle%record)
       call copy_c_text(unit, "", unit_text)
-      if (.not. allocated(error)) call finish_record(dt, unit_text, handle%record, error, callback)
+      if (.not. allocated(error)) call finish_record(dt, unit_text, handle%record, error, c%callback)
       call hand_over(handle, error, out)
-      gyroakf_record_new_watched = leave_library(host, error, err)
+      gyroakf_record_new_watched = leave_library(c, error, err)
    end function gyroakf_record_new_watched
 
    !> The samples of every channel.

@@ -1,19 +1,20 @@
 ! SPDX-License-Identifier: MIT
 !> C: the drift. What each function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_c_drift
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, c_size_t, c_funptr, &
-      & c_null_funptr, c_null_ptr, c_associated, c_f_pointer, c_sizeof
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, &
+      & c_size_t, c_funptr, c_null_funptr, c_null_ptr, c_associated, c_f_pointer, c_sizeof
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_filter_components, only : component_model_type, most_components, check_components
    use gyroakf_filter_drift_filter, only : new_drift_filter
-   use gyroakf_filter_drift_identification, only : drift_identification_options, drift_identification_type, identify_drift_model
+   use gyroakf_filter_drift_identification, only : drift_identification_options, &
+      & drift_identification_type, identify_drift_model
    use gyroakf_filter_smoother, only : smooth_drift
    use gyroakf_filter_two_pass, only : smooth_adaptive
    use gyroakf_filter_filter_types, only : filter_options, filter_type
    use gyroakf_c_api_c_filter, only : filter_options_c, new_handle, hand_over, read_options
-   use gyroakf_c_api_c_progress, only : callback_type
-   use gyroakf_c_api_c_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
-      & check_finite, open_series, close_series
+   use gyroakf_c_api_c_host, only : progress_c, callback_type
+   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
+      & check_struct_size, check_place, check_finite, open_series
    use gyroakf_c_api_c_places, only : check_aligned, check_apart
    implicit none (type, external)
    private
@@ -23,9 +24,9 @@ module gyroakf_c_api_c_drift
    !> `gyroakf_drift_model`
    type, bind(C) :: drift_model_c
       integer(c_size_t) :: struct_size
-      integer(c_int32_t) :: count
-      real(c_double) :: phi(most_components), q(most_components), r
-      integer(c_int32_t) :: slow(most_components)
+      integer(c_int32_t) :: count = 0
+      real(c_double) :: phi(most_components) = 0, q(most_components) = 0, r = 0
+      integer(c_int32_t) :: slow(most_components) = 0
    end type drift_model_c
 
    !> `gyroakf_drift_options`
@@ -33,8 +34,7 @@ module gyroakf_c_api_c_drift
       integer(c_size_t) :: struct_size
       real(c_double) :: drift_samples
       integer(c_int64_t) :: most_samples
-      type(c_funptr) :: progress
-      type(c_ptr) :: progress_user
+      type(progress_c) :: progress
    end type drift_options_c
 
 contains
@@ -43,13 +43,7 @@ contains
    subroutine gyroakf_drift_model_init(model) bind(C, name="gyroakf_drift_model_init")
       type(drift_model_c), intent(out), optional :: model
 
-      if (.not. present(model)) return
-      model%struct_size = c_sizeof(model)
-      model%count = 0
-      model%phi = 0
-      model%q = 0
-      model%r = 0
-      model%slow = 0
+      if (present(model)) model = drift_model_c(c_sizeof(model))
    end subroutine gyroakf_drift_model_init
 
    !> `gyroakf_drift_options_init`
@@ -57,12 +51,7 @@ contains
       type(drift_options_c), intent(out), optional :: opt
       type(drift_identification_options) :: defaults
 
-      if (.not. present(opt)) return
-      opt%struct_size = c_sizeof(opt)
-      opt%drift_samples = defaults%drift_samples
-      opt%most_samples = defaults%most
-      opt%progress = c_null_funptr
-      opt%progress_user = c_null_ptr
+      if (present(opt)) opt = drift_options_c(c_sizeof(opt), defaults%drift_samples, defaults%most)
    end subroutine gyroakf_drift_options_init
 
    !> `gyroakf_drift_identify`
@@ -72,21 +61,19 @@ contains
       type(drift_options_c), intent(in), optional :: opt
       type(drift_model_c), intent(inout), optional :: model
       type(error_c), intent(out), optional :: err
-      type(host_type) :: host
-      type(series_type) :: series
+      type(call_type) :: c
       type(drift_identification_options) :: options
-      type(callback_type) :: callback
       type(drift_identification_type) :: found
       type(error_type), allocatable :: error
 
-      call enter_library(host)
+      call enter_library(c)
       call check_model_place(error, model)
-      if (.not. allocated(error)) call read_drift_options(options, callback, error, opt)
-      if (.not. allocated(error)) call open_series(z, n, series, error)
-      if (.not. allocated(error)) call identify_drift_model(series%x, options, found, error, series%valid, progress=callback)
-      call close_series(series)
-      if (.not. allocated(error)) call return_model(found, model)
-      gyroakf_drift_identify = leave_library(host, error, err)
+      if (.not. allocated(error)) call read_drift_options(options, c%callback, error, opt)
+      call open_series(z, n, c, error)
+      if (.not. allocated(error)) call identify_drift_model(c%x, options, found, error, c%valid, progress=c%callback)
+      if (.not. allocated(error)) model = drift_model_c(c_sizeof(model), found%model%count, found%model%phi, found%model%q, &
+         & found%model%r, merge(1, 0, found%slow))
+      gyroakf_drift_identify = leave_library(c, error, err)
    end function gyroakf_drift_identify
 
    !> `gyroakf_drift_filter_new`
@@ -95,20 +82,20 @@ contains
       type(filter_options_c), intent(in), optional :: opt
       type(c_ptr), intent(out), optional :: out
       type(error_c), intent(out), optional :: err
-      type(host_type) :: host
+      type(call_type) :: c
       type(component_model_type) :: components
       type(filter_options) :: options
       type(filter_type), pointer :: handle
       type(error_type), allocatable :: error
       logical :: slow(most_components)
 
-      call enter_library(host)
+      call enter_library(c)
       call new_handle(handle, error, out)
       if (.not. allocated(error)) call read_options(options, error, opt)
       if (.not. allocated(error)) call read_model(components, slow, error, model)
       if (.not. allocated(error)) call new_drift_filter(handle, components, slow(:components%count), options, error)
       call hand_over(handle, error, out)
-      gyroakf_drift_filter_new = leave_library(host, error, err)
+      gyroakf_drift_filter_new = leave_library(c, error, err)
    end function gyroakf_drift_filter_new
 
    !> `gyroakf_drift_smooth`
@@ -132,28 +119,22 @@ contains
       type(c_funptr), intent(in), value :: progress
       type(c_ptr), intent(in), value :: progress_user
       type(error_c), intent(out), optional :: err
-      type(host_type) :: host
-      type(series_type) :: series
+      type(call_type) :: c
       type(component_model_type) :: components
       type(filter_options) :: options
-      type(callback_type) :: callback
       type(error_type), allocatable :: error
       logical :: slow(most_components)
 
-      call enter_library(host)
-      callback = callback_type(progress, progress_user)
+      call enter_library(c, progress, progress_user)
       call read_options(options, error, opt)
       if (.not. allocated(error)) call read_model(components, slow, error, model)
-      if (.not. (allocated(error) .or. c_associated(drift))) call fatal_error(error, status%invalid_argument, &
-         & "the place for the drift must not be NULL")
+      call check_place(c_associated(drift), "drift", error)
       call check_aligned(drift, error)
       call check_aligned(variance, error)
-      if (.not. allocated(error)) call open_series(z, n, series, error)
-      if (.not. allocated(error)) call check_apart([z, drift, variance], 8*[n, n, n], error)
-      if (.not. allocated(error)) call smooth(components, slow(:components%count), series, drift, variance, options, &
-         & callback, error)
-      call close_series(series)
-      gyroakf_drift_smooth_watched = leave_library(host, error, err)
+      call open_series(z, n, c, error)
+      call check_apart([z, drift, variance], 8*[n, n, n], error)
+      if (.not. allocated(error)) call smooth(components, slow(:components%count), c, drift, variance, options, error)
+      gyroakf_drift_smooth_watched = leave_library(c, error, err)
    end function gyroakf_drift_smooth_watched
 
    !> Options of C into options of the library; the defaults where they are absent.
@@ -168,29 +149,28 @@ contains
       if (allocated(error)) return
       options%drift_samples = opt%drift_samples
       options%most = opt%most_samples
-      callback = callback_type(opt%progress, opt%progress_user)
+      callback = callback_type(opt%progress)
    end subroutine read_drift_options
 
    !> The smoother that the options ask for, into the caller's arrays.
-   subroutine smooth(model, slow, series, drift, variance, options, callback, error)
+   subroutine smooth(model, slow, c, drift, variance, options, error)
       type(component_model_type), intent(in) :: model
       logical, intent(in) :: slow(:)
-      type(series_type), intent(in) :: series
+      type(call_type), intent(inout) :: c
       type(c_ptr), intent(in) :: drift, variance
       type(filter_options), intent(in) :: options
-      type(callback_type), intent(inout) :: callback
       type(error_type), allocatable, intent(out) :: error
       real(c_double), pointer, contiguous :: output(:), spread_of(:)
 
       nullify (spread_of)
-      call c_f_pointer(drift, output, [size(series%x, kind=c_int64_t)])
-      if (c_associated(variance)) call c_f_pointer(variance, spread_of, [size(series%x, kind=c_int64_t)])
+      call c_f_pointer(drift, output, [size(c%x, kind=c_int64_t)])
+      if (c_associated(variance)) call c_f_pointer(variance, spread_of, [size(c%x, kind=c_int64_t)])
       if (options%estimate_measurement_variance) then
-         call smooth_adaptive(model, slow, options, series%x, output, error, series%valid, spread_of, progress=callback)
+         call smooth_adaptive(model, slow, options, c%x, output, error, c%valid, spread_of, progress=c%callback)
       else
-         call smooth_drift(model, slow, series%x, output, error, series%valid, spread_of, progress=callback)
+         call smooth_drift(model, slow, c%x, output, error, c%valid, spread_of, progress=c%callback)
       end if
-      if (.not. allocated(error)) call check_finite(output, error)
+      call check_finite(output, error)
       if (.not. allocated(error) .and. associated(spread_of)) call check_finite(spread_of, error)
    end subroutine smooth
 
@@ -220,18 +200,5 @@ contains
       slow = model%slow /= 0
       call check_components(components, error)
    end subroutine read_model
-
-   !> What was found, to the caller.
-   subroutine return_model(found, model)
-      type(drift_identification_type), intent(in) :: found
-      type(drift_model_c), intent(inout), optional :: model
-
-      if (.not. present(model)) return
-      model%count = int(found%model%count, c_int32_t)
-      model%phi = found%model%phi
-      model%q = found%model%q
-      model%r = found%model%r
-      model%slow = merge(1_c_int32_t, 0_c_int32_t, found%slow)
-   end subroutine return_model
 
 end module gyroakf_c_api_c_drift

@@ -1,16 +1,17 @@
 ! SPDX-License-Identifier: MIT
 !> C: the filter. What each function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_c_filter
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, c_double, c_size_t, c_null_ptr, &
-      & c_null_funptr, c_associated, c_f_pointer, c_loc, c_sizeof
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, &
+      & c_double, c_size_t, c_null_ptr, c_null_funptr, c_associated, c_f_pointer, c_loc, c_sizeof
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
+   use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, &
+      & run_filter, freeze_filter
    use gyroakf_progress, only : tell_progress
-   use gyroakf_c_api_c_progress, only : callback_type
-   use gyroakf_c_api_c_support, only : error_c, host_type, enter_library, leave_library, begin_step, end_step, &
-      & check_struct_size, check_finite, take_text, max_samples
+   use gyroakf_c_api_c_host, only : callback_type, begin_step, end_step
+   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
+      & check_struct_size, check_place, check_finite, take_text, max_samples
    use gyroakf_c_api_c_places, only : check_aligned, check_apart
    implicit none (type, external)
    private
@@ -30,13 +31,13 @@ module gyroakf_c_api_c_filter
    !> `gyroakf_filter_options`
    type, bind(C) :: filter_options_c
       integer(c_size_t) :: struct_size
-      integer(c_int32_t) :: estimate_process_mean, estimate_measurement_mean
-      integer(c_int32_t) :: estimate_process_variance, estimate_measurement_variance
+      integer(c_int32_t) :: estimate_process_mean = 0, estimate_measurement_mean = 0
+      integer(c_int32_t) :: estimate_process_variance = 0, estimate_measurement_variance = 0
       real(c_double) :: forgetting
-      type(c_ptr) :: measurement_form
+      type(c_ptr) :: measurement_form = c_null_ptr
       integer(c_int32_t) :: burn_in
       real(c_double) :: huber, r_scale, initial_variance, q_lower, q_upper, r_lower, r_upper
-      integer(c_int32_t) :: allow_unobservable
+      integer(c_int32_t) :: allow_unobservable = 0
    end type filter_options_c
 
    !> `gyroakf_filter_state`
@@ -52,23 +53,10 @@ contains
       type(filter_options_c), intent(out), optional :: opt
       type(filter_options) :: defaults
 
-      if (.not. present(opt)) return
-      opt%struct_size = c_sizeof(opt)
-      opt%estimate_process_mean = 0
-      opt%estimate_measurement_mean = 0
-      opt%estimate_process_variance = 0
-      opt%estimate_measurement_variance = 0
-      opt%forgetting = defaults%forgetting
-      opt%measurement_form = c_null_ptr
-      opt%burn_in = int(defaults%burn_in, c_int32_t)
-      opt%huber = defaults%huber
-      opt%r_scale = defaults%r_scale
-      opt%initial_variance = defaults%initial_variance
-      opt%q_lower = defaults%q_lower
-      opt%q_upper = defaults%q_upper
-      opt%r_lower = defaults%r_lower
-      opt%r_upper = defaults%r_upper
-      opt%allow_unobservable = 0
+      if (present(opt)) opt = filter_options_c(c_sizeof(opt), forgetting=defaults%forgetting, &
+         & burn_in=int(defaults%burn_in, c_int32_t), huber=defaults%huber, r_scale=defaults%r_scale, &
+         & initial_variance=defaults%initial_variance, q_lower=defaults%q_lower, q_upper=defaults%q_upper, &
+         & r_lower=defaults%r_lower, r_upper=defaults%r_upper)
    end subroutine gyroakf_filter_options_init
 
    !> `gyroakf_filter_new`
@@ -79,19 +67,19 @@ contains
       type(filter_options_c), intent(in), optional :: opt
       type(c_ptr), intent(out), optional :: out
       type(error_c), intent(out), optional :: err
-      type(host_type) :: host
+      type(call_type) :: c
       real(dp), allocatable :: coefficients(:)
       type(filter_options) :: options
       type(filter_type), pointer :: handle
       type(error_type), allocatable :: error
 
-      call enter_library(host)
+      call enter_library(c)
       call new_handle(handle, error, out)
       if (.not. allocated(error)) call read_options(options, error, opt)
       if (.not. allocated(error)) call read_coefficients(p, phi, coefficients, error)
       if (.not. allocated(error)) call new_filter(handle, coefficients, q, r, options, error)
       call hand_over(handle, error, out)
-      gyroakf_filter_new = leave_library(host, error, err)
+      gyroakf_filter_new = leave_library(c, error, err)
    end function gyroakf_filter_new
 
    !> `gyroakf_filter_step`
@@ -99,7 +87,7 @@ contains
       type(c_ptr), intent(in), value :: f
       real(c_double), intent(in), value :: z
       real(c_double), intent(inout), optional :: x
-      type(host_type) :: host
+      integer(c_int64_t) :: environment(64)
       type(filter_type), pointer :: filter
       integer(c_int) :: changed
       real(dp) :: estimate
@@ -107,14 +95,14 @@ contains
       gyroakf_filter_step = status%invalid_argument
       if (.not. c_associated(f) .or. .not. present(x)) return
       call c_f_pointer(f, filter)
-      changed = begin_step(host%environment)
+      changed = begin_step(environment)
       call step_filter(filter, z, estimate)
       gyroakf_filter_step = status%non_finite
       if (ieee_is_finite(estimate)) then
          gyroakf_filter_step = status%ok
          x = estimate
       end if
-      if (changed /= 0) call end_step(host%environment)
+      if (changed /= 0) call end_step(environment)
    end function gyroakf_filter_step
 
    !> `gyroakf_filter_freeze`
@@ -147,12 +135,11 @@ contains
       type(c_funptr), intent(in), value :: progress
       type(c_ptr), intent(in), value :: progress_user
       type(error_c), intent(out), optional :: err
-      type(host_type) :: host
+      type(call_type) :: c
       type(filter_type), pointer :: filter
-      type(callback_type) :: callback
       type(error_type), allocatable :: error
 
-      call enter_library(host)
+      call enter_library(c, progress, progress_user)
       if (.not. (c_associated(f) .and. c_associated(z) .and. c_associated(x)) .or. n < 1 .or. n > max_samples) then
          call fatal_error(error, status%invalid_argument, "filter and series must not be NULL, the length must be 1 .. 2**44")
       end if
@@ -161,10 +148,9 @@ contains
       if (.not. (allocated(error) .or. c_associated(x, z))) call check_apart([z, x], [8*n, 8*n], error)
       if (.not. allocated(error)) then
          call c_f_pointer(f, filter)
-         callback = callback_type(progress, progress_user)
-         call run_blocks(filter, z, n, x, callback, error)
+         call run_blocks(filter, z, n, x, c%callback, error)
       end if
-      gyroakf_filter_run_watched = leave_library(host, error, err)
+      gyroakf_filter_run_watched = leave_library(c, error, err)
    end function gyroakf_filter_run_watched
 
    !> `gyroakf_filter_get`
@@ -173,19 +159,19 @@ contains
       type(filter_state_c), intent(inout), optional :: out
       type(filter_type), pointer :: filter
       type(filter_state_c) :: held
-      type(host_type) :: host
+      type(call_type) :: c
       type(error_type), allocatable :: error
 
       gyroakf_filter_get = status%invalid_argument
       if (.not. c_associated(f) .or. .not. present(out)) return
       call c_f_pointer(f, filter)
-      call enter_library(host)
+      call enter_library(c)
       held = filter_state_c(filter%x(1), filter%p(1, 1), filter%gain(1), filter%innovation, filter%innovation_variance, &
          & filter%q_mean, filter%r_mean, filter%q, filter%r, filter%steps)
       call check_finite([held%x, held%p, held%gain, held%innovation, held%innovation_variance, held%q_mean, held%r_mean, &
          & held%q, held%r], error)
       if (.not. allocated(error)) out = held
-      gyroakf_filter_get = leave_library(host, error)
+      gyroakf_filter_get = leave_library(c, error)
    end function gyroakf_filter_get
 
    !> `gyroakf_filter_free`
@@ -206,11 +192,9 @@ contains
       integer :: stat
 
       nullify (handle)
-      if (.not. present(out)) then
-         call fatal_error(error, status%invalid_argument, "the place for the result (out) must not be NULL")
-         return
-      end if
-      allocate (handle, stat=stat)
+      call check_place(present(out), "result (out)", error)
+      stat = 0
+      if (.not. allocated(error)) allocate (handle, stat=stat)
       if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for a filter")
    end subroutine new_handle
 

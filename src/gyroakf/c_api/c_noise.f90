@@ -1,14 +1,13 @@
 ! SPDX-License-Identifier: MIT
 !> C: the noise coefficients of a deviation curve. What the function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_c_noise
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_double, c_size_t, c_null_ptr, c_associated, &
-      & c_f_pointer, c_loc, c_sizeof
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_double, c_size_t, &
+      & c_null_ptr, c_associated, c_f_pointer, c_loc, c_sizeof
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_allan_noise_fit, only : noise_options, noise_type, coefficient_type, fit_noise
-   use gyroakf_c_api_c_allan, only : allan_handle
-   use gyroakf_c_api_c_support, only : error_c, host_type, enter_library, leave_library, check_finite, check_struct_size, &
-      & take_text
+   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
+      & check_struct_size, check_finite, take_text
    use gyroakf_c_api_c_places, only : check_aligned
    implicit none (type, external)
    private
@@ -17,7 +16,7 @@ module gyroakf_c_api_c_noise
    !> `gyroakf_fit_options`
    type, bind(C) :: fit_options_c
       integer(c_size_t) :: struct_size
-      type(c_ptr) :: terms
+      type(c_ptr) :: terms = c_null_ptr
       real(c_double) :: tau_min, tau_max, lsb
    end type fit_options_c
 
@@ -45,12 +44,8 @@ contains
       type(fit_options_c), intent(out), optional :: opt
       type(noise_options) :: defaults
 
-      if (.not. present(opt)) return
-      opt%struct_size = c_sizeof(opt)
-      opt%terms = c_null_ptr
-      opt%tau_min = defaults%tau_min
-      opt%tau_max = defaults%tau_max
-      opt%lsb = defaults%lsb
+      if (present(opt)) opt = fit_options_c(c_sizeof(opt), tau_min=defaults%tau_min, tau_max=defaults%tau_max, &
+         & lsb=defaults%lsb)
    end subroutine gyroakf_fit_options_init
 
    !> `gyroakf_noise_fit`
@@ -59,18 +54,18 @@ contains
       type(fit_options_c), intent(in), optional :: opt
       type(noise_c), intent(inout), optional :: out
       type(error_c), intent(out), optional :: err
-      type(host_type) :: host
+      type(call_type) :: c
       type(noise_options) :: options
       type(noise_type) :: noise
       type(allan_curve_type), allocatable :: curve
       type(error_type), allocatable :: error
 
-      call enter_library(host)
+      call enter_library(c)
       call copy_curve(a, present(out), curve, error)
       if (.not. allocated(error)) call read_options(options, error, opt)
       if (.not. allocated(error)) call fit_noise(curve, options, noise, error)
       if (.not. allocated(error)) call write_noise(noise, out)
-      gyroakf_noise_fit = leave_library(host, error, err)
+      gyroakf_noise_fit = leave_library(c, error, err)
    end function gyroakf_noise_fit
 
    !> `gyroakf_noise_covariance`
@@ -80,13 +75,13 @@ contains
       type(noise_c), intent(inout), optional :: out
       real(c_double), intent(inout), optional, target :: covariance(25)
       type(error_c), intent(out), optional :: err
-      type(host_type) :: host
+      type(call_type) :: c
       type(noise_options) :: options
       type(noise_type) :: noise
       type(allan_curve_type), allocatable :: curve
       type(error_type), allocatable :: error
 
-      call enter_library(host)
+      call enter_library(c)
       call copy_curve(a, present(covariance), curve, error)
       if (.not. allocated(error)) call check_aligned(c_loc(covariance), error)
       if (.not. allocated(error)) call read_options(options, error, opt)
@@ -94,7 +89,7 @@ contains
       if (.not. allocated(error)) call check_finite(reshape(noise%covariance, shape(covariance)), error)
       if (.not. allocated(error)) covariance = reshape(noise%covariance, shape(covariance))
       if (.not. allocated(error) .and. present(out)) call write_noise(noise, out)
-      gyroakf_noise_covariance = leave_library(host, error, err)
+      gyroakf_noise_covariance = leave_library(c, error, err)
    end function gyroakf_noise_covariance
 
    !> The curve of a handle, which the fit may change.
@@ -103,14 +98,14 @@ contains
       logical, intent(in) :: has_out
       type(allan_curve_type), allocatable, intent(out) :: curve
       type(error_type), allocatable, intent(out) :: error
-      type(allan_handle), pointer :: handle
+      type(allan_curve_type), pointer :: given
 
       if (.not. c_associated(a) .or. .not. has_out) then
          call fatal_error(error, status%invalid_argument, "the curve and the place for the result must not be NULL")
          return
       end if
-      call c_f_pointer(a, handle)
-      allocate (curve, source=handle%curve)
+      call c_f_pointer(a, given)
+      allocate (curve, source=given)
    end subroutine copy_curve
 
    !> Options of C into options of the library; the defaults where they are absent.
@@ -133,34 +128,18 @@ contains
       type(noise_type), intent(in) :: noise
       type(noise_c), intent(inout) :: out
 
-      out%q = coefficient_of(noise%coefficient(1))
-      out%n = coefficient_of(noise%coefficient(2))
-      out%b = coefficient_of(noise%coefficient(3))
-      out%k = coefficient_of(noise%coefficient(4))
-      out%r = coefficient_of(noise%coefficient(5))
-      out%chi2_reduced = noise%chi2_reduced
-      out%points = noise%points
-      out%left_out = noise%left_out
-      out%cut_off = noise%cut_off
-      out%described = merge(1_c_int32_t, 0_c_int32_t, noise%described)
-      out%tau_first = noise%tau_first
-      out%tau_last = noise%tau_last
-      out%chi2_probability = noise%chi2_probability
-      out%floor = noise%floor
-      out%kurtosis = noise%kurtosis
-      out%n_unquantized = coefficient_of(noise%unquantized)
-      out%lsb_ratio = noise%lsb_ratio
+      associate (term => coefficient_of(noise%coefficient))
+         out = noise_c(term(1), term(2), term(3), term(4), term(5), noise%chi2_reduced, noise%points, noise%left_out, &
+            & noise%cut_off, merge(1, 0, noise%described), noise%tau_first, noise%tau_last, noise%chi2_probability, &
+            & noise%floor, noise%kurtosis, coefficient_of(noise%unquantized), noise%lsb_ratio)
+      end associate
    end subroutine write_noise
 
    !> One coefficient in C's struct.
-   pure type(coefficient_c) function coefficient_of(c)
+   elemental type(coefficient_c) function coefficient_of(c)
       type(coefficient_type), intent(in) :: c
 
-      coefficient_of%value = c%value
-      coefficient_of%std_error = c%std_error
-      coefficient_of%upper_limit = c%upper_limit
-      coefficient_of%detected = merge(1_c_int32_t, 0_c_int32_t, c%detected)
-      coefficient_of%fitted = merge(1_c_int32_t, 0_c_int32_t, c%fitted)
+      coefficient_of = coefficient_c(c%value, c%std_error, c%upper_limit, merge(1, 0, c%detected), merge(1, 0, c%fitted))
    end function coefficient_of
 
 end module gyroakf_c_api_c_noise

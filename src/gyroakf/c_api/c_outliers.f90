@@ -1,14 +1,14 @@
 ! SPDX-License-Identifier: MIT
 !> C: the marks of outliers. What the function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_c_outliers
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int8_t, c_int32_t, c_int64_t, c_double, c_size_t, &
-      & c_null_ptr, c_null_funptr, c_associated, c_f_pointer, c_sizeof
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int8_t, c_int32_t, c_int64_t, &
+      & c_double, c_size_t, c_null_ptr, c_associated, c_f_pointer, c_sizeof
    use gyroakf_kinds, only : dp, int8
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : error_type
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
-   use gyroakf_c_api_c_progress, only : callback_type
-   use gyroakf_c_api_c_support, only : error_c, host_type, series_type, enter_library, leave_library, check_struct_size, &
-      & check_finite, take_text, open_series, close_series
+   use gyroakf_c_api_c_host, only : progress_c, callback_type
+   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
+      & check_struct_size, check_place, check_finite, take_text, open_series
    use gyroakf_c_api_c_places, only : check_apart
    implicit none (type, external)
    private
@@ -17,11 +17,10 @@ module gyroakf_c_api_c_outliers
    !> `gyroakf_outlier_options`
    type, bind(C) :: outlier_options_c
       integer(c_size_t) :: struct_size
-      type(c_ptr) :: method
+      type(c_ptr) :: method = c_null_ptr
       real(c_double) :: threshold
       integer(c_int32_t) :: rounds, half_width, degree
-      type(c_funptr) :: progress
-      type(c_ptr) :: progress_user
+      type(progress_c) :: progress
    end type outlier_options_c
 
    !> Size of the options before they had a progress function
@@ -41,15 +40,9 @@ contains
       type(outlier_options_c), intent(out), optional :: opt
       type(clean_options) :: defaults
 
-      if (.not. present(opt)) return
-      opt%struct_size = c_sizeof(opt)
-      opt%method = c_null_ptr
-      opt%threshold = defaults%threshold
-      opt%rounds = int(defaults%max_passes, c_int32_t)
-      opt%half_width = int(defaults%half_width, c_int32_t)
-      opt%degree = int(defaults%degree, c_int32_t)
-      opt%progress = c_null_funptr
-      opt%progress_user = c_null_ptr
+      if (present(opt)) opt = outlier_options_c(c_sizeof(opt), threshold=defaults%threshold, &
+         & rounds=int(defaults%max_passes, c_int32_t), half_width=int(defaults%half_width, c_int32_t), &
+         & degree=int(defaults%degree, c_int32_t))
    end subroutine gyroakf_outlier_options_init
 
    !> `gyroakf_mark_outliers`
@@ -59,26 +52,23 @@ contains
       type(outlier_options_c), intent(in), optional :: opt
       type(outliers_c), intent(inout), optional :: out
       type(error_c), intent(out), optional :: err
-      type(host_type) :: host
-      type(series_type) :: series
+      type(call_type) :: c
       type(clean_options) :: options
       type(clean_type) :: result
       real(dp), allocatable :: cleaned(:)
       integer(int8), allocatable :: mask(:)
-      type(callback_type) :: callback
       type(error_type), allocatable :: error
 
-      call enter_library(host)
-      if (.not. c_associated(inlier)) call fatal_error(error, status%invalid_argument, "the place for the marks must not be NULL")
-      if (.not. allocated(error)) call read_options(options, callback, error, opt)
-      if (.not. allocated(error)) call open_series(x, n, series, error)
-      if (.not. allocated(error)) call check_apart([x, inlier], [8*n, n], error)
-      if (.not. allocated(error)) call clean_series(series%x, options, cleaned, mask, result, error, series%valid, &
-         & callback)
-      call close_series(series)
+      call enter_library(c)
+      call check_place(c_associated(inlier), "marks", error)
+      if (.not. allocated(error)) call read_options(options, c%callback, error, opt)
+      call open_series(x, n, c, error)
+      call check_apart([x, inlier], [8*n, n], error)
+      if (.not. allocated(error)) call clean_series(c%x, options, cleaned, mask, result, error, c%valid, &
+         & c%callback)
       call check_finite([result%expected, result%threshold, result%mean, result%variance, result%corrected_variance], error)
       if (.not. allocated(error)) call write_marks(n, inlier, mask, result, out)
-      gyroakf_mark_outliers = leave_library(host, error, err)
+      gyroakf_mark_outliers = leave_library(c, error, err)
    end function gyroakf_mark_outliers
 
    !> Options of C into options of the library; the defaults where they are absent.
@@ -96,7 +86,7 @@ contains
       options%max_passes = opt%rounds
       options%half_width = opt%half_width
       options%degree = opt%degree
-      if (opt%struct_size == c_sizeof(opt)) callback = callback_type(opt%progress, opt%progress_user)
+      if (opt%struct_size == c_sizeof(opt)) callback = callback_type(opt%progress)
    end subroutine read_options
 
    !> The marks and the figures in C's arguments.

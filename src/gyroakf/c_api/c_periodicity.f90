@@ -1,13 +1,13 @@
 ! SPDX-License-Identifier: MIT
 !> C: what is periodic in a series. What each function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_c_periodicity
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int64_t, c_double, c_null_ptr, c_null_funptr
-   use gyroakf_error, only : error_type, fatal_error, status
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int64_t, c_double, &
+      & c_null_ptr, c_null_funptr
+   use gyroakf_error, only : error_type
    use gyroakf_stats_fisher, only : fisher_type, test_fisher_g
    use gyroakf_stats_welch, only : welch_options, welch_type, welch_spectrum, default_segment
-   use gyroakf_c_api_c_progress, only : callback_type
-   use gyroakf_c_api_c_support, only : error_c, host_type, series_type, enter_library, leave_library, check_finite, &
-      & open_series, close_series
+   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
+      & check_place, check_finite, open_series
    use gyroakf_c_api_c_places, only : check_aligned, check_apart, copy_out
    implicit none (type, external)
    private
@@ -41,22 +41,18 @@ contains
       type(c_funptr), intent(in), value :: progress
       type(c_ptr), intent(in), value :: progress_user
       type(error_c), intent(out), optional :: err
-      type(host_type) :: host
-      type(series_type) :: series
+      type(call_type) :: c
       type(fisher_type) :: result
-      type(callback_type) :: callback
       type(error_type), allocatable :: error
 
-      call enter_library(host)
-      callback = callback_type(progress, progress_user)
-      if (.not. present(out)) call fatal_error(error, status%invalid_argument, "the place for the result must not be NULL")
-      if (.not. allocated(error)) call open_series(x, n, series, error)
-      if (.not. allocated(error)) call test_fisher_g(series%x, result, error, series%valid, callback)
-      call close_series(series)
+      call enter_library(c, progress, progress_user)
+      call check_place(present(out), "result", error)
+      call open_series(x, n, c, error)
+      if (.not. allocated(error)) call test_fisher_g(c%x, result, error, c%valid, c%callback)
       call check_finite([result%statistic, result%p_value, result%log_p_value, result%frequency], error)
       if (.not. allocated(error)) out = fisher_c(result%statistic, result%p_value, result%log_p_value, result%frequency, &
          & result%ordinates)
-      gyroakf_fisher_g_watched = leave_library(host, error, err)
+      gyroakf_fisher_g_watched = leave_library(c, error, err)
    end function gyroakf_fisher_g_watched
 
    !> `gyroakf_welch_size`
@@ -97,29 +93,27 @@ contains
       type(c_funptr), intent(in), value :: progress
       type(c_ptr), intent(in), value :: progress_user
       type(error_c), intent(out), optional :: err
-      type(host_type) :: host
-      type(series_type) :: series
+      type(call_type) :: c
       type(welch_type) :: result
-      type(callback_type) :: callback
       type(error_type), allocatable :: error
       integer(c_int64_t) :: places
 
-      call enter_library(host)
-      callback = callback_type(progress, progress_user)
+      call enter_library(c, progress, progress_user)
       call check_aligned(frequency, error)
       call check_aligned(density, error)
-      if (.not. allocated(error)) call open_series(x, n, series, error)
+      call open_series(x, n, c, error)
       places = gyroakf_welch_size(n, segment)
-      if (.not. allocated(error)) call check_apart([x, frequency, density], 8*[n, places, places], error)
-      if (.not. allocated(error)) call welch_spectrum(series%x, dt, welch_options(segment=segment), result, error, &
-         & series%valid, callback)
-      call close_series(series)
+      call check_apart([x, frequency, density], 8*[n, places, places], error)
+      if (.not. allocated(error)) call welch_spectrum(c%x, dt, welch_options(segment=segment), result, error, &
+         & c%valid, c%callback)
       if (.not. allocated(error)) call check_finite(result%frequency, error)
       if (.not. allocated(error)) call check_finite(result%density, error)
-      if (.not. allocated(error)) call copy_out(result%frequency, frequency)
-      if (.not. allocated(error)) call copy_out(result%density, density)
-      if (present(degrees_of_freedom) .and. .not. allocated(error)) degrees_of_freedom = result%degrees_of_freedom
-      gyroakf_welch_spectrum_watched = leave_library(host, error, err)
+      if (.not. allocated(error)) then
+         call copy_out(result%frequency, frequency)
+         call copy_out(result%density, density)
+         if (present(degrees_of_freedom)) degrees_of_freedom = result%degrees_of_freedom
+      end if
+      gyroakf_welch_spectrum_watched = leave_library(c, error, err)
    end function gyroakf_welch_spectrum_watched
 
 end module gyroakf_c_api_c_periodicity

@@ -2,16 +2,16 @@
 !> C: recordings. What each function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_c_record
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int8_t, c_int32_t, c_int64_t, c_double, c_size_t, c_null_char, &
-      & c_null_ptr, c_funptr, &
-      & c_null_funptr, c_associated, c_f_pointer, c_loc, c_sizeof
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, &
+      & c_size_t, c_null_char, c_null_ptr, c_associated, c_f_pointer, c_loc, c_sizeof
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_reader, only : read_record, reader_options
    use gyroakf_record, only : record_type, text_type
    use gyroakf_units, only : unit_type
-   use gyroakf_c_api_c_progress, only : callback_type
-   use gyroakf_c_api_c_support, only : error_c, host_type, enter_library, leave_library, check_struct_size, copy_c_text, max_samples
+   use gyroakf_c_api_c_host, only : progress_c, callback_type
+   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
+      & check_struct_size, check_place, copy_c_text, max_samples
    implicit none (type, external)
    private
    public :: record_handle, new_handle, hand_over
@@ -23,17 +23,16 @@ module gyroakf_c_api_c_record
    !> `gyroakf_reader_options`
    type, bind(C) :: reader_options_c
       integer(c_size_t) :: struct_size
-      type(c_ptr) :: format, columns, time_column
-      integer(c_int64_t) :: skip
-      integer(c_int32_t) :: bad_lines_missing
-      type(c_ptr) :: input, unit
+      type(c_ptr) :: format = c_null_ptr, columns = c_null_ptr, time_column = c_null_ptr
+      integer(c_int64_t) :: skip = 0
+      integer(c_int32_t) :: bad_lines_missing = 0
+      type(c_ptr) :: input = c_null_ptr, unit = c_null_ptr
       real(c_double) :: scale, rate_hz, from, to
       integer(c_int64_t) :: memory
-      type(c_ptr) :: resample, wrap
-      integer(c_int64_t) :: channels
-      integer(c_int32_t) :: decimal_comma
-      type(c_funptr) :: progress
-      type(c_ptr) :: progress_user
+      type(c_ptr) :: resample = c_null_ptr, wrap = c_null_ptr
+      integer(c_int64_t) :: channels = 0
+      integer(c_int32_t) :: decimal_comma = 0
+      type(progress_c) :: progress
    end type reader_options_c
 
    !> `gyroakf_audit`
@@ -60,26 +59,8 @@ contains
       type(reader_options_c), intent(out), optional :: opt
       type(reader_options) :: defaults
 
-      if (.not. present(opt)) return
-      opt%struct_size = c_sizeof(opt)
-      opt%format = c_null_ptr
-      opt%columns = c_null_ptr
-      opt%time_column = c_null_ptr
-      opt%skip = defaults%skip
-      opt%bad_lines_missing = merge(1_c_int32_t, 0_c_int32_t, defaults%bad_lines_missing)
-      opt%input = c_null_ptr
-      opt%unit = c_null_ptr
-      opt%scale = defaults%scale
-      opt%rate_hz = defaults%rate_hz
-      opt%from = defaults%from
-      opt%to = defaults%to
-      opt%memory = defaults%memory
-      opt%resample = c_null_ptr
-      opt%wrap = c_null_ptr
-      opt%channels = defaults%channels
-      opt%decimal_comma = merge(1_c_int32_t, 0_c_int32_t, defaults%decimal_comma)
-      opt%progress = c_null_funptr
-      opt%progress_user = c_null_ptr
+      if (present(opt)) opt = reader_options_c(c_sizeof(opt), scale=defaults%scale, rate_hz=defaults%rate_hz, &
+         & from=defaults%from, to=defaults%to, memory=defaults%memory)
    end subroutine gyroakf_reader_options_init
 
    !> `gyroakf_record_read`
@@ -88,20 +69,19 @@ contains
       type(reader_options_c), intent(in), optional :: opt
       type(c_ptr), intent(out), optional :: out
       type(error_c), intent(out), optional :: err
-      type(host_type) :: host
+      type(call_type) :: c
       type(record_handle), pointer :: handle
       type(reader_options) :: options
-      type(callback_type) :: callback
       type(error_type), allocatable :: error
       character(:), allocatable :: name
 
-      call enter_library(host)
+      call enter_library(c)
       call new_handle(handle, c_associated(path), error, out)
-      if (.not. allocated(error)) call read_options(options, callback, error, opt)
+      if (.not. allocated(error)) call read_options(options, c%callback, error, opt)
       call copy_c_text(path, "", name)
-      if (.not. allocated(error)) call read_record(name, options, handle%record, error, callback)
+      if (.not. allocated(error)) call read_record(name, options, handle%record, error, c%callback)
       call hand_over(handle, error, out)
-      gyroakf_record_read = leave_library(host, error, err)
+      gyroakf_record_read = leave_library(c, error, err)
    end function gyroakf_record_read
 
    !> `gyroakf_record_parse`
@@ -111,21 +91,20 @@ contains
       type(reader_options_c), intent(in), optional :: opt
       type(c_ptr), intent(out), optional :: out
       type(error_c), intent(out), optional :: err
-      type(host_type) :: host
+      type(call_type) :: c
       type(record_handle), pointer :: handle
       type(reader_options) :: options
-      type(callback_type) :: callback
       type(error_type), allocatable :: error
 
-      call enter_library(host)
+      call enter_library(c)
       call new_handle(handle, c_associated(bytes) .and. n > 0 .and. n <= 8*max_samples, error, out)
-      if (.not. allocated(error)) call read_options(options, callback, error, opt)
+      if (.not. allocated(error)) call read_options(options, c%callback, error, opt)
       if (.not. allocated(error)) then
          call c_f_pointer(bytes, options%bytes, [n])
-         call read_record("<memory>", options, handle%record, error, callback)
+         call read_record("<memory>", options, handle%record, error, c%callback)
       end if
       call hand_over(handle, error, out)
-      gyroakf_record_parse = leave_library(host, error, err)
+      gyroakf_record_parse = leave_library(c, error, err)
    end function gyroakf_record_parse
 
    !> `gyroakf_record_samples`
@@ -306,15 +285,12 @@ contains
       integer :: stat
 
       nullify (handle)
-      if (.not. present(out)) then
-         call fatal_error(error, status%invalid_argument, "the place for the result (out) must not be NULL")
-      else if (.not. good) then
-         call fatal_error(error, status%invalid_argument, "the path, the bytes or the options must not be NULL, "// &
-                          "and there must be 1 .. 2**47 bytes")
-      else
-         allocate (handle, stat=stat)
-         if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for a recording")
-      end if
+      call check_place(present(out), "result (out)", error)
+      if (.not. (allocated(error) .or. good)) call fatal_error(error, status%invalid_argument, &
+         & "the path, the bytes or the options must not be NULL, and there must be 1 .. 2**47 bytes")
+      stat = 0
+      if (.not. allocated(error)) allocate (handle, stat=stat)
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for a recording")
    end subroutine new_handle
 
    !> The handle to the caller; nothing after an error.
@@ -409,7 +385,7 @@ contains
       if (c_associated(opt%wrap)) call copy_c_text(opt%wrap, "", options%wrap)
       options%channels = opt%channels
       options%decimal_comma = opt%decimal_comma /= 0
-      callback = callback_type(opt%progress, opt%progress_user)
+      callback = callback_type(opt%progress)
    end subroutine read_options
 
 end module gyroakf_c_api_c_record

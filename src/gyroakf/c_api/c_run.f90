@@ -2,19 +2,21 @@
 !> For C: the whole job with its JSON document, and simulated recordings. What each function promises is said in
 !> c_api/include/gyroakf.h.
 module gyroakf_c_api_c_run
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, c_double, c_size_t, c_null_char, &
-      & c_null_ptr, c_null_funptr, c_associated, c_f_pointer, c_loc, c_sizeof
-   use gyroakf_kinds, only : int8, int64
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, &
+      & c_size_t, c_null_char, c_null_ptr, c_associated, c_f_pointer, c_loc, c_sizeof
+   use gyroakf_kinds, only : int8
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_pipeline, only : run_pipeline, apply_preset
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_record, only : record_type
    use gyroakf_report_document, only : put_document
    use gyroakf_report_json, only : json_type, json_text
-   use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record, paper_preset, paper_seed
-   use gyroakf_c_api_c_progress, only : callback_type
+   use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record, paper_preset, &
+      & paper_seed
+   use gyroakf_c_api_c_host, only : progress_c, callback_type
    use gyroakf_c_api_c_record, only : record_handle, new_handle, hand_over
-   use gyroakf_c_api_c_support, only : error_c, host_type, enter_library, leave_library, check_struct_size, copy_c_text, max_samples
+   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
+      & check_struct_size, copy_c_text, max_samples
    implicit none (type, external)
    private
    public :: gyroakf_run_options_init, gyroakf_run, gyroakf_result_json, gyroakf_result_free, gyroakf_simulate_options_init, &
@@ -23,24 +25,22 @@ module gyroakf_c_api_c_run
    !> `gyroakf_run_options`
    type, bind(C) :: run_options_c
       integer(c_size_t) :: struct_size
-      type(c_ptr) :: preset
-      integer(c_int32_t) :: tests, ar, filters, allan
-      type(c_funptr) :: progress
-      type(c_ptr) :: progress_user
+      type(c_ptr) :: preset = c_null_ptr
+      integer(c_int32_t) :: tests = 1, ar = 1, filters = 1, allan = 1
+      type(progress_c) :: progress
    end type run_options_c
 
    !> `gyroakf_simulate_options`
    type, bind(C) :: simulate_options_c
       integer(c_size_t) :: struct_size
-      type(c_ptr) :: preset
+      type(c_ptr) :: preset = c_null_ptr
       integer(c_int64_t) :: samples, seed
       real(c_double) :: rate_hz
-      type(c_ptr) :: unit
-      real(c_double) :: q, n, b, k, r, ar_phi, ar_variance, offset, outlier_size
-      integer(c_int64_t) :: outliers
-      real(c_double) :: lsb, missing
-      type(c_funptr) :: progress
-      type(c_ptr) :: progress_user
+      type(c_ptr) :: unit = c_null_ptr
+      real(c_double) :: q = 0, n = 0, b = 0, k = 0, r = 0, ar_phi = 0, ar_variance = 0, offset = 0, outlier_size = 0
+      integer(c_int64_t) :: outliers = 0
+      real(c_double) :: lsb = 0, missing = 0
+      type(progress_c) :: progress
    end type simulate_options_c
 
    !> Size of these options before they had a progress function
@@ -57,8 +57,7 @@ contains
    subroutine gyroakf_run_options_init(opt) bind(C, name="gyroakf_run_options_init")
       type(run_options_c), intent(out), optional :: opt
 
-      if (.not. present(opt)) return
-      opt = run_options_c(c_sizeof(opt), c_null_ptr, 1, 1, 1, 1, c_null_funptr, c_null_ptr)
+      if (present(opt)) opt = run_options_c(c_sizeof(opt))
    end subroutine gyroakf_run_options_init
 
    !> `gyroakf_run`
@@ -67,29 +66,28 @@ contains
       type(run_options_c), intent(in), optional :: opt
       type(c_ptr), intent(out), optional :: out
       type(error_c), intent(out), optional :: err
-      type(host_type) :: host
+      type(call_type) :: c
       type(record_handle), pointer :: record
       type(result_handle), pointer :: handle
       type(pipeline_options) :: options
-      type(callback_type) :: callback
       type(error_type), allocatable :: error
 
-      call enter_library(host)
+      call enter_library(c)
       nullify (handle)
       if (present(out)) out = c_null_ptr
       if (.not. present(out) .or. .not. c_associated(r)) then
          call fatal_error(error, status%invalid_argument, "the recording and the place for the result (out) must not be NULL")
       else
-         call read_options(options, callback, error, opt)
+         call read_options(options, c%callback, error, opt)
       end if
       if (.not. allocated(error)) then
          call c_f_pointer(r, record)
          allocate (handle)
-         call run_record(record%record, options, callback, handle%json, error)
+         call run_record(record%record, options, c%callback, handle%json, error)
          if (allocated(error)) deallocate (handle)
       end if
       if (associated(handle)) out = c_loc(handle)
-      gyroakf_run = leave_library(host, error, err)
+      gyroakf_run = leave_library(c, error, err)
    end function gyroakf_run
 
    !> The job, and its document.
@@ -161,7 +159,7 @@ contains
       options%do_ar = opt%ar /= 0
       options%do_filter = opt%filters /= 0
       options%do_allan = opt%allan /= 0
-      callback = callback_type(opt%progress, opt%progress_user)
+      callback = callback_type(opt%progress)
    end subroutine read_options
 
    !> `gyroakf_simulate_options_init`
@@ -169,9 +167,8 @@ contains
       type(simulate_options_c), intent(out), optional :: opt
       type(simulate_options) :: defaults
 
-      if (.not. present(opt)) return
-      opt = simulate_options_c(c_sizeof(opt), c_null_ptr, defaults%samples, paper_seed, defaults%rate_hz, c_null_ptr, 0, 0, 0, 0, &
-                               0, 0, 0, 0, 0, 0_c_int64_t, 0, 0, c_null_funptr, c_null_ptr)
+      if (present(opt)) opt = simulate_options_c(c_sizeof(opt), samples=defaults%samples, seed=paper_seed, &
+         & rate_hz=defaults%rate_hz)
    end subroutine gyroakf_simulate_options_init
 
    !> `gyroakf_simulate`
@@ -179,18 +176,17 @@ contains
       type(simulate_options_c), intent(in), optional :: opt
       type(c_ptr), intent(out), optional :: out
       type(error_c), intent(out), optional :: err
-      type(host_type) :: host
+      type(call_type) :: c
       type(record_handle), pointer :: handle
       type(simulate_options) :: options
-      type(callback_type) :: callback
       type(error_type), allocatable :: error
 
-      call enter_library(host)
+      call enter_library(c)
       call new_handle(handle, present(opt), error, out)
-      if (.not. allocated(error)) call read_simulation(opt, options, callback, error)
-      if (.not. allocated(error)) call simulate_record(options, handle%record, error, progress=callback)
+      if (.not. allocated(error)) call read_simulation(opt, options, c%callback, error)
+      if (.not. allocated(error)) call simulate_record(options, handle%record, error, progress=c%callback)
       call hand_over(handle, error, out)
-      gyroakf_simulate = leave_library(host, error, err)
+      gyroakf_simulate = leave_library(c, error, err)
    end function gyroakf_simulate
 
    !> Options of C into options of the library.
@@ -203,7 +199,7 @@ contains
 
       call check_struct_size(opt%struct_size, c_sizeof(opt), error, simulate_size_before)
       if (allocated(error)) return
-      if (opt%struct_size == c_sizeof(opt)) callback = callback_type(opt%progress, opt%progress_user)
+      if (opt%struct_size == c_sizeof(opt)) callback = callback_type(opt%progress)
       call copy_c_text(opt%preset, "none", preset)
       if (preset == "paper") then
          options = paper_preset(opt%seed)

@@ -1,13 +1,15 @@
 ! SPDX-License-Identifier: MIT
 !> C: filters put away and taken up again. What each function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_c_saving
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int8_t, c_int64_t, c_associated, c_f_pointer
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int8_t, c_int64_t, c_associated, &
+      & c_f_pointer
    use gyroakf_kinds, only : int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_filter_saving, only : save_filter, restore_filter, reset_filter
    use gyroakf_filter_filter_types, only : filter_type
    use gyroakf_c_api_c_filter, only : new_handle, hand_over
-   use gyroakf_c_api_c_support, only : error_c, host_type, enter_library, leave_library, max_samples
+   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
+      & max_samples
    implicit none (type, external)
    private
    public :: gyroakf_filter_reset, gyroakf_filter_save, gyroakf_filter_restore
@@ -21,18 +23,18 @@ contains
    integer(c_int) function gyroakf_filter_reset(f, err) bind(C, name="gyroakf_filter_reset")
       type(c_ptr), intent(in), value :: f
       type(error_c), intent(out), optional :: err
-      type(host_type) :: host
+      type(call_type) :: c
       type(filter_type), pointer :: filter
       type(error_type), allocatable :: error
 
-      call enter_library(host)
+      call enter_library(c)
       if (c_associated(f)) then
          call c_f_pointer(f, filter)
          call reset_filter(filter, error)
       else
          call fatal_error(error, status%invalid_argument, "the filter must not be NULL")
       end if
-      gyroakf_filter_reset = leave_library(host, error, err)
+      gyroakf_filter_reset = leave_library(c, error, err)
    end function gyroakf_filter_reset
 
    !> `gyroakf_filter_save`
@@ -41,12 +43,12 @@ contains
       integer(c_int64_t), intent(in), value :: capacity
       integer(c_int64_t), intent(inout), optional :: size_out
       type(error_c), intent(out), optional :: err
-      type(host_type) :: host
+      type(call_type) :: c
       type(filter_type), pointer :: filter
       type(error_type), allocatable :: error
       integer(int64), allocatable :: word(:)
 
-      call enter_library(host)
+      call enter_library(c)
       if (.not. c_associated(f) .or. .not. present(size_out)) then
          call fatal_error(error, status%invalid_argument, "the filter and the place for the size must not be NULL")
       else
@@ -57,7 +59,7 @@ contains
             if (c_associated(bytes)) call write_bytes(word, bytes, capacity, error)
          end if
       end if
-      gyroakf_filter_save = leave_library(host, error, err)
+      gyroakf_filter_save = leave_library(c, error, err)
    end function gyroakf_filter_save
 
    !> `gyroakf_filter_restore`
@@ -66,17 +68,17 @@ contains
       integer(c_int64_t), intent(in), value :: length
       type(c_ptr), intent(out), optional :: out
       type(error_c), intent(out), optional :: err
-      type(host_type) :: host
+      type(call_type) :: c
       type(filter_type), pointer :: handle
       type(error_type), allocatable :: error
       integer(int64), allocatable :: word(:)
 
-      call enter_library(host)
+      call enter_library(c)
       call new_handle(handle, error, out)
       if (.not. allocated(error)) call read_bytes(bytes, length, word, error)
       if (.not. allocated(error)) call restore_filter(word, handle, error)
       call hand_over(handle, error, out)
-      gyroakf_filter_restore = leave_library(host, error, err)
+      gyroakf_filter_restore = leave_library(c, error, err)
    end function gyroakf_filter_restore
 
    !> Words into the caller's bytes, at any address.
@@ -88,7 +90,6 @@ contains
       !> invalid_argument: too few
       type(error_type), allocatable, intent(out) :: error
       integer(c_int8_t), pointer :: place(:)
-      integer(int64) :: k
       character(100) :: text
 
       if (capacity < word_bytes*size(word, kind=int64)) then
@@ -98,9 +99,7 @@ contains
          return
       end if
       call c_f_pointer(bytes, place, [word_bytes*size(word, kind=int64)])
-      do k = 1, size(word, kind=int64)
-         place(word_bytes*(k - 1) + 1:word_bytes*k) = transfer(word(k), 0_c_int8_t, word_bytes)
-      end do
+      place(:) = transfer(word, place)
    end subroutine write_bytes
 
    !> Words from the caller's bytes.
@@ -111,7 +110,6 @@ contains
       !> invalid_argument, parse (no whole number of words), no_memory
       type(error_type), allocatable, intent(out) :: error
       integer(c_int8_t), pointer, contiguous :: place(:)
-      integer(int64) :: k
       integer :: stat
 
       if (.not. c_associated(bytes) .or. length < 1 .or. length > max_samples) then
@@ -126,9 +124,7 @@ contains
          return
       end if
       call c_f_pointer(bytes, place, [length])
-      do k = 1, size(word, kind=int64)
-         word(k) = transfer(place(word_bytes*(k - 1) + 1:word_bytes*k), 0_int64)
-      end do
+      word(:) = transfer(place, word)
    end subroutine read_bytes
 
 end module gyroakf_c_api_c_saving

@@ -3,23 +3,24 @@
 !>
 !> A wrapper is
 !>
-!>     call enter_library(host)
+!>     call enter_library(c)
 !>     ... check the pointers, call one procedure of the library with `error` ...
-!>     code = leave_library(host, error, err)
+!>     code = leave_library(c, error, err)
 !>
 !> and holds no numerics. The rules that C callers rely on are at the top of c_api/include/gyroakf.h.
 module gyroakf_c_api_c_support
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_char, c_size_t, &
-      & c_null_char, c_associated, c_f_pointer
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, c_char, &
+      & c_size_t, c_null_char, c_associated, c_f_pointer
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_is_nan
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_utf8, only : make_readable
+   use gyroakf_c_api_c_host, only : progress_c, callback_type, set_aside, restore
    use gyroakf_c_api_c_places, only : check_aligned
    implicit none (type, external)
    private
-   public :: error_c, host_type, series_type, enter_library, leave_library, begin_step, end_step, check_struct_size, &
-      & check_finite, copy_c_text, take_text, open_series, close_series, max_samples
+   public :: error_c, call_type, enter_library, leave_library, check_struct_size, check_place, check_finite, copy_c_text, &
+      & take_text, open_series, max_samples
 
    !> More samples than any machine can hold: counts beyond it are mistakes
    integer(int64), parameter :: max_samples = 2_int64**44
@@ -33,50 +34,21 @@ module gyroakf_c_api_c_support
       character(kind=c_char) :: message(256)
    end type error_c
 
-   !> The caller's floating-point environment: space for the C library's fenv_t
-   type :: host_type
+   !> A call of a C function
+   type :: call_type
+      !> The caller's floating-point environment: space for the C library's fenv_t
       integer(c_int64_t) :: environment(64)
-   end type host_type
-
-   !> A series of the caller, as the library takes it
-   type :: series_type
-      !> The samples: the caller's array, or a copy with 0 for NaN
+      !> The caller's progress function
+      type(callback_type) :: callback
+      !> The caller's series, as the library takes it: its own array, or a copy with 0 for NaN
       real(dp), pointer, contiguous :: x(:) => null()
       !> 1 present, 0 missing: [n]; allocated only where something is missing
       integer(int8), allocatable :: valid(:)
       !> The samples are a copy
       logical :: owned = .false.
-   end type series_type
+   end type call_type
 
    interface
-      !> Keeps the environment of the program and sets the default one (host.c)
-      subroutine set_aside(environment) bind(C, name="gyroakf_host_set_aside")
-         import :: c_int64_t
-         implicit none (type, external)
-         integer(c_int64_t), intent(out) :: environment(64)
-      end subroutine set_aside
-
-      !> The kept environment again
-      subroutine restore(environment) bind(C, name="gyroakf_host_restore")
-         import :: c_int64_t
-         implicit none (type, external)
-         integer(c_int64_t), intent(in) :: environment(64)
-      end subroutine restore
-
-      !> The same for a step of a filter; 0 where nothing had to be done
-      integer(c_int) function begin_step(environment) bind(C, name="gyroakf_host_begin_step")
-         import :: c_int, c_int64_t
-         implicit none (type, external)
-         integer(c_int64_t), intent(out) :: environment(64)
-      end function begin_step
-
-      !> Ends it where begin_step was not 0
-      subroutine end_step(environment) bind(C, name="gyroakf_host_end_step")
-         import :: c_int64_t
-         implicit none (type, external)
-         integer(c_int64_t), intent(in) :: environment(64)
-      end subroutine end_step
-
       !> Length of a C string
       integer(c_size_t) function strnlen(text, longest) bind(C, name="strnlen")
          import :: c_ptr, c_size_t
@@ -89,23 +61,29 @@ module gyroakf_c_api_c_support
 contains
 
    !> Keeps the caller's floating-point environment and sets the default one.
-   subroutine enter_library(host)
-      !> What [[leave_library]] restores
-      type(host_type), intent(out) :: host
+   subroutine enter_library(c, progress, user)
+      !> What [[leave_library]] ends
+      type(call_type), intent(out) :: c
+      !> The caller's progress function, where it is no part of the options, and its pointer
+      type(c_funptr), intent(in), optional :: progress
+      type(c_ptr), intent(in), optional :: user
 
-      call set_aside(host%environment)
+      call set_aside(c%environment)
+      if (present(progress)) c%callback%program = progress_c(progress, user)
    end subroutine enter_library
 
    !> Restores the caller's floating-point environment, fills its error struct and returns the status.
-   integer(c_int) function leave_library(host, error, err)
-      !> From [[enter_library]]
-      type(host_type), intent(in) :: host
+   integer(c_int) function leave_library(c, error, err)
+      !> From [[enter_library]]; its series is closed
+      type(call_type), intent(inout) :: c
       !> The library's error, if any
       type(error_type), allocatable, intent(in) :: error
       !> The caller's struct; absent for NULL
       type(error_c), intent(out), optional :: err
       character(:), allocatable :: message
 
+      if (c%owned) deallocate (c%x)
+      c%owned = .false.
       leave_library = status%ok
       if (allocated(error)) leave_library = error%code
       if (present(err)) then
@@ -116,7 +94,7 @@ contains
             call copy_text(message, err%message)
          end if
       end if
-      call restore(host%environment)
+      call restore(c%environment)
    end function leave_library
 
    !> A message whose every line can be shown: what it repeats of the caller's texts may be any bytes.
@@ -178,6 +156,19 @@ contains
       end if
    end subroutine check_struct_size
 
+   !> A place that the caller must give.
+   pure subroutine check_place(there, what, error)
+      !> It is not NULL
+      logical, intent(in) :: there
+      !> "result", "marks"
+      character(*), intent(in) :: what
+      !> An earlier error stays; invalid_argument
+      type(error_type), allocatable, intent(inout) :: error
+
+      if (allocated(error) .or. there) return
+      call fatal_error(error, status%invalid_argument, "the place for the "//what//" must not be NULL")
+   end subroutine check_place
+
    !> Results are finite; those of values near the largest number may overflow.
    subroutine check_finite(results, error)
       !> Numbers that the caller is to get
@@ -235,18 +226,20 @@ contains
    end subroutine take_text
 
    !> Takes a series of the caller: its own array where nothing is missing, else a copy with marks.
-   subroutine open_series(array, n, series, error)
+   subroutine open_series(array, n, c, error)
       !> const double *
       type(c_ptr), intent(in) :: array
       !> Its length
       integer(c_int64_t), intent(in) :: n
-      !> The series; [[close_series]] ends its use
-      type(series_type), intent(out) :: series
-      !> invalid_argument: NULL, or a length out of range; non_finite: an infinite value; no_memory
-      type(error_type), allocatable, intent(out) :: error
+      !> Gets the series
+      type(call_type), intent(inout) :: c
+      !> An earlier error stays and nothing is done; invalid_argument: NULL, or a length out of range; non_finite: an infinite
+      !> value; no_memory
+      type(error_type), allocatable, intent(inout) :: error
       real(dp), pointer, contiguous :: x(:)
       integer(int64) :: i, missing
 
+      if (allocated(error)) return
       if (.not. c_associated(array) .or. n < 1 .or. n > max_samples) then
          call fatal_error(error, status%invalid_argument, "a series must not be NULL and its length must be 1 .. 2**44")
          return
@@ -263,41 +256,32 @@ contains
          end if
          missing = missing + 1
       end do
-      series%x => x
-      if (missing > 0) call copy_series(x, series, error)
+      c%x => x
+      if (missing > 0) call copy_series(x, c, error)
    end subroutine open_series
 
    !> The copy with 0 for NaN, and the marks.
-   subroutine copy_series(x, series, error)
+   subroutine copy_series(x, c, error)
       real(dp), intent(in), contiguous :: x(:)
-      type(series_type), intent(inout) :: series
+      type(call_type), intent(inout) :: c
       type(error_type), allocatable, intent(out) :: error
       integer(int64) :: i, n
       integer :: stat
 
       n = size(x, kind=int64)
-      nullify (series%x)
-      allocate (series%valid(n), stat=stat)
-      if (stat == 0) allocate (series%x(n), stat=stat)
+      nullify (c%x)
+      allocate (c%valid(n), stat=stat)
+      if (stat == 0) allocate (c%x(n), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for a copy of the series")
          return
       end if
-      series%owned = .true.
+      c%owned = .true.
       do i = 1, n
-         series%valid(i) = merge(0_int8, 1_int8, ieee_is_nan(x(i)))
-         series%x(i) = 0
-         if (series%valid(i) == 1) series%x(i) = x(i)
+         c%valid(i) = merge(0_int8, 1_int8, ieee_is_nan(x(i)))
+         c%x(i) = 0
+         if (c%valid(i) == 1) c%x(i) = x(i)
       end do
    end subroutine copy_series
-
-   !> Ends the use of a series.
-   subroutine close_series(series)
-      !> Opened or not
-      type(series_type), intent(inout) :: series
-
-      if (series%owned) deallocate (series%x)
-      series%owned = .false.
-   end subroutine close_series
 
 end module gyroakf_c_api_c_support

@@ -1,19 +1,24 @@
 ! SPDX-License-Identifier: MIT
-!> FORTRAN 77: Allan deviation, noise coefficients, unit-root test, AR model. The arguments are described in c_api/README.md.
+!> FORTRAN 77: Allan deviation, noise coefficients, unit-root test, AR model, and the filter with its state in an array of the
+!> caller. The arguments are described in c_api/README.md.
 !>
 !> Names of six letters with an underscore behind them in the object, arguments by reference, INFO last: 0 good, -i argument i is
 !> bad, > 0 a failure (the numbers of `enum gyroakf_status`).
 module gyroakf_c_api_legacy
-   use, intrinsic :: iso_c_binding, only : c_int32_t, c_int64_t, c_double, c_loc
+   use, intrinsic :: iso_c_binding, only : c_int32_t, c_int64_t, c_double, c_loc, c_int
    use gyroakf_error, only : error_type
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type, compute_allan
    use gyroakf_allan_noise_fit, only : noise_options, noise_type, fit_noise
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
    use gyroakf_series_adf, only : adf_options, adf_type, test_adf
-   use gyroakf_c_api_c_support, only : host_type, series_type, enter_library, leave_library, open_series, close_series
+   use gyroakf_c_api_c_support, only : call_type, enter_library, leave_library, open_series
+   use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter
+   use gyroakf_filter_packed, only : packed_length, pack_filter, is_packed, step_packed, &
+      & freeze_packed, packed_numbers
+   use gyroakf_c_api_c_host, only : begin_step, end_step
    implicit none (type, external)
    private
-   public :: gyadev, gynfit, gyadft, gyarft
+   public :: gyadev, gynfit, gyadft, gyarft, gyfini, gyfstp, gyfrun, gyfget, gyffrz
 
    !> KIND of GYADEV from 1 on
    character(6), parameter :: kinds(7) = ["oadev ", "adev  ", "mdev  ", "tdev  ", "hdev  ", "ohdev ", "totdev"]
@@ -34,8 +39,7 @@ contains
       integer(c_int32_t), intent(out) :: nt
       real(c_double), intent(inout) :: tau(*), dev(*), dlo(*), dhi(*), edf(*)
       integer(c_int32_t), intent(out) :: info
-      type(host_type) :: host
-      type(series_type) :: series
+      type(call_type) :: c
       type(allan_options) :: options
       type(allan_curve_type) :: curve
       type(error_type), allocatable :: error
@@ -45,11 +49,10 @@ contains
       if (n < 2) info = -1
       if (info == 0 .and. (kind < 1 .or. kind > size(kinds))) info = -4
       if (info /= 0) return
-      call enter_library(host)
+      call enter_library(c)
       options%kind = kinds(kind)
-      call open_series(c_loc(x(1)), int(n, c_int64_t), series, error)
-      if (.not. allocated(error)) call compute_allan(series%x, dt, options, curve, error, series%valid)
-      call close_series(series)
+      call open_series(c_loc(x(1)), int(n, c_int64_t), c, error)
+      if (.not. allocated(error)) call compute_allan(c%x, dt, options, curve, error, c%valid)
       if (.not. allocated(error)) then
          nt = size(curve%tau)
          if (nt > maxt) then
@@ -62,7 +65,7 @@ contains
             edf(:nt) = curve%edf
          end if
       end if
-      info = info + leave_library(host, error)
+      info = info + leave_library(c, error)
    end subroutine gyadev
 
    !> CALL GYNFIT(N, X, DT, COEF, SE, UPPER, IDET, CHI2, INFO)
@@ -73,8 +76,7 @@ contains
       real(c_double), intent(inout) :: coef(5), se(5), upper(5), chi2
       integer(c_int32_t), intent(inout) :: idet(5)
       integer(c_int32_t), intent(out) :: info
-      type(host_type) :: host
-      type(series_type) :: series
+      type(call_type) :: c
       type(allan_curve_type) :: curve
       type(noise_type) :: noise
       type(error_type), allocatable :: error
@@ -82,10 +84,9 @@ contains
       info = 0
       if (n < 2) info = -1
       if (info /= 0) return
-      call enter_library(host)
-      call open_series(c_loc(x(1)), int(n, c_int64_t), series, error)
-      if (.not. allocated(error)) call compute_allan(series%x, dt, allan_options(), curve, error, series%valid)
-      call close_series(series)
+      call enter_library(c)
+      call open_series(c_loc(x(1)), int(n, c_int64_t), c, error)
+      if (.not. allocated(error)) call compute_allan(c%x, dt, allan_options(), curve, error, c%valid)
       if (.not. allocated(error)) call fit_noise(curve, noise_options(), noise, error)
       if (.not. allocated(error)) then
          coef = noise%coefficient%value
@@ -94,7 +95,7 @@ contains
          idet = merge(1_c_int32_t, merge(0_c_int32_t, -1_c_int32_t, noise%coefficient%fitted), noise%coefficient%detected)
          chi2 = noise%chi2_reduced
       end if
-      info = leave_library(host, error)
+      info = leave_library(c, error)
    end subroutine gynfit
 
    !> CALL GYADFT(N, X, MAXLAG, STAT, PVAL, CRIT, LAG, INFO)
@@ -104,8 +105,7 @@ contains
       real(c_double), intent(inout) :: stat, pval, crit(3)
       integer(c_int32_t), intent(inout) :: lag
       integer(c_int32_t), intent(out) :: info
-      type(host_type) :: host
-      type(series_type) :: series
+      type(call_type) :: c
       type(adf_options) :: options
       type(adf_type) :: result
       type(error_type), allocatable :: error
@@ -114,18 +114,17 @@ contains
       if (n < 1) info = -1
       if (info == 0 .and. maxlag < -1) info = -3
       if (info /= 0) return
-      call enter_library(host)
+      call enter_library(c)
       options%max_lags = maxlag
-      call open_series(c_loc(x(1)), int(n, c_int64_t), series, error)
-      if (.not. allocated(error)) call test_adf(series%x, options, result, error, series%valid)
-      call close_series(series)
+      call open_series(c_loc(x(1)), int(n, c_int64_t), c, error)
+      if (.not. allocated(error)) call test_adf(c%x, options, result, error, c%valid)
       if (.not. allocated(error)) then
          stat = result%statistic
          pval = result%p_value
          crit = result%critical
          lag = int(result%lag, c_int32_t)
       end if
-      info = leave_library(host, error)
+      info = leave_library(c, error)
    end subroutine gyadft
 
    !> CALL GYARFT(N, X, METHOD, MAXP, IP, PHI, VAR, XMEAN, INFO)
@@ -135,8 +134,7 @@ contains
       integer(c_int32_t), intent(inout) :: ip
       real(c_double), intent(inout) :: phi(*), var, xmean
       integer(c_int32_t), intent(out) :: info
-      type(host_type) :: host
-      type(series_type) :: series
+      type(call_type) :: c
       type(ar_options) :: options
       type(ar_model_type) :: model
       type(error_type), allocatable :: error
@@ -146,12 +144,11 @@ contains
       if (info == 0 .and. (method < 1 .or. method > size(methods))) info = -3
       if (info == 0 .and. (maxp < 0 .or. maxp > largest_order)) info = -4
       if (info /= 0) return
-      call enter_library(host)
+      call enter_library(c)
       options%method = methods(method)
       options%max_order = maxp
-      call open_series(c_loc(x(1)), int(n, c_int64_t), series, error)
-      if (.not. allocated(error)) call fit_ar(series%x, options, model, error, series%valid)
-      call close_series(series)
+      call open_series(c_loc(x(1)), int(n, c_int64_t), c, error)
+      if (.not. allocated(error)) call fit_ar(c%x, options, model, error, c%valid)
       if (.not. allocated(error)) then
          ip = int(model%order, c_int32_t)
          phi(:maxp) = 0
@@ -159,7 +156,109 @@ contains
          var = model%noise_variance
          xmean = model%mean
       end if
-      info = leave_library(host, error)
+      info = leave_library(c, error)
    end subroutine gyarft
+
+   !> CALL GYFINI(IP, PHI, Q, R, IADAPT, B, WORK, LWORK, INFO): begins a filter.
+   subroutine gyfini(ip, phi, q, r, iadapt, b, work, lwork, info) bind(C, name="gyfini_")
+      integer(c_int32_t), intent(in) :: ip, iadapt(4), lwork
+      real(c_double), intent(in) :: phi(*), q, r, b
+      real(c_double), intent(inout) :: work(*)
+      integer(c_int32_t), intent(out) :: info
+      type(call_type) :: c
+      type(filter_options) :: options
+      type(filter_type) :: filter
+      type(error_type), allocatable :: error
+
+      info = 0
+      if (ip < 0 .or. ip > largest_order) info = -1
+      if (info /= 0) return
+      if (lwork == -1) then
+         work(1) = real(packed_length(max(1, ip)), c_double)
+         return
+      end if
+      if (lwork < packed_length(max(1, ip))) info = -8
+      if (info /= 0) return
+      call enter_library(c)
+      options%estimate_process_mean = iadapt(1) /= 0
+      options%estimate_measurement_mean = iadapt(2) /= 0
+      options%allow_unobservable = .true.                  ! who asks for q and r by number means both
+      options%estimate_process_variance = iadapt(3) /= 0
+      options%estimate_measurement_variance = iadapt(4) /= 0
+      options%forgetting = b
+      call new_filter(filter, phi(:ip), q, r, options, error)
+      if (.not. allocated(error)) call pack_filter(filter, work(:packed_length(filter%order)))
+      info = leave_library(c, error)
+   end subroutine gyfini
+
+   !> CALL GYFSTP(WORK, Z, X, INFO): one step.
+   subroutine gyfstp(work, z, x, info) bind(C, name="gyfstp_")
+      real(c_double), intent(inout) :: work(*)
+      real(c_double), intent(in) :: z
+      real(c_double), intent(out) :: x
+      integer(c_int32_t), intent(out) :: info
+      integer(c_int64_t) :: environment(64)
+      integer(c_int) :: changed
+
+      info = 0
+      changed = begin_step(environment)
+      if (is_packed(work(:2))) then
+         call step_packed(work(:packed_length(nint(work(2)))), z, x)
+      else
+         info = -1
+         x = z
+      end if
+      if (changed /= 0) call end_step(environment)
+   end subroutine gyfstp
+
+   !> CALL GYFRUN(WORK, N, Z, X, INFO): N steps; X may be Z.
+   subroutine gyfrun(work, n, z, x, info) bind(C, name="gyfrun_")
+      real(c_double), intent(inout) :: work(*)
+      integer(c_int32_t), intent(in) :: n
+      real(c_double), intent(in) :: z(*)
+      real(c_double), intent(inout) :: x(*)
+      integer(c_int32_t), intent(out) :: info
+      integer(c_int64_t) :: environment(64)
+      real(c_double) :: estimate
+      integer(c_int) :: changed
+      integer(c_int32_t) :: i
+
+      info = 0
+      if (n < 0) info = -2
+      changed = begin_step(environment)
+      if (.not. is_packed(work(:2))) info = -1
+      if (info == 0) then
+         do i = 1, n
+            call step_packed(work(:packed_length(nint(work(2)))), z(i), estimate)
+            x(i) = estimate
+         end do
+      end if
+      if (changed /= 0) call end_step(environment)
+   end subroutine gyfrun
+
+   !> CALL GYFGET(WORK, STATE, INFO): what the filter holds after its last step.
+   subroutine gyfget(work, state, info) bind(C, name="gyfget_")
+      real(c_double), intent(in) :: work(*)
+      real(c_double), intent(out) :: state(9)
+      integer(c_int32_t), intent(out) :: info
+
+      info = -1
+      state = 0
+      if (.not. is_packed(work(:2))) return
+      info = 0
+      call packed_numbers(work(:packed_length(nint(work(2)))), state)
+   end subroutine gyfget
+
+   !> CALL GYFFRZ(WORK, IFRZ, INFO): no adaptation from here on (IFRZ not 0), or again (0).
+   subroutine gyffrz(work, ifrz, info) bind(C, name="gyffrz_")
+      real(c_double), intent(inout) :: work(*)
+      integer(c_int32_t), intent(in) :: ifrz
+      integer(c_int32_t), intent(out) :: info
+
+      info = -1
+      if (.not. is_packed(work(:2))) return
+      info = 0
+      call freeze_packed(work(:packed_length(nint(work(2)))), ifrz /= 0)
+   end subroutine gyffrz
 
 end module gyroakf_c_api_legacy

@@ -325,7 +325,7 @@ contains
       call fatal_error(error, status%parse, table%name//": byte "//integer_text(binary%first + rows*row_bytes)//": "// &
                        integer_text(modulo(came, row_bytes))//" bytes are left after "//integer_text(rows)//" rows of "// &
                        integer_text(row_bytes)//" bytes"//new_line("a")// &
-                       "check type, --channels and --skip, or whether the file was cut off")
+                       "check type, `channels` and `skip`, or whether the file was cut off")
    end subroutine rest_of_row
 
    !> The next bytes of a source, those read ahead first.

@@ -97,7 +97,7 @@ contains
          names = names//" "//record%channel(j)%text
       end do
       if (size(unit) > 12) names = names//" ..."
-      call fatal_error(error, status%invalid_argument, "--unit names "//integer_text(size(list, kind=int64))// &
+      call fatal_error(error, status%invalid_argument, "`unit` names "//integer_text(size(list, kind=int64))// &
                        " units, but the number of channels is "//integer_text(size(unit, kind=int64))//" ("//names(2:)// &
                        "): give one unit for all of them, or one for each")
    end subroutine units_of_option
@@ -112,7 +112,7 @@ contains
 
       call fatal_error(error, status%invalid_argument, "the unit "//unit%name//" does not fit '"//record%channel(j)%text// &
          "', by its name or unit in the file a column of class "//trim(class_names(class_of_channel(table, j)))// &
-         ": give --column or another --unit")
+         ": give `columns` or another `unit`")
    end subroutine refuse_unit
 
    !> The header's unit, or its list of units: one for each column of the file, with or without the time's.
@@ -173,16 +173,16 @@ contains
       angles = input /= "rate"
       if (angles .eqv. is_integral(unit)) return
       if (record%unit_source == "header") then
-         call add_text(record%warnings, "the header's unit "//unit%name//" does not fit --input "// &
+         call add_text(record%warnings, "the header's unit "//unit%name//" does not fit `input` "// &
                        trim(merge("increment or angle", "rate              ", angles))//" and is ignored")
          record%unit_source = "none"
       else if (angles) then
-         call fatal_error(error, status%invalid_argument, "--input "//input//" needs the unit of an angle "// &
+         call fatal_error(error, status%invalid_argument, "`input` "//input//" needs the unit of an angle "// &
                           "(deg, rad, arcsec), not "//unit%name//"; increments of a velocity have m/s")
       else
          call fatal_error(error, status%invalid_argument, "the unit "//unit%name//" is that of "// &
                           trim(merge("a velocity", "an angle  ", unit%quantity == quantity%velocity))//": give "// &
-                          "--input increment or --input angle, or the unit of a rate")
+                          "`input` increment or `input` angle, or the unit of a rate")
       end if
    end subroutine check_quantity
 

@@ -59,7 +59,7 @@ contains
          table%time = table%chosen(j)
          table%class(table%time) = column_class%time
          call add_text(warnings, label_of(table%names, table%time)//" rises evenly from row to row "// &
-                       "and is taken for the time; --time-column none forbids it")
+                       "and is taken for the time; `time_column` none forbids it")
       end do
       associate (class => table%class)
          do j = 1, size(keep)
@@ -79,7 +79,7 @@ contains
       call add_text(warnings, label_of(table%names, table%chosen(1))// &
                     " rises from row to row and looks like "// &
                     trim(merge("a further time", "time          ", table%time > 0))// &
-                    "; it is read as a channel, --time-column "// &
+                    "; it is read as a channel, `time_column` "// &
                     integer_text(int(table%chosen(1), int64))//" takes it for the time")
    end subroutine find_time_and_counters
 

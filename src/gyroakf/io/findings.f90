@@ -26,13 +26,13 @@ contains
             "; the first is in line "//integer_text(record%audit%line_of_first(k)))
       end do
       if (record%audit%jumps > 0) call add_text(record%warnings, "a jump of the time stamps is too long to be filled with "// &
-         "missing samples; the parts before and after it are joined: analyze them apart with --from and --to")
+         "missing samples; the parts before and after it are joined: analyze them apart with `from` and `to`")
       call explain_rates(record)
       call tell_odd(record)
       if (record%audit%jitter_max > 1.0_dp*record%sample_interval .and. record%rate_known .and. .not. placed(record)) then
          call add_text(record%warnings, "the time stamps are up to "//format_real(record%audit%jitter_max, 3)// &
                        " s away from an even grid; the samples are taken as evenly spaced at the mean rate: "// &
-                       "--resample nearest places them by their time stamps")
+                       "`resample` nearest places them by their time stamps")
       end if
       if (table%headings > 0) call add_text(record%warnings, counted(table%headings, "line")// &
          trim(merge(" repeats", " repeat ", table%headings == 1))//" the names of the columns, as in files that were put "// &
@@ -56,7 +56,7 @@ contains
             if (audit%beats == 0) text = "the time stamps make a double step at even distances: "// &
                format_real(audit%stamp_rate, 6)//" Hz with lost samples is taken, but "//format_real(audit%other_rate, 6)// &
                " Hz and a clock that counts in "//format_real(audit%resolution, 3)//" s explain them equally well"
-            text = text//"; --rate "//format_real(audit%other_rate, 6)//" takes the other explanation"
+            text = text//"; `rate_hz` "//format_real(audit%other_rate, 6)//" takes the other explanation"
          end if
       end associate
       if (allocated(text)) call add_text(record%warnings, text)
@@ -88,7 +88,7 @@ contains
          if (audit%rate_changes > 0) call add_text(record%warnings, "the rate changes from "//format_real(audit%rate_before, 6)// &
             " Hz to "//format_real(audit%rate_after, 6)//" Hz in line "//integer_text(audit%line_of_change)// &
             trim(merge(", the first of several changes", "                              ", audit%rate_changes > 1))// &
-            "; analyze the parts apart with --from and --to")
+            "; analyze the parts apart with `from` and `to`")
       end associate
    end subroutine tell_odd
 

@@ -26,8 +26,8 @@ module gyroakf_io_format
       integer(int64) :: at = 1
    end type content_type
 
-   character(*), parameter :: binary_advice = "say what it holds: --format f64, f32, i16, i32, u8, ..., with be behind it for "// &
-      "big endian; --channels N for interleaved columns, --skip N for a header of N bytes"
+   character(*), parameter :: binary_advice = "say what it holds: `format` f64, f32, i16, i32, u8, ..., with be behind it for "// &
+      "big endian; `channels` for interleaved columns, `skip` for a header of so many bytes"
 
 contains
 

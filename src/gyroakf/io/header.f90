@@ -111,7 +111,7 @@ contains
       if (key == "dt") x = 1.0_dp/x
       if (header%rate_hz > 0.0_dp .and. abs(header%rate_hz - x) > 1.0e-6_dp*x) then
          call add_text(warnings, "line "//integer_text(line)//": the header gives a second rate, "//format_real(x, 6)// &
-                       " Hz after "//format_real(header%rate_hz, 6)//" Hz; the last counts, --rate HZ overrides it")
+                       " Hz after "//format_real(header%rate_hz, 6)//" Hz; the last counts, `rate_hz` overrides it")
       end if
       header%rate_hz = x
    end subroutine read_rate
@@ -151,7 +151,7 @@ contains
       if (allocated(failed)) then
          call warn(bytes, first, last, line, key, "is not known", warnings)
          if (index(value, "increment") > 0) call add_text(warnings, "if the numbers are increments of an angle, say so: "// &
-            "--input increment --unit arcsec (deg, rad, ...), and --scale F where a count is F of that unit")
+            "`input` increment, `unit` arcsec (deg, rad, ...), and `scale` F where a count is F of that unit")
       else
          header%unit = unit
          if (allocated(header%units)) deallocate (header%units)

@@ -137,7 +137,7 @@ contains
       end do
       list = trim(list)//" ("//trim(class_names(class(before)))//")"
       if (named > most_listed) list = list//" and more"
-      call add_text(warnings, "columns not analyzed:"//list//"; --column reads them", note=.true.)
+      call add_text(warnings, "columns not analyzed:"//list//"; `columns` reads them", note=.true.)
    end subroutine list_left_out
 
 end module gyroakf_io_leave_out

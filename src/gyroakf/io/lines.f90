@@ -120,7 +120,7 @@ contains
          call fatal_error(error, status%parse, lines%source%name//":"// &
                           integer_text(lines%number)//":1: a line of more than "// &
                           integer_text(longest_line/1000000)//" MB"//new_line("a")// &
-                          "give one row of numbers per sample, or --format for raw numbers")
+                          "give one row of numbers per sample, or `format` for raw numbers")
          return
       end if
       needed = rest + max(wanted, 1_int64) + behind

@@ -71,7 +71,7 @@ module gyroakf_io_magic
       magic_type(char(181)//"b", 2, "a log of a u-blox receiver", to_text), &
       magic_type("MDF     ", 8, "an MDF file", to_text), &
       magic_type("TDSm", 4, "a TDMS file (LabVIEW)", to_text), &
-      magic_type("RIFF", 4, "a RIFF file (WAV)", "leave its header out: --format i16 --skip 44, with --channels N"), &
+      magic_type("RIFF", 4, "a RIFF file (WAV)", "leave its header out: `format` i16, `skip` 44, with `channels` N"), &
       magic_type(char(128)//char(4)//char(149), 3, "a pickle of Python", "numpy.save('x.npy', x)"), &
       magic_type(char(137)//"PNG", 4, "a picture (PNG)", "give the file with the numbers"), &
       magic_type(char(255)//char(216)//char(255), 3, "a picture (JPEG)", "give the file with the numbers"), &

@@ -50,7 +50,7 @@ contains
       if (source%length > 0) then
          rest = source%length - options%skip
          if (rest <= 0) then
-            call fatal_error(error, status%parse, source%name//": --skip leaves nothing: the file has "// &
+            call fatal_error(error, status%parse, source%name//": `skip` leaves nothing: the file has "// &
                              integer_text(source%length)//" bytes")
             return
          end if
@@ -61,7 +61,7 @@ contains
                              integer_text(rest)//" bytes are left after "//integer_text(binary%rows)//" rows of "// &
                              integer_text(row_bytes)//" bytes ("//integer_text(channels)//" x "// &
                              trim(element_name(element))//")"//new_line("a")// &
-                             "check type, --channels and --skip, or whether the file was cut off")
+                             "check type, `channels` and `skip`, or whether the file was cut off")
             return
          end if
       end if

@@ -102,7 +102,7 @@ contains
          call begin_numbers_only(path, content%element, recording, error)
          if (.not. allocated(error)) call add_text(recording%table%warnings, "read as "//trim(element_word(content%element))// &
             ", "//integer_text(recording%binary%columns)//" column"//trim(merge("s", " ", recording%binary%columns > 1))// &
-            ", as the name ."//content%ending//" says; --format and --channels say it")
+            ", as the name ."//content%ending//" says; `format` and `channels` say it")
       case default
          call begin_table(recording%lines, recording%options, recording%table, error)
          if (allocated(error)) return
@@ -156,7 +156,7 @@ contains
          if (content%kind == "npy") what = "a NumPy file"
          if (content%kind == "binary") what = "binary"
          call fatal_error(error, status%parse, name//":1:1: the content is not "//asked//" but "//what//new_line("a")// &
-                          "leave --format out")
+                          "leave `format` out")
       end associate
    end subroutine find_content
 
@@ -167,12 +167,12 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       if (kind /= "binary" .and. recording%options%channels > 0) then
-         call fatal_error(error, status%invalid_argument, recording%path//": --channels is for raw numbers, and this is "//kind)
+         call fatal_error(error, status%invalid_argument, recording%path//": `channels` is for raw numbers, and this is "//kind)
       else if (kind /= "text" .and. allocated(recording%options%where)) then
-         call fatal_error(error, status%invalid_argument, recording%path//": --where is for text, and this is "//kind)
+         call fatal_error(error, status%invalid_argument, recording%path//": `where` is for text, and this is "//kind)
       else if (kind == "npy" .and. recording%options%skip > 0) then
          call fatal_error(error, status%invalid_argument, recording%path// &
-                          ": --skip is for text (lines) and raw numbers (bytes), and this is "//kind)
+                          ": `skip` is for text (lines) and raw numbers (bytes), and this is "//kind)
       end if
    end subroutine check_use
 

@@ -46,7 +46,7 @@ contains
 
       length = (maxval(t) - minval(t))/record%sample_interval
       if (length > real(most_slots*max(size(t, kind=int64), 10000_int64), dp)) then
-         call fatal_error(error, status%invalid_argument, "--resample "//way//" would make "//format_real(length, 4)// &
+         call fatal_error(error, status%invalid_argument, "`resample` "//way//" would make "//format_real(length, 4)// &
             " samples of "//integer_text(size(t, kind=int64))//": the rate of "//format_real(1.0_dp/record%sample_interval, 6)// &
             " Hz does not fit the time stamps")
          return
@@ -193,7 +193,7 @@ contains
       call add_text(record%warnings, "linear interpolation averages neighbors: white noise keeps "// &
          format_real(record%audit%white_noise, 3)//" of its variance (2/3 where the stamps lie anywhere between the instants "// &
          "of the grid) and neighbors are correlated; its Allan variance at m samples is low by about "// &
-         format_real(1.5_dp*lost, 2)//"/m, AR models and tests of whiteness see the filter; --resample nearest changes no value")
+         format_real(1.5_dp*lost, 2)//"/m, AR models and tests of whiteness see the filter; `resample` nearest changes no value")
    end subroutine warn_of_averages
 
 end module gyroakf_io_resample

@@ -210,7 +210,7 @@ contains
          if (other > 0.25_dp*usual(k)) cycle
          call add_text(record%warnings, "the angle in "//record%channel(j)%text//" jumps by nearly "//format_real(usual(k), 10)// &
                        trim(merge(" (2^n)", "      ", k == 2 .or. k > 3))//" in "//integer_text(times)// &
-                       trim(merge(" place ", " places", times == 1))//", as a counter does that begins again; --wrap "// &
+                       trim(merge(" place ", " places", times == 1))//", as a counter does that begins again; `wrap` "// &
                        format_real(usual(k), 16)//" undoes it")
       end do
    end subroutine warn_of_wraps
@@ -235,7 +235,7 @@ contains
 
       n = size(record%value, 1, kind=int64)
       if (n < 2) then
-         call fatal_error(error, status%too_few_samples, "--input angle needs at least 2 samples, got "//integer_text(n))
+         call fatal_error(error, status%too_few_samples, "`input` angle needs at least 2 samples, got "//integer_text(n))
          return
       end if
       do j = 1, size(record%value, 2)
@@ -264,7 +264,7 @@ contains
       n = size(record%value, 1, kind=int64)
       length = real(n, dp)*record%sample_interval
       if (from >= length) then
-         call fatal_error(error, status%too_few_samples, "the record ends at "//format_real(length, 6)//" s, before --from "// &
+         call fatal_error(error, status%too_few_samples, "the record ends at "//format_real(length, 6)//" s, before `from` "// &
                           format_real(from, 6))
          return
       end if
@@ -272,7 +272,7 @@ contains
       last = n
       if (to < length) last = ceiling(to/record%sample_interval - 1.0e-6_dp, int64)
       if (first > last) then
-         call fatal_error(error, status%too_few_samples, "no sample lies between --from and --to")
+         call fatal_error(error, status%too_few_samples, "no sample lies between `from` and `to`")
          return
       end if
       call keep_rows(record, first, last, error)

@@ -62,7 +62,7 @@ contains
       if (size(stamps) == 0) then
          call add_text(record%warnings, label_of(table%names, table%time)//" holds no time in "// &
                        integer_text(record%audit%untimed)//" of "//integer_text(rows)// &
-                       " rows and is not used: --rate HZ gives the sample rate")
+                       " rows and is not used: `rate_hz` gives the sample rate")
       else
          scale = 1.0_dp
          if (.not. clock) call find_scale(options, table, stamps, record, scale)
@@ -117,9 +117,9 @@ contains
       last = count(scale*t < options%to - 1.0e-6_dp*interval, kind=int64)
       if (first > size(t)) then
          call fatal_error(error, status%too_few_samples, "the record ends at "// &
-            format_real(scale*(t(size(t)) + interval), 6)//" s, before --from "//format_real(options%from, 6))
+            format_real(scale*(t(size(t)) + interval), 6)//" s, before `from` "//format_real(options%from, 6))
       else if (first > last) then
-         call fatal_error(error, status%too_few_samples, "no sample lies between --from and --to")
+         call fatal_error(error, status%too_few_samples, "no sample lies between `from` and `to`")
       end if
       if (allocated(error)) return
       if (options%input == "angle") last = min(last + 1, size(t, kind=int64))
@@ -146,14 +146,14 @@ contains
          return
       end if
       if (.not. record%audit%has_stamps) then
-         call fatal_error(error, status%invalid_argument, "--resample "//options%resample//" needs time stamps, and "// &
-                          table%name//" has none that are known: name their column with --time-column")
+         call fatal_error(error, status%invalid_argument, "`resample` "//options%resample//" needs time stamps, and "// &
+                          table%name//" has none that are known: name their column with `time_column`")
       else if (.not. record%audit%stamp_rate > 0.0_dp) then
-         call fatal_error(error, status%invalid_argument, "--resample "//options%resample//" needs time stamps that rise, "// &
+         call fatal_error(error, status%invalid_argument, "`resample` "//options%resample//" needs time stamps that rise, "// &
                           "those of "//table%name//" do not")
       else if (options%resample == "linear" .and. options%input == "increment") then
-         call fatal_error(error, status%invalid_argument, "--resample linear between increments would not keep the angle "// &
-                          "that they add up to: use --resample nearest or index")
+         call fatal_error(error, status%invalid_argument, "`resample` linear between increments would not keep the angle "// &
+                          "that they add up to: use `resample` nearest or index")
       else
          wrap = 0.0_dp
          if (options%input == "angle") wrap = wrap_of(options, table)
@@ -191,10 +191,10 @@ contains
       record%rate_known = rate > 0.0_dp
       if (record%rate_known) record%sample_interval = 1.0_dp/rate
       if (record%rate_known) return
-      if (options%input /= "rate") call fatal_error(error, status%invalid_argument, "--input "//options%input// &
-         " needs the rate, and "//table%name//" does not tell it: give --rate HZ or --dt S, or --time-column")
+      if (options%input /= "rate") call fatal_error(error, status%invalid_argument, "`input` "//options%input// &
+         " needs the rate, and "//table%name//" does not tell it: give `rate_hz` or `time_column`")
       if (options%from > 0.0_dp .or. options%to < huge(1.0_dp)) call fatal_error(error, status%invalid_argument, &
-         "--from and --to need the rate, and "//table%name//" does not tell it: give --rate HZ or --dt S, or --time-column")
+         "`from` and `to` need the rate, and "//table%name//" does not tell it: give `rate_hz` or `time_column`")
    end subroutine set_rate
 
    !> Seconds in the unit of the stamps; a warning says where it is guessed.
@@ -224,7 +224,7 @@ contains
          call infer_scale(stamps, given, scale, sure, real(table%layout%origin, dp))
          word = trim(words(1 - nint(log10(scale)/3.0_dp)))
          if (.not. sure) call add_text(record%warnings, "the time in "//label_of(table%names, table%time)// &
-            " names no unit and is taken as "//word//" by its step; --time-unit "//word//" or a name such as time_"//word// &
+            " names no unit and is taken as "//word//" by its step; `time_unit` "//word//" or a name such as time_"//word// &
             " settles it")
       end if
    end subroutine find_scale

@@ -35,7 +35,7 @@ module gyroakf_pipeline_result
 
    !> What is said of a curve that the noise terms do not follow
    character(*), parameter :: not_described = "no run of octaves follows a sum of Q, N, B, K and R: the coefficients are "// &
-      "withheld. The values read off the curve hold where it has their slope; --fit-tau-min and --fit-tau-max fit a range"
+      "withheld. The values read off the curve hold where it has their slope"
 
    !> The series that an Allan curve is computed of, in the order of `channel%allan`
    type :: stage_enum

@@ -115,7 +115,7 @@ contains
          text = "in samples"//text(2:)
       end if
       call add_text(channel%warnings, "motion or vibration "//text//" ("//integer_text(stretches)//" in all): nothing is "// &
-                    "removed there; --from and --to select a part at rest")
+                    "removed there; `from` and `to` select a part at rest")
    end subroutine warn_motion
 
    !> How much of the series the model predicts, and whether there is anything to predict.
@@ -138,7 +138,7 @@ contains
       if (.not. channel%available%ar) return
       if (channel%ar%largest_order_chosen) call add_text(channel%warnings, "the largest order compared, "// &
          integer_text(int(channel%ar%order, int64))//", was chosen: the series is not a short AR process; "// &
-         "compare BIC, raise --max-order, or expect a drift under white noise", note=.true.)
+         "compare BIC, raise `max_order`, or expect a drift under white noise", note=.true.)
       associate (test => channel%ar%residual_ljung_box)
          if (test%lags > 0 .and. test%p_value < significant .and. test%largest_rho > negligible_rho) then
             call add_text(channel%warnings, "the residuals of AR("//integer_text(int(channel%ar%order, int64))// &
@@ -169,7 +169,7 @@ contains
             trim(merge("time ", "times", size(curve%left_out) == 1))//", tau = "//text//unit
          if (curve%left_out(size(curve%left_out)) > curve%m(size(curve%m))) text = text//": the curve ends at tau = "// &
             format_real(curve%tau(size(curve%tau)), 6)//unit
-         call add_text(channel%warnings, text//"; --min-coverage sets the share of a window that must be present", note=.true.)
+         call add_text(channel%warnings, text//"; `min_coverage` sets the share of a window that must be present", note=.true.)
       end associate
    end subroutine warn_curve
 
@@ -181,7 +181,8 @@ contains
       if (.not. channel%allan(stage%input)%fitted) return
       associate (noise => channel%allan(stage%input)%noise)
          if (.not. noise%described) then
-            call add_text(channel%warnings, "Allan deviation: "//not_described)
+            call add_text(channel%warnings, "Allan deviation: "//not_described// &
+               "; `tau_min` and `tau_max` fit a range")
          else if (noise%left_out > 0) then
             call add_text(channel%warnings, "a filter in the sensor, a line or correlated noise bends the Allan curve at its "// &
                "first "//integer_text(int(noise%left_out, int64))//" octaves: they are excluded from the fit", note=.true.)

@@ -186,7 +186,8 @@ contains
             if (quantity_of(record, c) == quantity%unknown) then
                call put_line(writer, lf//"# not used: "//name//", its unit is not known")
             else if (allan%fitted .and. .not. allan%noise%described) then
-               call put_line(writer, lf//"# "//name//": "//not_described)
+               call put_line(writer, lf//"# "//name//": "//not_described// &
+                             "; --fit-tau-min and --fit-tau-max fit a range")
             end if
          end associate
       end do

@@ -1,0 +1,309 @@
+! SPDX-License-Identifier: MIT
+!> Where the values of options go: a case for every row of [[gyroakf_app_option]], by its group.
+module gyroakf_app_settings
+   use gyroakf_kinds, only : dp
+   use gyroakf_error, only : error_type
+   use gyroakf_io_element, only : element_type, parse_element
+   use gyroakf_io_reader, only : reader_options
+   use gyroakf_pipeline, only : apply_preset, pipeline_options
+   use gyroakf_units, only : unit_type, parse_units
+   use gyroakf_app_config, only : config_type, file_options
+   use gyroakf_app_option, only : option_type, suggest_word
+   use gyroakf_app_simulation, only : set_record, set_sensor
+   use gyroakf_app_value, only : value_type, convert_value, is_word, not_wired, value_error
+   implicit none (type, external)
+   private
+   public :: apply_option
+
+contains
+
+   !> Applies an option that the command of the configuration knows.
+   subroutine apply_option(config, option, text, error)
+      !> What is changed
+      type(config_type), intent(inout) :: config
+      !> Row of the table
+      type(option_type), intent(in) :: option
+      !> Its value as it was given
+      character(*), intent(in) :: text
+      !> usage
+      type(error_type), allocatable, intent(out) :: error
+      type(value_type) :: value
+
+      call convert_value(option, text, value, error)
+      if (allocated(error)) return
+      select case (option%group)
+      case ("input"); call set_input(config%reader, option, value, error)
+      case ("preset"); call apply_preset(text, config%pipeline, error)
+      case ("clean", "tests"); call set_series(config%pipeline, option, value, error)
+      case ("ar", "filter"); call set_model(config%pipeline, option, value, error)
+      case ("allan"); call set_allan(config%pipeline, option, value, error)
+      case ("record"); call set_simulation(config, option, value, error)
+      case default; call set_common(config, option, value, error)
+      end select
+   end subroutine apply_option
+
+   !> How the recording is read.
+   subroutine set_input(reader, option, value, error)
+      type(reader_options), intent(inout) :: reader
+      type(option_type), intent(in) :: option
+      type(value_type), intent(in) :: value
+      type(error_type), allocatable, intent(out) :: error
+
+      select case (option%name)
+      case ("--rate"); reader%rate_hz = value%number
+      case ("--dt"); reader%rate_hz = 1/value%number
+      case ("--unit"); call check_units(option, value%text, error)
+         reader%unit = value%text
+      case ("--input"); reader%input = value%text
+      case ("--scale"); reader%scale = value%number
+         if (.not. abs(value%number) > 0) call value_error(option, "0 leaves nothing", error)
+      case ("--column"); reader%columns = value%text
+      case ("--time-column"); reader%time_column = value%text
+      case ("--time-unit"); reader%time_unit = value%text
+      case ("--format"); call check_format(option, value%text, error)
+         reader%format = value%text
+      case ("--channels"); reader%channels = value%count
+      case ("--skip"); reader%skip = value%count
+      case ("--where"); reader%where = value%text
+      case ("--from"); reader%from = value%number
+         if (value%number < 0) call value_error(option, "'"//value%text//"' is before the first sample", error)
+      case ("--to"); reader%to = value%number
+      case ("--wrap"); reader%wrap = value%text
+      case ("--resample"); reader%resample = value%text
+      case ("--decimal-comma"); reader%decimal_comma = .true.
+      case ("--bad-lines"); reader%bad_lines_missing = value%text == "missing"
+      case default; call not_wired(option, error)
+      end select
+   end subroutine set_input
+
+   !> One of the formats; the other words are those of [[parse_element]].
+   subroutine check_format(option, text, error)
+      type(option_type), intent(in) :: option
+      character(*), intent(in) :: text
+      type(error_type), allocatable, intent(out) :: error
+      character(4), parameter :: words(15) = [character(4) :: "auto", "text", "csv", "npy", "f16", &
+         "f32", "f64", "i8", "i16", "i32", "i64", "u8", "u16", "u32", "u64"]
+      character(:), allocatable :: near
+      type(element_type) :: element
+      logical :: raw
+
+      call parse_element(text, element, raw)
+      if (raw .or. any(words(:4) == text)) return
+      near = suggest_word(text, words)
+      if (len(near) > 0) near = ", perhaps '"//near//"'"
+      call value_error(option, "'"//text// &
+         "' is none of auto, text, csv, npy, f32, f64, i8, i16, i32, i64, u8, u16, u32, "// &
+                       "which may have le or be behind them"//near, error)
+   end subroutine check_format
+
+   !> An unknown unit is a usage error.
+   subroutine check_units(option, text, error)
+      type(option_type), intent(in) :: option
+      !> The units as they were given, separated by commas
+      character(*), intent(in) :: text
+      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable :: unknown
+      type(unit_type), allocatable :: unit(:)
+
+      call parse_units(text, unit, unknown)
+      if (allocated(unknown)) call value_error(option, unknown%message, error)
+   end subroutine check_units
+
+   !> Cleaning and tests.
+   subroutine set_series(pipeline, option, value, error)
+      type(pipeline_options), intent(inout) :: pipeline
+      type(option_type), intent(in) :: option
+      type(value_type), intent(in) :: value
+      type(error_type), allocatable, intent(out) :: error
+
+      select case (option%name)
+      case ("--outliers"); pipeline%clean%method = value%text
+      case ("--outlier-threshold"); pipeline%clean%threshold = value%number
+      case ("--outlier-rounds"); pipeline%clean%max_passes = int(value%count)
+      case ("--outlier-window"); pipeline%clean%half_width = int(value%count)
+      case ("--detrend"); pipeline%clean%degree = int(value%count)
+      case ("--adf-regression"); pipeline%adf%regression = value%text
+      case ("--adf-lags"); pipeline%adf%lags = int(value%count)
+      case ("--adf-criterion"); pipeline%adf%criterion = value%text
+      case ("--adf-max-lags"); pipeline%adf%max_lags = int(value%count)
+      case ("--adf-table"); pipeline%adf%table = .true.
+      case ("--kpss-regression"); pipeline%kpss%regression = value%text
+      case ("--kpss-lags"); pipeline%kpss%lags = value%count
+      case ("--lags"); pipeline%correlation_lags = int(value%count)
+      case ("--welch-segment"); pipeline%welch_segment = value%number
+      case default; call not_wired(option, error)
+      end select
+   end subroutine set_series
+
+   !> AR model and filters.
+   subroutine set_model(pipeline, option, value, error)
+      type(pipeline_options), intent(inout) :: pipeline
+      type(option_type), intent(in) :: option
+      type(value_type), intent(in) :: value
+      type(error_type), allocatable, intent(out) :: error
+      integer :: given, i
+
+      select case (option%name)
+      case ("--ar-method"); pipeline%ar%method = value%text
+      case ("--ar-criterion"); pipeline%ar%criterion = value%text
+      case ("--max-order"); pipeline%ar%max_order = int(value%count)
+      case ("--order"); pipeline%ar%order = int(value%count)
+         pipeline%ar%max_order = max(pipeline%ar%max_order, pipeline%ar%order)
+      case ("--akf"); pipeline%design%akf = value%text
+      case ("--forgetting"); pipeline%design%forgetting = value%number
+         pipeline%drift%forgetting = value%number
+      case ("--drift-tau"); pipeline%drift_tau = value%number
+      case ("--estimate"); pipeline%design%estimate = letters_in(value%text, "qrQR")
+         given = count([(value%text(i:i) /= ",", i=1, len(value%text))])
+         if (verify(value%text, "qrQR,") > 0 .or. given /= len_trim(pipeline%design%estimate)) then
+            call value_error(option, "'"//value%text//"' does not name each of q, r, Q, R at most once", error)
+         end if
+      case ("--r-factor"); pipeline%design%r_factor = value%number
+      case default; call not_wired(option, error)
+      end select
+   end subroutine set_model
+
+   !> Allan curve and its fit.
+   subroutine set_allan(pipeline, option, value, error)
+      type(pipeline_options), intent(inout) :: pipeline
+      type(option_type), intent(in) :: option
+      type(value_type), intent(in) :: value
+      type(error_type), allocatable, intent(out) :: error
+
+      select case (option%name)
+      case ("--kinds"); call set_kinds(pipeline, value%text)
+      case ("--taus"); call check_taus(option, value%text, error)
+         pipeline%allan%taus = value%text
+      case ("--confidence"); pipeline%allan%confidence = value%number
+         if (value%number >= 1) call value_error(option, "limits that always hold are infinite", error)
+      case ("--min-coverage"); pipeline%allan%min_coverage = value%number
+      case ("--terms"); pipeline%noise%terms = letters_in(value%text, "QNBKR")
+         if (value%text == "auto") then
+            pipeline%noise%terms = "auto"
+         else if (verify(value%text, "QNBKR") > 0) then
+            call value_error(option, "'"//value%text//"' has other letters than Q N B K R", error)
+         end if
+      case ("--fit-tau-min"); pipeline%noise%tau_min = value%number
+      case ("--fit-tau-max"); pipeline%noise%tau_max = value%number
+      case default; call not_wired(option, error)
+      end select
+   end subroutine set_allan
+
+   !> Kinds of deviation beside oadev, each once.
+   subroutine set_kinds(pipeline, text)
+      type(pipeline_options), intent(inout) :: pipeline
+      character(*), intent(in) :: text
+      character(:), allocatable :: kinds
+      integer :: from, to
+
+      kinds = ",oadev,"
+      from = 1
+      do while (from <= len(text))
+         to = from + index(text(from:)//",", ",") - 2
+         if (index(kinds, ","//text(from:to)//",") == 0) kinds = kinds//text(from:to)//","
+         from = to + 2
+      end do
+      if (kinds /= ",oadev,") pipeline%other_kinds = kinds(8:len(kinds) - 1)
+   end subroutine set_kinds
+
+   !> The letters of a text, in the order of a set.
+   pure function letters_in(text, set) result(letters)
+      character(*), intent(in) :: text, set
+      character(len(set)) :: letters
+      integer :: i
+
+      letters = ""
+      do i = 1, len(set)
+         if (index(text, set(i:i)) > 0) letters = trim(letters)//set(i:i)
+      end do
+   end function letters_in
+
+   !> octave, decade, all, log:N or seconds.
+   subroutine check_taus(option, text, error)
+      type(option_type), intent(in) :: option
+      character(*), intent(in) :: text
+      type(error_type), allocatable, intent(out) :: error
+      type(option_type) :: part
+      type(value_type) :: value
+
+      part = option
+      if (is_word(text, "octave|decade|all")) return
+      if (index(text, "log:") == 1) then
+         part%kind = "natural"
+         part%upper = 10000.0_dp
+         call convert_value(part, text(5:), value, error)
+         if (value%count == 0 .and. .not. allocated(error)) call value_error(option, "log:0 has no averaging times", error)
+      else if (verify(text(1:1), "0123456789.+-") /= 0) then
+         call value_error(option, "'"//text//"' is not one of these", error)
+      else
+         part%kind = "reals"
+         call convert_value(part, text, value, error)
+         if (allocated(error)) return
+         if (any(value%list <= 0)) call value_error(option, "averaging times are larger than 0", error)
+      end if
+   end subroutine check_taus
+
+   !> The simulated record and its files.
+   subroutine set_simulation(config, option, value, error)
+      type(config_type), intent(inout) :: config
+      type(option_type), intent(in) :: option
+      type(value_type), intent(in) :: value
+      type(error_type), allocatable, intent(out) :: error
+
+      select case (option%name)
+      case ("--preset"); call set_sensor(config%record, value%text, error)
+         if (value%text == "paper") config%series%digits = 9
+      case ("--unit"); call check_units(option, value%text, error)
+         config%record%unit = value%text
+      case ("--output"); config%output = value%text
+      case ("--truth"); call set_truth(config, option, value%text, error)
+      case default; call set_record(config%record, option, value, error)
+      end select
+   end subroutine set_simulation
+
+   !> Output, and how the program works.
+   subroutine set_common(config, option, value, error)
+      type(config_type), intent(inout) :: config
+      type(option_type), intent(in) :: option
+      type(value_type), intent(in) :: value
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i
+
+      select case (option%name)
+      case ("--config", "--write-config")                             ! of the words as a whole, see gyroakf_app_cli
+      case ("--quiet"); config%quiet = .true.
+      case ("--progress"); config%progress = value%text
+      case ("--force"); config%force = .true.
+      case ("--digits"); config%series%digits = int(value%count)
+         if (value%count > 17) then
+            call value_error(option, "'"//value%text//"' is more than the 17 digits that a number has", error)
+         end if
+      case ("--series-format"); config%series%form = value%text
+      case ("--threads"); config%threads = int(value%count)
+      case ("--json", "--kalibr", "--latex"); i = findloc(file_options == option%name, .true., dim=1)
+         config%file(i)%text = value%text
+         if (value%text == "-" .and. option%name == "--kalibr") call value_error(option, "it needs the name of a file", error)
+      case ("--out"); config%out = value%text
+      case ("--list"); config%list = value%text
+      case ("--memory"); config%reader%memory = value%count
+      case ("--chart"); config%chart = value%text == "on"
+      case ("--details"); config%details = .true.
+      case ("--color"); config%colour = value%text
+      case ("--ascii"); config%ascii = .true.
+      case ("--truth"); call set_truth(config, option, value%text, error)
+      case default; call not_wired(option, error)
+      end select
+   end subroutine set_common
+
+   !> The file of the true drift.
+   subroutine set_truth(config, option, text, error)
+      type(config_type), intent(inout) :: config
+      type(option_type), intent(in) :: option
+      character(*), intent(in) :: text
+      type(error_type), allocatable, intent(out) :: error
+
+      config%truth = text
+      if (text == "-") call value_error(option, "it needs the name of a file", error)
+   end subroutine set_truth
+
+end module gyroakf_app_settings

@@ -1,0 +1,97 @@
+! SPDX-License-Identifier: MIT
+!> C: what belongs to the program that calls: its floating-point environment, and its progress function, which may cancel a long
+!> call. See c_api/include/gyroakf.h.
+module gyroakf_c_api_c_host
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, c_char, c_null_char, c_null_ptr, &
+      & c_null_funptr, c_associated, c_f_procpointer
+   use gyroakf_kinds, only : int64
+   use gyroakf_progress, only : progress_type
+   implicit none (type, external)
+   private
+   public :: progress_c, callback_type, set_aside, restore, begin_step, end_step
+
+   !> Longest name of a stage
+   integer, parameter :: longest_stage = 80
+
+   !> `gyroakf_progress_fn` with its user pointer, as the options hold them
+   type, bind(C) :: progress_c
+      !> NULL: no callback
+      type(c_funptr) :: function = c_null_funptr
+      !> Handed on
+      type(c_ptr) :: user = c_null_ptr
+   end type progress_c
+
+   !> The same for the library
+   type, extends(progress_type) :: callback_type
+      type(progress_c) :: program
+   contains
+      procedure :: advance => call_back
+   end type callback_type
+
+   interface
+      !> Keeps the environment of the program and sets the default one (host.c)
+      subroutine set_aside(environment) bind(C, name="gyroakf_host_set_aside")
+         import :: c_int64_t
+         implicit none (type, external)
+         integer(c_int64_t), intent(out) :: environment(64)
+      end subroutine set_aside
+
+      !> The kept environment again
+      subroutine restore(environment) bind(C, name="gyroakf_host_restore")
+         import :: c_int64_t
+         implicit none (type, external)
+         integer(c_int64_t), intent(in) :: environment(64)
+      end subroutine restore
+
+      !> The same for a step of a filter; 0 where nothing had to be done
+      integer(c_int) function begin_step(environment) bind(C, name="gyroakf_host_begin_step")
+         import :: c_int, c_int64_t
+         implicit none (type, external)
+         integer(c_int64_t), intent(out) :: environment(64)
+      end function begin_step
+
+      !> Ends it where begin_step was not 0
+      subroutine end_step(environment) bind(C, name="gyroakf_host_end_step")
+         import :: c_int64_t
+         implicit none (type, external)
+         integer(c_int64_t), intent(in) :: environment(64)
+      end subroutine end_step
+   end interface
+
+   abstract interface
+      integer(c_int32_t) function progress_interface(user, stage, done, total) bind(C)
+         import :: c_ptr, c_int32_t, c_int64_t, c_char
+         implicit none (type, external)
+         type(c_ptr), intent(in), value :: user
+         character(kind=c_char), intent(in) :: stage(*)
+         integer(c_int64_t), intent(in), value :: done, total
+      end function progress_interface
+   end interface
+
+contains
+
+   !> Calls the function of the program, which may leave a floating-point environment of its own behind.
+   subroutine call_back(self, stage, done, total, cancel)
+      !> The function
+      class(callback_type), intent(inout) :: self
+      !> As those of [[gyroakf_progress(module)]]
+      character(*), intent(in) :: stage
+      integer(int64), intent(in) :: done, total
+      logical, intent(out) :: cancel
+      procedure(progress_interface), pointer :: callback
+      character(kind=c_char) :: name(longest_stage + 1)
+      integer(c_int64_t) :: left(64)
+      integer :: i
+
+      cancel = .false.
+      if (.not. c_associated(self%program%function)) return
+      name(:) = c_null_char
+      do i = 1, min(len(stage), longest_stage)
+         name(i) = stage(i:i)
+      end do
+      call c_f_procpointer(self%program%function, callback)
+      cancel = callback(self%program%user, name, done, total) /= 0
+      call set_aside(left)
+   end subroutine call_back
+
+end module gyroakf_c_api_c_host
