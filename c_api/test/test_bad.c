@@ -38,7 +38,8 @@ static void test_odd_addresses(void) {
 
 /* Values near the largest number, and so small that no square is a number: results that would be infinite or no numbers. */
 static void test_overflow(void) {
-  double huge[n];
+  double huge[n], phi[2];
+  int32_t order;
   gyroakf_allan *a;
   gyroakf_drift_model drift;
   int i;
@@ -47,6 +48,7 @@ static void test_overflow(void) {
   check_failure(gyroakf_drift_identify(huge, n, NULL, &drift, &err), GYROAKF_NON_FINITE, "drift of huge values");
   check_failure(gyroakf_allan_new(huge, n, 1.0, NULL, &a, &err), GYROAKF_NON_FINITE, "Allan deviation of huge values");
   check(a == NULL, "no curve of huge values");
+  check_failure(gyroakf_ar_fit(huge, n, NULL, 2, &order, phi, NULL, NULL, &err), GYROAKF_NON_FINITE, "AR model of huge values");
 }
 
 /* A gate that nothing passes, whose weight overflows. */
@@ -224,18 +226,11 @@ static void test_struct_sizes(void) {
   check_sizes(call_allan, sizeof(gyroakf_allan_options));
 }
 
-/* Messages that repeat a number or a text of the caller. */
+/* A message that repeats a text of the caller. */
 static void test_messages(void) {
   gyroakf_error said;
-  gyroakf_ar_options ar;
-  double phi[2];
-  int32_t order;
   gyroakf_adf_options opt;
   gyroakf_adf adf;
-  gyroakf_ar_options_init(&ar);
-  ar.order = INT32_MIN;
-  check(gyroakf_ar_fit(x, n, &ar, 2, &order, phi, NULL, NULL, &said) == GYROAKF_INVALID_ARGUMENT, "a long number");
-  check(strstr(said.message, "-2147483648") != NULL, "the number is in the message");
   gyroakf_adf_options_init(&opt);
   opt.regression = "a\x01\xff\xf0\x1b[31m";
   check(gyroakf_adf_test(x, n, &opt, &adf, &said) == GYROAKF_INVALID_ARGUMENT, "bytes that are no text");

@@ -2,16 +2,15 @@
 !> C: the noise coefficients of a deviation curve. What the function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_c_noise
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_double, c_size_t, &
-      & c_null_ptr, c_associated, c_f_pointer, c_loc, c_sizeof
+      & c_null_ptr, c_associated, c_f_pointer, c_sizeof
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_allan_noise_fit, only : noise_options, noise_type, coefficient_type, fit_noise
    use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
-      & check_struct_size, check_finite, take_text
-   use gyroakf_c_api_c_places, only : check_aligned
+      & check_struct_size, take_text
    implicit none (type, external)
    private
-   public :: gyroakf_fit_options_init, gyroakf_noise_fit, gyroakf_noise_covariance
+   public :: gyroakf_fit_options_init, gyroakf_noise_fit
 
    !> `gyroakf_fit_options`
    type, bind(C) :: fit_options_c
@@ -67,30 +66,6 @@ contains
       if (.not. allocated(error)) call write_noise(noise, out)
       gyroakf_noise_fit = leave_library(c, error, err)
    end function gyroakf_noise_fit
-
-   !> `gyroakf_noise_covariance`
-   integer(c_int) function gyroakf_noise_covariance(a, opt, out, covariance, err) bind(C, name="gyroakf_noise_covariance")
-      type(c_ptr), intent(in), value :: a
-      type(fit_options_c), intent(in), optional :: opt
-      type(noise_c), intent(inout), optional :: out
-      real(c_double), intent(inout), optional, target :: covariance(25)
-      type(error_c), intent(out), optional :: err
-      type(call_type) :: c
-      type(noise_options) :: options
-      type(noise_type) :: noise
-      type(allan_curve_type), allocatable :: curve
-      type(error_type), allocatable :: error
-
-      call enter_library(c)
-      call copy_curve(a, present(covariance), curve, error)
-      if (.not. allocated(error)) call check_aligned(c_loc(covariance), error)
-      if (.not. allocated(error)) call read_options(options, error, opt)
-      if (.not. allocated(error)) call fit_noise(curve, options, noise, error)
-      if (.not. allocated(error)) call check_finite(reshape(noise%covariance, shape(covariance)), error)
-      if (.not. allocated(error)) covariance = reshape(noise%covariance, shape(covariance))
-      if (.not. allocated(error) .and. present(out)) call write_noise(noise, out)
-      gyroakf_noise_covariance = leave_library(c, error, err)
-   end function gyroakf_noise_covariance
 
    !> The curve of a handle, which the fit may change.
    subroutine copy_curve(a, has_out, curve, error)
