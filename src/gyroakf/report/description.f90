@@ -146,7 +146,7 @@ contains
       character(*), intent(in) :: text
 
       call set_member(self%member)
-      if (self%for_people .and. text /= "") call self%value("", text)
+      if (self%for_people .and. text /= "") call self%value("", trim(text))
    end subroutine remark
 
    subroutine put_value(self, key, value, known, unit, std_error, title, shown)

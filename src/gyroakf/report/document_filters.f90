@@ -9,7 +9,6 @@ module gyroakf_report_document_filters
    use gyroakf_pipeline_result, only : channel_result_type, filter_figures_type
    use gyroakf_report_description, only : description_type
    use gyroakf_report_document_correlation, only : put_ljung_box
-   use gyroakf_report_text_layout, only : count_text
    use gyroakf_report_verdicts, only : drift_source_text
    implicit none (type, external)
    private
@@ -46,6 +45,7 @@ contains
       logical, intent(in) :: available
       type(text_type) :: nothing(0)
       logical :: measured
+      character(40) :: rmse_title
 
       if (.not. available) then
          call out%absent(key)
@@ -70,8 +70,9 @@ contains
       end if
       call out%put("clamped", filter%clamped, title="steps at a bound")
       call out%put("gated", filter%gated, title="gated steps")
+      write (rmse_title, "(a, i0, a)") "RMSE over ", figures%rmse_samples, " samples"
       call out%put("rmse", figures%rmse, figures%rmse_samples > 0, &
-                   title="RMSE over "//count_text(figures%rmse_samples)//" samples")
+                   title=trim(rmse_title))
       if (allocated(filter%warnings)) then
          call out%put("warnings", filter%warnings, title="notes:")
       else

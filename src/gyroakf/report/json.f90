@@ -9,7 +9,6 @@ module gyroakf_report_json
    use gyroakf_io_writer, only : writer_type, put
    use gyroakf_record, only : text_type
    use gyroakf_report_description, only : description_type
-   use gyroakf_report_text_layout, only : count_text
    use gyroakf_utf8, only : sequence_length
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
@@ -73,14 +72,17 @@ contains
       character(*), intent(in) :: key
       class(*), intent(in) :: value
       character(:), allocatable :: text
+      character(24) :: digits
 
       select type (value)
       type is (real(dp))
          text = json_number(value)
       type is (integer)
-         text = count_text(int(value, int64))
+         write (digits, "(i0)") value
+         text = trim(digits)
       type is (integer(int64))
-         text = count_text(value)
+         write (digits, "(i0)") value
+         text = trim(digits)
       type is (logical)
          text = trim(merge("true ", "false", value))
       type is (character(*))

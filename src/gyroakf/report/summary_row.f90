@@ -296,7 +296,7 @@ contains
          cell(c, 5)%text = table_coefficient(channel%allan(stage%input)%stated%term(3))
          cell(c, 6)%text = table_coefficient(channel%allan(stage%input)%stated%term(4))
          cell(c, 7)%text = "-"
-         if (channel%verdict%known) cell(c, 7)%text = verdict_text(channel)
+         if (channel%verdict%known) cell(c, 7)%text = trim(verdict_text(channel))
       end select
    end subroutine fill_cells
 

@@ -83,7 +83,7 @@ contains
       do c = 1, size(channel)
          row = row + 1
          call set_cell(table, row, 1, channel(c)%name)
-         call set_cell(table, row, 8, verdict_text(channel(c)))
+         call set_cell(table, row, 8, trim(verdict_text(channel(c))))
          call fill_row(table, row, channel(c)%raw%mean, channel(c)%allan(stage%input))
          if (.not. outliers_matter(channel(c))) cycle
          row = row + 1
@@ -120,7 +120,7 @@ contains
          if (names == "") cycle
          if (text /= "") text = text//"; "
          if (size(channel) > 1) text = text//names(3:)//" "
-         text = text//verdict_text(channel(c))
+         text = text//trim(verdict_text(channel(c)))
       end do
       call put_item(writer, "Noise", text, verbatim=.true.)
    end subroutine put_verdicts

@@ -13,7 +13,7 @@ module gyroakf_report_text_overview
    use gyroakf_report_text_filters, only : make_filter_table, put_rmse
    use gyroakf_report_text_layout, only : count_text, number, p_value_text, put_item, put_paragraph, rounded, scientific
    use gyroakf_report_text_table, only : new_table, put_numbered, put_table, set_cell, set_row, table_type
-   use gyroakf_report_verdicts, only : put_verdict, verdict_text, whiteness_word
+   use gyroakf_report_verdicts, only : verdict_text, whiteness_word
    implicit none (type, external)
    private
    public :: put_overview
@@ -74,6 +74,20 @@ contains
          call put_rmse(writer, record, channel)
       end select
    end subroutine put_one
+
+   !> The verdict and its reasons; nothing where none was looked for.
+   subroutine put_verdict(writer, channel)
+      type(writer_type), intent(inout) :: writer
+      type(channel_result_type), intent(in) :: channel
+      integer :: i
+
+      if (.not. channel%verdict%wanted) return
+      call put_item(writer, "Noise", trim(verdict_text(channel)))
+      if (.not. allocated(channel%verdict%reasons)) return
+      do i = 1, size(channel%verdict%reasons)
+         call put_item(writer, "", channel%verdict%reasons(i)%text)
+      end do
+   end subroutine put_verdict
 
    !> "phi_1 = 0.4093 +/- 0.0083 by AIC up to order 3; residuals white".
    pure function model_text(channel) result(text)
@@ -224,7 +238,7 @@ contains
             if (is%jarque_bera) call set_cell(table, c + 2, 5, number(one%jarque_bera%kurtosis - 3, 2))
             if (is%ljung_box) call set_cell(table, c + 2, 6, bare(p_value_text(one%ljung_box%p_value)))
             if (is%ljung_box) call set_cell(table, c + 2, 7, number(one%ljung_box%largest_rho, 2))
-            if (one%verdict%wanted) call set_cell(table, c + 2, 8, verdict_text(one))
+            if (one%verdict%wanted) call set_cell(table, c + 2, 8, trim(verdict_text(one)))
          end associate
       end do
       call put_line(writer, "")

@@ -1,46 +1,32 @@
 ! SPDX-License-Identifier: MIT
-!> Verdicts in words: whether a channel drifts, and what its tests and its fit say.
+!> Verdicts in words: whether a channel drifts, and what its tests and its fit say. Texts are of one length and padded: gfortran
+!> keeps others in static memory, which threads share.
 module gyroakf_report_verdicts
    use gyroakf_kinds, only : dp, int64
    use gyroakf_allan_deviations, only : allan_curve_type
-   use gyroakf_io_writer, only : writer_type
+   use gyroakf_io_decimal, only : format_real
    use gyroakf_pipeline_result, only : channel_result_type
    use gyroakf_pipeline_warnings, only : negligible_rho
-   use gyroakf_report_text_layout, only : count_text, number, put_item
    use gyroakf_stats_whiteness, only : ljung_box_type
    implicit none (type, external)
    private
-   public :: put_verdict, verdict_text, level, rejection_text, whiteness_word, whiteness_text, normality_text
+   public :: remark_length, verdict_text, level, rejection_text, whiteness_word, whiteness_text, normality_text
    public :: correlation_caution, periodicity_text, drift_source_text, slopes_text
 
    !> Tests reject at this significance
    real(dp), parameter :: level = 0.05_dp
+   !> No verdict is longer
+   integer, parameter :: remark_length = 400
    !> Fewer periods in a record are drift
    integer(int64), parameter :: fewest_periods = 5_int64
 
 contains
 
-   !> The verdict and its reasons.
-   subroutine put_verdict(writer, channel)
-      !> The report
-      type(writer_type), intent(inout) :: writer
-      !> With its verdict; nothing is written where none was looked for
-      type(channel_result_type), intent(in) :: channel
-      integer :: i
-
-      if (.not. channel%verdict%wanted) return
-      call put_item(writer, "Noise", verdict_text(channel))
-      if (.not. allocated(channel%verdict%reasons)) return
-      do i = 1, size(channel%verdict%reasons)
-         call put_item(writer, "", channel%verdict%reasons(i)%text)
-      end do
-   end subroutine put_verdict
-
    !> "stationary, flicker", "drifts: random walk".
    pure function verdict_text(channel) result(text)
       !> With its verdict
       type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: text
+      character(remark_length) :: text
 
       associate (verdict => channel%verdict)
          select case (verdict%drift)
@@ -62,7 +48,7 @@ contains
       !> What the test takes for granted
       character(*), intent(in) :: hypothesis
       logical, intent(in) :: rejected
-      character(:), allocatable :: text
+      character(remark_length) :: text
 
       text = hypothesis//" not rejected at 5 %"
       if (rejected) text = hypothesis//" rejected at 5 %"
@@ -87,7 +73,7 @@ contains
    pure function whiteness_text(test) result(text)
       !> Of samples, residuals or innovations
       type(ljung_box_type), intent(in) :: test
-      character(:), allocatable :: text
+      character(remark_length) :: text
 
       select case (whiteness_word(test))
       case ("white"); text = "white"
@@ -100,7 +86,7 @@ contains
    pure function normality_text(channel) result(text)
       !> With its tests
       type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: text
+      character(remark_length) :: text
 
       select case (channel%normality)
       case ("normal"); text = "normality not rejected"
@@ -114,7 +100,7 @@ contains
    pure function correlation_caution(channel) result(text)
       !> With its tests
       type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: text
+      character(remark_length) :: text
 
       text = ""
       if (.not. channel%available%ljung_box) return
@@ -125,13 +111,14 @@ contains
    pure function periodicity_text(channel) result(text)
       !> With its periodogram
       type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: text
+      character(remark_length) :: text
 
       associate (fisher => channel%periodicity%fisher)
          if (.not. fisher%p_value < level) then
             text = "no single period stands out"
          else if (fisher%ordinate < fewest_periods) then
-            text = "slow changes stand out, less than "//count_text(fewest_periods)//" periods in the record: drift, not a period"
+            write (text, "(a, i0, a)") "slow changes stand out, less than ", fewest_periods, &
+               " periods in the record: drift, not a period"
          else
             text = "a period stands out, or correlation that the AR model does not describe"
          end if
@@ -142,19 +129,20 @@ contains
    pure function drift_source_text(channel) result(text)
       !> With its drift model
       type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: text
+      character(remark_length) :: text
 
       associate (drift => channel%drift)
          if (drift%source == "autocov") then
             text = "found by least squares on the autocovariances, for no likelihood has a maximum"
+         else if (drift%samples < drift%of_samples) then
+            write (text, "(2(a, i0), a)") "found by the largest likelihood of the middle ", drift%samples, " of ", &
+               drift%of_samples, " samples"
          else
-            text = "found by the largest likelihood of "
-            if (drift%samples < drift%of_samples) text = text//"the middle "//count_text(drift%samples)//" of "
-            text = text//count_text(drift%of_samples)//" samples"
-            if (drift%block > 1) text = text//", its slowest processes by that of means of "//count_text(drift%block)// &
-               " samples over the whole record"
+            write (text, "(a, i0, a)") "found by the largest likelihood of ", drift%samples, " samples"
          end if
-         if (.not. drift%errors_known .and. drift%model%count > 0) text = text//"; standard errors are not known"
+         if (drift%block > 1) write (text(len_trim(text) + 1:), "(a, i0, a)") &
+            ", its slowest processes by that of means of ", drift%block, " samples over the whole record"
+         if (.not. drift%errors_known .and. drift%model%count > 0) text = trim(text)//"; standard errors are not known"
       end associate
    end function drift_source_text
 
@@ -162,19 +150,19 @@ contains
    pure function slopes_text(curve) result(text)
       !> With two points or more
       type(allan_curve_type), intent(in) :: curve
-      character(:), allocatable :: text
+      character(remark_length) :: text
       character(5) :: slope
       integer :: i, k
 
-      text = ""
+      text = "slope"
       i = 1
       do k = 2, size(curve%tau)
          if (curve%tau(k) < 7.9_dp*curve%tau(i)) cycle
          write (slope, "(sp, f5.2)") log(curve%deviation(k)/curve%deviation(i))/log(curve%tau(k)/curve%tau(i))
-         text = text//slope//" from tau = "//number(curve%tau(i), 3)//" to "//number(curve%tau(k), 3)//", "
+         text = trim(text)//" "//slope//" from tau = "//format_real(curve%tau(i), 3)//" to "//format_real(curve%tau(k), 3)//","
          i = k
       end do
-      text = "slope "//text//"where -1 is quantization, -1/2 white noise, 0 bias instability, +1/2 random walk"
+      text = trim(text)//" where -1 is quantization, -1/2 white noise, 0 bias instability, +1/2 random walk"
    end function slopes_text
 
 end module gyroakf_report_verdicts
