@@ -229,11 +229,11 @@ contains
       call check(error, index(lines(chart_rows + 1)%text, "└") > 0 .and. index(lines(1)%text, " 1 ┤o") > 0, lines(1)%text)
    end subroutine test_unicode
 
-   !> The smallest and the largest numbers.
+   !> The smallest and the largest numbers that are shown.
    subroutine test_extremes(error)
       type(error_type), allocatable, intent(out) :: error
       type(text_type), allocatable :: lines(:)
-      real(dp), parameter :: small = tiny(1.0_dp), large = huge(1.0_dp)
+      real(dp), parameter :: small = 1.0e-289_dp, large = 1.0e289_dp
       integer :: i
 
       call draw_chart([small, large], [large, small], [large, small], [large, large], .false., lines, model=[large, small])

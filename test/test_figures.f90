@@ -14,7 +14,7 @@ module test_figures
    use gyroakf_report_files, only : foreign_result, result_files, write_results
    use gyroakf_report_svg, only : figure_type, has_points, write_svg
    use gyroakf_report_svg_series, only : series_type
-   use gyroakf_report_svg_axis, only : axis_type, find_ticks, is_inside, is_shown, position, scale_axis, set_range, tick_type
+   use gyroakf_report_axis, only : axis_type, find_ticks, is_inside, is_shown, position, scale_axis, set_range, tick_type
    use gyroakf_units, only : parse_unit
    use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record
    use report_fixture, only : begin_text, end_text

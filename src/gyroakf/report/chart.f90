@@ -4,25 +4,26 @@
 module gyroakf_report_chart
    use gyroakf_kinds, only : dp
    use gyroakf_record, only : text_type
-   use gyroakf_report_text_layout, only : number, pad_left
-   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
+   use gyroakf_report_axis, only : axis_type, find_ticks, is_shown, position, set_range, tick_type
+   use gyroakf_report_text_layout, only : pad_left
    implicit none (type, external)
    private
    public :: draw_chart, chart_columns, chart_rows
 
    !> Characters of the area inside the axes, rows where no number is given
    integer, parameter :: chart_columns = 62, chart_rows = 16
-   !> Characters before the axis, and the least range of an axis in decades
+   !> Characters before the axis
    integer, parameter :: label_width = 9
-   real(dp), parameter :: least_range = 1.0_dp
+   !> Dots between labels, four times as many across
+   real(dp), parameter :: spacing = 4.0_dp
    !> Dots of a character, as Braille has them: two beside each other, four below
    integer, parameter :: dots_across = 2, dots_down = 4
    !> What a cell shows beside dots (1 to 255) and letters (their number more than `letter`)
    integer, parameter :: nothing = 0, bar = 256, point = 257, letter = 1000
 
-   !> The axes: logarithms at the borders, and rows of characters
+   !> The axes in dots from the upper left corner, and rows of characters
    type :: frame_type
-      real(dp) :: left = 0.0_dp, right = 1.0_dp, bottom = 0.0_dp, top = 1.0_dp
+      type(axis_type) :: x, y
       integer :: rows = chart_rows
    end type frame_type
 
@@ -50,69 +51,30 @@ contains
       integer :: column, row, i
 
       if (present(rows)) frame%rows = rows
-      do i = 1, size(tau)
-         usable(i) = is_drawn(tau(i)) .and. is_drawn(deviation(i))
-      end do
+      frame%x = axis_type(.true., from=0.0_dp, to=real(dots_across*chart_columns - 1, dp))
+      frame%y = axis_type(.true., from=real(dots_down*frame%rows - 1, dp), to=0.0_dp)
+      usable = is_shown(frame%x, tau) .and. is_shown(frame%y, deviation)
       if (.not. any(usable)) then
          allocate (lines(0))
          return
       end if
-      call set_range(log10(pack(tau, usable)), 0.0_dp, frame%left, frame%right)
-      call set_range(log10(pack(deviation, usable)), 0.05_dp, frame%bottom, frame%top)
+      call set_range(frame%x, minval(tau, usable), maxval(tau, usable), 0.0_dp)
+      call set_range(frame%y, minval(deviation, usable), maxval(deviation, usable), 0.025_dp)
       allocate (cell(0:chart_columns - 1, 0:frame%rows - 1), source=nothing)
       if (present(model)) call draw_model(cell, frame, tau, model)
       do i = 1, size(tau)
-         if (usable(i)) call draw_limits(cell, frame, log10(tau(i)), lower(i), upper(i))
+         if (usable(i)) call draw_limits(cell, frame, tau(i), lower(i), upper(i))
       end do
       do i = 1, size(tau)
          if (.not. usable(i)) cycle
-         column = column_of(frame, log10(tau(i)))/dots_across
-         row = row_of(frame, log10(deviation(i)))/dots_down
+         column = dot_of(frame%x, tau(i))/dots_across
+         row = dot_of(frame%y, deviation(i))/dots_down
          cell(column, row) = point
          if (present(mark)) cell(column, row) = letter + iachar(mark(i))
       end do
       call draw_slopes(cell, frame)
       call frame_lines(cell, frame, unicode, lines)
    end subroutine draw_chart
-
-   !> A logarithm can be drawn.
-   pure logical function is_drawn(x)
-      real(dp), intent(in) :: x
-
-      is_drawn = .false.
-      if (ieee_is_finite(x)) is_drawn = x > 0.0_dp
-   end function is_drawn
-
-   !> Borders of an axis: those of the values with a margin, a decade apart at least.
-   pure subroutine set_range(values, margin, first, last)
-      real(dp), intent(in) :: values(:), margin
-      real(dp), intent(out) :: first, last
-      real(dp) :: missing
-
-      first = minval(values) - margin
-      last = maxval(values) + margin
-      missing = least_range - (last - first)
-      if (missing <= 0.0_dp) return
-      first = first - missing/2
-      last = last + missing/2
-   end subroutine set_range
-
-   !> Dot across of a logarithm, 0 at the left border.
-   pure integer function column_of(frame, x)
-      type(frame_type), intent(in) :: frame
-      real(dp), intent(in) :: x
-      integer, parameter :: last = dots_across*chart_columns - 1
-
-      column_of = nint(real(last, dp)*max(0.0_dp, min(1.0_dp, (x - frame%left)/(frame%right - frame%left))))
-   end function column_of
-
-   !> Dot down of a logarithm, 0 at the top.
-   pure integer function row_of(frame, y)
-      type(frame_type), intent(in) :: frame
-      real(dp), intent(in) :: y
-
-      row_of = nint(real(dots_down*frame%rows - 1, dp)*max(0.0_dp, min(1.0_dp, (frame%top - y)/(frame%top - frame%bottom))))
-   end function row_of
 
    !> Sets a dot where nothing but dots is.
    pure subroutine set_dot(cell, column, row)
@@ -126,40 +88,45 @@ contains
       end associate
    end subroutine set_dot
 
+   !> The dot of a value, at the border where it is beyond.
+   pure integer function dot_of(axis, value)
+      type(axis_type), intent(in) :: axis
+      !> One that can be shown
+      real(dp), intent(in) :: value
+
+      dot_of = nint(max(min(axis%from, axis%to), min(max(axis%from, axis%to), position(axis, value))))
+   end function dot_of
+
    !> The model, straight between its points, where it is inside the frame.
    pure subroutine draw_model(cell, frame, tau, model)
       integer, intent(inout) :: cell(0:, 0:)
       type(frame_type), intent(in) :: frame
       real(dp), intent(in) :: tau(:), model(:)
-      integer :: i, column, first, last
-      real(dp) :: x, y, share
+      integer :: i, column
+      real(dp) :: x(2), y(2), height
 
       do i = 1, size(tau) - 1
-         if (.not. (is_drawn(tau(i)) .and. is_drawn(tau(i + 1)) .and. is_drawn(model(i)) .and. is_drawn(model(i + 1)))) cycle
-         if (.not. tau(i + 1) > tau(i)) cycle
-         first = column_of(frame, log10(tau(i)))
-         last = column_of(frame, log10(tau(i + 1)))
-         do column = first, last
-            x = frame%left + (frame%right - frame%left)*real(column, dp)/real(dots_across*chart_columns - 1, dp)
-            share = max(0.0_dp, min(1.0_dp, (x - log10(tau(i)))/(log10(tau(i + 1)) - log10(tau(i)))))
-            y = (1.0_dp - share)*log10(model(i)) + share*log10(model(i + 1))
-            if (y > frame%bottom .and. y < frame%top) call set_dot(cell, column, row_of(frame, y))
+         if (.not. all(is_shown(frame%x, tau(i:i + 1)) .and. is_shown(frame%y, model(i:i + 1)))) cycle
+         x = position(frame%x, tau(i:i + 1))
+         y = position(frame%y, model(i:i + 1))
+         if (.not. x(2) > x(1)) cycle
+         do column = dot_of(frame%x, tau(i)), dot_of(frame%x, tau(i + 1))
+            height = y(1) + (y(2) - y(1))*max(0.0_dp, min(1.0_dp, (real(column, dp) - x(1))/(x(2) - x(1))))
+            if (height > frame%y%to .and. height < frame%y%from) call set_dot(cell, column, nint(height))
          end do
       end do
    end subroutine draw_model
 
    !> A bar between the limits.
-   pure subroutine draw_limits(cell, frame, x, lower, upper)
+   pure subroutine draw_limits(cell, frame, tau, lower, upper)
       integer, intent(inout) :: cell(0:, 0:)
       type(frame_type), intent(in) :: frame
-      !> Logarithm of the averaging time
-      real(dp), intent(in) :: x
-      real(dp), intent(in) :: lower, upper
+      real(dp), intent(in) :: tau, lower, upper
       integer :: row
 
-      if (.not. (is_drawn(lower) .and. is_drawn(upper))) return
-      do row = row_of(frame, log10(upper))/dots_down, row_of(frame, log10(lower))/dots_down
-         cell(column_of(frame, x)/dots_across, row) = bar
+      if (.not. (is_shown(frame%y, lower) .and. is_shown(frame%y, upper))) return
+      do row = dot_of(frame%y, upper)/dots_down, dot_of(frame%y, lower)/dots_down
+         cell(dot_of(frame%x, tau)/dots_across, row) = bar
       end do
    end subroutine draw_limits
 
@@ -171,8 +138,8 @@ contains
       integer :: length, rise, across, down, corner, i, k, slope
       real(dp) :: steepness
 
-      steepness = 0.5_dp*(frame%right - frame%left)/real(chart_columns, dp)*real(frame%rows, dp)/(frame%top - frame%bottom)
-      length = int(min(12.0_dp, real(chart_columns, dp)/(frame%right - frame%left), 3.49_dp/steepness))
+      steepness = 0.5_dp*(frame%x%last - frame%x%first)/real(chart_columns, dp)*real(frame%rows, dp)/(frame%y%last - frame%y%first)
+      length = int(min(12.0_dp, real(chart_columns, dp)/(frame%x%last - frame%x%first), 3.49_dp/steepness))
       rise = nint(real(length, dp)*steepness)
       if (rise < 1 .or. length < 3 .or. 2*rise >= frame%rows) return
       do corner = 1, 4                                    ! top right, bottom left, top left, bottom right
@@ -199,16 +166,16 @@ contains
       logical, intent(in) :: unicode
       type(text_type), allocatable, intent(out) :: lines(:)
       character(:), allocatable :: label, below, text
-      real(dp), allocatable :: tick(:)
+      type(tick_type), allocatable :: tick(:)
       logical :: is_tick(0:chart_columns - 1)
       integer :: row, column, i
 
       allocate (lines(frame%rows + 2))
-      call find_ticks(frame%bottom, frame%top, tick)
+      call find_ticks(frame%y, spacing, tick)
       do row = 0, frame%rows - 1
          label = ""
          do i = 1, size(tick)
-            if (row_of(frame, log10(tick(i)))/dots_down == row) label = tick_text(tick(i))
+            if (tick(i)%label /= "" .and. dot_of(frame%y, tick(i)%value)/dots_down == row) label = trim(tick(i)%label)
          end do
          text = "  "//pad_left(label, label_width - 1)//" "
          if (unicode) text = text//trim(merge("┤", "│", label /= ""))
@@ -220,11 +187,12 @@ contains
       end do
       is_tick = .false.
       below = repeat(" ", 2 + label_width + 1 + chart_columns)
-      call find_ticks(frame%left, frame%right, tick)
+      call find_ticks(frame%x, 4*spacing, tick)
       do i = 1, size(tick)
-         column = column_of(frame, log10(tick(i)))/dots_across
+         if (tick(i)%label == "") cycle
+         column = dot_of(frame%x, tick(i)%value)/dots_across
          is_tick(column) = .true.
-         call put_centred(below, 2 + label_width + 2 + column, tick_text(tick(i)))
+         call put_centred(below, 2 + label_width + 2 + column, trim(tick(i)%label))
       end do
       text = repeat(" ", 2 + label_width)//trim(merge("└", "+  ", unicode))
       do column = 0, chart_columns - 1
@@ -234,37 +202,6 @@ contains
       lines(frame%rows + 1)%text = text
       lines(frame%rows + 2)%text = trim(below)
    end subroutine frame_lines
-
-   !> The decades of an axis, and twice and five times these where it has less than two.
-   pure subroutine find_ticks(first, last, tick)
-      !> Logarithms
-      real(dp), intent(in) :: first, last
-      real(dp), allocatable, intent(out) :: tick(:)
-      real(dp), parameter :: steps(3) = [1.0_dp, 2.0_dp, 5.0_dp]
-      integer :: decade, i, n, most
-
-      n = floor(last) - ceiling(first) + 1
-      most = merge(1, 3, n >= 2)
-      allocate (tick(most*(n + 2)))
-      n = 0
-      do decade = floor(first), floor(last)
-         do i = 1, most
-            if (decade + log10(steps(i)) < first .or. decade + log10(steps(i)) > last) cycle
-            n = n + 1
-            tick(n) = steps(i)*10.0_dp**decade
-         end do
-      end do
-      tick = tick(:n)
-   end subroutine find_ticks
-
-   !> "0.02", "500", "1e+06".
-   pure function tick_text(value) result(text)
-      real(dp), intent(in) :: value
-      character(:), allocatable :: text
-
-      text = number(value, 1)
-      if (value >= 1.0_dp .and. value < 99999.0_dp) text = number(value, 5)
-   end function tick_text
 
    !> Writes a label below its tick, where no other one is in its way.
    pure subroutine put_centred(line, middle, text)

@@ -9,7 +9,7 @@ module gyroakf_report_svg
    use gyroakf_kinds, only : dp
    use gyroakf_io_writer, only : writer_type, put, put_line
    use gyroakf_report_html_markup, only : put_attribute, put_number_attribute
-   use gyroakf_report_svg_axis, only : axis_type, find_ticks, is_shown, position, scale_axis, &
+   use gyroakf_report_axis, only : axis_type, find_ticks, is_shown, position, scale_axis, &
       set_range, tick_type
    use gyroakf_report_svg_draw, only : put_path, put_pixels, put_text
    use gyroakf_report_svg_series, only : any_within, legend_bottom, put_legend, put_series, series_type

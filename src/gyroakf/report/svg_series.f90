@@ -7,7 +7,7 @@
 module gyroakf_report_svg_series
    use gyroakf_kinds, only : dp
    use gyroakf_io_writer, only : writer_type, put, put_line
-   use gyroakf_report_svg_axis, only : axis_type, is_inside, is_shown, position
+   use gyroakf_report_axis, only : axis_type, is_inside, is_shown, position
    use gyroakf_report_svg_draw, only : put_circle, put_path, put_pixels, put_text
    implicit none (type, external)
    private

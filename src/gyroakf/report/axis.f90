@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Axes of a figure, linear or logarithmic: values to pixels, ticks and their labels.
-module gyroakf_report_svg_axis
+!> Axes of a figure or a chart, linear or logarithmic: values to places (pixels, dots), ticks and their labels.
+module gyroakf_report_axis
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int64
    use gyroakf_report_text_layout, only : number
@@ -186,4 +186,4 @@ contains
       if (step <= decade) round_step = decade
    end function round_step
 
-end module gyroakf_report_svg_axis
+end module gyroakf_report_axis
