@@ -15,7 +15,7 @@ module gyroakf_app_check
    private
    public :: check_job, check_existing, is_result
 
-   !> Of the files of [[file_options]] that gyroakf wrote
+   !> Of the files of [[gyroakf_app_config:file_options]] that gyroakf wrote
    character(48), parameter :: file_marks(3) = [character(48) :: document_mark, kalibr_mark, latex_mark]
 
 contains

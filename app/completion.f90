@@ -36,7 +36,7 @@ contains
          "  case ${COMP_WORDS[1]} in"//nl//"    "//joined(command_names, "|")//") command=${COMP_WORDS[1]} ;;"//nl//"  esac"//nl// &
          "  case $command:$prev in"//nl
       do i = 1, size(options)
-         if (.not. has_words(options(i))) cycle
+         if (options(i)%kind(:6) /= "choice") cycle
          list = ""
          do j = 1, size(command_names)
             if (belongs_to(options(i), command_names(j))) list = list//"|"//trim(command_names(j))//":"//trim(options(i)%name)
@@ -93,7 +93,7 @@ contains
       end do
       spec = trim(name)//"["//spec//"]"
       if (.not. takes_value(option)) return
-      if (has_words(option)) then
+      if (option%kind(:6) == "choice") then
          spec = spec//":value:("//spaced(trim(option%value))//")"
       else if (any(option%value == ["FILE", "DIR "])) then
          spec = spec//":file:_files"
@@ -113,14 +113,13 @@ contains
             quoted(trim(commands(i)%purpose))//nl
       end do
       do i = 1, size(options)
-         if (options(i)%commands == "") cycle
          condition = "__fish_seen_subcommand_from "//trim(options(i)%commands)
          if (belongs_to(options(i), "run")) condition = condition// &
             "; or not __fish_seen_subcommand_from "//joined(command_names, " ")
          text = text//"complete -c gyroakf -n "//quoted(condition)//" -l "//trim(options(i)%name(3:))//" -d "// &
             quoted(explained(options(i)))
          if (options(i)%short /= "") text = text//" -s "//options(i)%short(2:)
-         if (has_words(options(i))) then
+         if (options(i)%kind(:6) == "choice") then
             text = text//" -x -a "//quoted(spaced(trim(options(i)%value)))
          else if (takes_value(options(i))) then
             text = text//" -r"
@@ -128,13 +127,6 @@ contains
          text = text//nl
       end do
    end function fish_text
-
-   !> Whether the value is one of the words in the table.
-   pure logical function has_words(option)
-      type(option_type), intent(in) :: option
-
-      has_words = option%kind(:6) == "choice" .and. option%commands /= ""
-   end function has_words
 
    !> The options that a command knows.
    function names_of(command) result(list)

@@ -40,7 +40,7 @@ module gyroakf_app_config
       type(pipeline_options) :: pipeline
       !> Directory of the result files
       character(:), allocatable :: out
-      !> Files of [[file_options]]; "-" is standard output
+      !> Files of [[gyroakf_app_config:file_options]]; "-" is standard output
       type(text_type) :: file(3)
       !> How the series are written into `out`, and the digits of a simulated record
       type(series_output_type) :: series

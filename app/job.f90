@@ -131,7 +131,7 @@ contains
 
    !> The content of a file that an option names, in an open writer.
    subroutine write_kind(kind, config, record, result, writer, error)
-      !> Place of the option in [[file_options]]
+      !> Place of the option in [[gyroakf_app_config:file_options]]
       integer, intent(in) :: kind
       type(config_type), intent(in) :: config
       type(record_type), intent(in) :: record

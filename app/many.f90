@@ -131,8 +131,7 @@ contains
 
       job = config
       job%path = path
-      deallocate (job%paths)
-      allocate (job%paths(0))
+      job%paths = config%paths(:0)
       job%list = ""
       job%options_file = ""
       job%quiet = .true.
