@@ -6,8 +6,9 @@ module test_adf_table
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_lapack, only : dgels, dtrtri
    use gyroakf_progress, only : progress_type
-   use gyroakf_stats_autocovariance, only : compute_autocovariance
-   use gyroakf_stats_shared_autocovariance, only : autocovariance_type, plan_autocovariance, need_autocovariance
+   use gyroakf_stats_autocovariance, only : autocovariance_type, compute_autocovariance, &
+      & plan_autocovariance, &
+      & need_autocovariance
    use gyroakf_stats_moments, only : moments_type, compute_moments
    use gyroakf_series_adf, only : adf_options, adf_type, run_adf => test_adf
    use series_library, only : reference_series

@@ -8,7 +8,8 @@ module test_allan_gaps
    use gyroakf_allan_gapped_average, only : sum_gapped_averages
    use gyroakf_allan_phase_average, only : sum_phase_averages
    use gyroakf_allan_reflection, only : add_gapped_reflections, add_reflected_differences, complete_weight
-   use gyroakf_allan_second_difference, only : gap_sums_type, sum_gapped_differences, sum_second_differences
+   use gyroakf_allan_phase_difference, only : sum_phase_differences
+   use gyroakf_allan_window_difference, only : gap_sums_type, sum_windows
    use allan_series, only : normal_series, uniform_series, walk_of
    use testdrive, only : check, error_type, new_unittest, unittest_type
    implicit none (type, external)
@@ -164,7 +165,8 @@ contains
       rate = normal_series(int(n, int64), 31_int64)
       do pattern = 1, patterns
          call integrate(rate, presence(n, pattern), phase, missing)
-         call sum_gapped_differences(phase, missing, int(m, int64), spread(0.85_dp, 1, size(m)), found)
+         call sum_windows(phase, int(m, int64), 2, .true., found, failure, missing, &
+            & spread(0.85_dp, 1, size(m)))
          call add_gapped_reflections(phase, missing, int(m, int64), spread(0.85_dp, 1, size(m)), found, failure)
          do i = 1, size(m)
             expected = gap_sums_type()
@@ -210,9 +212,9 @@ contains
       if (allocated(error)) return
       call check(error, all(abs(found%inflation) <= 0) .and. all(found%terms == n - 3*m + 2), "mdev: terms")
       if (allocated(error)) return
-      call sum_gapped_differences(phase, missing, m, spread(1.0_dp, 1, size(m)), found)
+      call sum_windows(phase, m, 2, .true., found, failure, missing, spread(1.0_dp, 1, size(m)))
       call add_gapped_reflections(phase, missing, m, spread(1.0_dp, 1, size(m)), found, failure)
-      call sum_second_differences(phase, m, plain)
+      call sum_phase_differences(phase, m, 2, plain)
       call add_reflected_differences(phase, m, plain, failure)
       call check(error, all(abs(found%squares*real(m, dp)**2/plain - 1) < 1.0e-12_dp), "totdev")
       if (allocated(error)) return

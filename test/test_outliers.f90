@@ -5,7 +5,7 @@ module test_outliers
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_preprocess_outlier_rules, only : check_method, default_threshold, mark_outliers, &
       & robust_centre
-   use gyroakf_stats_quantization, only : quantisation_step
+   use gyroakf_stats_extremes, only : scan_extremes
    use gyroakf_select, only : find_deviation, find_median
    use series_library, only : reference_series
    use testdrive, only : check, error_type, new_unittest, unittest_type
@@ -219,22 +219,22 @@ contains
       !> Failure
       type(error_type), allocatable, intent(out) :: error
       integer(int8) :: valid(5)
-      real(dp) :: x(5), step, largest
+      real(dp) :: x(5), low, high, step
 
       x = [1.0_dp, 1.0_dp, -8.0_dp, -7.75_dp, -5.0_dp]
-      call quantisation_step(x, step, largest)
+      call scan_extremes(x, low, high, step)
       call check(error, step, 0.25_dp, thr=tolerance)
       if (allocated(error)) return
-      call check(error, largest, 8.0_dp, thr=tolerance)
+      call check(error, max(abs(low), abs(high)), 8.0_dp, thr=tolerance)
       if (allocated(error)) return
       valid = [1_int8, 1_int8, 0_int8, 1_int8, 1_int8]
-      call quantisation_step(x, step, largest, valid)
+      call scan_extremes(x, low, high, step, valid)
       call check(error, step, 2.75_dp, thr=tolerance)
       if (allocated(error)) return
-      call check(error, largest, 7.75_dp, thr=tolerance)
+      call check(error, max(abs(low), abs(high)), 7.75_dp, thr=tolerance)
       if (allocated(error)) return
       x = 3.0_dp
-      call quantisation_step(x, step, largest)
+      call scan_extremes(x, low, high, step)
       call check(error, step, 0.0_dp, thr=tiny(step))
    end subroutine test_step
 

@@ -39,11 +39,10 @@ module gyroakf_allan_deviations
    use gyroakf_allan_phase, only : integrate_rate, level_phase
    use gyroakf_allan_phase_average, only : sum_phase_averages
    use gyroakf_allan_reflection, only : add_reflected_differences
-   use gyroakf_allan_second_difference, only : sum_second_differences
+   use gyroakf_allan_phase_difference, only : sum_phase_differences
    use gyroakf_allan_statistic, only : check_statistic, difference_order, longest_factor, statistic_edf, term_count, &
       & variance_divisor
-   use gyroakf_allan_third_difference, only : sum_third_differences
-   use gyroakf_allan_window_difference, only : sum_separate_differences
+   use gyroakf_allan_window_difference, only : gap_sums_type, sum_windows
    implicit none (type, external)
    private
    public :: allan_options, allan_curve_type, compute_allan, compute_allan_from_phase
@@ -298,17 +297,17 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
+      type(gap_sums_type) :: sums(size(m))
 
       terms = term_count(kind, ubound(phase, 1, kind=int64), m)
       select case (kind)
       case ("adev", "hdev")
-         call sum_separate_differences(phase, m, difference_order(kind), variance, error, progress)
-      case ("ohdev")
-         call sum_third_differences(phase, m, variance, error, progress)
+         call sum_windows(phase, m, difference_order(kind), .false., sums, error, progress=progress)
+         variance = sums%squares
       case ("mdev", "tdev")
          call sum_phase_averages(phase, m, variance, error, progress)
       case default
-         call sum_second_differences(phase, m, variance, error, progress)
+         call sum_phase_differences(phase, m, difference_order(kind), variance, error, progress)
          if (kind == "totdev" .and. .not. allocated(error)) call add_reflected_differences(phase, m, variance, error, progress)
       end select
       if (allocated(error)) return

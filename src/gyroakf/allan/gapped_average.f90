@@ -22,7 +22,7 @@ module gyroakf_allan_gapped_average
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_threads, only : thread_count
-   use gyroakf_allan_second_difference, only : gap_sums_type
+   use gyroakf_allan_window_difference, only : gap_sums_type
    implicit none (type, external)
    private
    public :: sum_gapped_averages

@@ -25,9 +25,8 @@ module gyroakf_allan_gaps
    use gyroakf_allan_gapped_average, only : sum_gapped_averages
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_allan_reflection, only : add_gapped_reflections, complete_weight
-   use gyroakf_allan_second_difference, only : sum_gapped_differences, gap_sums_type
    use gyroakf_allan_statistic, only : difference_order, term_count
-   use gyroakf_allan_window_difference, only : sum_gapped_windows
+   use gyroakf_allan_window_difference, only : gap_sums_type, sum_windows
    implicit none (type, external)
    private
    public :: gapped_variances, window_coverage
@@ -116,7 +115,7 @@ contains
       if (allocated(error)) return
       allocate (sums(size(octave)), within(size(octave)))
       coverage = window_coverage(missing, [octave, m], min_coverage)
-      call sum_gapped_differences(phase, missing, octave, coverage(:size(octave)), sums, error, &
+      call sum_windows(phase, octave, 2, .true., sums, error, missing, coverage(:size(octave)), &
          & progress)
       if (allocated(error)) return
       call variance_within_windows(sums, octave, within)
@@ -163,11 +162,10 @@ contains
       select case (kind)
       case ("mdev", "tdev")
          call sum_gapped_averages(phase, missing, m, coverage, sums, error, progress)
-      case ("adev", "hdev", "ohdev")
-         call sum_gapped_windows(phase, missing, m, difference_order(kind), kind == "ohdev", coverage, sums, error, &
-            & progress)
       case default
-         call sum_gapped_differences(phase, missing, m, coverage, sums, error, progress)
+         call sum_windows(phase, m, difference_order(kind), kind /= "adev" .and. kind /= "hdev", &
+            & sums, error, missing, &
+            & coverage, progress)
          if (allocated(error)) return
          if (kind == "totdev") call add_gapped_reflections(phase, missing, m, coverage, sums, error, progress)
       end select

@@ -15,7 +15,7 @@ module gyroakf_allan_reflection
    use gyroakf_kinds, only : dp, int32, int64
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type, tell_progress
-   use gyroakf_allan_second_difference, only : gap_sums_type
+   use gyroakf_allan_window_difference, only : gap_sums_type
    implicit none (type, external)
    private
    public :: add_reflected_differences, add_gapped_reflections, complete_weight

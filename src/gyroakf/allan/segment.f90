@@ -8,7 +8,7 @@ module gyroakf_allan_segment
    use gyroakf_progress, only : progress_type
    use gyroakf_error, only : error_type
    use gyroakf_allan_gaps, only : gapped_variances
-   use gyroakf_allan_second_difference, only : sum_second_differences
+   use gyroakf_allan_phase_difference, only : sum_phase_differences
    use gyroakf_allan_statistic, only : term_count, variance_divisor
    implicit none (type, external)
    private
@@ -50,7 +50,7 @@ contains
       do i = 1, size(m, kind=int64)
          terms(i) = term_count("oadev", last - first + 1, m(i))
       end do
-      call sum_second_differences(phase(first - 1:last), m, variance, error, progress)
+      call sum_phase_differences(phase(first - 1:last), m, 2, variance, error, progress)
       if (allocated(error)) return
       variance = variance/(variance_divisor("oadev", m)*real(terms, dp))
    end subroutine segment_variances

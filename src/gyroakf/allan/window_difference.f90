@@ -1,177 +1,197 @@
 ! SPDX-License-Identifier: MIT
 !> Squared differences of the means of two or three adjacent windows, at any stride, with or without missing samples.
 !>
-!> Two windows: w2 - w1 (Allan); three: w3 - 2 w2 + w1 (Hadamard). Partial sums belong to fixed stretches of terms:
-!> the result does not depend on the number of threads.
+!> Two windows: w2 - w1 (Allan); three: w3 - 2 w2 + w1 (Hadamard). Every averaging factor is applied
+!> to a stretch of the record while it is in the cache; the stretches are fixed: the result does not
+!> depend on the number of threads.
 module gyroakf_allan_window_difference
    use gyroakf_kinds, only : dp, int32, int64
-   use gyroakf_error, only : error_type
+   use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, tell_progress
-   use gyroakf_allan_second_difference, only : gap_sums_type
+   use gyroakf_threads, only : thread_count
    implicit none (type, external)
    private
-   public :: sum_separate_differences, sum_gapped_windows
+   public :: gap_sums_type, sum_windows
 
-   !> Terms of a stretch, and stretches that run in a batch
-   integer(int64), parameter :: stretch_length = 65536
-   integer(int64), parameter :: batch = 64
+   !> What a record gives for one averaging factor
+   type :: gap_sums_type
+      !> Sum of the squared differences of neighboring window means
+      real(dp) :: squares = 0.0_dp
+      !> Sum over the terms of 1/c_1 + 1/c_2 - 2/m, or of 1/c_1 + 4/c_2 + 1/c_3 - 6/m, c the present
+      !> samples of each window
+      real(dp) :: inflation = 0.0_dp
+      !> Terms whose windows are complete enough
+      integer(int64) :: terms = 0
+      !> Total variance: their expectations in white noise, relative to that of a term that sees no
+      !> end of the record
+      real(dp) :: weight = 0.0_dp
+   end type gap_sums_type
+
+   !> Samples of a stretch, and stretches that run in a batch
+   integer(int64), parameter :: stretch_length = 65536, batch = 64
    !> Terms below which one thread is quicker
    integer(int64), parameter :: parallel_from = 500000
+   !> Weights of the windows, of two and of three
+   real(dp), parameter :: weights(3, 2:3) = &
+      & reshape([-1.0_dp, 1.0_dp, 0.0_dp, 1.0_dp, -2.0_dp, 1.0_dp], [3, 2])
 
 contains
 
-   !> For each m the sum over k = 0, m, 2m ... of the squared difference of the phase.
-   subroutine sum_separate_differences(phase, m, order, sums, error, progress)
-      !> Phase: [0:n]
-      real(dp), intent(in), contiguous :: phase(0:)
-      !> Averaging factors, 1 <= m <= n/order: [any number]
-      integer(int64), intent(in) :: m(:)
-      !> Order of the difference, 2 or 3
-      integer, intent(in) :: order
-      !> The sums: [size(m)]
-      real(dp), intent(out) :: sums(:)
-      !> cancelled
-      type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
-      class(progress_type), intent(inout), optional :: progress
-
-      real(dp) :: part(batch)
-      integer(int64) :: n, terms, from, stretches, s
-      integer :: i
-
-      n = ubound(phase, 1, kind=int64)
-      do i = 1, size(m)
-         terms = n/m(i) - order + 1
-         sums(i) = 0
-         do from = 0, terms - 1, batch*stretch_length
-            call tell_progress("Allan deviation", n*(i - 1) + from*m(i), n*size(m), error, progress)
-            if (allocated(error)) return
-            stretches = min(batch, (terms - from + stretch_length - 1)/stretch_length)
-            !$omp parallel do schedule(static) if (terms >= parallel_from)
-            do s = 1, stretches
-               part(s) = separate_squares(phase, m(i), order, from + (s - 1)*stretch_length, &
-                  & min(from + s*stretch_length, terms) - 1)
-            end do
-            !$omp end parallel do
-            sums(i) = sums(i) + sum(part(:stretches))
-         end do
-      end do
-   end subroutine sum_separate_differences
-
-   !> Some neighboring terms.
-   pure real(dp) function separate_squares(phase, m, order, first, last) result(total)
-      !> Phase: [0:n]
-      real(dp), intent(in), contiguous :: phase(0:)
-      !> Averaging factor
-      integer(int64), intent(in) :: m
-      !> Order of the difference, 2 or 3
-      integer, intent(in) :: order
-      !> First and last term, from 0
-      integer(int64), intent(in) :: first, last
-
-      integer(int64) :: k
-
-      total = 0
-      if (order == 2) then
-         !$omp simd reduction(+:total)
-         do k = first*m, last*m, m
-            total = total + ((phase(k + 2*m) - phase(k + m)) - (phase(k + m) - phase(k)))**2
-         end do
-      else
-         !$omp simd reduction(+:total)
-         do k = first*m, last*m, m
-            total = total + ((phase(k + 3*m) - phase(k)) - 3*(phase(k + 2*m) - phase(k + m)))**2
-         end do
-      end if
-   end function separate_squares
-
-   !> The same for a record with missing samples: means of the present samples, at stride 1 or m.
-   subroutine sum_gapped_windows(phase, missing, m, order, overlapping, coverage, sums, error, progress)
+   !> For each m the sums over k = 0, 1, 2 ... or 0, m, 2m ...
+   subroutine sum_windows(phase, m, order, overlapping, sums, error, missing, coverage, progress)
       !> Phase, to which missing samples added nothing: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Missing samples so far: [0:n]
-      integer(int32), intent(in), contiguous :: missing(0:)
       !> Averaging factors, 1 <= m <= n/order: [any number]
       integer(int64), intent(in) :: m(:)
       !> Windows, 2 or 3
       integer, intent(in) :: order
       !> Stride 1, else m
       logical, intent(in) :: overlapping
-      !> Share of a window that must be present, > 0, <= 1: [size(m)]
-      real(dp), intent(in) :: coverage(:)
-      !> The sums: [size(m)]; the inflation is the sum of 1/c_1 + 1/c_2 - 2/m, or of 1/c_1 + 4/c_2 + 1/c_3 - 6/m
+      !> The sums: [size(m)]; without gaps the squares are those of sums, not of means: m^2 times as
+      !> large
       type(gap_sums_type), intent(out) :: sums(:)
-      !> cancelled
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Missing samples so far: [0:n]; none are missing if absent
+      integer(int32), intent(in), contiguous, optional :: missing(0:)
+      !> Share of a window that must be present, > 0, <= 1, with `missing`: [size(m)]
+      real(dp), intent(in), optional :: coverage(:)
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
-      type(gap_sums_type) :: part(batch)
-      integer(int64) :: n, terms, from, stretches, s, stride
-      integer :: i
+      type(gap_sums_type), allocatable :: part(:, :)
+      integer(int64) :: n, from, stretches, group, s, stride, first, last
+      integer :: i, stat
 
       n = ubound(phase, 1, kind=int64)
-      do i = 1, size(m)
-         stride = merge(1_int64, m(i), overlapping)
-         terms = (n - order*m(i))/stride + 1
-         do from = 0, terms - 1, batch*stretch_length
-            call tell_progress("Allan deviation", n*(i - 1) + from*stride, n*size(m), error, progress)
-            if (allocated(error)) return
-            stretches = min(batch, (terms - from + stretch_length - 1)/stretch_length)
-            !$omp parallel do schedule(static) if (terms >= parallel_from)
-            do s = 1, stretches
-               call gapped_terms(phase, missing, m(i), order, stride, coverage(i), from + (s - 1)*stretch_length, &
-                  & min(from + s*stretch_length, terms) - 1, part(s))
+      group = batch
+      if (present(progress)) group = min(batch, int(2*thread_count(), int64))
+      allocate (part(size(m), group), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, &
+            & "no memory for the partial sums of the Allan variances")
+         return
+      end if
+      do from = 0, n - 1, group*stretch_length
+         call tell_progress("Allan deviation", from, n, error, progress)
+         if (allocated(error)) return
+         stretches = min(group, (n - from + stretch_length - 1)/stretch_length)
+         !$omp parallel do schedule(dynamic) private(i, stride, first, last) &
+         !$omp& if (n*size(m) >= parallel_from)
+         do s = 1, stretches
+            do i = 1, size(m)
+               stride = merge(1_int64, m(i), overlapping)
+               first = (from + (s - 1)*stretch_length + stride - 1)/stride*stride
+               last = min(from + s*stretch_length - 1, n - order*m(i))
+               if (present(missing)) then
+                  call add_gapped(phase, missing, m(i), order, stride, coverage(i), first, last, &
+                     & part(i, s))
+               else
+                  call add_complete(phase, m(i), order, stride, first, last, part(i, s))
+               end if
             end do
-            !$omp end parallel do
-            sums(i)%squares = sums(i)%squares + sum(part(:stretches)%squares)
-            sums(i)%inflation = sums(i)%inflation + sum(part(:stretches)%inflation)
-            sums(i)%terms = sums(i)%terms + sum(part(:stretches)%terms)
+         end do
+         !$omp end parallel do
+         do s = 1, stretches
+            sums%squares = sums%squares + part(:, s)%squares
+            sums%inflation = sums%inflation + part(:, s)%inflation
+            sums%terms = sums%terms + part(:, s)%terms
          end do
       end do
-   end subroutine sum_gapped_windows
+   end subroutine sum_windows
 
-   !> Some neighboring terms of a record with gaps.
-   pure subroutine gapped_terms(phase, missing, m, order, stride, coverage, first, last, sums)
-      !> Phase: [0:n]
+   !> Terms of a complete record.
+   pure subroutine add_complete(phase, m, order, stride, first, last, sums)
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Missing samples so far: [0:n]
-      integer(int32), intent(in), contiguous :: missing(0:)
-      !> Averaging factor
       integer(int64), intent(in) :: m
-      !> Windows, 2 or 3
       integer, intent(in) :: order
-      !> Samples from term to term
-      integer(int64), intent(in) :: stride
-      !> Share of a window that must be present
-      real(dp), intent(in) :: coverage
-      !> First and last term, from 0
-      integer(int64), intent(in) :: first, last
-      !> The sums
+      !> From term to term, the first term, no term beyond
+      integer(int64), intent(in) :: stride, first, last
       type(gap_sums_type), intent(out) :: sums
 
-      real(dp), parameter :: weights(3, 2:3) = reshape([-1.0_dp, 1.0_dp, 0.0_dp, 1.0_dp, -2.0_dp, 1.0_dp], [3, 2])
-      real(dp) :: z, inverse, there
-      integer(int64) :: t, k, allowed, lost
-      integer :: w
+      real(dp) :: total
+      integer(int64) :: k
+
+      total = 0
+      if (order == 2) then
+         !$omp simd reduction(+:total)
+         do k = first, last, stride
+            total = total + ((phase(k + 2*m) - phase(k + m)) - (phase(k + m) - phase(k)))**2
+         end do
+      else
+         !$omp simd reduction(+:total)
+         do k = first, last, stride
+            total = total + ((phase(k + 3*m) - phase(k)) - 3*(phase(k + 2*m) - phase(k + m)))**2
+         end do
+      end if
+      sums%squares = total
+      sums%terms = max(0_int64, (last - first + stride)/stride)
+   end subroutine add_complete
+
+   !> Terms of a record with gaps.
+   pure subroutine add_gapped(phase, missing, m, order, stride, coverage, first, last, sums)
+      real(dp), intent(in), contiguous :: phase(0:)
+      integer(int32), intent(in), contiguous :: missing(0:)
+      integer(int64), intent(in) :: m
+      integer, intent(in) :: order
+      !> From term to term, the first term, no term beyond
+      integer(int64), intent(in) :: stride, first, last
+      !> Share of a window that must be present
+      real(dp), intent(in) :: coverage
+      type(gap_sums_type), intent(out) :: sums
+
+      integer(int64) :: allowed, b, c, d
 
       allowed = min(int((1 - coverage)*real(m, dp) + 1e-9_dp, int64), m - 1)
-      do t = first, last
-         z = 0
-         inverse = 0
-         do w = 1, order
-            k = t*stride + (w - 1)*m
-            lost = missing(k + m) - missing(k)
-            if (lost > allowed) exit
-            there = real(m - lost, dp)
-            z = z + weights(w, order)*(phase(k + m) - phase(k))/there
-            inverse = inverse + weights(w, order)**2*(1/there - 1/real(m, dp))
-         end do
-         if (w <= order) cycle
-         sums%squares = sums%squares + z**2
-         sums%inflation = sums%inflation + inverse
-         sums%terms = sums%terms + 1
+      b = first + m
+      c = b + m
+      d = first + order*m
+      call add_terms(m, order, int(min(allowed, int(huge(0_int32), int64)), int32), &
+         & phase(first:last:stride), phase(b:last + m:stride), phase(c:last + 2*m:stride), &
+         & phase(d:last + order*m:stride), missing(first:last:stride), &
+         & missing(b:last + m:stride), missing(c:last + 2*m:stride), &
+         & missing(d:last + order*m:stride), sums)
+   end subroutine add_gapped
+
+   !> Adds the terms whose windows lack at most `allowed` samples each; of two windows the third is
+   !> empty and weighs nothing.
+   pure subroutine add_terms(m, order, allowed, a, b, c, d, la, lb, lc, ld, sums)
+      integer(int64), intent(in) :: m
+      integer, intent(in) :: order
+      !> Missing samples that a window may have, < m
+      integer(int32), intent(in) :: allowed
+      !> Phase where the windows begin and end, and missing samples up to there: [terms]
+      real(dp), intent(in) :: a(:), b(:), c(:), d(:)
+      integer(int32), intent(in) :: la(:), lb(:), lc(:), ld(:)
+      type(gap_sums_type), intent(inout) :: sums
+
+      real(dp) :: w(3), whole, n1, n2, n3, counts, i1, i2, i3, squares, inverse
+      integer(int64) :: i
+      integer(int32) :: lost, terms
+
+      w = weights(:, order)
+      whole = real(m, dp)
+      squares = 0
+      inverse = 0
+      terms = 0
+      !$omp simd reduction(+:squares, inverse, terms) private(lost, n1, n2, n3, counts, i1, i2, i3)
+      do i = 1, size(a, kind=int64)
+         lost = max(lb(i) - la(i), lc(i) - lb(i), ld(i) - lc(i))
+         counts = merge(1.0_dp, 0.0_dp, lost <= allowed)
+         n1 = whole - min(lb(i) - la(i), allowed)
+         n2 = whole - min(lc(i) - lb(i), allowed)
+         n3 = whole - min(ld(i) - lc(i), allowed)
+         counts = counts/(n1*n2*n3)
+         i1 = w(1)*(n2*n3*counts)
+         i2 = w(2)*(n1*n3*counts)
+         i3 = w(3)*(n1*n2*counts)
+         squares = squares + ((b(i) - a(i))*i1 + (c(i) - b(i))*i2 + (d(i) - c(i))*i3)**2
+         inverse = inverse + (w(1)*i1 + w(2)*i2 + w(3)*i3)
+         terms = terms + merge(1_int32, 0_int32, lost <= allowed)
       end do
-   end subroutine gapped_terms
+      sums%squares = squares
+      sums%inflation = inverse - real(terms, dp)*(sum(w**2)/whole)
+      sums%terms = terms
+   end subroutine add_terms
 
 end module gyroakf_allan_window_difference

@@ -8,8 +8,11 @@
 module gyroakf_ar_burg
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
-   use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_last, chunk_group
+   use gyroakf_progress, only : progress_type
+   use gyroakf_chunks, only : chunk_count, chunk_first, chunk_last
+   use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
+   use gyroakf_stats_residual_block, only : detrended_block
+   use gyroakf_stats_trend, only : trend_type
    implicit none (type, external)
    private
    public :: burg_type, compute_burg
@@ -33,18 +36,18 @@ module gyroakf_ar_burg
       real(dp), allocatable :: r(:)
    end type burg_type
 
-   !> Residuals of order m
-   type :: lattice_type
+   !> Residuals of order m, and the sums that the next one needs
+   type, extends(chunk_sums_type) :: lattice_type
+      !> Mean of the series
+      type(trend_type) :: level
       !> m; -1 before the first order
       integer :: order = -1
+      !> k_m, from order 1 on
+      real(dp) :: reflection = 0.0_dp
       !> f_m(t) in t, b_m(t) in t - m; 0 where a stretch has none or its partner is missing: [n]
       real(dp), allocatable :: f(:), b(:)
-      !> Orders that will be summed, for the progress
-      integer :: orders = 1
-      !> Present samples, pairs of the order that was summed last
-      integer(int64) :: samples = 0, rows = 0
-      !> sum x^2
-      real(dp) :: power = 0.0_dp
+   contains
+      procedure :: add => add_order
    end type lattice_type
 
 contains
@@ -56,11 +59,11 @@ contains
    !> over t = m .. n-1, from f_0 = b_0 = x; always stationary. With gaps the sums go over the t of every stretch that is long
    !> enough, with one k_m for all: de Waele & Broersen, IEEE Trans. Signal Process. 48 (2000) 2876-2880. Source: Burg, Maximum
    !> entropy spectral analysis, 37th SEG meeting (1967).
-   subroutine compute_burg(x, shift, rest, order, burg, error, valid, progress)
+   subroutine compute_burg(x, level, order, burg, error, valid, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
-      !> Its mean, in two parts that are subtracted in turn
-      real(dp), intent(in) :: shift, rest
+      !> Its mean
+      type(trend_type), intent(in) :: level
       !> Largest order p, 0 .. n-1
       integer, intent(in) :: order
       !> The models
@@ -72,50 +75,45 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(lattice_type) :: lattice
-      real(dp) :: reflection, cross, power
+      real(dp) :: total(3)
+      integer(int64) :: n
       integer :: m, stat
 
+      n = size(x, kind=int64)
       allocate (burg%phi(order, order), stat=stat)
       if (stat == 0) allocate (burg%reflection(order), stat=stat)
+      if (stat == 0) allocate (lattice%f(n), stat=stat)
+      if (stat == 0) allocate (lattice%b(n), stat=stat)
       if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the AR coefficients of every order")
+         call fatal_error(error, status%no_memory, &
+            & "no memory for the residuals of Burg's recursion, 16 bytes a sample")
          return
       end if
       allocate (burg%variance(0:order), burg%residual_variance(0:order), burg%rows(0:order), burg%r(0:order))
       burg%phi = 0.0_dp
       burg%reflection = 0.0_dp
-      call begin_lattice(x, shift, rest, lattice, error, valid, progress)
+      lattice%level = level
+      call sum_chunks(lattice, x, n, "AR model", total, error, valid, progress)
       if (allocated(error)) return
-      call begin_orders(burg, lattice%power/real(lattice%samples, dp), lattice%samples, error)
-      if (allocated(error)) return
-      lattice%orders = order
+      burg%r(0) = total(2)/total(3)
+      burg%variance(0) = burg%r(0)
+      burg%residual_variance(0) = burg%r(0)
+      burg%rows(0) = nint(total(3), int64)
+      if (.not. burg%r(0) > 0.0_dp) then
+         call fatal_error(error, status%constant_input, &
+            & "the series has no variance, no AR model describes it")
+      end if
       do m = 1, order
-         reflection = 0.0_dp
-         if (m > 1) reflection = burg%reflection(m - 1)
-         call next_order(lattice, reflection, cross, power, error, valid, progress)
-         if (.not. allocated(error)) call add_order(burg, m, cross, power, lattice%rows, error)
+         if (.not. allocated(error)) call next_order(x, lattice, total, error, valid, progress)
+         if (.not. allocated(error)) call take_order(burg, m, total(1), total(2), &
+            & nint(total(3), int64), error)
          if (allocated(error)) return
+         lattice%reflection = burg%reflection(m)
       end do
    end subroutine compute_burg
 
-   !> Order 0.
-   subroutine begin_orders(burg, r0, samples, error)
-      type(burg_type), intent(inout) :: burg
-      real(dp), intent(in) :: r0
-      integer(int64), intent(in) :: samples
-      type(error_type), allocatable, intent(out) :: error
-
-      burg%variance(0) = r0
-      burg%residual_variance(0) = r0
-      burg%rows(0) = samples
-      burg%r(0) = r0
-      if (.not. r0 > 0.0_dp) then
-         call fatal_error(error, status%constant_input, "the series has no variance, no AR model describes it")
-      end if
-   end subroutine begin_orders
-
    !> The next order from the sums of its residuals.
-   subroutine add_order(burg, m, cross, power, rows, error)
+   subroutine take_order(burg, m, cross, power, rows, error)
       type(burg_type), intent(inout) :: burg
       integer, intent(in) :: m
       !> sum f b, sum f^2 + b^2
@@ -148,140 +146,75 @@ contains
             & m, max(burg%variance(m), 0.0_dp), burg%variance(0)
          call fatal_error(error, status%singular, trim(text))
       end if
-   end subroutine add_order
+   end subroutine take_order
 
-   !> Takes the series about its mean.
-   subroutine begin_lattice(x, shift, rest, lattice, error, valid, progress)
+   !> Steps to the next order and sums what the one after that needs.
+   subroutine next_order(x, lattice, total, error, valid, progress)
       real(dp), intent(in), contiguous :: x(:)
-      real(dp), intent(in) :: shift, rest
-      type(lattice_type), intent(out) :: lattice
+      !> Of order m-1, or fresh; of order m afterwards
+      type(lattice_type), intent(inout) :: lattice
+      !> sum f_m(t) b_m(t-1) and sum f_m(t)^2 + b_m(t-1)^2 over the t where both are, and their
+      !> number
+      real(dp), intent(out) :: total(3)
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
       class(progress_type), intent(inout), optional :: progress
-      real(dp) :: part(2, chunk_count(size(x, kind=int64)))
-      integer(int64) :: n
-      integer :: chunk, from, group, stat
+      integer(int64) :: n, begin, partner
+      integer :: chunk
+      character(40) :: stage
 
       n = size(x, kind=int64)
-      allocate (lattice%f(n), stat=stat)
-      if (stat == 0) allocate (lattice%b(n), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the residuals of Burg's recursion, 16 bytes a sample")
-         return
-      end if
-      group = chunk_group(chunk_count(n), present(progress))
-      do from = 1, chunk_count(n), group
-         call tell_progress("AR model", 0_int64, 0_int64, error, progress)
-         if (allocated(error)) return
-         !$omp parallel do if (n >= threads_from) default(shared) schedule(dynamic)
-         do chunk = from, min(from + group - 1, chunk_count(n))
-            call take_chunk(x, shift, rest, chunk_first(n, chunk), chunk_last(n, chunk), lattice, part(:, chunk), valid)
-         end do
-         !$omp end parallel do
-      end do
-      lattice%power = sum(part(1, :))
-      lattice%samples = nint(sum(part(2, :)), int64)
-   end subroutine begin_lattice
-
-   !> Order 0 of a chunk.
-   pure subroutine take_chunk(x, shift, rest, first, last, lattice, part, valid)
-      real(dp), intent(in), contiguous :: x(:)
-      real(dp), intent(in) :: shift, rest
-      integer(int64), intent(in) :: first, last
-      type(lattice_type), intent(inout) :: lattice
-      !> sum x^2, present samples
-      real(dp), intent(out) :: part(2)
-      integer(int8), intent(in), optional :: valid(:)
-      real(dp) :: s
-      integer(int64) :: i
-
-      s = 0.0_dp
-      part(2) = real(last - first + 1, dp)
-      do i = first, last
-         lattice%f(i) = (x(i) - shift) - rest
-      end do
-      if (present(valid)) then
-         do i = first, last
-            if (valid(i) /= 0_int8) cycle
-            lattice%f(i) = 0.0_dp
-            part(2) = part(2) - 1.0_dp
-         end do
-      end if
-      do i = first, last
-         lattice%b(i) = lattice%f(i)
-         s = s + lattice%f(i)*lattice%f(i)
-      end do
-      part(1) = s
-   end subroutine take_chunk
-
-   !> Steps to the next order with its reflection coefficient and sums what the one after that needs.
-   subroutine next_order(lattice, reflection, cross, power, error, valid, progress)
-      !> Of order m-1 with its sums taken, or fresh; of order m with its sums taken afterwards
-      type(lattice_type), intent(inout) :: lattice
-      !> k_m; not used by the first call, which sums order 0
-      real(dp), intent(in) :: reflection
-      !> sum f_m(t) b_m(t-1) and sum f_m(t)^2 + b_m(t-1)^2 over the t where both are
-      real(dp), intent(out) :: cross, power
-      type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
-      class(progress_type), intent(inout), optional :: progress
-      real(dp) :: part(2, chunk_count(size(lattice%f, kind=int64)))
-      integer(int64) :: rows(chunk_count(size(lattice%f, kind=int64))), n, begin, m
-      integer :: chunk, from, group
-
-      cross = 0.0_dp
-      power = 0.0_dp
-      n = size(lattice%f, kind=int64)
       lattice%order = lattice%order + 1
-      m = lattice%order
-      group = chunk_group(chunk_count(n), present(progress))
-      do from = 1, chunk_count(n), group
-         call tell_progress("AR model", m*n + chunk_first(n, from) - 1, max(lattice%orders, 1)*n, error, progress)
-         if (allocated(error)) return
-         !$omp parallel do if (n >= threads_from) default(shared) schedule(dynamic)
-         do chunk = from, min(from + group - 1, chunk_count(n))
-            call step_chunk(lattice, reflection, chunk_first(n, chunk), chunk_last(n, chunk), part(:, chunk), rows(chunk), valid)
-         end do
-         !$omp end parallel do
+      write (stage, '("AR model of order ", i0)') lattice%order + 1
+      call sum_chunks(lattice, x, n, trim(stage), total, error, valid, progress)
+      ! first samples, whose partners stand in the chunk before
+      do chunk = 2, chunk_count(n)
+         begin = chunk_first(n, chunk)
+         partner = begin - lattice%order - 1
+         if (partner >= 1) call add_products(lattice%f(begin:begin), lattice%b(partner:partner), &
+            & total)
       end do
-      do chunk = 1, chunk_count(n)             ! first samples, whose partners stand in the chunk before
-         begin = max(chunk_first(n, chunk), m + 2)
-         if (begin /= chunk_first(n, chunk) .or. begin > n) cycle
-         call add_products(lattice%f(begin:begin), lattice%b(begin - m - 1:begin - m - 1), part(:, chunk))
-      end do
-      cross = sum(part(1, :))
-      power = sum(part(2, :))
-      lattice%rows = max(0_int64, n - m - 1)
-      if (present(valid)) lattice%rows = sum(rows)
    end subroutine next_order
 
-   !> The step of a chunk, less its first sample's part in the sums.
-   pure subroutine step_chunk(lattice, reflection, chunk_begin, chunk_end, part, rows, valid)
-      type(lattice_type), intent(inout) :: lattice
-      real(dp), intent(in) :: reflection
-      integer(int64), intent(in) :: chunk_begin, chunk_end
-      !> sum f b, sum f^2 + b^2
-      real(dp), intent(out) :: part(2)
-      !> Rows that have both, counted where samples are missing
-      integer(int64), intent(out) :: rows
+   !> Takes a chunk of the series, or the step to the order in it; sums less the first sample's
+   !> part.
+   subroutine add_order(self, x, n, chunk, total, stat, valid)
+      class(lattice_type), intent(inout) :: self
+      real(dp), intent(in), contiguous :: x(:)
+      integer(int64), intent(in) :: n
+      integer, intent(in) :: chunk
+      real(dp), intent(inout), contiguous :: total(:)
+      integer, intent(out) :: stat
       integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: begin, first, last, m
+      integer(int64) :: first, last, begin, start, finish, m
 
-      m = lattice%order
-      part = 0.0_dp
-      rows = 0
-      begin = max(chunk_begin, m + 1)
-      do first = begin, chunk_end, block
-         last = min(first + block - 1, chunk_end)
-         if (m > 0) call step(reflection, lattice%f(first:last), lattice%b(first - m:last - m))
-         if (present(valid)) call drop_partnerless(lattice, first, last, rows, valid)
-         if (first > begin) then
-            call add_products(lattice%f(first:last), lattice%b(first - m - 1:last - m - 1), part)
+      stat = 0
+      first = chunk_first(n, chunk)
+      last = chunk_last(n, chunk)
+      m = self%order
+      if (m < 0) then
+         call detrended_block(x, self%level, first, self%f(first:last), self%b(first:last), valid)
+         total(3) = sum(self%b(first:last))
+         self%b(first:last) = self%f(first:last)
+         total(2) = dot_product(self%f(first:last), self%f(first:last))
+         return
+      end if
+      begin = max(first, m + 1)
+      do start = begin, last, block
+         finish = min(start + block - 1, last)
+         if (m > 0) call step(self%reflection, self%f(start:finish), self%b(start - m:finish - m))
+         if (present(valid)) then
+            call drop_partnerless(self, start, finish, total(3), valid)
          else
-            call add_products(lattice%f(first + 1:last), lattice%b(first - m:last - m - 1), part)
+            total(3) = total(3) + real(finish - max(start, m + 2) + 1, dp)
+         end if
+         if (start > begin) then
+            call add_products(self%f(start:finish), self%b(start - m - 1:finish - m - 1), total)
+         else
+            call add_products(self%f(start + 1:finish), self%b(start - m:finish - m - 1), total)
          end if
       end do
-   end subroutine step_chunk
+   end subroutine add_order
 
    !> Residuals of a block of the next order.
    pure subroutine step(k, f, b)
@@ -320,9 +253,9 @@ contains
 
    !> Sets the first f and the last b of every stretch to 0, counts the rows that have both.
    pure subroutine drop_partnerless(lattice, first, last, rows, valid)
-      type(lattice_type), intent(inout) :: lattice
+      class(lattice_type), intent(inout) :: lattice
       integer(int64), intent(in) :: first, last
-      integer(int64), intent(inout) :: rows
+      real(dp), intent(inout) :: rows
       integer(int8), intent(in) :: valid(:)
       integer(int64) :: t, run, m
 
@@ -336,7 +269,7 @@ contains
          run = run + 1
          if (valid(t) == 0_int8) run = 0
          if (run == m + 1) lattice%f(t) = 0.0_dp
-         if (run > m + 1) rows = rows + 1
+         if (run > m + 1) rows = rows + 1.0_dp
          if (t == size(valid, kind=int64)) cycle
          if (valid(t + 1) == 0_int8) lattice%b(t - m) = 0.0_dp
       end do

@@ -10,8 +10,12 @@ module gyroakf_ar_least_squares
    use gyroakf_progress, only : progress_type
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_lapack, only : dpotrf, dpotri, dpotrs
-   use gyroakf_ar_complete_rows, only : row_gram_type, build_row_gram
-   use gyroakf_ar_row_residuals, only : residual_sums_type, sum_residuals
+   use gyroakf_chunks, only : block_length, chunk_first, chunk_last
+   use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
+   use gyroakf_stats_lagged_gram, only : gram_type, shorten_gram
+   use gyroakf_stats_lagged_products, only : add_lagged_products
+   use gyroakf_stats_residual_block, only : detrended_block, residual_block
+   use gyroakf_stats_trend, only : trend_type
    implicit none (type, external)
    private
    public :: compare_orders, fit_order, fitted_order_type
@@ -31,6 +35,17 @@ module gyroakf_ar_least_squares
       integer(int64) :: rows = 0
    end type fitted_order_type
 
+   !> Sums of the residuals e_t of a model over the complete rows: of e_t x_(t-j), j = 0 .. p, of
+   !> e^2 and of e
+   type, extends(chunk_sums_type) :: residual_sums_type
+      !> Mean of the series
+      type(trend_type) :: level
+      real(dp), allocatable :: phi(:)
+      real(dp) :: constant = 0.0_dp
+   contains
+      procedure :: add => add_residuals
+   end type residual_sums_type
+
 contains
 
    !> Mean square of the residuals of every order, on the same rows.
@@ -39,7 +54,7 @@ contains
    !> nothing cancels.
    subroutine compare_orders(gram, variance, error)
       !> Of the largest order; it has rows
-      type(row_gram_type), intent(in) :: gram
+      type(gram_type), intent(in) :: gram
       !> Of the orders 0 .. gram%lags
       real(dp), allocatable, intent(out) :: variance(:)
       !> constant_input, singular, no_memory
@@ -72,12 +87,12 @@ contains
    !> The matrix of the normal equations, scaled to a diagonal of ones: lags 1 .. p, then x_t itself.
    subroutine normal_matrix(gram, a, scale, error)
       !> Sums over the rows
-      type(row_gram_type), intent(in) :: gram
-      !> Both triangles: [p+1, p+1]; square roots of its diagonal before: [p+1]
+      type(gram_type), intent(in) :: gram
+      !> Upper triangle: [p+1, p+1]; square roots of its diagonal before: [p+1]
       real(dp), allocatable, intent(out) :: a(:, :), scale(:)
       !> constant_input, no_memory
       type(error_type), allocatable, intent(out) :: error
-      integer :: i, j, k, l, p, stat
+      integer :: i, j, p, stat
 
       p = gram%lags
       allocate (a(p + 1, p + 1), stat=stat)
@@ -86,12 +101,10 @@ contains
          call fatal_error(error, status%no_memory, "no memory for the normal equations of an AR model")
          return
       end if
+      a = 0.0_dp
       do j = 1, p + 1
-         l = mod(j, p + 1)
-         do i = 1, p + 1
-            k = mod(i, p + 1)
-            a(i, j) = gram%matrix(k, l) - gram%total(k)*(gram%total(l)/real(gram%rows, dp))
-         end do
+         a(:j, j) = gram%matrix(2:j + 1, j + 1) &
+            & - gram%matrix(1, 2:j + 1)*(gram%matrix(1, j + 1)/real(gram%rows, dp))
       end do
       do i = 1, p + 1
          scale(i) = sqrt(max(a(i, i), 0.0_dp))
@@ -106,13 +119,15 @@ contains
    end subroutine normal_matrix
 
    !> Fits one order to all its rows.
-   subroutine fit_order(x, shift, rest, order, fit, error, valid, progress)
+   subroutine fit_order(x, level, order, gram, fit, error, valid, progress)
       !> Series: [n], finite
       real(dp), intent(in), contiguous :: x(:)
-      !> Its mean, in two parts
-      real(dp), intent(in) :: shift, rest
-      !> Order, >= 0
+      !> Its mean
+      type(trend_type), intent(in) :: level
+      !> Order, 0 .. gram%lags
       integer, intent(in) :: order
+      !> Of the largest order; of this one afterwards
+      type(gram_type), intent(inout) :: gram
       !> The model
       type(fitted_order_type), intent(out) :: fit
       !> constant_input, singular, no_memory, cancelled
@@ -121,11 +136,10 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
-      type(row_gram_type) :: gram
       real(dp), allocatable :: a(:, :), scale(:)
       integer :: info
 
-      call build_row_gram(x, shift, rest, order, gram, error, valid, progress)
+      call shorten_gram(x, level, order, gram, error, valid, progress)
       if (.not. allocated(error)) call normal_matrix(gram, a, scale, error)
       if (allocated(error)) return
       fit%rows = gram%rows
@@ -138,19 +152,19 @@ contains
       end if
       call dpotrs("U", order, 1, a, order + 1, fit%phi, max(order, 1), info)
       fit%phi = fit%phi*scale(order + 1)/scale(:order)
-      call correct(x, shift, rest, gram, a, scale, fit, error, valid, progress)
+      call correct(x, level, gram, a, scale, fit, error, valid, progress)
       if (allocated(error)) return
       call dpotri("U", order, a, order + 1, info)
-      call spread_of(gram, a, scale, rest + shift, fit)
+      call spread_of(gram, a, scale, level%legendre(0) + level%remainder, fit)
    end subroutine fit_order
 
    !> Corrects the solution by the residuals that it leaves.
-   subroutine correct(x, shift, rest, gram, factor, scale, fit, error, valid, progress)
+   subroutine correct(x, level, gram, factor, scale, fit, error, valid, progress)
       !> Series, its mean
       real(dp), intent(in), contiguous :: x(:)
-      real(dp), intent(in) :: shift, rest
+      type(trend_type), intent(in) :: level
       !> Sums over the rows
-      type(row_gram_type), intent(in) :: gram
+      type(gram_type), intent(in) :: gram
       !> Cholesky factor of the scaled matrix: [p+1, p+1]; the scale: [p+1]
       real(dp), intent(in) :: factor(:, :), scale(:)
       !> Coefficients, then constant and variance too
@@ -162,28 +176,64 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(residual_sums_type) :: sums
-      real(dp) :: step(size(fit%phi)), gradient(size(fit%phi)), equations
+      real(dp), dimension(size(fit%phi)) :: step, gradient, lag_mean
+      real(dp) :: total(size(fit%phi) + 3), equations
       integer :: p, info
 
       p = size(fit%phi)
       equations = real(gram%rows, dp)
-      fit%constant = (gram%total(0) - dot_product(fit%phi, gram%total(1:)))/equations
-      call sum_residuals(x, shift, rest, fit%phi, fit%constant, sums, error, valid, progress)
+      lag_mean = gram%matrix(1, 2:p + 1)/equations
+      fit%constant = gram%matrix(1, p + 2)/equations - dot_product(fit%phi, lag_mean)
+      sums%level = level
+      sums%phi = fit%phi
+      sums%constant = fit%constant
+      call sum_chunks(sums, x, size(x, kind=int64), "rows of the AR model", total, error, valid, &
+         & progress)
       if (allocated(error)) return
-      gradient = sums%product(1:) - sums%total*(gram%total(1:)/equations)
+      gradient = total(2:p + 1) - total(p + 3)*lag_mean
       step = gradient/scale(:p)
       call dpotrs("U", p, 1, factor, p + 1, step, max(p, 1), info)
       step = step/scale(:p)
       fit%phi = fit%phi + step
-      fit%constant = fit%constant + sums%total/equations - dot_product(step, gram%total(1:))/equations
-      fit%variance = (sums%square - sums%total**2/equations - dot_product(step, gradient))/equations
+      fit%constant = fit%constant + total(p + 3)/equations - dot_product(step, lag_mean)
+      fit%variance = (total(p + 2) - total(p + 3)**2/equations &
+         & - dot_product(step, gradient))/equations
       fit%variance = max(fit%variance, 0.0_dp)
    end subroutine correct
+
+   !> The sums over the residuals of a chunk.
+   subroutine add_residuals(self, x, n, chunk, total, stat, valid)
+      class(residual_sums_type), intent(inout) :: self
+      real(dp), intent(in), contiguous :: x(:)
+      integer(int64), intent(in) :: n
+      integer, intent(in) :: chunk
+      real(dp), intent(inout), contiguous :: total(:)
+      integer, intent(out) :: stat
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp), allocatable :: y(:), here(:)
+      real(dp) :: e(block_length), flag(block_length)
+      integer(int64) :: begin
+      integer :: m, p
+
+      p = size(self%phi)
+      allocate (y(1 - p:block_length), stat=stat)
+      if (stat == 0) allocate (here(1 - p:block_length), stat=stat)
+      do begin = chunk_first(n, chunk), chunk_last(n, chunk), block_length
+         m = int(min(block_length, chunk_last(n, chunk) - begin + 1))
+         if (stat == 0) call residual_block(x, self%level, self%phi, self%constant, begin, e(:m), &
+            & flag(:m), stat, valid)
+         if (stat /= 0) return
+         call detrended_block(x, self%level, begin - p, y(:m), here(:m), valid)
+         call add_lagged_products(e, y, m, p, total(:p + 1))
+         total(p + 2) = total(p + 2) + dot_product(e(:m), e(:m))
+         total(p + 3) = total(p + 3) + sum(e(:m))
+      end do
+   end subroutine add_residuals
 
    !> Standard errors over the standard deviation of the noise.
    pure subroutine spread_of(gram, inverse, scale, mean, fit)
       !> Sums over the rows
-      type(row_gram_type), intent(in) :: gram
+      type(gram_type), intent(in) :: gram
       !> Inverse of the scaled matrix, upper triangle, and the scale
       real(dp), intent(in) :: inverse(:, :), scale(:)
       !> Mean of the series
@@ -205,7 +255,7 @@ contains
          real(dp) :: u(size(fit%phi)), s
          integer :: j, k
 
-         u = (offset + gram%total(1:)/real(gram%rows, dp))/scale(:size(u))
+         u = (offset + gram%matrix(1, 2:size(u) + 1)/real(gram%rows, dp))/scale(:size(u))
          s = 1.0_dp/real(gram%rows, dp)
          do j = 1, size(u)
             s = s + inverse(j, j)*u(j)**2

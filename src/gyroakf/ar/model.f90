@@ -5,10 +5,10 @@ module gyroakf_ar_model
    use gyroakf_progress, only : progress_type
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_lapack, only : dpotrf, dpotri
-   use gyroakf_stats_shared_autocovariance, only : autocovariance_type
-   use gyroakf_stats_autocovariance, only : compute_autocovariance, series_mean
+   use gyroakf_stats_autocovariance, only : autocovariance_type, compute_autocovariance, series_mean
+   use gyroakf_stats_lagged_gram, only : gram_type, build_gram
+   use gyroakf_stats_trend, only : trend_type, set_level
    use gyroakf_ar_burg, only : burg_type, compute_burg
-   use gyroakf_ar_complete_rows, only : row_gram_type, build_row_gram
    use gyroakf_ar_criteria, only : ar_order_type, order_criteria, criterion_number, best_order
    use gyroakf_ar_least_squares, only : compare_orders, fit_order, fitted_order_type
    use gyroakf_ar_levinson, only : solve_levinson
@@ -138,14 +138,17 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(burg_type) :: burg
+      type(trend_type) :: level
       real(dp) :: shift, rest
       integer(int64) :: n
 
       n = size(x, kind=int64)
       call check_length(model%samples, most, "samples", error)
       if (allocated(error)) return
-      call series_mean(x, shift, rest, model%samples, valid)
-      call compute_burg(x, shift, rest, most, burg, error, valid, progress)
+      call series_mean(x, shift, rest, model%samples, error, valid)
+      if (allocated(error)) return
+      call set_level(level, shift, rest)
+      call compute_burg(x, level, most, burg, error, valid, progress)
       if (allocated(error)) return
       call choose_order(burg%variance, model%samples, options, model)
       allocate (model%coefficient(model%order))
@@ -175,19 +178,22 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
-      type(row_gram_type) :: gram
+      type(gram_type) :: gram
+      type(trend_type) :: level
       type(fitted_order_type) :: fit
       real(dp), allocatable :: variance(:)
       real(dp) :: shift, rest
 
       constant = 0.0_dp
-      call series_mean(x, shift, rest, model%samples, valid)
-      call build_row_gram(x, shift, rest, most, gram, error, valid, progress)
+      call series_mean(x, shift, rest, model%samples, error, valid)
+      if (allocated(error)) return
+      call set_level(level, shift, rest)
+      call build_gram(x, level, 1, 0, most, gram, error, valid, progress=progress)
       if (.not. allocated(error)) call check_length(gram%rows, most, "complete rows (order + 1 samples without a gap)", error)
       if (.not. allocated(error)) call compare_orders(gram, variance, error)
       if (allocated(error)) return
       call choose_order(variance, gram%rows, options, model)
-      call fit_order(x, shift, rest, model%order, fit, error, valid, progress)
+      call fit_order(x, level, model%order, gram, fit, error, valid, progress)
       if (allocated(error)) return
       model%coefficient = fit%phi
       model%rows = fit%rows

@@ -10,6 +10,8 @@ module gyroakf_ar_periodicity
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
    use gyroakf_stats_fisher, only : fisher_type, test_fisher_g
+   use gyroakf_stats_residual_block, only : residual_block
+   use gyroakf_stats_trend, only : trend_type, set_level
    implicit none (type, external)
    private
    public :: periodicity_options, periodicity_type, analyse_periodicity, whiten_series, even_length
@@ -22,8 +24,8 @@ module gyroakf_ar_periodicity
    !> so many periods
    real(dp), parameter :: dominant_share = 0.75_dp
    integer(int64), parameter :: min_periods = 5_int64
-   !> Samples less one between two reports of progress: a power of two less one
-   integer(int64), parameter :: report_mask = 131071_int64
+   !> Samples between two reports of progress
+   integer(int64), parameter :: reported = 131072_int64
 
    !> How the series is whitened, and how much of it is tested
    type :: periodicity_options
@@ -201,9 +203,10 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
-      integer(int64) :: t, count_white
-      integer :: j, p, stat
-      real(dp) :: total
+      type(trend_type) :: level
+      real(dp), allocatable :: flag(:)
+      integer(int64) :: first, last, count_white
+      integer :: p, stat
 
       p = size(phi)
       count_white = size(x, kind=int64) - p
@@ -212,26 +215,22 @@ contains
          return
       end if
       allocate (white(count_white), stat=stat)
+      if (stat == 0) allocate (flag(reported), stat=stat)
       if (stat == 0 .and. present(valid)) allocate (here(count_white), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the whitened series")
          return
       end if
-      do t = 1, count_white
-         if (iand(t, report_mask) == 0) call tell_progress("whitening", t, count_white, error, progress)
+      call set_level(level, mean, 0.0_dp)
+      do first = 1, count_white, reported
+         call tell_progress("whitening", first - 1, count_white, error, progress)
          if (allocated(error)) return
-         total = x(t + p) - mean
-         do j = 1, p
-            total = total - phi(j)*(x(t + p - j) - mean)
-         end do
-         white(t) = total
-      end do
-      if (.not. present(valid)) return
-      do t = 1, count_white
-         if (iand(t, report_mask) == 0) call tell_progress("whitening", t, count_white, error, progress)
-         if (allocated(error)) return
-         here(t) = minval(valid(t:t + p))
-         if (here(t) == 0_int8) white(t) = 0.0_dp
+         last = min(first + reported - 1, count_white)
+         call residual_block(x, level, phi, 0.0_dp, first + p, white(first:last), &
+            & flag(:last - first + 1), stat, valid)
+         if (present(valid)) here(first:last) = nint(flag(:last - first + 1), int8)
+         if (stat /= 0) call fatal_error(error, status%no_memory, &
+            & "no memory for the whitened series")
       end do
    end subroutine whiten_series
 

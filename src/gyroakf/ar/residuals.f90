@@ -3,14 +3,29 @@
 module gyroakf_ar_residuals
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
-   use gyroakf_chunks, only : chunk_group, block_length, threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_progress, only : progress_type
+   use gyroakf_chunks, only : block_length, chunk_count, chunk_first, chunk_last
+   use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
    use gyroakf_stats_moments, only : moments_type, compute_moments, join_moments
    use gyroakf_stats_lagged_products, only : add_lagged_products
    use gyroakf_stats_residual_block, only : residual_block
+   use gyroakf_stats_trend, only : trend_type, set_level
    implicit none (type, external)
    private
    public :: analyse_residuals
+
+   !> Sums over the pairs of residuals: products, how many, sums of the later and of the earlier
+   !> member: [4 (max_lag + 1)]
+   type, extends(chunk_sums_type) :: pair_sums_type
+      !> Mean of the series
+      type(trend_type) :: level
+      real(dp), allocatable :: phi(:)
+      real(dp) :: constant = 0.0_dp
+      !> Moments of the residuals of every chunk
+      type(moments_type), allocatable :: part(:)
+   contains
+      procedure :: add => add_pairs
+   end type pair_sums_type
 
 contains
 
@@ -40,9 +55,9 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
-      real(dp), allocatable :: partial(:, :, :)
-      type(moments_type) :: part(chunk_count(size(x, kind=int64)))
-      real(dp) :: s(0:max(max_lag, 0), 4), used
+      type(pair_sums_type) :: sums
+      real(dp), allocatable :: total(:), s(:, :)
+      real(dp) :: used
       integer :: chunk, k, stat
 
       if (max_lag < 0) then
@@ -52,17 +67,24 @@ contains
          call fatal_error(error, status%too_few_samples, "the series has too few residuals for so many lags")
          return
       end if
-      allocate (r(0:max_lag), pairs(0:max_lag))
-      allocate (partial(0:max_lag, 4, chunk_count(size(x, kind=int64))), stat=stat)
-      if (stat == 0) call sum_chunks(x, mean, phi, constant, max_lag, partial, part, stat, error, valid, progress)
-      if (allocated(error)) return
+      allocate (r(0:max_lag), stat=stat)
+      if (stat == 0) allocate (pairs(0:max_lag), stat=stat)
+      if (stat == 0) allocate (s(0:max_lag, 4), stat=stat)
+      if (stat == 0) allocate (total(4*(max_lag + 1)), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the sums of the residuals")
          return
       end if
-      s = sum(partial, 3)
-      do chunk = 1, size(part)
-         call join_moments(moments, part(chunk))
+      call set_level(sums%level, mean, 0.0_dp)
+      sums%phi = phi
+      sums%constant = constant
+      allocate (sums%part(chunk_count(size(x, kind=int64))))
+      call sum_chunks(sums, x, size(x, kind=int64), "residuals of the AR model", total, error, &
+         & valid, progress)
+      if (allocated(error)) return
+      s(:, :) = reshape(total, [max_lag + 1, 4])
+      do chunk = 1, size(sums%part)
+         call join_moments(moments, sums%part(chunk))
       end do
       used = real(size(x, kind=int64) - size(phi), dp)
       pairs = nint(s(:, 2), int64)
@@ -75,57 +97,31 @@ contains
       if (moments%count < 1) call fatal_error(error, status%too_few_samples, "the gaps leave no residual of the AR model")
    end subroutine analyse_residuals
 
-   !> The pass.
-   subroutine sum_chunks(x, mean, phi, constant, max_lag, partial, part, stat, error, valid, progress)
-      !> Series, its mean, coefficients, subtracted last, largest lag
+   !> The sums over the residuals of a chunk.
+   subroutine add_pairs(self, x, n, chunk, total, stat, valid)
+      class(pair_sums_type), intent(inout) :: self
       real(dp), intent(in), contiguous :: x(:)
-      real(dp), intent(in) :: mean, phi(:), constant
-      integer, intent(in) :: max_lag
-      !> Over the pairs: products, how many, sums of the later and of the earlier member: [0:max_lag, 4, chunk]
-      real(dp), intent(out) :: partial(0:, :, :)
-      !> Moments: [chunk]
-      type(moments_type), intent(out) :: part(:)
-      !> Not 0 where memory is short
+      integer(int64), intent(in) :: n
+      integer, intent(in) :: chunk
+      real(dp), intent(inout), contiguous :: total(:)
       integer, intent(out) :: stat
-      !> cancelled
-      type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
-      !> Progress callback; may cancel
-      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: e(:), flag(:)
-      integer(int64) :: n, first, step
-      integer :: chunk, bad, m, from, group
+      integer(int64) :: begin
+      integer :: m, lags
 
-      n = size(x, kind=int64)
-      step = max(block_length, 2*int(max_lag, int64))
-      stat = 0
-      group = chunk_group(size(part), present(progress))
-      do from = 1, size(part), group
-         call tell_progress("residuals of the AR model", chunk_first(n, from) - 1, n, error, progress)
-         if (allocated(error)) return
-         !$omp parallel if (n >= threads_from) default(shared) private(e, flag, first, bad, m)
-         allocate (e(1 - max_lag:step), stat=bad)
-         if (bad == 0) allocate (flag(1 - max_lag:step), stat=bad)
-         !$omp atomic
-         stat = stat + bad
-         !$omp do schedule(dynamic)
-         do chunk = from, min(from + group - 1, size(part))
-            if (bad /= 0) cycle
-            partial(:, :, chunk) = 0.0_dp
-            do first = chunk_first(n, chunk), chunk_last(n, chunk), step
-               m = int(min(step, chunk_last(n, chunk) - first + 1))
-               call residual_block(x, mean, phi, constant, first - max_lag, e(:m), flag(:m), valid)
-               call add_block(e(:m), flag(:m), m, max_lag, partial(:, :, chunk))
-               call add_moments(e(1:m), flag(1:m), part(chunk))
-            end do
-         end do
-         !$omp end do
-         if (allocated(e)) deallocate (e)
-         if (allocated(flag)) deallocate (flag)
-         !$omp end parallel
+      lags = size(total)/4 - 1
+      allocate (e(1 - lags:block_length), stat=stat)
+      if (stat == 0) allocate (flag(1 - lags:block_length), stat=stat)
+      do begin = chunk_first(n, chunk), chunk_last(n, chunk), block_length
+         m = int(min(block_length, chunk_last(n, chunk) - begin + 1))
+         if (stat == 0) call residual_block(x, self%level, self%phi, self%constant, begin - lags, &
+            & e(:m), flag(:m), stat, valid)
+         if (stat /= 0) return
+         call add_block(e(:m), flag(:m), m, lags, total)
+         call add_moments(e(1:m), flag(1:m), self%part(chunk))
       end do
-   end subroutine sum_chunks
+   end subroutine add_pairs
 
    !> Adds the sums over the pairs of a block.
    pure subroutine add_block(e, flag, m, max_lag, s)
@@ -133,8 +129,8 @@ contains
       integer, intent(in) :: m, max_lag
       !> Residuals and marks with their past
       real(dp), intent(in), contiguous :: e(1 - max_lag:), flag(1 - max_lag:)
-      !> The sums: [0:max_lag, 4]
-      real(dp), intent(inout) :: s(0:, :)
+      !> The sums
+      real(dp), intent(inout) :: s(0:max_lag, 4)
       real(dp) :: later, earlier
       integer :: k
 

@@ -12,7 +12,7 @@ module gyroakf_pipeline_channel
    use gyroakf_stats_normality, only : test_jarque_bera
    use gyroakf_pipeline_channel_correlation, only : run_stationarity, run_correlation
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
-   use gyroakf_stats_shared_autocovariance, only : autocovariance_type
+   use gyroakf_stats_autocovariance, only : autocovariance_type
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stage
    use gyroakf_pipeline_coefficients, only : run_allan, compare_coefficients
    use gyroakf_pipeline_channel_halves, only : run_halves

@@ -4,8 +4,7 @@ module gyroakf_pipeline_channel_correlation
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type
-   use gyroakf_stats_autocovariance, only : compute_autocovariance
-   use gyroakf_stats_shared_autocovariance, only : autocovariance_type
+   use gyroakf_stats_autocovariance, only : autocovariance_type, compute_autocovariance
    use gyroakf_series_kpss, only : test_kpss
    use gyroakf_stats_whiteness, only : ljung_box_of
    use gyroakf_stats_correlation, only : correlation_of

@@ -5,7 +5,8 @@ module gyroakf_pipeline_shared_pass
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type
-   use gyroakf_stats_shared_autocovariance, only : autocovariance_type, plan_autocovariance, need_autocovariance
+   use gyroakf_stats_autocovariance, only : autocovariance_type, plan_autocovariance, &
+      & need_autocovariance
    use gyroakf_stats_moments, only : moments_type
    use gyroakf_series_adf, only : test_adf
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type

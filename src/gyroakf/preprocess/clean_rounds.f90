@@ -6,7 +6,7 @@ module gyroakf_preprocess_clean_rounds
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_stats_moments, only : moments_type, compute_moments
    use gyroakf_preprocess_clean_types, only : clean_options, clean_type
-   use gyroakf_stats_trend, only : trend_type, fit_trend, detach_trend
+   use gyroakf_stats_trend, only : trend_type, fit_trend, remove_trend
    use gyroakf_preprocess_outlier_rules, only : robust_centre, mark_outliers
    use gyroakf_preprocess_running_residual, only : find_coarse_step
    use gyroakf_preprocess_local_outliers, only : mark_hampel
@@ -40,7 +40,9 @@ contains
 
       call fit_trend(x, degree, trend, error, mask, progress)
       if (.not. allocated(error)) call tell_progress("cleaning", 0_int64, 0_int64, error, progress)
-      if (.not. allocated(error)) call detach_trend(trend, x, cleaned)
+      if (allocated(error)) return
+      cleaned(:) = x
+      call remove_trend(trend, cleaned)
    end subroutine detrend
 
    !> The rounds, until nothing changes.

@@ -6,7 +6,7 @@ module gyroakf_series_adf
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_stats_trend, only : trend_type
-   use gyroakf_stats_shared_autocovariance, only : autocovariance_type
+   use gyroakf_stats_autocovariance, only : autocovariance_type
    use gyroakf_stats_rough_trend, only : rough_trend
    use gyroakf_stats_lagged_gram, only : gram_type, build_gram, shorten_gram
    use gyroakf_series_adf_factor, only : factor_gram, factor_rows
@@ -129,7 +129,7 @@ contains
          call choose_lag(x, trend, gram, trim(options%criterion), rounding, result%lag, result%criterion_value, error, valid, &
             & progress)
          if (allocated(error)) return
-         if (result%lag < gram%lags) call shorten_gram(x, trend, result%lag, gram, error, valid, progress)
+         call shorten_gram(x, trend, result%lag, gram, error, valid, progress)
          if (allocated(error)) return
       end if
       call solve(x, trend, gram, rounding, options%table, result, error, valid, progress)
@@ -197,7 +197,7 @@ contains
       k = terms + lags + 1
       gram%rows = max(0_int64, size(x, kind=int64) - 1 - lags)               ! no more, even without gaps
       if (gram%rows > k) then
-         call build_gram(x, trend, terms, lags, gram, error, valid, shared, progress)
+         call build_gram(x, trend, terms, 1, lags, gram, error, valid, shared, progress)
       end if
       if (allocated(error)) return
       if (gram%rows <= k) then

@@ -4,7 +4,8 @@ module gyroakf_series_kpss
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, tell_progress
-   use gyroakf_stats_trend_residuals, only : residual_type, fit_residuals, rounding_variance
+   use gyroakf_stats_autocovariance, only : check_series, series_mean
+   use gyroakf_stats_trend, only : trend_type, fit_trend, set_level
    use gyroakf_stats_long_run, only : cumulative_type, sum_residuals, sum_bartlett, bartlett_variance, hobijn_lags, schwert_lags
    use gyroakf_stats_bridge, only : bridge_survival
    implicit none (type, external)
@@ -66,11 +67,13 @@ contains
    !> $$\eta = \frac{1}{n^2 \hat\sigma^2} \sum_{t=1}^{n} S_t^2, \quad S_t = \sum_{i \le t} e_i, \quad
    !>   \hat\sigma^2 = \sum_{|i| \le l} \Big(1 - \frac{|i|}{l+1}\Big) \hat\gamma_i, \quad
    !>   \hat\gamma_i = \frac{1}{n} \sum_t e_t e_{t-i}$$
-   !> with the residuals e of the level or the line. One pass for the fit (two for a line), one for S and the products at the
-   !> first lags, one more where the bandwidth exceeds them; memory O(1). With missing samples n is the number of present
-   !> ones, S grows and counts at present samples only, and the products are those of present pairs, divided by n (so that
-   !> they estimate the variance of the sums that S takes, and stay positive definite). Sources: Kwiatkowski et al.,
-   !> J. Econometrics 54 (1992) 159-178; for gaps Datta & Du, FRB Int. Finance Disc. Papers 1060 (2012).
+   !> with the residuals e of the level or the line. One pass for the fit (two for a line), one for S and the
+   !> products at the first lags, one more where the bandwidth exceeds them; memory O(1). With
+   !> missing samples n is the number of present ones, S grows and counts at present samples only,
+   !> and the products are those of present pairs, divided by n (so that they estimate the variance
+   !> of the sums that S takes, and stay positive definite). Sources: Kwiatkowski et al., J.
+   !> Econometrics 54 (1992) 159-178; for gaps Datta & Du, FRB Int. Finance Disc. Papers 1060
+   !> (2012).
    subroutine test_kpss(x, options, result, error, valid, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
@@ -84,7 +87,7 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
-      type(residual_type) :: residual
+      type(trend_type) :: trend
       type(cumulative_type) :: sums
       real(dp), allocatable :: products(:)
       real(dp) :: n
@@ -93,12 +96,12 @@ contains
       call check_options(options, size(x, kind=int64), terms, error)
       if (allocated(error)) return
       call tell_progress("stationarity test", 0_int64, 0_int64, error, progress)
-      if (.not. allocated(error)) call fit_residuals(x, terms, residual, error, valid)
+      if (.not. allocated(error)) call fit(x, terms, trend, error, valid, progress)
       if (allocated(error)) return
       q = first_lags(size(x, kind=int64))
-      call sum_residuals(residual, x, q, sums, products, error, valid, progress)
+      call sum_residuals(trend, x, q, sums, products, error, valid, progress)
       if (allocated(error)) return
-      call check_sums(residual, sums, products(0), terms, error)
+      call check_sums(trend, sums, products(0), terms, error)
       if (allocated(error)) return
       n = sums%count
       result%observations = nint(n, int64)
@@ -108,7 +111,7 @@ contains
       if (result%lags <= q) then
          result%long_run_variance = bartlett_variance(products, int(result%lags))/n
       else
-         call sum_bartlett(residual, x, result%lags, result%long_run_variance, error, valid, progress)
+         call sum_bartlett(trend, x, result%lags, result%long_run_variance, error, valid, progress)
          if (allocated(error)) return
          result%long_run_variance = result%long_run_variance/n
       end if
@@ -145,21 +148,45 @@ contains
       end if
    end subroutine check_options
 
+   !> The level or the line.
+   subroutine fit(x, terms, trend, error, valid, progress)
+      real(dp), intent(in), contiguous :: x(:)
+      integer, intent(in) :: terms
+      type(trend_type), intent(out) :: trend
+      !> too_few_samples, non_finite, singular, invalid_argument (length of the mask)
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8), intent(in), optional :: valid(:)
+      class(progress_type), intent(inout), optional :: progress
+      real(dp) :: shift, rest
+      integer(int64) :: found
+
+      call check_series(size(x, kind=int64), 0, error, valid)
+      if (allocated(error)) return
+      if (terms > 1) then
+         call fit_trend(x, terms - 1, trend, error, valid, progress)
+         return
+      end if
+      call series_mean(x, shift, rest, found, error, valid)
+      call set_level(trend, shift, rest)
+   end subroutine fit
+
    !> Refuses a series that leaves nothing to test.
-   subroutine check_sums(residual, sums, squares, terms, error)
-      type(residual_type), intent(in) :: residual
+   subroutine check_sums(trend, sums, squares, terms, error)
+      type(trend_type), intent(in) :: trend
       type(cumulative_type), intent(in) :: sums
       !> Sum of the squared residuals
       real(dp), intent(in) :: squares
       integer, intent(in) :: terms
       !> too_few_samples, constant_input
       type(error_type), allocatable, intent(out) :: error
+      real(dp) :: rounding
       character(120) :: text
 
+      rounding = epsilon(1.0_dp)*(sum(abs(trend%legendre)) + abs(trend%remainder))
       if (nint(sums%count, int64) < int(terms, int64) + 2) then
          write (text, '("the KPSS test needs at least ", i0, " samples, ", i0, " are present")') terms + 2, nint(sums%count, int64)
          call fatal_error(error, status%too_few_samples, trim(text))
-      else if (.not. squares > rounding_factor*sums%count*rounding_variance(residual)) then
+      else if (.not. squares > rounding_factor*sums%count*rounding**2) then
          call fatal_error(error, status%constant_input, &
             & "the series is constant, or a line with ct, to rounding: there is nothing to test for stationarity")
       end if

@@ -1,20 +1,57 @@
 ! SPDX-License-Identifier: MIT
-!> Lagged sums of a series: the one implementation for AR models, Ljung-Box, ADF and identification.
+!> Autocovariances of a series: the one implementation for AR models, the Ljung-Box test,
+!> correlograms and the identification of a drift.
 !>
-!> Every lag comes from a single pass over the series: blocks with the mean removed are copied into
-!> a buffer that stays in the cache, eight lags at a time run over it. Memory O(max_lag) per thread.
-!> Partial sums follow a fixed partition (gyroakf_chunks), not the threads.
+!> Every lag comes from a single pass over the series. Whoever passes over it for another purpose
+!> makes them on the way:
+!>
+!>     call plan_autocovariance(shared, max_lag, moments%mean, moments%remainder)
+!>     call test_adf(x, options, result, error, valid, shared=shared)      ! a pass that fills it
+!>     call need_autocovariance(x, shared, error, valid)                   ! a pass of its own where that did not happen
+!>     call ljung_box_of(shared%r(0:20), n, 0, test, error, shared%pairs(0:20))
 module gyroakf_stats_autocovariance
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last, chunk_group
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_chunks, only : block_length, chunk_first, chunk_last
+   use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
+   use gyroakf_progress, only : progress_type
    use gyroakf_stats_lagged_products, only : add_lagged_products
-   use gyroakf_stats_residual_block, only : residual_block
+   use gyroakf_stats_moments, only : first_present
+   use gyroakf_stats_residual_block, only : detrended_block
+   use gyroakf_stats_trend, only : trend_type, set_level
    implicit none (type, external)
    private
-   public :: compute_autocovariance, add_lagged_products, series_mean
+   public :: autocovariance_type, compute_autocovariance, plan_autocovariance, &
+      & need_autocovariance, series_mean
+   public :: check_series, add_lag_block, close_autocovariance
+
+   !> Autocovariances that several need
+   type :: autocovariance_type
+      !> Largest lag, -1: nothing is asked for
+      integer :: max_lag = -1
+      !> Mean of the present samples and what it lost when it was rounded
+      real(dp) :: mean = 0.0_dp, remainder = 0.0_dp
+      !> Length of the series
+      integer(int64) :: samples = 0
+      !> Biased autocovariances, [0:max_lag]; not allocated until a pass has filled them
+      real(dp), allocatable :: r(:)
+      !> Present pairs at each lag: [0:max_lag]
+      integer(int64), allocatable :: pairs(:)
+   end type autocovariance_type
+
+   !> Sum and number of the present samples about a level
+   type, extends(chunk_sums_type) :: level_sums_type
+      type(trend_type) :: level
+   contains
+      procedure :: add => add_level
+   end type level_sums_type
+
+   !> Lagged products about the same
+   type, extends(level_sums_type) :: lag_sums_type
+   contains
+      procedure :: add => add_lags
+   end type lag_sums_type
 
 contains
 
@@ -42,27 +79,27 @@ contains
       integer(int64), allocatable, intent(out), optional :: pairs(:)
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
+      type(autocovariance_type) :: shared
       real(dp) :: shift, rest
       integer(int64) :: count
 
       mean = 0.0_dp
-      call check_series(x, max_lag, error, valid)
+      call check_series(size(x, kind=int64), max_lag, error, valid)
       if (allocated(error)) return
-      call series_mean(x, shift, rest, count, valid)
+      call series_mean(x, shift, rest, count, error, valid)
       mean = shift + rest
-      if (count < 1) then
-         call fatal_error(error, status%too_few_samples, "every sample of the series is missing")
-      else if (.not. ieee_is_finite(mean)) then
-         call fatal_error(error, status%non_finite, "the series has a value that is not finite")
-      else
-         call covariances(x, shift, rest, max_lag, r, error, valid, pairs, progress)
+      if (.not. allocated(error)) then
+         call plan_autocovariance(shared, max_lag, shift, rest)
+         call need_autocovariance(x, shared, error, valid, progress)
+         call move_alloc(shared%r, r)
+         if (present(pairs)) call move_alloc(shared%pairs, pairs)
       end if
    end subroutine compute_autocovariance
 
    !> Refuses a lag or a mask that does not fit the series.
-   subroutine check_series(x, max_lag, error, valid)
-      !> Series
-      real(dp), intent(in) :: x(:)
+   subroutine check_series(n, max_lag, error, valid)
+      !> Length of the series
+      integer(int64), intent(in) :: n
       !> Largest lag
       integer, intent(in) :: max_lag
       !> invalid_argument, too_few_samples
@@ -74,12 +111,11 @@ contains
       if (max_lag < 0) then
          write (text, '("the largest lag must not be negative, it is ", i0)') max_lag
          call fatal_error(error, status%invalid_argument, trim(text))
-      else if (size(x, kind=int64) < int(max_lag, int64) + 1) then
-         write (text, '("lag ", i0, " needs at least ", i0, " samples, there are ", i0)') max_lag, &
-            & int(max_lag, int64) + 1, size(x, kind=int64)
+      else if (n < int(max_lag, int64) + 1) then
+         write (text, '("lag ", i0, " needs at least ", i0, " samples, there are ", i0)') max_lag, int(max_lag, int64) + 1, n
          call fatal_error(error, status%too_few_samples, trim(text))
       else if (present(valid)) then
-         if (size(valid, kind=int64) /= size(x, kind=int64)) then
+         if (size(valid, kind=int64) /= n) then
             call fatal_error(error, status%invalid_argument, "the mask and the series differ in length")
          end if
       end if
@@ -88,7 +124,7 @@ contains
    !> Mean of the present samples as the sum of two numbers, the first present sample and the mean
    !> distance from it. Subtracting both in turn keeps the digits that their sum would round off where
    !> the series has a large offset.
-   subroutine series_mean(x, shift, rest, count, valid)
+   subroutine series_mean(x, shift, rest, count, error, valid)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> First present sample, 0 where there is none
@@ -97,58 +133,53 @@ contains
       real(dp), intent(out) :: rest
       !> Number of present samples
       integer(int64), intent(out) :: count
+      !> too_few_samples, non_finite, no_memory
+      type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: i
+      type(level_sums_type) :: sums
+      real(dp) :: total(2)
 
-      shift = 0.0_dp
-      do i = 1, size(x, kind=int64)
-         if (present(valid)) then
-            if (valid(i) == 0_int8) cycle
-         end if
-         shift = x(i)
-         exit
-      end do
-      call mean_about(x, shift, rest, count, valid)
+      shift = first_present(x, valid)
+      call set_level(sums%level, shift, 0.0_dp)
+      call sum_chunks(sums, x, size(x, kind=int64), "mean", total, error, valid)
+      count = nint(total(2), int64)
+      rest = 0.0_dp
+      if (allocated(error)) return
+      if (count < 1) then
+         call fatal_error(error, status%too_few_samples, "every sample of the series is missing")
+         return
+      end if
+      rest = total(1)/total(2)
+      if (.not. ieee_is_finite(shift + rest)) then
+         call fatal_error(error, status%non_finite, "the series has a value that is not finite")
+      end if
    end subroutine series_mean
 
-   !> Mean of x - centre.
-   subroutine mean_about(x, centre, mean, count, valid)
-      !> Series: [n]
+   !> Sum and number of the present samples of a chunk.
+   subroutine add_level(self, x, n, chunk, total, stat, valid)
+      class(level_sums_type), intent(inout) :: self
       real(dp), intent(in), contiguous :: x(:)
-      real(dp), intent(in) :: centre
-      !> Mean, 0 where there is none
-      real(dp), intent(out) :: mean
-      !> How many there are
-      integer(int64), intent(out) :: count
-      !> 1 present, 0 missing: [n]
+      integer(int64), intent(in) :: n
+      integer, intent(in) :: chunk
+      real(dp), intent(inout), contiguous :: total(:)
+      integer, intent(out) :: stat
       integer(int8), intent(in), optional :: valid(:)
-      real(dp) :: total(chunk_count(size(x, kind=int64))), number(chunk_count(size(x, kind=int64)))
-      real(dp) :: e(block_length), flag(block_length), no_phi(0)
-      integer(int64) :: n, first, length
-      integer :: chunk
+      real(dp) :: y(block_length), flag(block_length)
+      integer(int64) :: begin
+      integer :: m
 
-      n = size(x, kind=int64)
-      !$omp parallel do if (n >= threads_from) default(shared) private(e, flag, first, length) schedule(dynamic)
-      do chunk = 1, chunk_count(n)
-         total(chunk) = 0.0_dp
-         number(chunk) = 0.0_dp
-         do first = chunk_first(n, chunk), chunk_last(n, chunk), block_length
-            length = min(block_length, chunk_last(n, chunk) - first + 1)
-            call residual_block(x, centre, no_phi, 0.0_dp, first, e(:length), flag(:length), valid)
-            total(chunk) = total(chunk) + sum_of(e(:length))
-            number(chunk) = number(chunk) + sum_of(flag(:length))
-         end do
+      stat = 0
+      do begin = chunk_first(n, chunk), chunk_last(n, chunk), block_length
+         m = int(min(block_length, chunk_last(n, chunk) - begin + 1))
+         call detrended_block(x, self%level, begin, y(:m), flag(:m), valid)
+         total(1) = total(1) + sum_of(y(:m))
+         total(2) = total(2) + sum_of(flag(:m))
       end do
-      !$omp end parallel do
-      count = nint(sum(number), int64)
-      mean = 0.0_dp
-      if (count > 0) mean = sum(total)/real(count, dp)
-   end subroutine mean_about
+   end subroutine add_level
 
    !> Sum of a block.
    pure real(dp) function sum_of(values) result(total)
-      !> Values
       real(dp), intent(in), contiguous :: values(:)
       integer :: i
 
@@ -159,112 +190,125 @@ contains
       end do
    end function sum_of
 
-   !> The pass over the series: lagged sums of every chunk, added in order, and divided.
-   subroutine covariances(x, centre, offset, max_lag, r, error, valid, pairs, progress)
-      !> Series: [n]
-      real(dp), intent(in), contiguous :: x(:)
-      !> Subtracted from every sample first: near the mean of the series
-      real(dp), intent(in) :: centre
-      !> Subtracted last
-      real(dp), intent(in) :: offset
-      !> Largest lag
+   !> Says what is wanted.
+   pure subroutine plan_autocovariance(shared, max_lag, mean, remainder)
+      !> Nothing is filled
+      type(autocovariance_type), intent(out) :: shared
+      !> Largest lag, >= 0; less than the length of the series
       integer, intent(in) :: max_lag
-      !> Autocovariances: [0:max_lag]
-      real(dp), allocatable, intent(out) :: r(:)
-      !> no_memory
+      !> Mean of the present samples and what it lost when it was rounded
+      real(dp), intent(in) :: mean, remainder
+
+      shared%max_lag = max_lag
+      shared%mean = mean
+      shared%remainder = remainder
+   end subroutine plan_autocovariance
+
+   !> Fills what no pass has filled before; one pass.
+   subroutine need_autocovariance(x, shared, error, valid, progress)
+      !> Series: [n], finite; not modified
+      real(dp), intent(in), contiguous :: x(:)
+      !> Planned before; remains as it is where it is filled
+      type(autocovariance_type), intent(inout) :: shared
+      !> invalid_argument (nothing planned, size of valid), too_few_samples, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Pairs: [0:max_lag]
-      integer(int64), allocatable, intent(out), optional :: pairs(:)
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
-      real(dp), allocatable :: partial(:, :), number(:, :)
-      real(dp) :: m
+      type(lag_sums_type) :: sums
+      real(dp), allocatable :: total(:)
       integer(int64) :: n
-      integer :: chunk, chunks, k, stat
+      integer :: stat
 
+      if (allocated(shared%r)) return
       n = size(x, kind=int64)
-      chunks = chunk_count(n)
-      allocate (r(0:max_lag), stat=stat)
-      if (stat == 0) allocate (partial(0:max_lag, chunks), stat=stat)
-      if (stat == 0) allocate (number(0:max_lag, merge(chunks, 0, present(valid))), stat=stat)
+      call check_series(n, shared%max_lag, error, valid)
+      if (allocated(error)) return
+      allocate (total(2*(shared%max_lag + 1)), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the lagged sums")
          return
       end if
-      if (present(pairs)) allocate (pairs(0:max_lag))
-      call sum_chunks(x, centre, offset, max_lag, partial, number, stat, error, valid, progress)
-      if (allocated(error)) return
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the buffers of the lagged sums")
-         return
-      end if
-      do k = 0, max_lag
-         r(k) = 0.0_dp
-         m = real(n - k, dp)
-         if (present(valid)) m = sum(number(k, :))
-         do chunk = 1, chunks
-            r(k) = r(k) + partial(k, chunk)
-         end do
-         if (m > 0.0_dp) r(k) = r(k)*(real(n - k, dp)/m)/real(n, dp)
-         if (present(pairs)) pairs(k) = nint(m, int64)
-      end do
-   end subroutine covariances
+      call set_level(sums%level, shared%mean, shared%remainder)
+      call sum_chunks(sums, x, n, "autocovariances", total, error, valid, progress)
+      if (.not. allocated(error)) call close_autocovariance(shared, n, total)
+   end subroutine need_autocovariance
 
-   !> Lagged sums of every chunk.
-   subroutine sum_chunks(x, centre, offset, max_lag, partial, number, stat, error, valid, progress)
+   !> Lagged products of a chunk.
+   subroutine add_lags(self, x, n, chunk, total, stat, valid)
+      class(lag_sums_type), intent(inout) :: self
+      real(dp), intent(in), contiguous :: x(:)
+      integer(int64), intent(in) :: n
+      integer, intent(in) :: chunk
+      real(dp), intent(inout), contiguous :: total(:)
+      integer, intent(out) :: stat
+      integer(int8), intent(in), optional :: valid(:)
+      integer(int64) :: begin
+
+      stat = 0
+      do begin = chunk_first(n, chunk), chunk_last(n, chunk), block_length
+         call add_lag_block(x, self%level, begin, &
+            & min(begin + block_length - 1, chunk_last(n, chunk)), total, stat, valid)
+         if (stat /= 0) return
+      end do
+   end subroutine add_lags
+
+   !> Adds the products of the samples of a block with themselves and their past, and counts the
+   !> pairs.
+   subroutine add_lag_block(x, level, first, last, total, stat, valid)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
-      real(dp), intent(in) :: centre, offset
-      !> Largest lag
-      integer, intent(in) :: max_lag
-      !> Sums of products: [0:max_lag, chunk]
-      real(dp), intent(out) :: partial(0:, :)
-      !> Pairs: [0:max_lag, chunk], no column without gaps
-      real(dp), intent(out) :: number(0:, :)
+      !> Mean of the series
+      type(trend_type), intent(in) :: level
+      !> 1-based first and last sample of the block, some thousand of them
+      integer(int64), intent(in) :: first, last
+      !> Sums of products at the lags 0 .. max_lag, then pairs: [2 (max_lag + 1)]
+      real(dp), intent(inout), contiguous :: total(:)
       !> Not 0 where memory is short
       integer, intent(out) :: stat
-      !> cancelled
-      type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Progress callback; may cancel
-      class(progress_type), intent(inout), optional :: progress
-      real(dp), allocatable :: e(:), flag(:)
-      real(dp) :: no_phi(0)
-      integer(int64) :: n, first, step
-      integer :: chunk, bad, length, from, group
+      real(dp), allocatable :: y(:), here(:)
+      integer :: m, k, lags
 
-      n = size(x, kind=int64)
-      step = max(block_length, 2*int(max_lag, int64))
-      stat = 0
-      group = chunk_group(size(partial, 2), present(progress))
-      do from = 1, size(partial, 2), group
-         call tell_progress("autocovariances", chunk_first(n, from) - 1, n, error, progress)
-         if (allocated(error)) return
-         !$omp parallel if (n >= threads_from) default(shared) private(e, flag, first, length, bad)
-         allocate (e(1 - max_lag:step), stat=bad)
-         if (bad == 0) allocate (flag(1 - max_lag:step), stat=bad)
-         !$omp atomic
-         stat = stat + bad
-         !$omp do schedule(dynamic)
-         do chunk = from, min(from + group - 1, size(partial, 2))
-            if (bad /= 0) cycle
-            partial(:, chunk) = 0.0_dp
-            if (present(valid)) number(:, chunk) = 0.0_dp
-            do first = chunk_first(n, chunk), chunk_last(n, chunk), step
-               length = int(min(step, chunk_last(n, chunk) - first + 1))
-               call residual_block(x, centre, no_phi, offset, first - max_lag, e(:length), flag(:length), valid)
-               call add_lagged_products(e(1:), e, length, max_lag, partial(:, chunk))
-               if (present(valid)) call add_lagged_products(flag(1:), flag, length, max_lag, number(:, chunk))
-            end do
+      lags = size(total)/2 - 1
+      m = int(last - first) + 1
+      allocate (y(1 - lags:m), stat=stat)
+      if (stat == 0) allocate (here(1 - lags:m), stat=stat)
+      if (stat /= 0) return
+      call detrended_block(x, level, first - lags, y, here, valid)
+      call add_lagged_products(y(1:), y, m, lags, total(:lags + 1))
+      if (present(valid)) then
+         call add_lagged_products(here(1:), here, m, lags, total(lags + 2:))
+      else
+         do k = 0, lags
+            total(lags + 2 + k) = total(lags + 2 + k) &
+               & + real(max(0_int64, last - max(first, int(k, int64) + 1) + 1), dp)
          end do
-         !$omp end do
-         if (allocated(e)) deallocate (e)
-         if (allocated(flag)) deallocate (flag)
-         !$omp end parallel
+      end if
+   end subroutine add_lag_block
+
+   !> Autocovariances from the sums.
+   subroutine close_autocovariance(shared, n, total)
+      !> Filled
+      type(autocovariance_type), intent(inout) :: shared
+      !> Length of the series
+      integer(int64), intent(in) :: n
+      !> As of [[add_lag_block]]
+      real(dp), intent(in) :: total(:)
+      real(dp) :: pairs
+      integer :: k
+
+      shared%samples = n
+      allocate (shared%r(0:shared%max_lag), shared%pairs(0:shared%max_lag))
+      do k = 0, shared%max_lag
+         pairs = total(shared%max_lag + 2 + k)
+         shared%r(k) = total(k + 1)
+         if (pairs > 0.0_dp) shared%r(k) = &
+            & total(k + 1)*((real(n, dp) - real(k, dp))/pairs)/real(n, dp)
+         shared%pairs(k) = nint(pairs, int64)
       end do
-   end subroutine sum_chunks
+   end subroutine close_autocovariance
 
 end module gyroakf_stats_autocovariance

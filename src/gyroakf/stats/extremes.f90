@@ -57,7 +57,7 @@ contains
       !> 0 where all are equal
       real(dp), intent(out) :: step
       !> 1 present, 0 missing: [n]; all are present if absent
-      integer(int8), intent(in), contiguous, optional :: mask(:)
+      integer(int8), intent(in), optional :: mask(:)
       integer(int64) :: k, blocks, n, first, last
 
       n = size(x, kind=int64)
@@ -90,7 +90,7 @@ contains
    !> Those of the runs of values that are present in a block.
    pure subroutine scan_runs(x, mask, low, high, step)
       real(dp), intent(in), contiguous :: x(:)
-      integer(int8), intent(in), contiguous :: mask(:)
+      integer(int8), intent(in) :: mask(:)
       real(dp), intent(inout) :: low, high, step
       integer(int64) :: i, first
 

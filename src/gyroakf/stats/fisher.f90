@@ -9,6 +9,7 @@ module gyroakf_stats_fisher
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_fft, only : real_fft_plan_type, new_real_fft_plan, real_fft_forward
+   use gyroakf_stats_extremes, only : scan_extremes
    implicit none (type, external)
    private
    public :: fisher_type, test_fisher_g, fisher_tail
@@ -100,13 +101,15 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
-      real(dp) :: lowest, highest, mean
+      real(dp) :: lowest, highest, step, mean
       integer(int64) :: n, i, number
       integer :: stat, power, size_of_all
       character(100) :: text
 
       n = size(x, kind=int64)
-      call find_range(x, number, lowest, highest, valid)
+      call scan_extremes(x, lowest, highest, step, valid)
+      number = n
+      if (present(valid)) number = count(valid /= 0_int8, kind=int64)
       if (number < 3) then
          write (text, '("a periodogram needs at least 3 samples, there are ", i0)') number
          call fatal_error(error, status%too_few_samples, trim(text))
@@ -145,33 +148,6 @@ contains
          if (valid(i + 1) /= 0_int8) centred(i) = centred(i) - mean
       end do
    end subroutine centre_and_scale
-
-   !> Number, smallest and largest of the present samples.
-   pure subroutine find_range(x, number, lowest, highest, valid)
-      real(dp), intent(in), contiguous :: x(:)
-      integer(int64), intent(out) :: number
-      real(dp), intent(out) :: lowest, highest
-      integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: i
-
-      lowest = huge(lowest)
-      highest = -huge(highest)
-      if (.not. present(valid)) then
-         number = size(x, kind=int64)
-         do i = 1, number
-            lowest = min(lowest, x(i))
-            highest = max(highest, x(i))
-         end do
-         return
-      end if
-      number = 0
-      do i = 1, size(x, kind=int64)
-         if (valid(i) == 0_int8) cycle
-         number = number + 1
-         lowest = min(lowest, x(i))
-         highest = max(highest, x(i))
-      end do
-   end subroutine find_range
 
    !> Fisher's test from the Fourier transform of the series.
    subroutine fisher_of_spectrum(spectrum, n, result, error)

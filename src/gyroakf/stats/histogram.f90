@@ -9,7 +9,7 @@ module gyroakf_stats_histogram
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_special, only : normal_cdf
-   use gyroakf_stats_moments, only : moments_type
+   use gyroakf_stats_moments, only : moments_type, first_present
    use gyroakf_stats_bin_counts, only : count_bins, find_quartiles
    implicit none (type, external)
    private
@@ -179,17 +179,6 @@ contains
       histogram%width = whole*options%step
       histogram%steps = nint(min(whole, 2.0_dp**62), int64)
    end subroutine choose_width
-
-   !> The first present sample, a level of the grid.
-   pure real(dp) function first_present(x, valid) result(level)
-      real(dp), intent(in), contiguous :: x(:)
-      integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: i
-
-      i = 1
-      if (present(valid)) i = max(1_int64, int(findloc(valid /= 0_int8, .true., dim=1, kind=int64), int64))
-      level = x(i)
-   end function first_present
 
    !> The highest edge, half a step off a level, that is not above the lowest sample.
    pure real(dp) function edge_below(low, level, step) result(edge)

@@ -1,17 +1,20 @@
 ! SPDX-License-Identifier: MIT
-!> The pass over the series that a Dickey-Fuller regression takes: every sum over its rows that touches the data.
+!> The pass over the series that a regression on lags takes: every sum over its rows that touches
+!> the data.
 !>
-!> On the way it makes the autocovariances that somebody else needs (gyroakf_stats_shared_autocovariance): both kernels run over
-!> a block while it is in the cache. The partition of the sums follows from the length of the series alone.
+!> The rows of a Dickey-Fuller regression hold differences of the series, and its level before;
+!> those of an AR regression the series itself. On the way the pass makes the autocovariances that
+!> somebody else needs: both kernels run over a block while it is in the cache.
 module gyroakf_stats_lagged_rows
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
-   use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last
-   use gyroakf_stats_trend, only : trend_type, subtract_trend
+   use gyroakf_progress, only : progress_type
+   use gyroakf_chunks, only : block_length, chunk_first, chunk_last
+   use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
+   use gyroakf_stats_trend, only : trend_type, set_level
+   use gyroakf_stats_residual_block, only : detrended_block
    use gyroakf_stats_lagged_products, only : add_lagged_products
-   use gyroakf_stats_shared_autocovariance, only : autocovariance_type, lag_buffer_type, open_lag_buffer, add_lag_block, &
-      & close_autocovariance
+   use gyroakf_stats_autocovariance, only : autocovariance_type, add_lag_block, close_autocovariance
    implicit none (type, external)
    private
    public :: row_sums_type, sum_rows, time_of, level2, level_d, time0, time_level, time_d
@@ -19,37 +22,45 @@ module gyroakf_stats_lagged_rows
    !> Places of the sums that are not lagged products: squares of the level, level times difference, powers 0 .. 4 of the
    !> time, powers 0 .. 2 times level, powers 0 .. 2 times difference
    integer, parameter :: level2 = 1, level_d = 2, time0 = 3, time_level = 8, time_d = 11, sums = 13
-   !> Chunks whose sums are held at a time; progress is reported between two lots
-   integer, parameter :: lot = 16
 
    !> Sums over the rows of a regression
    type :: row_sums_type
-      !> sum d_t d_(t-j): [0:lags]
+      !> sum d_t d_(t-j), d the difference or the series itself: [0:lags]
       real(dp), allocatable :: lagged(:)
       !> The others, by place
       real(dp) :: other(sums) = 0.0_dp
    end type row_sums_type
 
-   !> What a block holds: differences with their past, level before each row, weight 1 or 0
+   !> What is summed: the sums of the rows, lagged ones first, then those of the autocovariances
+   type, extends(chunk_sums_type) :: row_pass_type
+      !> Subtracted from the series for the rows, and for the autocovariances
+      type(trend_type) :: trend, level
+      !> Powers of the time, lags, past samples that a row takes, largest lag of the autocovariances
+      !> or -1
+      integer :: terms = 0, lags = 0, reach = 0, max_lag = -1
+   contains
+      procedure :: add => add_rows
+   end type row_pass_type
+
+   !> What a block holds
    type :: block_type
-      !> Series less trend and its differences: [-lags:length], [1-lags:length]
-      real(dp), allocatable :: y(:), d(:)
-      !> Difference, level before it and weight of every row: [length]
+      !> Series less trend and its presence: [-lags:length]; differences: [1-lags:length]
+      real(dp), allocatable :: y(:), here(:), d(:)
+      !> Difference, level before it and weight (1 or 0) of every row: [length]
       real(dp), allocatable :: a(:), level(:), weight(:)
-      !> For the autocovariances
-      type(lag_buffer_type) :: lag
    end type block_type
 
 contains
 
-   !> Sums over the rows t = lags + 1 .. n - 1 for which y_t .. y_(t-lags-1) are present, y the series less its trend.
-   subroutine sum_rows(x, trend, terms, lags, result, error, valid, shared, progress)
+   !> Sums over the rows t for which y_t .. y_(t-reach) are present, y the series less its trend.
+   subroutine sum_rows(x, trend, terms, lags, reach, result, error, valid, shared, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> Subtracted from it
       type(trend_type), intent(in) :: trend
-      !> Powers of the time, 0 .. 3; lags, 0 .. n-2
-      integer, intent(in) :: terms, lags
+      !> Powers of the time, 0 .. 3; lags; past samples that a row takes: lags + 1 for differences,
+      !> lags for the series itself
+      integer, intent(in) :: terms, lags, reach
       !> The sums
       type(row_sums_type), intent(out) :: result
       !> no_memory, cancelled
@@ -60,180 +71,99 @@ contains
       type(autocovariance_type), intent(inout), optional :: shared
       !> Progress callback
       class(progress_type), intent(inout), optional :: progress
-      type(autocovariance_type) :: wanted
-      real(dp), allocatable :: c(:, :), other(:, :), products(:, :), number(:, :), sum_products(:), sum_number(:)
-      integer(int64) :: n
-      integer :: first, chunk, chunks, stat
-
-      n = size(x, kind=int64)
-      chunks = chunk_count(n)
-      if (present(shared)) then
-         if (.not. allocated(shared%r) .and. int(shared%max_lag, int64) < n) wanted = shared
-      end if
-      allocate (other(sums, lot), products(0:wanted%max_lag, lot), number(0:wanted%max_lag, lot))
-      allocate (sum_products(0:wanted%max_lag), sum_number(0:wanted%max_lag))
-      allocate (result%lagged(0:lags), stat=stat)
-      if (stat == 0) allocate (c(0:lags, lot), stat=stat)
-      if (stat == 0) then
-         result%lagged = 0.0_dp
-         sum_products = 0.0_dp
-         sum_number = 0.0_dp
-         do first = 1, chunks, lot
-            call tell_progress("unit-root test", chunk_first(n, first) - 1, n, error, progress)
-            if (allocated(error)) return
-            call sum_lot(x, trend, terms, lags, first, min(first + lot - 1, chunks), c, other, wanted, products, number, &
-               & stat, valid)
-            if (stat /= 0) exit
-            do chunk = 1, min(lot, chunks - first + 1)
-               result%lagged(:) = result%lagged + c(:, chunk)
-               result%other(:) = result%other + other(:, chunk)
-               sum_products(:) = sum_products + products(:, chunk)
-               sum_number(:) = sum_number + number(:, chunk)
-            end do
-         end do
-      end if
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the sums of the unit-root regression")
-      else if (wanted%max_lag >= 0) then
-         call close_autocovariance(shared, n, sum_products, sum_number)
-      end if
-   end subroutine sum_rows
-
-   !> The sums of some chunks.
-   subroutine sum_lot(x, trend, terms, lags, from, to, c, other, wanted, products, number, stat, valid)
-      !> Series: [n]
-      real(dp), intent(in), contiguous :: x(:)
-      !> Subtracted from it
-      type(trend_type), intent(in) :: trend
-      !> Powers of the time, lags; first and last chunk
-      integer, intent(in) :: terms, lags, from, to
-      !> sum d_t d_(t-j): [0:lags, chunk]
-      real(dp), intent(inout), contiguous :: c(0:, :)
-      !> The other sums: [sums, chunk]
-      real(dp), intent(inout), contiguous :: other(:, :)
-      !> Autocovariances that are made on the way
-      type(autocovariance_type), intent(in) :: wanted
-      !> Their products and pairs: [0:max_lag, chunk]
-      real(dp), intent(inout), contiguous :: products(0:, :), number(0:, :)
-      !> Not 0 where memory is short
-      integer, intent(out) :: stat
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), optional :: valid(:)
-      type(block_type) :: b
-      integer :: chunk, k, bad
-      logical :: ready
-
-      stat = 0
-      !$omp parallel if (size(x, kind=int64) >= threads_from) default(shared) private(b, k, bad, ready)
-      call allocate_block(b, lags, ready)
-      if (wanted%max_lag >= 0) call open_lag_buffer(b%lag, wanted%max_lag)
-      bad = merge(0, 1, ready)
-      !$omp atomic
-      stat = stat + bad
-      !$omp do schedule(dynamic)
-      do chunk = from, to
-         if (bad /= 0) cycle
-         k = chunk - from + 1
-         call sum_chunk(x, trend, terms, lags, chunk, b, c(:, k), other(:, k), wanted, products(:, k), number(:, k), valid)
-      end do
-      !$omp end do
-      if (bad == 0) deallocate (b%y, b%d, b%a, b%level, b%weight)
-      if (wanted%max_lag >= 0) deallocate (b%lag%value, b%lag%here)
-      !$omp end parallel
-   end subroutine sum_lot
-
-   !> The sums of a chunk, block by block.
-   subroutine sum_chunk(x, trend, terms, lags, chunk, b, c, other, wanted, products, number, valid)
-      !> Series: [n]
-      real(dp), intent(in), contiguous :: x(:)
-      !> Subtracted from it
-      type(trend_type), intent(in) :: trend
-      !> Powers of the time, lags, the chunk
-      integer, intent(in) :: terms, lags, chunk
-      !> Buffers
-      type(block_type), intent(inout) :: b
-      !> sum d_t d_(t-j): [0:lags]; the other sums
-      real(dp), intent(out), contiguous :: c(0:), other(:)
-      !> Autocovariances that are made on the way
-      type(autocovariance_type), intent(in) :: wanted
-      !> Their products and pairs: [0:max_lag]
-      real(dp), intent(out), contiguous :: products(0:), number(0:)
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: n, first, last, begin
-
-      n = size(x, kind=int64)
-      c = 0.0_dp
-      other = 0.0_dp
-      products = 0.0_dp
-      number = 0.0_dp
-      do first = chunk_first(n, chunk) - 1, chunk_last(n, chunk) - 1, block_length
-         last = min(first + block_length - 1, chunk_last(n, chunk) - 1)
-         if (wanted%max_lag >= 0) call add_lag_block(x, wanted, first + 1, last + 1, b%lag, products, number, valid)
-         begin = max(first, int(lags, int64) + 1)
-         if (begin > last) cycle
-         call load(x, trend, lags, begin, last, b, valid)
-         call add_lagged_products(b%a, b%d, int(last - begin) + 1, lags, c)
-         call add_others(b, terms, begin, n, int(last - begin) + 1, other)
-      end do
-   end subroutine sum_chunk
-
-   !> Allocates a block.
-   pure subroutine allocate_block(b, lags, ready)
-      !> The block
-      type(block_type), intent(inout) :: b
-      !> Lags
-      integer, intent(in) :: lags
-      !> .false. where memory is short
-      logical, intent(out) :: ready
+      type(row_pass_type) :: pass
+      real(dp), allocatable :: total(:)
       integer :: stat
 
-      allocate (b%y(-lags:block_length), stat=stat)
-      if (stat == 0) allocate (b%d(1 - lags:block_length), stat=stat)
-      if (stat == 0) allocate (b%a(block_length), stat=stat)
-      if (stat == 0) allocate (b%level(block_length), stat=stat)
-      if (stat == 0) allocate (b%weight(block_length), stat=stat)
-      ready = stat == 0
-   end subroutine allocate_block
+      pass%trend = trend
+      pass%terms = terms
+      pass%lags = lags
+      pass%reach = reach
+      if (present(shared)) then
+         if (.not. allocated(shared%r) .and. int(shared%max_lag, int64) < size(x, kind=int64)) then
+            pass%max_lag = shared%max_lag
+            call set_level(pass%level, shared%mean, shared%remainder)
+         end if
+      end if
+      allocate (total(lags + 1 + sums + 2*(pass%max_lag + 1)), stat=stat)
+      if (stat == 0) allocate (result%lagged(0:lags), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the sums of a regression on lags")
+         return
+      end if
+      call sum_chunks(pass, x, size(x, kind=int64), &
+         & trim(merge("unit-root test      ", "rows of the AR model", reach > lags)), &
+         & total, error, valid, progress)
+      if (allocated(error)) return
+      result%lagged = total(:lags + 1)
+      result%other = total(lags + 2:lags + 1 + sums)
+      if (pass%max_lag >= 0) call close_autocovariance(shared, size(x, kind=int64), &
+         & total(lags + 2 + sums:))
+   end subroutine sum_rows
 
-   !> Fills a block with the rows first .. last and the past of their differences.
-   pure subroutine load(x, trend, lags, first, last, b, valid)
-      !> Series: [n]
+   !> The sums of a chunk, block by block.
+   subroutine add_rows(self, x, n, chunk, total, stat, valid)
+      class(row_pass_type), intent(inout) :: self
       real(dp), intent(in), contiguous :: x(:)
-      !> Subtracted from it
-      type(trend_type), intent(in) :: trend
-      !> Lags
-      integer, intent(in) :: lags
-      !> 0-based rows, first > lags
-      integer(int64), intent(in) :: first, last
-      !> The block
-      type(block_type), intent(inout) :: b
-      !> 1 present, 0 missing: [n]
+      integer(int64), intent(in) :: n
+      integer, intent(in) :: chunk
+      real(dp), intent(inout), contiguous :: total(:)
+      integer, intent(out) :: stat
       integer(int8), intent(in), optional :: valid(:)
+      type(block_type) :: b
       integer(int64) :: begin
-      integer :: i, m, run
+      integer :: m, others
 
-      begin = first - lags - 1
-      m = int(last - first) + 1
-      do i = -lags, m
-         b%y(i) = x(begin + lags + 1 + i)
+      others = self%lags + 2
+      m = int(block_length)
+      allocate (b%y(-self%lags:m), stat=stat)
+      if (stat == 0) allocate (b%here(-self%lags:m), stat=stat)
+      if (stat == 0) allocate (b%d(1 - self%lags:m), stat=stat)
+      if (stat == 0) allocate (b%a(m), stat=stat)
+      if (stat == 0) allocate (b%level(m), stat=stat)
+      if (stat == 0) allocate (b%weight(m), stat=stat)
+      do begin = chunk_first(n, chunk), chunk_last(n, chunk), block_length
+         if (stat /= 0) return
+         m = int(min(block_length, chunk_last(n, chunk) - begin + 1))
+         call load(self, x, begin, m, b, valid)
+         call add_lagged_products(b%a, b%d, m, self%lags, total(:others - 1))
+         call add_others(b, self%terms, begin - 1, n, m, total(others:others + sums - 1))
+         if (self%max_lag >= 0) call add_lag_block(x, self%level, begin, begin + m - 1, &
+            & total(others + sums:), stat, valid)
       end do
-      call subtract_trend(trend, begin, b%y(:m))
-      do i = 1 - lags, m
-         b%d(i) = b%y(i) - b%y(i - 1)
-      end do
-      if (.not. present(valid)) then
+   end subroutine add_rows
+
+   !> Fills a block with the rows that end at m samples, and with the past of their differences.
+   pure subroutine load(pass, x, first, m, b, valid)
+      type(row_pass_type), intent(in) :: pass
+      real(dp), intent(in), contiguous :: x(:)
+      !> 1-based
+      integer(int64), intent(in) :: first
+      integer, intent(in) :: m
+      type(block_type), intent(inout) :: b
+      integer(int8), intent(in), optional :: valid(:)
+      integer :: i, run
+
+      call detrended_block(x, pass%trend, first - pass%lags - 1, b%y(:m), b%here(:m), valid)
+      if (pass%reach > pass%lags) then
+         do i = 1 - pass%lags, m
+            b%d(i) = b%y(i) - b%y(i - 1)
+         end do
+      else
+         b%d(:m) = b%y(1 - pass%lags:m)
+      end if
+      if (.not. present(valid) .and. first > pass%reach) then
          b%a(:m) = b%d(1:m)
          b%level(:m) = b%y(0:m - 1)
          b%weight(:m) = 1.0_dp
          return
       end if
       run = 0
-      do i = -lags, m
+      do i = -pass%lags, m
          run = run + 1
-         if (valid(begin + lags + 1 + i) == 0_int8) run = 0
+         if (b%here(i) < 0.5_dp) run = 0
          if (i < 1) cycle
-         b%weight(i) = merge(1.0_dp, 0.0_dp, run >= lags + 2)
+         b%weight(i) = merge(1.0_dp, 0.0_dp, run > pass%reach)
          b%a(i) = b%d(i)*b%weight(i)
          b%level(i) = b%y(i - 1)*b%weight(i)
       end do

@@ -4,10 +4,12 @@
 module gyroakf_stats_long_run
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last, chunk_group
-   use gyroakf_progress, only : progress_type, tell_progress
-   use gyroakf_stats_autocovariance, only : add_lagged_products
-   use gyroakf_stats_trend_residuals, only : residual_type, load_residuals
+   use gyroakf_chunks, only : block_length, chunk_count, chunk_first, chunk_last
+   use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
+   use gyroakf_progress, only : progress_type
+   use gyroakf_stats_lagged_products, only : add_lagged_products
+   use gyroakf_stats_residual_block, only : detrended_block
+   use gyroakf_stats_trend, only : trend_type
    implicit none (type, external)
    private
    public :: cumulative_type, sum_residuals, sum_bartlett, bartlett_variance, hobijn_lags, schwert_lags
@@ -18,12 +20,32 @@ module gyroakf_stats_long_run
       real(dp) :: count = 0.0_dp, total = 0.0_dp, running = 0.0_dp, squares = 0.0_dp
    end type cumulative_type
 
+   !> Lagged products of the residuals: [0:q]
+   type, extends(chunk_sums_type) :: product_sums_type
+      !> What they are residuals of
+      type(trend_type) :: trend
+      !> Cumulative sums of every chunk
+      type(cumulative_type), allocatable :: part(:)
+   contains
+      procedure :: add => add_products
+   end type product_sums_type
+
+   !> Squares of the sums of windows
+   type, extends(chunk_sums_type) :: window_sums_type
+      !> What they are residuals of
+      type(trend_type) :: trend
+      !> Members of a window
+      integer(int64) :: width = 1
+   contains
+      procedure :: add => add_windows
+   end type window_sums_type
+
 contains
 
    !> One pass: cumulative sums, and lagged products at the lags 0 .. q over present pairs.
-   subroutine sum_residuals(residual, x, q, sums, products, error, valid, progress)
+   subroutine sum_residuals(trend, x, q, sums, products, error, valid, progress)
       !> The fit
-      type(residual_type), intent(in) :: residual
+      type(trend_type), intent(in) :: trend
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> Largest lag of the products, >= 0 and small: some tens
@@ -38,78 +60,55 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
-      type(cumulative_type) :: part(chunk_count(residual%samples))
-      real(dp), allocatable :: partial(:, :)
-      integer(int64) :: n
-      integer :: chunk, from, group, stat, bad
+      type(product_sums_type) :: pass
+      integer :: chunk, stat
 
-      n = residual%samples
       allocate (products(0:q), stat=stat)
-      if (stat == 0) allocate (partial(0:q, chunk_count(n)), stat=stat)
-      if (stat == 0) then
-         partial = 0.0_dp
-         group = chunk_group(chunk_count(n), present(progress))
-         do from = 1, chunk_count(n), group
-            call tell_progress("sums of the residuals", chunk_first(n, from) - 1, n, error, progress)
-            if (allocated(error)) return
-            !$omp parallel do if (n >= threads_from) default(shared) private(bad) schedule(dynamic) reduction(+:stat)
-            do chunk = from, min(from + group - 1, chunk_count(n))
-               call sum_chunk(residual, x, chunk_first(n, chunk), chunk_last(n, chunk), part(chunk), partial(:, chunk), bad, valid)
-               stat = stat + bad
-            end do
-            !$omp end parallel do
-         end do
-      end if
+      if (stat == 0) allocate (pass%part(chunk_count(size(x, kind=int64))), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the sums over residuals")
          return
       end if
-      products = 0.0_dp
-      do chunk = 1, chunk_count(n)
-         call join(sums, part(chunk))
-         products = products + partial(:, chunk)
+      pass%trend = trend
+      call sum_chunks(pass, x, size(x, kind=int64), "sums of the residuals", products, error, &
+         & valid, progress)
+      do chunk = 1, size(pass%part)
+         call join(sums, pass%part(chunk))
       end do
    end subroutine sum_residuals
 
    !> The sums of a chunk, block by block.
-   subroutine sum_chunk(residual, x, first, last, sums, products, stat, valid)
-      type(residual_type), intent(in) :: residual
+   subroutine add_products(self, x, n, chunk, total, stat, valid)
+      class(product_sums_type), intent(inout) :: self
       real(dp), intent(in), contiguous :: x(:)
-      !> Residuals of the chunk
-      integer(int64), intent(in) :: first, last
-      type(cumulative_type), intent(out) :: sums
-      !> [0:q]
-      real(dp), intent(inout), contiguous :: products(0:)
-      !> Not 0 where memory is short
+      integer(int64), intent(in) :: n
+      integer, intent(in) :: chunk
+      real(dp), intent(inout), contiguous :: total(:)
       integer, intent(out) :: stat
       integer(int8), intent(in), optional :: valid(:)
       type(cumulative_type) :: block
-      real(dp), allocatable :: e(:)
-      real(dp) :: flag(block_length)
-      integer(int64) :: start
-      integer :: i, length, q
+      real(dp), allocatable :: e(:), flag(:)
+      integer(int64) :: begin
+      integer :: i, m, q
 
-      q = ubound(products, 1)
+      q = size(total) - 1
       allocate (e(1 - q:block_length), stat=stat)
-      if (stat /= 0) return
-      call load_residuals(residual, x, first - q, e(1 - q:0), valid)
-      do start = first, last, block_length
-         length = int(min(block_length, last - start + 1))
-         call load_residuals(residual, x, start, e(1:length), valid, flag(:length))
+      if (stat == 0) allocate (flag(1 - q:block_length), stat=stat)
+      do begin = chunk_first(n, chunk), chunk_last(n, chunk), block_length
+         if (stat /= 0) return
+         m = int(min(block_length, chunk_last(n, chunk) - begin + 1))
+         call detrended_block(x, self%trend, begin - q, e(:m), flag(:m), valid)
          block = cumulative_type()
-         do i = 1, length
+         do i = 1, m
             block%total = block%total + e(i)
             block%count = block%count + flag(i)
             block%running = block%running + flag(i)*block%total
             block%squares = block%squares + flag(i)*(block%total*block%total)
          end do
-         call join(sums, block)
-         call add_lagged_products(e(1:length), e(:length), length, q, products)
-         do i = 1 - q, 0
-            e(i) = e(length + i)
-         end do
+         call join(self%part(chunk), block)
+         call add_lagged_products(e(1:m), e(:m), m, q, total)
       end do
-   end subroutine sum_chunk
+   end subroutine add_products
 
    !> Appends a stretch: its running sums begin at the total of what was before.
    pure subroutine join(sums, next)
@@ -126,75 +125,68 @@ contains
    !>
    !> $$\sum_{|i| \le l} \Big(1 - \frac{|i|}{l+1}\Big) \sum_t e_t e_{t-i} = \frac{1}{l+1} \sum_j \Big(\sum_{t=j-l}^{j} e_t\Big)^2$$
    !> with e_t = 0 outside the series and where a residual is missing: one pass, O(n) for any l, never negative.
-   subroutine sum_bartlett(residual, x, lags, total, error, valid, progress)
+   subroutine sum_bartlett(trend, x, lags, total, error, valid, progress)
       !> The fit
-      type(residual_type), intent(in) :: residual
+      type(trend_type), intent(in) :: trend
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> l, 0 .. number of residuals - 1
       integer(int64), intent(in) :: lags
       !> The sum
       real(dp), intent(out) :: total
-      !> cancelled
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
-      real(dp) :: part(chunk_count(residual%samples + lags))
-      integer(int64) :: n
-      integer :: chunk, from, group
+      type(window_sums_type) :: pass
+      real(dp) :: squares(1)
 
-      n = residual%samples + lags
-      total = 0.0_dp
-      group = chunk_group(chunk_count(n), present(progress))
-      do from = 1, chunk_count(n), group
-         call tell_progress("long-run variance", chunk_first(n, from) - 1, n, error, progress)
-         if (allocated(error)) return
-         !$omp parallel do if (n >= threads_from) default(shared) schedule(dynamic)
-         do chunk = from, min(from + group - 1, chunk_count(n))
-            call sum_windows(residual, x, chunk_first(n, chunk), chunk_last(n, chunk), lags + 1, part(chunk), valid)
-         end do
-         !$omp end parallel do
-      end do
-      total = sum(part)/real(lags + 1, dp)
+      pass%trend = trend
+      pass%width = lags + 1
+      call sum_chunks(pass, x, size(x, kind=int64) + lags, "long-run variance", squares, error, &
+         & valid, progress)
+      total = squares(1)/real(lags + 1, dp)
    end subroutine sum_bartlett
 
-   !> Squares of the sums of the windows that end at first .. last.
-   subroutine sum_windows(residual, x, first, last, width, total, valid)
-      type(residual_type), intent(in) :: residual
+   !> Squares of the sums of the windows whose last members are the places of a chunk, which may lie
+   !> behind the series.
+   subroutine add_windows(self, x, n, chunk, total, stat, valid)
+      class(window_sums_type), intent(inout) :: self
       real(dp), intent(in), contiguous :: x(:)
-      !> Last members of the windows; may lie behind the series
-      integer(int64), intent(in) :: first, last
-      !> Members of a window
-      integer(int64), intent(in) :: width
-      real(dp), intent(out) :: total
+      integer(int64), intent(in) :: n
+      integer, intent(in) :: chunk
+      real(dp), intent(inout), contiguous :: total(:)
+      integer, intent(out) :: stat
       integer(int8), intent(in), optional :: valid(:)
-      real(dp) :: next(block_length), past(block_length), before, change, squares
-      integer(int64) :: start
-      integer :: i, length
+      real(dp), dimension(block_length) :: next, past, flag
+      real(dp) :: before, change, squares
+      integer(int64) :: begin, first
+      integer :: i, m
 
-      total = 0.0_dp
+      stat = 0
+      first = chunk_first(n, chunk)
       before = 0.0_dp                            ! the window that ends at first - 1
-      do start = max(1_int64, first - width), min(first - 1, residual%samples), block_length
-         length = int(min(block_length, first - start))
-         call load_residuals(residual, x, start, next(:length), valid)
-         before = before + sum(next(:length))
+      do begin = max(1_int64, first - self%width), min(first - 1, size(x, kind=int64)), block_length
+         m = int(min(block_length, first - begin))
+         call detrended_block(x, self%trend, begin, next(:m), flag(:m), valid)
+         before = before + sum(next(:m))
       end do
-      do start = first, last, block_length
-         length = int(min(block_length, last - start + 1))
-         call load_residuals(residual, x, start, next(:length), valid)
-         call load_residuals(residual, x, start - width, past(:length), valid)
+      do begin = first, chunk_last(n, chunk), block_length
+         m = int(min(block_length, chunk_last(n, chunk) - begin + 1))
+         call detrended_block(x, self%trend, begin, next(:m), flag(:m), valid)
+         call detrended_block(x, self%trend, begin - self%width, past(:m), flag(:m), valid)
          change = 0.0_dp
          squares = 0.0_dp
-         do i = 1, length
+         do i = 1, m
             change = change + (next(i) - past(i))
             squares = squares + (before + change)*(before + change)
          end do
          before = before + change
-         total = total + squares
+         total(1) = total(1) + squares
       end do
-   end subroutine sum_windows
+   end subroutine add_windows
 
    !> The same sum from the products at the lags 0 .. l, where they are known.
    pure real(dp) function bartlett_variance(products, lags) result(total)

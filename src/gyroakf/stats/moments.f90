@@ -5,7 +5,7 @@ module gyroakf_stats_moments
    use gyroakf_chunks, only : block_length, threads_from, chunk_count, chunk_first, chunk_last
    implicit none (type, external)
    private
-   public :: moments_type, compute_moments, join_moments
+   public :: moments_type, compute_moments, join_moments, first_present
 
    !> Moments of a series in its unit u
    type :: moments_type
@@ -62,7 +62,7 @@ contains
       type(sums_type) :: sums
       real(dp) :: shift, per_unit
 
-      call find_first(x, shift, valid)
+      shift = first_present(x, valid)
       call sum_blocks(x, shift, 1.0_dp, sums, valid)
       per_unit = units_for(half_spread(sums, shift, 1.0_dp))
       if (per_unit < 1.0_dp .or. per_unit > 1.0_dp) call sum_blocks(x, shift, per_unit, sums, valid)
@@ -127,11 +127,9 @@ contains
    end function units_for
 
    !> First present sample, 0 where there is none.
-   pure subroutine find_first(x, first, valid)
+   pure real(dp) function first_present(x, valid) result(first)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
-      !> The sample
-      real(dp), intent(out) :: first
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
       integer(int64) :: i
@@ -144,7 +142,7 @@ contains
          first = x(i)
          return
       end do
-   end subroutine find_first
+   end function first_present
 
    !> Moments of two series one behind the other, from those of each.
    pure subroutine join_moments(moments, next)

@@ -4,9 +4,10 @@ module gyroakf_stats_quantization
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_chunks, only : threads_from, block_length, chunk_count, chunk_first, chunk_last
+   use gyroakf_stats_extremes, only : scan_extremes
    implicit none (type, external)
    private
-   public :: quantisation_type, find_quantisation, quantisation_step, most_levels, coarse_ratio
+   public :: quantisation_type, find_quantisation, most_levels, coarse_ratio
 
    !> Levels are counted where no more than these fit between the extremes
    integer(int64), parameter :: most_levels = 65536
@@ -58,9 +59,9 @@ contains
          call fatal_error(error, status%invalid_argument, "the standard deviation to compare a step with is negative")
          return
       end if
-      call quantisation_step(x, step, largest, valid)
+      call scan_extremes(x, low, high, step, valid)
+      largest = max(abs(low), abs(high))
       if (step <= 64.0_dp*epsilon(step)*largest) return
-      call find_extremes(x, low, high, valid)
       steps = anint((high - low)/step)
       if (steps < 1.0_dp .or. steps > 2.0_dp**40) return
       step = (high - low)/steps
@@ -72,30 +73,6 @@ contains
       result%variance_share = result%ratio*result%ratio/12.0_dp
       result%corrected_std = std*sqrt(max(0.0_dp, 1.0_dp - result%variance_share))
    end subroutine find_quantisation
-
-   !> Extremes of the present samples, 0 where there are none.
-   subroutine find_extremes(x, low, high, valid)
-      real(dp), intent(in), contiguous :: x(:)
-      real(dp), intent(out) :: low, high
-      integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: i, n
-
-      n = size(x, kind=int64)
-      low = huge(low)
-      high = -huge(high)
-      !$omp parallel do if (n >= threads_from) default(shared) reduction(min:low) reduction(max:high) schedule(static)
-      do i = 1, n
-         if (present(valid)) then
-            if (valid(i) == 0_int8) cycle
-         end if
-         low = min(low, x(i))
-         high = max(high, x(i))
-      end do
-      !$omp end parallel do
-      if (low <= high) return
-      low = 0.0_dp
-      high = 0.0_dp
-   end subroutine find_extremes
 
    !> Whether all samples stand on the grid, and how many levels occur.
    subroutine check_grid(x, low, step, steps, rounding, result, error, valid)
@@ -170,56 +147,5 @@ contains
          if (mod(i, block_length) == 0 .and. .not. fits) return
       end do
    end subroutine check_chunk
-
-   !> Smallest non-zero difference of present neighbors, 0 where there is none, and the largest
-   !> absolute value.
-   subroutine quantisation_step(x, step, largest, valid)
-      !> Series: [n]
-      real(dp), intent(in), contiguous :: x(:)
-      !> The step
-      real(dp), intent(out) :: step
-      !> The largest |x|
-      real(dp), intent(out) :: largest
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), optional :: valid(:)
-      real(dp) :: difference
-      integer(int64) :: i, n
-
-      n = size(x, kind=int64)
-      step = huge(step)
-      call first_value(x, largest, valid)
-      !$omp parallel do if (n >= threads_from) default(shared) private(difference) reduction(min:step) &
-      !$omp& reduction(max:largest) schedule(static)
-      do i = 2, n
-         if (present(valid)) then
-            if (valid(i) == 0_int8) cycle
-         end if
-         largest = max(largest, abs(x(i)))
-         if (present(valid)) then
-            if (valid(i - 1) == 0_int8) cycle
-         end if
-         difference = abs(x(i) - x(i - 1))
-         if (difference > 0.0_dp) step = min(step, difference)
-      end do
-      !$omp end parallel do
-      if (step >= huge(step)) step = 0.0_dp
-   end subroutine quantisation_step
-
-   !> Absolute value of the first sample, 0 where it is missing.
-   pure subroutine first_value(x, first, valid)
-      !> Series: [n]
-      real(dp), intent(in), contiguous :: x(:)
-      !> Its value
-      real(dp), intent(out) :: first
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), optional :: valid(:)
-
-      first = 0.0_dp
-      if (size(x, kind=int64) < 1) return
-      if (present(valid)) then
-         if (valid(1) == 0_int8) return
-      end if
-      first = abs(x(1))
-   end subroutine first_value
 
 end module gyroakf_stats_quantization

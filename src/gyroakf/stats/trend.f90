@@ -10,12 +10,14 @@ module gyroakf_stats_trend
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_last, chunk_group
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_last
+   use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
+   use gyroakf_progress, only : progress_type
    use gyroakf_lapack, only : dpotrf, dpotrs
    implicit none (type, external)
    private
-   public :: trend_type, fit_trend, remove_trend, detach_trend, subtract_trend, evaluate_trend, largest_degree
+   public :: trend_type, fit_trend, remove_trend, subtract_trend, evaluate_trend, set_level, &
+      & largest_degree
 
    !> Largest degree that fit_trend accepts
    integer, parameter :: largest_degree = 9
@@ -45,6 +47,18 @@ module gyroakf_stats_trend
       real(dp) :: a(0:largest_degree) = 0.0_dp
    end type basis_type
 
+   !> Sums over the present samples: (x - shift - sum_k c_k q_k) q_j, [0:degree]; then, at first,
+   !> q_j q_k, j <= k, over the present or over the missing samples, [(0:degree)^2]
+   type, extends(chunk_sums_type) :: projection_type
+      type(basis_type) :: basis
+      !> Subtracted first; coefficients so far
+      real(dp) :: shift = 0.0_dp, c(0:largest_degree) = 0.0_dp
+      !> Whether the second are summed, and of which samples: those whose presence is this
+      logical :: squares = .false., wanted = .false.
+   contains
+      procedure :: add => add_projections
+   end type projection_type
+
 contains
 
    !> Least-squares polynomial of the present samples.
@@ -65,33 +79,52 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(basis_type) :: basis
-      real(dp) :: c(0:largest_degree), step(0:largest_degree), factor(0:largest_degree, 0:largest_degree), shift
-      integer :: pass, info
+      type(projection_type) :: projection
+      real(dp), allocatable :: total(:), step(:), factor(:, :)
+      integer(int64) :: missing
+      integer :: pass, info, k
 
       trend%samples = size(x, kind=int64)
       call set_basis(size(x, kind=int64), degree, basis, error, valid)
       if (allocated(error) .or. degree < 0) return
-      shift = x(basis%first + 1)
-      call normal_matrix(basis, factor, valid)
-      call dpotrf("U", degree + 1, factor, largest_degree + 1, info)
-      c = 0.0_dp
+      allocate (total((degree + 1)*(degree + 2)), step(0:degree), factor(0:degree, 0:degree))
+      projection%basis = basis
+      projection%shift = x(basis%first + 1)
+      if (present(valid)) then
+         missing = count(valid(basis%first + 1:basis%first + basis%samples) == 0_int8, kind=int64)
+         projection%squares = missing > 0
+         projection%wanted = 2*missing > basis%samples
+      end if
       do pass = 1, 2
-         if (info /= 0) exit
-         call project(x, basis, shift, c, step, error, valid, progress)
+         call sum_chunks(projection, x, basis%samples, "fitting the trend", total, error, valid, &
+            & progress)
          if (allocated(error)) return
-         if (.not. all(ieee_is_finite(step(:degree)))) then
+         total = total/real(basis%samples, dp)
+         step = total(:degree + 1)
+         if (.not. all(ieee_is_finite(step))) then
             call fatal_error(error, status%non_finite, "the series has a value that is not finite")
             return
          end if
-         call dpotrs("U", degree + 1, 1, factor, largest_degree + 1, step, largest_degree + 1, info)
-         c = c + step
+         if (pass == 1) then
+            factor(:, :) = reshape(total(degree + 2:), shape(factor))
+            ! the unit matrix less the sum over the missing ones
+            if (.not. projection%wanted) factor = -factor
+            do k = 0, degree
+               if (.not. projection%wanted) factor(k, k) = 1.0_dp + factor(k, k)
+            end do
+            call dpotrf("U", degree + 1, factor, degree + 1, info)
+            projection%squares = .false.
+         end if
+         if (info /= 0) exit
+         call dpotrs("U", degree + 1, 1, factor, degree + 1, step, degree + 1, info)
+         projection%c(:degree) = projection%c(:degree) + step
       end do
       if (info /= 0) then
          call fatal_error(error, status%singular, "the gaps leave the trend undetermined; a lower degree may do")
          return
       end if
       trend%degree = degree
-      call convert(basis, c, shift, trend)
+      call convert(basis, projection%c, projection%shift, trend)
    end subroutine fit_trend
 
    !> Checks the arguments, finds the first and the last present sample and sets the recursion
@@ -186,146 +219,61 @@ contains
       end do
    end subroutine evaluate_basis
 
-   !> Projections of the residuals, (1/m) sum (x - shift - sum_k c_k q_k) q_j over the present samples.
-   subroutine project(x, basis, shift, c, projection, error, valid, progress)
-      !> Series: [n]
+   !> The sums of a chunk of the span.
+   subroutine add_projections(self, x, n, chunk, total, stat, valid)
+      class(projection_type), intent(inout) :: self
       real(dp), intent(in), contiguous :: x(:)
-      !> The basis
-      type(basis_type), intent(in) :: basis
-      !> Subtracted first
-      real(dp), intent(in) :: shift
-      !> Coefficients so far
-      real(dp), intent(in) :: c(0:)
-      !> Projections
-      real(dp), intent(out) :: projection(0:)
-      !> cancelled
-      type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing: [n]
+      integer(int64), intent(in) :: n
+      integer, intent(in) :: chunk
+      real(dp), intent(inout), contiguous :: total(:)
+      integer, intent(out) :: stat
       integer(int8), intent(in), optional :: valid(:)
-      !> Progress callback; may cancel
-      class(progress_type), intent(inout), optional :: progress
-      real(dp) :: part(0:largest_degree, chunk_count(basis%samples))
-      integer :: chunks, group, from
+      real(dp) :: q(stretch, 0:self%basis%degree), y(stretch), product
+      integer(int64) :: begin, place
+      integer :: i, k, m
 
-      chunks = chunk_count(basis%samples)
-      group = chunk_group(chunks, present(progress))
-      part = 0.0_dp
-      projection = 0.0_dp
-      do from = 1, chunks, group
-         call tell_progress("fitting the trend", chunk_first(basis%samples, from) - 1, basis%samples, error, progress)
-         if (allocated(error)) return
-         call project_chunks(x, basis, shift, c, from, min(from + group - 1, chunks), part, valid)
-      end do
-      projection = sum(part, 2)/real(basis%samples, dp)
-   end subroutine project
-
-   !> The sums of some chunks, shared by the threads.
-   subroutine project_chunks(x, basis, shift, c, from, to, part, valid)
-      !> Series: [n]
-      real(dp), intent(in), contiguous :: x(:)
-      !> The basis
-      type(basis_type), intent(in) :: basis
-      !> Subtracted first
-      real(dp), intent(in) :: shift
-      !> Coefficients so far
-      real(dp), intent(in) :: c(0:)
-      !> The chunks
-      integer, intent(in) :: from, to
-      !> Their sums are added to
-      real(dp), intent(inout) :: part(0:, :)
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), optional :: valid(:)
-      real(dp) :: q(stretch, 0:basis%degree), y(stretch), total
-      integer(int64) :: first, length
-      integer :: chunk, i, k
-
-      !$omp parallel do if (basis%samples >= threads_from) default(shared) schedule(dynamic) &
-      !$omp& private(q, y, first, length, total, i, k)
-      do chunk = from, to
-         do first = chunk_first(basis%samples, chunk), chunk_last(basis%samples, chunk), stretch
-            length = min(stretch, chunk_last(basis%samples, chunk) - first + 1)
-            call evaluate_basis(basis, first - 1, q(:length, :))
-            do i = 1, int(length)
-               y(i) = x(basis%first + first + i - 1) - shift
+      stat = 0
+      do begin = chunk_first(n, chunk), chunk_last(n, chunk), stretch
+         m = int(min(stretch, chunk_last(n, chunk) - begin + 1))
+         place = self%basis%first + begin - 1
+         call evaluate_basis(self%basis, begin - 1, q(:m, :))
+         do i = 1, m
+            y(i) = x(place + i) - self%shift
+         end do
+         do k = 0, self%basis%degree
+            y(:m) = y(:m) - self%c(k)*q(:m, k)
+         end do
+         if (present(valid)) call drop_missing(self, valid(place + 1:place + m), q(:m, :), y(:m), &
+            & total)
+         do k = 0, self%basis%degree
+            product = 0.0_dp
+            !$omp simd reduction(+:product)
+            do i = 1, m
+               product = product + y(i)*q(i, k)
             end do
-            do k = 0, basis%degree
-               y(:length) = y(:length) - c(k)*q(:length, k)
-            end do
-            if (present(valid)) then
-               do i = 1, int(length)
-                  if (valid(basis%first + first + i - 1) == 0_int8) y(i) = 0.0_dp
-               end do
-            end if
-            do k = 0, basis%degree
-               total = 0.0_dp
-               !$omp simd reduction(+:total)
-               do i = 1, int(length)
-                  total = total + y(i)*q(i, k)
-               end do
-               part(k, chunk) = part(k, chunk) + total
-            end do
+            total(k + 1) = total(k + 1) + product
          end do
       end do
-      !$omp end parallel do
-   end subroutine project_chunks
+   end subroutine add_projections
 
-   !> (1/m) sum q_j q_k over the present samples: the unit matrix less the sum over the missing ones,
-   !> or the sum itself where more than half is missing.
-   subroutine normal_matrix(basis, matrix, valid)
-      !> The basis
-      type(basis_type), intent(in) :: basis
-      !> The matrix, upper triangle
-      real(dp), intent(out) :: matrix(0:, 0:)
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), optional :: valid(:)
-      real(dp), allocatable :: part(:, :, :)
-      integer(int64) :: missing
-      integer :: k
-
-      matrix = 0.0_dp
-      do k = 0, basis%degree
-         matrix(k, k) = 1.0_dp
-      end do
-      if (.not. present(valid)) return
-      missing = count(valid(basis%first + 1:basis%first + basis%samples) == 0_int8, kind=int64)
-      if (missing == 0) return
-      allocate (part(0:basis%degree, 0:basis%degree, chunk_count(basis%samples)))
-      if (2*missing <= basis%samples) then
-         call sum_squares(basis, valid, .false., part)
-         matrix(:basis%degree, :basis%degree) = matrix(:basis%degree, :basis%degree) - sum(part, 3)/real(basis%samples, dp)
-      else
-         call sum_squares(basis, valid, .true., part)
-         matrix(:basis%degree, :basis%degree) = sum(part, 3)/real(basis%samples, dp)
-      end if
-   end subroutine normal_matrix
-
-   !> Sums of q_j q_k over the present or over the missing samples of every chunk.
-   subroutine sum_squares(basis, valid, wanted, part)
-      !> The basis
-      type(basis_type), intent(in) :: basis
-      !> 1 present, 0 missing: [n]
+   !> Takes the missing samples out, and adds the products of the basis.
+   pure subroutine drop_missing(self, valid, q, y, total)
+      class(projection_type), intent(in) :: self
+      !> Of some successive samples, and the basis there
       integer(int8), intent(in) :: valid(:)
-      !> .true.: the present ones
-      logical, intent(in) :: wanted
-      !> The sums, upper triangle: [0:degree, 0:degree, chunk]
-      real(dp), intent(out) :: part(0:, 0:, :)
-      real(dp) :: q(1, 0:basis%degree)
-      integer(int64) :: i
-      integer :: chunk, k
+      real(dp), intent(in) :: q(:, 0:)
+      real(dp), intent(inout) :: y(:), total(:)
+      integer :: i, k, base
 
-      part = 0.0_dp
-      !$omp parallel do if (basis%samples >= threads_from) default(shared) private(q, i, k) schedule(dynamic)
-      do chunk = 1, size(part, 3)
-         do i = chunk_first(basis%samples, chunk), chunk_last(basis%samples, chunk)
-            if ((valid(basis%first + i) /= 0_int8) .neqv. wanted) cycle
-            call evaluate_basis(basis, i - 1, q)
-            do k = 0, basis%degree
-               part(:k, k, chunk) = part(:k, k, chunk) + q(1, :k)*q(1, k)
-            end do
+      do i = 1, size(y)
+         if (valid(i) == 0_int8) y(i) = 0.0_dp
+         if (.not. self%squares .or. ((valid(i) /= 0_int8) .neqv. self%wanted)) cycle
+         do k = 0, self%basis%degree
+            base = (k + 1)*(self%basis%degree + 1)
+            total(base + 1:base + 1 + k) = total(base + 1:base + 1 + k) + q(i, :k)*q(i, k)
          end do
       end do
-      !$omp end parallel do
-   end subroutine sum_squares
+   end subroutine drop_missing
 
    !> States a polynomial of the basis in Legendre polynomials over the record and in powers.
    subroutine convert(basis, c, shift, trend)
@@ -395,6 +343,20 @@ contains
       end do
    end subroutine to_powers
 
+   !> The trend that is a constant.
+   pure subroutine set_level(trend, mean, remainder)
+      !> Degree 0
+      type(trend_type), intent(out) :: trend
+      !> The constant, in two parts that are subtracted in turn
+      real(dp), intent(in) :: mean, remainder
+
+      trend%degree = 0
+      allocate (trend%legendre(0:0), trend%power(0:0))
+      trend%legendre = mean
+      trend%power = mean
+      trend%remainder = remainder
+   end subroutine set_level
+
    !> Value of the trend at a sample.
    elemental real(dp) function evaluate_trend(trend, index)
       !> The polynomial
@@ -438,31 +400,6 @@ contains
       !$omp end parallel do
    end subroutine remove_trend
 
-   !> The series less the trend, in another array; threaded.
-   subroutine detach_trend(trend, x, rest)
-      !> The polynomial; its degree -1 is 0 everywhere
-      type(trend_type), intent(in) :: trend
-      !> Series that begins at sample 0: [n]
-      real(dp), intent(in), contiguous :: x(:)
-      !> Series less trend: [n]
-      real(dp), intent(inout), contiguous :: rest(:)
-      integer(int64) :: n, first, last, i
-      integer :: chunk
-
-      n = size(x, kind=int64)
-      !$omp parallel do if (n >= threads_from) default(shared) private(first, last, i) schedule(static)
-      do chunk = 1, chunk_count(n)
-         do first = chunk_first(n, chunk), chunk_last(n, chunk), stretch
-            last = min(first + stretch - 1, chunk_last(n, chunk))
-            do i = first, last
-               rest(i) = x(i)
-            end do
-            call subtract_trend(trend, first - 1, rest(first:last))
-         end do
-      end do
-      !$omp end parallel do
-   end subroutine detach_trend
-
    !> Subtracts the trend from some successive samples: the constant first, then the rest, by
    !> Clenshaw's recursion.
    pure subroutine subtract_trend(trend, first, y)
@@ -476,6 +413,10 @@ contains
       integer :: i, k
 
       if (trend%degree < 0) return
+      if (trend%degree == 0) then
+         y(:) = (y - trend%legendre(0)) - trend%remainder
+         return
+      end if
       scale = 1.0_dp/real(max(trend%samples - 1, 1_int64), dp)
       do k = 1, trend%degree
          up(k) = real(2*k + 1, dp)/real(k + 1, dp)
