@@ -467,7 +467,7 @@ contains
          "Drift model found, of processes slower than 1 s, model ", &
          "kind ar1, not drift, correlation time 0.224 +/- 0.012 s", &
          "kind walk, drift, standard deviation 1e-05, K 4.8 +/- 1.2 deg/h^1.5", &
-         "white noise 0.0050 +/- 0.0021", "found by the largest likelihood of 12 samples", &
+         "white noise 0.0050 +/- 0.0021", "maximum likelihood from 12 samples", &
          "model walk+ar1, chosen, parameters ", "AIC -58726.91, BIC -58697.34", &
          "The drift filters model the record as random walk + AR(1) of 0.224 s + white noise.", &
          "of a constant rotation it takes 100 % for drift", &

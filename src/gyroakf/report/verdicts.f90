@@ -133,15 +133,15 @@ contains
 
       associate (drift => channel%drift)
          if (drift%source == "autocov") then
-            text = "found by least squares on the autocovariances, for no likelihood has a maximum"
+            text = "least squares on the autocovariances, because no likelihood has a maximum"
          else if (drift%samples < drift%of_samples) then
-            write (text, "(2(a, i0), a)") "found by the largest likelihood of the middle ", drift%samples, " of ", &
+            write (text, "(2(a, i0), a)") "maximum likelihood from the middle ", drift%samples, " of ", &
                drift%of_samples, " samples"
          else
-            write (text, "(a, i0, a)") "found by the largest likelihood of ", drift%samples, " samples"
+            write (text, "(a, i0, a)") "maximum likelihood from ", drift%samples, " samples"
          end if
          if (drift%block > 1) write (text(len_trim(text) + 1:), "(a, i0, a)") &
-            ", its slowest processes by that of means of ", drift%block, " samples over the whole record"
+            ", the slowest processes from means of ", drift%block, " samples over the whole record"
          if (.not. drift%errors_known .and. drift%model%count > 0) text = trim(text)//"; standard errors are not known"
       end associate
    end function drift_source_text
