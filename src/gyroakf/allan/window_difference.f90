@@ -140,54 +140,63 @@ contains
       real(dp), intent(in) :: coverage
       type(gap_sums_type), intent(out) :: sums
 
-      integer(int64) :: allowed, b, c, d
+      integer(int64) :: allowed
 
-      allowed = min(int((1 - coverage)*real(m, dp) + 1e-9_dp, int64), m - 1)
-      b = first + m
-      c = b + m
-      d = first + order*m
-      call add_terms(m, order, int(min(allowed, int(huge(0_int32), int64)), int32), &
-         & phase(first:last:stride), phase(b:last + m:stride), phase(c:last + 2*m:stride), &
-         & phase(d:last + order*m:stride), missing(first:last:stride), &
-         & missing(b:last + m:stride), missing(c:last + 2*m:stride), &
-         & missing(d:last + order*m:stride), sums)
+      if (last < first) return
+      allowed = min(int((1 - coverage)*real(m, dp) + 1e-9_dp, int64), m - 1, &
+         & int(huge(0_int32), int64))
+      if (stride == 1) then
+         call add_terms(m, order, int(allowed, int32), phase(first:last + order*m), &
+            & missing(first:last + order*m), m, sums)
+      else
+         call add_terms(m, order, int(allowed, int32), [phase(first:last + order*m:m)], &
+            & [missing(first:last + order*m:m)], 1_int64, sums)
+      end if
    end subroutine add_gapped
 
    !> Adds the terms whose windows lack at most `allowed` samples each; of two windows the third is
    !> empty and weighs nothing.
-   pure subroutine add_terms(m, order, allowed, a, b, c, d, la, lb, lc, ld, sums)
+   pure subroutine add_terms(m, order, allowed, x, lost, step, sums)
       integer(int64), intent(in) :: m
       integer, intent(in) :: order
       !> Missing samples that a window may have, < m
       integer(int32), intent(in) :: allowed
-      !> Phase where the windows begin and end, and missing samples up to there: [terms]
-      real(dp), intent(in) :: a(:), b(:), c(:), d(:)
-      integer(int32), intent(in) :: la(:), lb(:), lc(:), ld(:)
+      !> Phase, and missing samples so far, from the first term to the end of the last
+      real(dp), intent(in), contiguous :: x(:)
+      integer(int32), intent(in), contiguous :: lost(:)
+      !> Places from the beginning of a window to its end
+      integer(int64), intent(in) :: step
       type(gap_sums_type), intent(inout) :: sums
 
       real(dp) :: w(3), whole, n1, n2, n3, counts, i1, i2, i3, squares, inverse
-      integer(int64) :: i
-      integer(int32) :: lost, terms
+      integer(int64) :: a, b, c, d
+      integer(int32) :: lost1, lost2, lost3, terms
 
       w = weights(:, order)
       whole = real(m, dp)
       squares = 0
       inverse = 0
       terms = 0
-      !$omp simd reduction(+:squares, inverse, terms) private(lost, n1, n2, n3, counts, i1, i2, i3)
-      do i = 1, size(a, kind=int64)
-         lost = max(lb(i) - la(i), lc(i) - lb(i), ld(i) - lc(i))
-         counts = merge(1.0_dp, 0.0_dp, lost <= allowed)
-         n1 = whole - min(lb(i) - la(i), allowed)
-         n2 = whole - min(lc(i) - lb(i), allowed)
-         n3 = whole - min(ld(i) - lc(i), allowed)
+      !$omp simd reduction(+:squares, inverse, terms) private(b, c, d, lost1, lost2, lost3) &
+      !$omp& private(n1, n2, n3, counts, i1, i2, i3)
+      do a = 1, size(x, kind=int64) - order*step
+         b = a + step
+         c = a + 2*step
+         d = a + order*step
+         lost1 = lost(b) - lost(a)
+         lost2 = lost(c) - lost(b)
+         lost3 = lost(d) - lost(c)
+         counts = merge(1.0_dp, 0.0_dp, max(lost1, lost2, lost3) <= allowed)
+         terms = terms + merge(1_int32, 0_int32, max(lost1, lost2, lost3) <= allowed)
+         n1 = whole - min(lost1, allowed)
+         n2 = whole - min(lost2, allowed)
+         n3 = whole - min(lost3, allowed)
          counts = counts/(n1*n2*n3)
          i1 = w(1)*(n2*n3*counts)
          i2 = w(2)*(n1*n3*counts)
          i3 = w(3)*(n1*n2*counts)
-         squares = squares + ((b(i) - a(i))*i1 + (c(i) - b(i))*i2 + (d(i) - c(i))*i3)**2
+         squares = squares + ((x(b) - x(a))*i1 + (x(c) - x(b))*i2 + (x(d) - x(c))*i3)**2
          inverse = inverse + (w(1)*i1 + w(2)*i2 + w(3)*i3)
-         terms = terms + merge(1_int32, 0_int32, lost <= allowed)
       end do
       sums%squares = squares
       sums%inflation = inverse - real(terms, dp)*(sum(w**2)/whole)
