@@ -12,7 +12,7 @@
 module gyroakf_chunk_sums
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_chunks, only : threads_from, chunk_count, chunk_first
+   use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_group
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_threads, only : thread_count
    implicit none (type, external)
@@ -46,7 +46,7 @@ module gyroakf_chunk_sums
       end subroutine add_chunk
    end interface
 
-   !> Chunks whose sums are held at a time, at least
+   !> Without a progress callback the sums of this many chunks are held at a time, at least
    integer, parameter :: fewest_held = 16
 
 contains
@@ -73,7 +73,7 @@ contains
       integer :: chunk, from, to, held, stat, bad
 
       total = 0.0_dp
-      held = min(chunk_count(n), max(fewest_held, 2*thread_count()))
+      held = min(chunk_group(chunk_count(n), present(progress)), max(fewest_held, 2*thread_count()))
       allocate (part(size(total), held), stat=stat)
       do from = 1, chunk_count(n), held
          if (stat /= 0) exit
