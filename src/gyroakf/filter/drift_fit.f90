@@ -77,7 +77,9 @@ module gyroakf_filter_drift_fit
    !> Groups whose best starts are followed to their end, the two best of the first
    integer, parameter :: followed(4) = [of_all_kinds, of_all_kinds, from_walk, from_ar]
    real(dp), parameter :: log_two_pi = 1.8378770664093454835606594728112_dp
+   !> The candidates and their processes
    character(8), parameter :: names(3) = [character(8) :: "walk", "ar1", "walk+ar1"]
+   logical, parameter :: with_walk(3) = [.true., .false., .true.], with_ar(3) = [.false., .true., .true.]
 
 contains
 
@@ -111,14 +113,14 @@ contains
       objective%candidates = size(names)
       call look_at_autocovariances(objective, known)
       do k = 1, size(names)
-         objective%walk = k /= 2
-         objective%ar = k /= 1
+         objective%walk = with_walk(k)
+         objective%ar = with_ar(k)
          objective%done = k - 1
          objective%evaluations = 0
          call fit_candidate(objective, names(k), scale, known, found, failed)
          if (allocated(objective%cancelled)) exit
          if (allocated(failed)) cycle
-         call append(fit%candidate, found)
+         fit%candidate = [fit%candidate, found]
          if (fit%best == 0) fit%best = size(fit%candidate)
          if (found%aic < fit%candidate(fit%best)%aic) fit%best = size(fit%candidate)
       end do
@@ -128,18 +130,6 @@ contains
          call fatal_error(error, status%not_converged, "no drift model has a maximum likelihood estimate for this series")
       end if
    end subroutine fit_drift
-
-   !> Adds a candidate.
-   pure subroutine append(list, one)
-      type(drift_candidate_type), allocatable, intent(inout) :: list(:)
-      type(drift_candidate_type), intent(in) :: one
-      type(drift_candidate_type), allocatable :: longer(:)
-
-      allocate (longer(size(list) + 1))
-      longer(:size(list)) = list
-      longer(size(longer)) = one
-      call move_alloc(longer, list)
-   end subroutine append
 
    !> The part that is used, less its mean, over its standard deviation.
    subroutine take_part(x, objective, scale, fit, error, valid)

@@ -24,7 +24,7 @@ module gyroakf_filter_drift_identification
    use gyroakf_filter_drift_fit, only : drift_fit_type, fit_drift, is_slow
    use gyroakf_filter_identification, only : block_means, drift_model_type, identify_drift
    use gyroakf_filter_likelihood, only : component_likelihood
-   use gyroakf_filter_progress_share, only : progress_share_type
+   use gyroakf_filter_drift_objective, only : progress_share_type
    implicit none (type, external)
    private
    public :: drift_identification_options, drift_identification_type, identify_drift_model

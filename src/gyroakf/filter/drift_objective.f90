@@ -7,16 +7,28 @@ module gyroakf_filter_drift_objective
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, status
    use gyroakf_lapack, only : dpotrf, dpotri
-   use gyroakf_filter_progress_share, only : progress_share_type
+   use gyroakf_progress, only : progress_type
    use gyroakf_quasi_newton, only : objective_type
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_likelihood, only : component_likelihood
    implicit none (type, external)
    private
-   public :: likelihood_objective, parameters_of, value_at, model_of, starting_point, invert_curvature, give_errors
+   public :: progress_share_type, likelihood_objective
+   public :: parameters_of, value_at, model_of, starting_point, invert_curvature, give_errors
 
    !> Parameters of a model with all processes
    integer, parameter :: most_parameters = 4
+
+   !> Forwards the progress of a part of a job
+   type, extends(progress_type) :: progress_share_type
+      !> Progress callback of the whole; none where not associated
+      class(progress_type), pointer :: whole => null()
+      !> Size of the whole, its share that is done before this part, the share of this part
+      integer(int64) :: total = 0
+      real(dp) :: before = 0.0_dp, share = 1.0_dp
+   contains
+      procedure :: advance => advance_share
+   end type progress_share_type
 
    !> Likelihood of the scaled series by transformed parameters
    type, extends(objective_type) :: likelihood_objective
@@ -236,5 +248,22 @@ contains
       end if
       std_error%r = scale**2*model%r*sqrt(inverse(next, next))
    end subroutine give_errors
+
+   !> Reports the progress of the whole.
+   subroutine advance_share(self, stage, done, total, cancel)
+      !> Keeps nothing
+      class(progress_share_type), intent(inout) :: self
+      !> Of this part, as [[gyroakf_progress(module)]]
+      character(*), intent(in) :: stage
+      integer(int64), intent(in) :: done, total
+      logical, intent(out) :: cancel
+      real(dp) :: reached
+
+      cancel = .false.
+      if (.not. associated(self%whole)) return
+      reached = self%before
+      if (total > 0) reached = reached + self%share*real(done, dp)/real(total, dp)
+      call self%whole%advance(stage, min(self%total, int(reached*real(self%total, dp), int64)), self%total, cancel)
+   end subroutine advance_share
 
 end module gyroakf_filter_drift_objective

@@ -13,7 +13,7 @@ module gyroakf_filter_drift_starts
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type
    use gyroakf_filter_components, only : component_model_type
-   use gyroakf_filter_drift_objective, only : likelihood_objective, starting_point
+   use gyroakf_filter_drift_objective, only : likelihood_objective, parameters_of, starting_point
    use gyroakf_filter_identification, only : drift_model_type, identify_drift
    implicit none (type, external)
    private
@@ -45,8 +45,6 @@ module gyroakf_filter_drift_starts
    real(dp), parameter :: faint_steps(2) = [1.0e-9_dp, 1.0e-12_dp]
    !> Least variance of a start that the autocovariances tell; that stands for 0
    real(dp), parameter :: least = 1.0e-3_dp, tiniest = 1.0e-20_dp
-   !> Most starts
-   integer, parameter :: most_starts = 40
 
    !> A start
    type :: start_type
@@ -81,98 +79,58 @@ contains
       real(dp), allocatable, intent(out) :: start(:, :)
       !> of_all_kinds, from_walk or from_ar: [start]
       integer, allocatable, intent(out) :: group(:)
-      type(start_type) :: list(most_starts)
-      integer :: i, j, n
+      type(start_type), allocatable :: list(:)
+      real(dp) :: phi(size(times))
+      integer :: i, j
 
-      n = 0
-      if (.not. objective%ar) then
-         do i = 1, size(steps)
-            call add(list, n, start_type(0.0_dp, 1.0_dp, steps(i), 0.5_dp))
-         end do
-      else if (.not. objective%walk) then
-         do j = 1, size(shares)
-            do i = 1, size(times)
-               call add(list, n, start_type(exp(-1.0_dp/times(i)), shares(j), 1.0_dp, 1.0_dp - shares(j)))
-            end do
-         end do
-         call add_for_walk(known%walk, list, n)
-      else
-         call add_beside(known, list, n)
-         call add_faint(known, list, n)
-      end if
-      if (known%autocovariance%drift_variance > least) then
-         associate (a => known%autocovariance)
-            call add(list, n, start_type(a%phi, a%drift_variance, merge(beside_steps(2), a%process_variance, objective%ar), &
-                                         max(a%measurement_variance, least)))
-         end associate
-      end if
-      allocate (start(1 + merge(2, 0, objective%ar) + merge(1, 0, objective%walk), n), group(n))
-      group(:) = list(:n)%group
-      do i = 1, n
-         start(:, i) = starting_point(objective, list(i)%phi, list(i)%variance, list(i)%step, list(i)%white)
+      phi = exp(-1.0_dp/times)
+      associate (walk => known%walk, ar => known%ar, a => known%autocovariance)
+         if (.not. objective%ar) then
+            list = [(start_type(0.0_dp, 1.0_dp, steps(i), 0.5_dp), i=1, size(steps))]
+         else if (.not. objective%walk) then
+            list = [((start_type(phi(i), shares(j), 1.0_dp, 1.0_dp - shares(j)), i=1, size(times)), j=1, size(shares))]
+            if (walk%count > 0) list = [list, (in_place_of(walk, exp(-1.0_dp/walk_times(i))), i=1, size(walk_times))]
+         else
+            allocate (list(0))
+            if (ar%count > 0 .and. ar%phi(1) > 0.0_dp) list = &
+               [(start_type(ar%phi(1), variance_of(ar), beside_steps(i), ar%r), i=1, size(beside_steps))]
+            if (walk%count > 0) list = [list, ((beside(walk, phi(i), shares(j), of_all_kinds), i=1, beside_times), &
+                                               j=1, size(shares))]
+            if (size(list) == 0) list = [start_type(phi(1), shares(1), steps(2), 1.0_dp - shares(1))]
+            if (walk%count > 0) list = [list, ((beside(walk, faint_phis(i), faint_shares(j), from_walk), &
+                                                i=1, size(faint_phis)), j=1, size(faint_shares))]
+            if (ar%count > 0) list = [list, (start_type(ar%phi(1), variance_of(ar), faint_steps(i), ar%r, from_ar), &
+                                             i=1, size(faint_steps))]
+         end if
+         if (a%drift_variance > least) list = [list, start_type(a%phi, a%drift_variance, &
+            merge(beside_steps(2), a%process_variance, objective%ar), max(a%measurement_variance, least))]
+      end associate
+      allocate (start(parameters_of(objective), size(list)))
+      group = list%group
+      do i = 1, size(list)
+         start(:, i) = starting_point(objective, list(i)%phi, max(list(i)%variance, tiniest), max(list(i)%step, tiniest), &
+                                      max(list(i)%white, tiniest))
       end do
    end subroutine list_starts
 
-   !> Starts for an AR(1) process in place of a random walk: its steps are as large.
-   pure subroutine add_for_walk(walk, list, n)
-      !> count is 0 where it is not known
+   !> An AR(1) process in place of a random walk: its steps are as large.
+   pure type(start_type) function in_place_of(walk, phi) result(start)
       type(component_model_type), intent(in) :: walk
-      type(start_type), intent(inout) :: list(:)
-      integer, intent(inout) :: n
-      real(dp) :: phi
-      integer :: i
+      !> Its coefficient
+      real(dp), intent(in) :: phi
 
-      if (walk%count == 0) return
-      do i = 1, size(walk_times)
-         phi = exp(-1.0_dp/walk_times(i))
-         call add(list, n, start_type(phi, walk%q(1)/((1.0_dp - phi)*(1.0_dp + phi)), 1.0_dp, walk%r, from_walk))
-      end do
-   end subroutine add_for_walk
+      start = start_type(phi, walk%q(1)/((1.0_dp - phi)*(1.0_dp + phi)), 1.0_dp, walk%r, from_walk)
+   end function in_place_of
 
-   !> Starts for both processes: one that is known, some of the other beside it.
-   pure subroutine add_beside(known, list, n)
-      type(known_type), intent(in) :: known
-      type(start_type), intent(inout) :: list(:)
-      integer, intent(inout) :: n
-      integer :: i, j
+   !> A random walk that is known with an AR(1) process beside it, which takes a share of the white noise.
+   pure type(start_type) function beside(walk, phi, share, group) result(start)
+      type(component_model_type), intent(in) :: walk
+      !> Of the AR(1) process
+      real(dp), intent(in) :: phi, share
+      integer, intent(in) :: group
 
-      if (known%ar%count > 0 .and. known%ar%phi(1) > 0.0_dp) then
-         do i = 1, size(beside_steps)
-            call add(list, n, start_type(known%ar%phi(1), variance_of(known%ar), beside_steps(i), known%ar%r))
-         end do
-      end if
-      if (known%walk%count > 0) then
-         do j = 1, size(shares)
-            do i = 1, beside_times
-               call add(list, n, start_type(exp(-1.0_dp/times(i)), shares(j)*known%walk%r, known%walk%q(1), &
-                                            (1.0_dp - shares(j))*known%walk%r))
-            end do
-         end do
-      end if
-      if (n == 0) call add(list, n, start_type(exp(-1.0_dp/times(1)), shares(1), steps(2), 1.0_dp - shares(1)))
-   end subroutine add_beside
-
-   !> Starts for both processes: one that is known, next to nothing of the other.
-   pure subroutine add_faint(known, list, n)
-      type(known_type), intent(in) :: known
-      type(start_type), intent(inout) :: list(:)
-      integer, intent(inout) :: n
-      integer :: i, j
-
-      if (known%walk%count > 0) then
-         do j = 1, size(faint_shares)
-            do i = 1, size(faint_phis)
-               call add(list, n, start_type(faint_phis(i), faint_shares(j)*known%walk%r, known%walk%q(1), &
-                                            (1.0_dp - faint_shares(j))*known%walk%r, from_walk))
-            end do
-         end do
-      end if
-      if (known%ar%count > 0) then
-         do i = 1, size(faint_steps)
-            call add(list, n, start_type(known%ar%phi(1), variance_of(known%ar), faint_steps(i), known%ar%r, from_ar))
-         end do
-      end if
-   end subroutine add_faint
+      start = start_type(phi, share*walk%r, walk%q(1), (1.0_dp - share)*walk%r, group)
+   end function beside
 
    !> Variance of the first process, AR(1).
    pure real(dp) function variance_of(model) result(variance)
@@ -180,18 +138,5 @@ contains
 
       variance = model%q(1)/((1.0_dp - model%phi(1))*(1.0_dp + model%phi(1)))
    end function variance_of
-
-   !> Adds a start; none of its variances is 0.
-   pure subroutine add(list, n, one)
-      type(start_type), intent(inout) :: list(:)
-      integer, intent(inout) :: n
-      type(start_type), intent(in) :: one
-
-      n = n + 1
-      list(n) = one
-      list(n)%variance = max(one%variance, tiniest)
-      list(n)%step = max(one%step, tiniest)
-      list(n)%white = max(one%white, tiniest)
-   end subroutine add
 
 end module gyroakf_filter_drift_starts

@@ -9,14 +9,15 @@ module gyroakf_filter_filter_series
    use gyroakf_progress, only : progress_type, tell_progress
    use gyroakf_record, only : text_type
    use gyroakf_special, only : chi_square_quantile
-   use gyroakf_stats_whiteness, only : ljung_box_type, ljung_box_of
+   use gyroakf_stats_moments, only : compute_moments, join_moments, moments_type
+   use gyroakf_stats_whiteness, only : ljung_box_of
    use gyroakf_filter_kalman, only : filter_type, run_filter
    use gyroakf_filter_drift_steady, only : drift_dc_gain
    use gyroakf_filter_drift_step, only : begins_here
    use gyroakf_filter_state_space, only : dc_gain
    use gyroakf_filter_lag_sums, only : lag_sums_type, start_lag_sums, add_block, autocovariance_of, longest_lag
    use gyroakf_filter_measurement, only : is_sample
-   use gyroakf_filter_filter_warnings, only : filter_facts, filter_warnings
+   use gyroakf_filter_filter_warnings, only : filter_result_type, list_warnings
    implicit none (type, external)
    private
    public :: filter_result_type, filter_series
@@ -30,43 +31,10 @@ module gyroakf_filter_filter_series
    !> Fewest measurements that the diagnostics make sense for
    integer, parameter :: fewest_measurements = 30
 
-   !> What a filter did to a series
-   type :: filter_result_type
-      !> Mean and variance (ddof 1) of the output, over the present samples
-      real(dp) :: mean = 0, variance = 0
-      !> Mean of the first gain over the last third of the series
-      real(dp) :: gain = 0
-      !> Share of a constant true rotation that passes, from the mean gain; with q or r adapted, the share left
-      !> after the memory 1/(1 - b)
-      real(dp) :: dc_gain = 0
-      !> Variances Q, R and means q, r at the end
-      real(dp) :: q = 0, r = 0, q_mean = 0, r_mean = 0
-      !> Mean of the squared normalised innovations; 1 where the stated variances are those of the series
-      real(dp) :: nis_mean = 0
-      !> Where it lies in 95 of 100 series of the model: quantiles of chi-square over the innovations' count
-      real(dp) :: nis_low = 0, nis_high = 0
-      !> Whiteness of the normalised innovations, 20 lags, no fitted parameters subtracted
-      type(ljung_box_type) :: ljung_box
-      !> Forgetting factor b; 0: nothing is adapted
-      real(dp) :: forgetting = 0
-      !> What is adapted: "q", "r", "Q", "R"; [0 ... 4]
-      type(text_type), allocatable :: estimate(:)
-      !> Measurements with Q or R at a bound, measurements at which the gate acted, samples
-      integer(int64) :: clamped = 0, gated = 0, steps = 0
-      !> What the user must know, in sentences
-      type(text_type), allocatable :: warnings(:)
-   end type filter_result_type
-
-   !> Mean and sum of squared deviations, merged block by block
-   type :: moments_sum_type
-      integer(int64) :: count = 0
-      real(dp) :: mean = 0, squares = 0
-   end type moments_sum_type
-
    !> State of the diagnostics along a series
    type :: filter_run_type
       type(lag_sums_type) :: innovations
-      type(moments_sum_type) :: output
+      type(moments_type) :: output, block
       !> Innovations over their standard deviations, presence: of a block
       real(dp), allocatable :: normalised(:)
       integer(int8), allocatable :: here(:)
@@ -191,7 +159,8 @@ contains
          end if
          begins = begins_here(filter)
          call run_filter(filter, z(first:last), x(first:last), run%here(:n), run%normalised(:n))
-         call add_moments(run%output, x(first:last), run%here(:n))
+         call compute_moments(x(first:last), run%block, run%here(:n))
+         call join_moments(run%output, run%block)
          if (begins) run%here(:n) = after_first(run%here(:n))
          call add_block(run%innovations, run%normalised(:n), run%here(:n))
          run%done = run%done + n
@@ -213,7 +182,7 @@ contains
       result%clamped = filter%clamped - run%before(1)
       result%gated = filter%gated - run%before(2)
       result%mean = run%output%mean
-      result%variance = run%output%squares/real(run%output%count - 1, dp)
+      result%variance = run%output%variance
       call conclude(filter, run%innovations, result, error)
    end subroutine end_run
 
@@ -257,38 +226,6 @@ contains
       filter%gain_measurements = 0
    end subroutine restart_gain
 
-   !> Merges the moments of a block.
-   pure subroutine add_moments(sums, x, here)
-      !> The moments so far
-      type(moments_sum_type), intent(inout) :: sums
-      !> The block, [n], and the presence of its samples
-      real(dp), intent(in), contiguous :: x(:)
-      integer(int8), intent(in), contiguous :: here(:)
-      real(dp) :: mean, squares, difference
-      integer(int64) :: count, together
-      integer :: k
-
-      count = 0
-      mean = 0.0_dp
-      !$omp simd reduction(+:count, mean)
-      do k = 1, size(x)
-         count = count + here(k)
-         mean = mean + here(k)*x(k)
-      end do
-      if (count == 0) return
-      mean = mean/real(count, dp)
-      squares = 0.0_dp
-      !$omp simd reduction(+:squares)
-      do k = 1, size(x)
-         squares = squares + here(k)*(x(k) - mean)**2
-      end do
-      together = sums%count + count
-      difference = mean - sums%mean
-      sums%squares = sums%squares + squares + difference**2*(real(sums%count, dp)*(real(count, dp)/real(together, dp)))
-      sums%mean = sums%mean + difference*(real(count, dp)/real(together, dp))
-      sums%count = together
-   end subroutine add_moments
-
    !> Everything that is known at the end.
    subroutine conclude(filter, innovations, result, error)
       !> The filter after the series
@@ -299,7 +236,6 @@ contains
       type(filter_result_type), intent(inout) :: result
       !> As ljung_box_of
       type(error_type), allocatable, intent(out) :: error
-      type(filter_facts) :: facts
       real(dp) :: gain(size(filter%gain)), autocovariance(0:longest_lag), count
 
       gain = filter%gain
@@ -321,15 +257,7 @@ contains
          call ljung_box_of(autocovariance, innovations%samples, 0, result%ljung_box, error, nint(innovations%pairs, int64))
          if (allocated(error)) return
       end if
-      facts%measurements = innovations%present
-      facts%clamped = result%clamped
-      facts%gated = result%gated
-      facts%gain = result%gain
-      facts%dc_gain = result%dc_gain
-      facts%nis_mean = result%nis_mean
-      facts%largest_rho = result%ljung_box%largest_rho
-      facts%p_value = result%ljung_box%p_value
-      call filter_warnings(filter, facts, result%warnings)
+      call list_warnings(filter, innovations%present, result)
    end subroutine conclude
 
    !> DC gain in the end: an adapted mean takes up a part of a constant rate, or all of it.

@@ -1,14 +1,15 @@
 ! SPDX-License-Identifier: MIT
-!> What the user must know about a filter's result, in sentences: warnings, and notes.
+!> The result of a filter over a series, and what the user must know about it, in sentences: warnings, and notes.
 !>
 !> A verdict goes by the size of the effect, with the numbers in it.
 module gyroakf_filter_filter_warnings
    use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : text_type, add_text
+   use gyroakf_stats_whiteness, only : ljung_box_type
    use gyroakf_filter_filter_types, only : filter_type
    implicit none (type, external)
    private
-   public :: colored, filter_facts, filter_warnings, significant
+   public :: colored, filter_result_type, list_warnings, significant
 
    !> Share of the measurements with Q or R at a bound, or gated, that is worth a word
    real(dp), parameter :: often = 0.05_dp
@@ -25,80 +26,99 @@ module gyroakf_filter_filter_warnings
    !> Mean NIS within these is called consistent
    real(dp), parameter :: lowest_nis = 0.8_dp, highest_nis = 1.25_dp
 
-   !> The numbers that are judged
-   type :: filter_facts
-      !> Measurements, those with Q or R at a bound, those gated
-      integer(int64) :: measurements = 0, clamped = 0, gated = 0
-      !> As in filter_result_type
-      real(dp) :: gain = 0, dc_gain = 0, nis_mean = 0, largest_rho = 0, p_value = 1
-   end type filter_facts
+   !> What a filter did to a series
+   type :: filter_result_type
+      !> Mean and variance (ddof 1) of the output, over the present samples
+      real(dp) :: mean = 0, variance = 0
+      !> Mean of the first gain over the last third of the series
+      real(dp) :: gain = 0
+      !> Share of a constant true rotation that passes, from the mean gain; with q or r adapted, the share left
+      !> after the memory 1/(1 - b)
+      real(dp) :: dc_gain = 0
+      !> Variances Q, R and means q, r at the end
+      real(dp) :: q = 0, r = 0, q_mean = 0, r_mean = 0
+      !> Mean of the squared normalised innovations; 1 where the stated variances are those of the series
+      real(dp) :: nis_mean = 0
+      !> Where it lies in 95 of 100 series of the model: quantiles of chi-square over the innovations' count
+      real(dp) :: nis_low = 0, nis_high = 0
+      !> Whiteness of the normalised innovations, 20 lags, no fitted parameters subtracted
+      type(ljung_box_type) :: ljung_box
+      !> Forgetting factor b; 0: nothing is adapted
+      real(dp) :: forgetting = 0
+      !> What is adapted: "q", "r", "Q", "R"; [0 ... 4]
+      type(text_type), allocatable :: estimate(:)
+      !> Measurements with Q or R at a bound, measurements at which the gate acted, samples
+      integer(int64) :: clamped = 0, gated = 0, steps = 0
+      !> What the user must know, in sentences
+      type(text_type), allocatable :: warnings(:)
+   end type filter_result_type
 
 contains
 
    !> The warnings that apply, the gravest first.
-   pure subroutine filter_warnings(filter, facts, warnings)
+   pure subroutine list_warnings(filter, measurements, result)
       !> The filter after the series
       type(filter_type), intent(in) :: filter
-      !> Its diagnostics
-      type(filter_facts), intent(in) :: facts
-      !> Sentences, [0 ...]
-      type(text_type), allocatable, intent(out) :: warnings(:)
+      !> Measurements that have an innovation
+      integer(int64), intent(in) :: measurements
+      !> Its diagnostics; gets the warnings
+      type(filter_result_type), intent(inout) :: result
       logical :: paper
 
-      allocate (warnings(0))
+      allocate (result%warnings(0))
       paper = filter%drift_model%count == 0         ! its variances are not meant to be those of the series
-      call judge_adaptation(filter, facts, warnings)
-      if (facts%dc_gain < attenuated .and. paper) then     ! a drift filter's output is not the rotation
-         call add_text(warnings, "of a constant true rotation the output keeps "//trim(percent(facts%dc_gain)) &
+      call judge_adaptation(filter, measurements, result)
+      if (result%dc_gain < attenuated .and. paper) then     ! a drift filter's output is not the rotation
+         call add_text(result%warnings, "of a constant true rotation the output keeps "//trim(percent(result%dc_gain)) &
                        //": do not navigate with it", note=.true.)
       end if
-      if (facts%largest_rho > colored .and. facts%p_value < significant) then
-         call add_text(warnings, "the innovations are not white: an autocorrelation of "//trim(decimal(facts%largest_rho)) &
-                       //" within 20 lags (p "//trim(probability(facts%p_value)) &
+      if (result%ljung_box%largest_rho > colored .and. result%ljung_box%p_value < significant) then
+         call add_text(result%warnings, "the innovations are not white: an autocorrelation of " &
+                       //trim(decimal(result%ljung_box%largest_rho))//" within 20 lags (p " &
+                       //trim(probability(result%ljung_box%p_value)) &
                        //", a good model leaves less than 0.10); the model does not describe the series", note=paper)
       end if
-      if (facts%nis_mean < lowest_nis .or. facts%nis_mean > highest_nis) then
-         call add_text(warnings, "the mean normalized innovation squared is "//trim(decimal(facts%nis_mean)) &
+      if (result%nis_mean < lowest_nis .or. result%nis_mean > highest_nis) then
+         call add_text(result%warnings, "the mean normalized innovation squared is "//trim(decimal(result%nis_mean)) &
                        //" (1 is consistent): the variances that the filter states are not those of the series", note=paper)
       end if
       if (.not. any(abs(filter%phi) > 0.0_dp)) then
-         call add_text(warnings, "the model is white noise: there is nothing to predict, " &
+         call add_text(result%warnings, "the model is white noise: there is nothing to predict, " &
                        //"and the output is the series times the gain", note=.true.)
       end if
-   end subroutine filter_warnings
+   end subroutine list_warnings
 
    !> Warnings of the adaptation and the gate.
-   pure subroutine judge_adaptation(filter, facts, warnings)
-      !> As in filter_warnings
+   pure subroutine judge_adaptation(filter, measurements, result)
+      !> As in list_warnings
       type(filter_type), intent(in) :: filter
-      type(filter_facts), intent(in) :: facts
-      !> The list so far
-      type(text_type), allocatable, intent(inout) :: warnings(:)
+      integer(int64), intent(in) :: measurements
+      type(filter_result_type), intent(inout) :: result
       real(dp) :: all_of_them
 
-      all_of_them = real(max(1_int64, facts%measurements), dp)
+      all_of_them = real(max(1_int64, measurements), dp)
       associate (options => filter%options)
          if (options%estimate_process_variance .and. options%estimate_measurement_variance) then
-            call add_text(warnings, "Q and R are both adapted but not identifiable together: their sum follows the data, " &
+            call add_text(result%warnings, "Q and R are both adapted but not identifiable together: their sum follows the data, " &
                           //"their ratio, and with it the gain, does not", note=.true.)
          end if
          if (options%estimate_process_mean .and. options%estimate_measurement_mean) then
-            call add_text(warnings, "q and r are both adapted but not identifiable together: " &
+            call add_text(result%warnings, "q and r are both adapted but not identifiable together: " &
                           //"a constant offset may be in either", note=.true.)
          end if
-         if (filter%adaptive .and. facts%gain < min(collapsed, 0.01_dp*filter%steady_gain(1))) then
-            call add_text(warnings, "the gain has collapsed to "//trim(decimal(facts%gain)) &
+         if (filter%adaptive .and. result%gain < min(collapsed, 0.01_dp*filter%steady_gain(1))) then
+            call add_text(result%warnings, "the gain has collapsed to "//trim(decimal(result%gain)) &
                           //": the output no longer follows the measurements")
          end if
-         if (options%estimate_measurement_variance .and. facts%gain > passing) then
-            call add_text(warnings, "R has fallen towards zero: the series holds hardly any white measurement noise beside " &
-                          //"the model, and the filter passes it through (gain "//trim(decimal(facts%gain))//")")
-         else if (real(facts%clamped, dp) > often*all_of_them) then
-            call add_text(warnings, "Q or R was held at a bound at "//trim(percent(real(facts%clamped, dp)/all_of_them)) &
+         if (options%estimate_measurement_variance .and. result%gain > passing) then
+            call add_text(result%warnings, "R has fallen towards zero: the series holds hardly any white measurement noise " &
+                          //"beside the model, and the filter passes it through (gain "//trim(decimal(result%gain))//")")
+         else if (real(result%clamped, dp) > often*all_of_them) then
+            call add_text(result%warnings, "Q or R was held at a bound at "//trim(percent(real(result%clamped, dp)/all_of_them)) &
                           //" of the measurements")
          end if
-         if (real(facts%gated, dp) > often*all_of_them) then
-            call add_text(warnings, "the gate acted at "//trim(percent(real(facts%gated, dp)/all_of_them)) &
+         if (real(result%gated, dp) > often*all_of_them) then
+            call add_text(result%warnings, "the gate acted at "//trim(percent(real(result%gated, dp)/all_of_them)) &
                           //" of the measurements: outliers, or variances that are too small")
          end if
       end associate

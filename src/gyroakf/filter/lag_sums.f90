@@ -2,6 +2,7 @@
 !> Autocovariances of a series that arrives in blocks, exact across the borders, missing samples left out.
 module gyroakf_filter_lag_sums
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_stats_lagged_products, only : add_lagged_products
    implicit none (type, external)
    private
    public :: lag_sums_type, start_lag_sums, add_block, autocovariance_of, longest_lag
@@ -57,16 +58,14 @@ contains
       sums%here(1:n) = 1.0_dp
       if (present(valid)) sums%here(1:n) = merge(1.0_dp, 0.0_dp, valid /= 0_int8)
       count = total(sums%here(1:n))
-      if (sums%present == 0 .and. count > 0.0_dp) sums%shift = dot(x, sums%here(1:n))/count
-      sums%squares = sums%squares + sum_of_squares(x, sums%here(1:n))
+      if (sums%present == 0 .and. count > 0.0_dp) sums%shift = total(x*sums%here(1:n))/count
+      sums%squares = sums%squares + total(sums%here(1:n)*x**2)
       sums%value(1:n) = (x - sums%shift)*sums%here(1:n)
       sums%samples = sums%samples + n
       sums%present = sums%present + nint(count, int64)
       block_total = total(sums%value(1:n))
       sums%total = sums%total + block_total
-      do k = 0, longest_lag
-         sums%products(k) = sums%products(k) + dot(sums%value(1:n), sums%value(1 - k:n - k))
-      end do
+      call add_lagged_products(sums%value(1:), sums%value, n, longest_lag, sums%products)
       if (total(sums%here(:n)) > real(n + longest_lag, dp) - 0.5_dp) then
          edge = 0.0_dp                              ! nothing is missing here nor in the last samples before
          do k = 0, longest_lag
@@ -76,11 +75,9 @@ contains
             sums%earlier(k) = sums%earlier(k) + (block_total + edge)
          end do
       else
-         do k = 0, longest_lag
-            sums%pairs(k) = sums%pairs(k) + dot(sums%here(1:n), sums%here(1 - k:n - k))
-            sums%later(k) = sums%later(k) + dot(sums%value(1:n), sums%here(1 - k:n - k))
-            sums%earlier(k) = sums%earlier(k) + dot(sums%here(1:n), sums%value(1 - k:n - k))
-         end do
+         call add_lagged_products(sums%here(1:), sums%here, n, longest_lag, sums%pairs)
+         call add_lagged_products(sums%value(1:), sums%here, n, longest_lag, sums%later)
+         call add_lagged_products(sums%here(1:), sums%value, n, longest_lag, sums%earlier)
       end if
       do k = 1 - longest_lag, 0
          sums%value(k) = sums%value(n + k)
@@ -100,32 +97,6 @@ contains
          total = total + a(i)
       end do
    end function total
-
-   !> Sum of the squares of the present values.
-   pure real(dp) function sum_of_squares(a, here)
-      !> The vector and its presence (1 or 0), [n]
-      real(dp), intent(in), contiguous :: a(:), here(:)
-      integer :: i
-
-      sum_of_squares = 0.0_dp
-      !$omp simd reduction(+:sum_of_squares)
-      do i = 1, size(a)
-         sum_of_squares = sum_of_squares + here(i)*a(i)**2
-      end do
-   end function sum_of_squares
-
-   !> Scalar product of two vectors of one length.
-   pure real(dp) function dot(a, b)
-      !> The vectors, [n]
-      real(dp), intent(in), contiguous :: a(:), b(:)
-      integer :: i
-
-      dot = 0.0_dp
-      !$omp simd reduction(+:dot)
-      do i = 1, size(a)
-         dot = dot + a(i)*b(i)
-      end do
-   end function dot
 
    !> Autocovariances about the mean: per lag the mean over the present pairs times (n - k)/n, which without
    !> gaps is the biased estimate with divisor n.

@@ -88,7 +88,7 @@ contains
       else if (word(1) /= first_word) then
          call fatal_error(error, status%parse, "these bytes are not the state of a filter, or of a machine of another byte order")
       else if (word(2) /= version) then
-         call fatal_error(error, status%parse, "the state of a filter was saved by a later version of the library")
+         call fatal_error(error, status%parse, "the state of a filter was saved by another version of the library")
       else if (word(3) /= size(word, kind=int64)) then
          call fatal_error(error, status%parse, "the state of a filter is cut short or has something behind it")
       else if (word(4) /= checksum(word(header + 1:))) then

@@ -1,8 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> The fixed-interval smoother of a drift model: each sample's drift from the whole record, before and after it.
 !>
-!> The recursions are those of [[gyroakf_filter_smoother_step]]. The filter's states are kept at the beginnings of about sqrt(n)
-!> blocks and recomputed within a block: two forward passes and one backward, exact, memory O(sqrt n).
+!> With filtered estimates x_k, P_k, gains K, innovations e and their variances S, backwards from rho = 0, N = 0:
+!> $$ \hat x_k = x_k + P_k \rho_k, \quad V_k = P_k - P_k N_k P_k $$
+!> $$ \rho_{k-1} = \Phi^T \big[ (I - K \mathbf 1^T)^T \rho_k + \mathbf 1\, e_k/S_k \big], \quad
+!>    N_{k-1} = \Phi^T \big[ (I - K \mathbf 1^T)^T N_k (I - K \mathbf 1^T) + \mathbf 1 \mathbf 1^T/S_k \big] \Phi $$
+!> without an inverse of a covariance. The filter's states are kept at the beginnings of about sqrt(n) blocks and recomputed within
+!> a block: two forward passes and one backward, exact, memory O(sqrt n).
 !>
 !> Source: Bryson & Frazier (1963); de Jong, J. Amer. Stat. Assoc. 84 (1989) 408-409; Durbin & Koopman, Time Series Analysis by
 !> State Space Methods, 2nd ed. (2012), 4.4.
@@ -10,15 +14,33 @@ module gyroakf_filter_smoother
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, tell_progress
-   use gyroakf_filter_components, only : component_model_type, component_state_type, check_components, settling_type, &
-      start_components
-   use gyroakf_filter_smoother_step, only : advance_smoother, smooth_back, smoother_back_type, smoother_step_type
+   use gyroakf_filter_components, only : component_model_type, component_state_type, most_components, check_components, &
+      start_components, predict_components, correct_components, settling_type, judge_settling
+   use gyroakf_filter_measurement, only : is_sample
    implicit none (type, external)
    private
    public :: smooth_drift
 
    !> Samples of a block, at least
    integer(int64), parameter :: shortest_block = 1024
+
+   !> Samples between two tests whether the filter is stationary
+   integer(int64), parameter :: test_interval = 64
+
+   !> What the way back needs of a sample: the state behind it
+   type :: smoother_step_type
+      type(component_state_type) :: state
+      !> There is a measurement that has an innovation; it is the first of a random walk
+      logical :: counts = .false., begins = .false.
+   end type smoother_step_type
+
+   !> What is carried back
+   type :: smoother_back_type
+      real(dp) :: rho(most_components) = 0.0_dp, n(most_components, most_components) = 0.0_dp
+      !> Before the first measurement of a random walk: estimates and their covariance
+      logical :: before = .false.
+      real(dp) :: x(most_components) = 0.0_dp, v(most_components, most_components) = 0.0_dp
+   end type smoother_back_type
 
 contains
 
@@ -114,5 +136,142 @@ contains
       if (.not. same) call fatal_error(error, status%invalid_argument, "a smoother needs a series, an output and masks of one "// &
                                        "length, and a word for each process")
    end subroutine check_sizes
+
+   !> The filter over a block; keeps every step.
+   pure subroutine advance_smoother(model, z, from, to, state, settling, step, seen, valid, white)
+      type(component_model_type), intent(in) :: model
+      real(dp), intent(in), contiguous :: z(:)
+      !> First and last sample
+      integer(int64), intent(in) :: from, to
+      !> Before the block, behind it afterwards
+      type(component_state_type), intent(inout) :: state
+      type(settling_type), intent(inout) :: settling
+      type(smoother_step_type), intent(inout), contiguous :: step(:)
+      !> Measurements so far
+      integer(int64), intent(inout) :: seen
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp), intent(in), optional :: white(:)
+      integer(int64) :: k
+      integer :: n
+      real(dp) :: r
+      logical :: here
+
+      n = model%count
+      r = model%r
+      do k = from, to
+         here = is_sample(z(k))
+         if (present(valid)) here = here .and. valid(k) /= 0_int8
+         if (present(white)) r = white(k)
+         associate (now => step(k - from + 1))
+            now%counts = here .and. state%started
+            now%begins = here .and. .not. state%started
+            if (here) seen = seen + 1
+            if (settling%settled .and. here) then
+               state%x(:n) = model%phi(:n)*state%x(:n)
+               state%innovation = z(k) - sum(state%x(:n))
+               state%x(:n) = state%x(:n) + state%gain(:n)*state%innovation
+            else
+               call predict_components(model, state)
+               if (here) call correct_components(n, r, z(k), state)
+               if (.not. here .or. present(white)) then
+                  settling = settling_type()
+               else if (modulo(k, test_interval) == 0) then
+                  call judge_settling(settling, reshape([state%gain(:n), state%variance], [n + 1, 1]))
+               end if
+            end if
+            now%state = state
+         end associate
+      end do
+   end subroutine advance_smoother
+
+   !> The way back through a block.
+   pure subroutine smooth_back(model, slow, step, from, to, back, drift, variance)
+      type(component_model_type), intent(in) :: model
+      logical, intent(in) :: slow(:)
+      type(smoother_step_type), intent(in), contiguous :: step(:)
+      integer(int64), intent(in) :: from, to
+      !> From block to block
+      type(smoother_back_type), intent(inout) :: back
+      real(dp), intent(inout), contiguous :: drift(:)
+      real(dp), intent(inout), optional :: variance(:)
+      integer(int64) :: k
+      integer :: n
+
+      n = model%count
+      do k = to, from, -1
+         associate (now => step(k - from + 1))
+            if (back%before) then
+               call predict_back(model, back)
+            else
+               call smooth_state(n, now%state, back)
+            end if
+            drift(k) = sum(back%x(:n), mask=slow)
+            if (present(variance)) variance(k) = sum(back%v(:n, :n), mask=spread(slow, 1, n) .and. spread(slow, 2, n))
+            back%before = back%before .or. now%begins
+            if (.not. back%before) call carry_back(model, now, back)
+         end associate
+      end do
+   end subroutine smooth_back
+
+   !> The estimate from both sides.
+   pure subroutine smooth_state(n, state, back)
+      integer, intent(in) :: n
+      !> Filtered
+      type(component_state_type), intent(in) :: state
+      !> Its x and v are set
+      type(smoother_back_type), intent(inout) :: back
+      real(dp) :: pn(n, n)
+
+      back%x(:n) = state%x(:n) + matmul(state%p(:n, :n), back%rho(:n))
+      pn = matmul(state%p(:n, :n), back%n(:n, :n))
+      back%v(:n, :n) = state%p(:n, :n) - matmul(pn, state%p(:n, :n))
+   end subroutine smooth_state
+
+   !> Back by one sample and its measurement.
+   pure subroutine carry_back(model, now, back)
+      type(component_model_type), intent(in) :: model
+      type(smoother_step_type), intent(in) :: now
+      type(smoother_back_type), intent(inout) :: back
+      real(dp) :: kn(most_components), change
+      integer :: i, j, n
+
+      n = model%count
+      if (now%counts) then
+         associate (gain => now%state%gain(:n), s => now%state%variance)
+            change = now%state%innovation/s - dot_product(gain, back%rho(:n))
+            do j = 1, n
+               kn(j) = dot_product(gain, back%n(:n, j))
+            end do
+            back%rho(:n) = back%rho(:n) + change
+            change = dot_product(gain, kn(:n)) + 1.0_dp/s
+            do j = 1, n
+               do i = 1, n
+                  back%n(i, j) = back%n(i, j) - kn(i) - kn(j) + change
+               end do
+            end do
+         end associate
+      end if
+      do j = 1, n
+         back%rho(j) = model%phi(j)*back%rho(j)
+         do i = 1, n
+            back%n(i, j) = model%phi(i)*model%phi(j)*back%n(i, j)
+         end do
+      end do
+   end subroutine carry_back
+
+   !> Back by one sample before the first measurement: the processes are the same in both directions of time.
+   pure subroutine predict_back(model, back)
+      type(component_model_type), intent(in) :: model
+      type(smoother_back_type), intent(inout) :: back
+      integer :: i, j
+
+      do j = 1, model%count
+         back%x(j) = model%phi(j)*back%x(j)
+         do i = 1, model%count
+            back%v(i, j) = model%phi(i)*model%phi(j)*back%v(i, j)
+         end do
+         back%v(j, j) = back%v(j, j) + model%q(j)
+      end do
+   end subroutine predict_back
 
 end module gyroakf_filter_smoother

@@ -15,7 +15,7 @@ module gyroakf_pipeline_channel_filters
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure
    implicit none (type, external)
    private
-   public :: run_filters, figures_of, reserve
+   public :: run_filters, run_designed, figures_of, reserve
 
 contains
 
@@ -69,25 +69,53 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       class(progress_type), intent(inout), optional :: progress
       type(filter_type) :: filter
+      type(filter_result_type) :: filtered
+      logical :: done
 
       if (which == stage%kf) then
          call design_kf(channel%filter_ar, options%design, filter, error)
-         if (.not. allocated(error)) call filter_series(filter, z, x, channel%kf, error, valid, progress)
-         if (is_fatal(error)) return
-         channel%available%kf = .not. allocated(error)
-         call note_failure(channel, "Kalman filter", error)
-         if (.not. channel%available%kf) return
-         channel%kf_figures = figures_of(channel%kf, channel%cleaned%variance, x, mean, .true., channel, valid)
+         call run_designed(filter, "Kalman filter", z, x, channel, filtered, done, error, valid, progress)
       else
          call design_akf(channel%filter_ar, difference_variance(z, valid), options%design, filter, error)
-         if (.not. allocated(error)) call filter_series(filter, z, x, channel%akf, error, valid, progress)
-         if (is_fatal(error)) return
-         channel%available%akf = .not. allocated(error)
-         call note_failure(channel, "adaptive Kalman filter", error)
-         if (.not. channel%available%akf) return
-         channel%akf_figures = figures_of(channel%akf, channel%cleaned%variance, x, mean, .true., channel, valid)
+         call run_designed(filter, "adaptive Kalman filter", z, x, channel, filtered, done, error, valid, progress)
+      end if
+      if (.not. done) return
+      if (which == stage%kf) then
+         channel%available%kf = .true.
+         channel%kf = filtered
+         channel%kf_figures = figures_of(filtered, channel%cleaned%variance, x, mean, .true., channel, valid)
+      else
+         channel%available%akf = .true.
+         channel%akf = filtered
+         channel%akf_figures = figures_of(filtered, channel%cleaned%variance, x, mean, .true., channel, valid)
       end if
    end subroutine run_paper_filter
+
+   !> Runs a filter; what cannot be done is noted in the channel.
+   subroutine run_designed(filter, name, z, x, channel, filtered, done, error, valid, progress)
+      !> Made, where `error` is not set
+      type(filter_type), intent(inout) :: filter
+      !> Its name in the note
+      character(*), intent(in) :: name
+      !> Series and output: [n]
+      real(dp), intent(in), contiguous :: z(:)
+      real(dp), intent(out), contiguous :: x(:)
+      !> Gets the note
+      type(channel_result_type), intent(inout) :: channel
+      !> What the filter did, where it is `done`
+      type(filter_result_type), intent(out) :: filtered
+      logical, intent(out) :: done
+      !> That of its design; no_memory, cancelled and the like afterwards
+      type(error_type), allocatable, intent(inout) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      !> Progress callback; may cancel
+      class(progress_type), intent(inout), optional :: progress
+
+      if (.not. allocated(error)) call filter_series(filter, z, x, filtered, error, valid, progress)
+      done = .not. allocated(error)
+      if (.not. is_fatal(error)) call note_failure(channel, name, error)
+   end subroutine run_designed
 
    !> Ratios of variances, and the RMSE where the true drift is known.
    pure function figures_of(filtered, input_variance, x, mean, detrended, channel, valid) result(figures)

@@ -11,14 +11,14 @@ module gyroakf_pipeline_drift_filters
    use gyroakf_record, only : record_type
    use gyroakf_filter_design, only : adaptive_drift, design_drift_akf, design_drift_kf
    use gyroakf_filter_kalman, only : filter_type
-   use gyroakf_filter_filter_series, only : filter_series
+   use gyroakf_filter_filter_series, only : filter_result_type
    use gyroakf_filter_two_pass, only : smooth_adaptive
    use gyroakf_stats_differences, only : difference_variance
    use gyroakf_stats_moments, only : compute_moments, moments_type
    use gyroakf_pipeline_coefficients, only : run_allan
    use gyroakf_pipeline_channel_drift, only : find_drift, judge_model, smoothed_share
-   use gyroakf_pipeline_channel_filters, only : figures_of, reserve
-   use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stage
+   use gyroakf_pipeline_channel_filters, only : figures_of, reserve, run_designed
+   use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, filter_figures_type, stage
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure
    implicit none (type, external)
    private
@@ -82,32 +82,31 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       class(progress_type), intent(inout), optional :: progress
       type(filter_type) :: filter
+      type(filter_result_type) :: filtered
+      type(filter_figures_type) :: figures
       real(dp), allocatable :: x(:)
+      logical :: done
 
       call reserve(x, size(z, kind=int64), error)
       if (allocated(error)) return
       if (adaptive) then
          call design_drift_akf(channel%drift, differences, options%drift, filter, error)
-         if (.not. allocated(error)) call filter_series(filter, z, x, channel%drift_akf, error, valid, progress)
+         call run_designed(filter, "adaptive drift filter", z, x, channel, filtered, done, error, valid, progress)
       else
          call design_drift_kf(channel%drift, filter, error)
-         if (.not. allocated(error)) call filter_series(filter, z, x, channel%drift_kf, error, valid, progress)
+         call run_designed(filter, "drift Kalman filter", z, x, channel, filtered, done, error, valid, progress)
       end if
-      if (is_fatal(error)) return
-      if (allocated(error)) then
-         call note_failure(channel, trim(merge("adaptive drift filter", "drift Kalman filter  ", adaptive)), error)
-         return
-      end if
+      if (.not. done) return
+      filtered%mean = filtered%mean + channel%level%mean
+      figures = figures_of(filtered, channel%level%variance, x, channel%level%mean, .false., channel, valid)
       if (adaptive) then
          channel%available%drift_akf = .true.
-         channel%drift_akf%mean = channel%drift_akf%mean + channel%level%mean
-         channel%drift_akf_figures = figures_of(channel%drift_akf, channel%level%variance, x, &
-                                                channel%level%mean, .false., channel, valid)
+         channel%drift_akf = filtered
+         channel%drift_akf_figures = figures
       else
          channel%available%drift_kf = .true.
-         channel%drift_kf%mean = channel%drift_kf%mean + channel%level%mean
-         channel%drift_kf_figures = figures_of(channel%drift_kf, channel%level%variance, x, &
-                                               channel%level%mean, .false., channel, valid)
+         channel%drift_kf = filtered
+         channel%drift_kf_figures = figures
       end if
       if (.not. options%keep_series) return
       x(:) = x + channel%level%mean
@@ -140,20 +139,6 @@ contains
       call note_failure(channel, "drift smoother", error)
       if (.not. channel%available%drift_smoother) return
       call compute_moments(drift, moments, valid)
-      call state_smoother(drift, moments, options, channel, valid)
-   end subroutine run_smoother
-
-   !> What the smoother did.
-   subroutine state_smoother(drift, moments, options, channel, valid)
-      !> Its output less the level: [n]
-      real(dp), intent(in), contiguous :: drift(:)
-      !> Of that, over the present samples
-      type(moments_type), intent(in) :: moments
-      type(pipeline_options), intent(in) :: options
-      !> Its `drift_smoother` and figures are filled
-      type(channel_result_type), intent(inout) :: channel
-      integer(int8), intent(in), optional :: valid(:)
-
       associate (model => channel%drift%model, result => channel%drift_smoother)
          result%mean = moments%mean + channel%level%mean
          result%variance = moments%variance
@@ -167,18 +152,7 @@ contains
          channel%drift_smoother_figures = figures_of(result, channel%level%variance, drift, &
                                                      channel%level%mean, .false., channel, valid)
       end associate
-   end subroutine state_smoother
-
-   !> What is left of the record without the smoothed drift.
-   subroutine state_compensated(moments, channel)
-      !> Of it, over the present samples
-      type(moments_type), intent(in) :: moments
-      !> Its `compensated` is filled
-      type(channel_result_type), intent(inout) :: channel
-
-      channel%compensated = moments
-      if (channel%level%variance > 0.0_dp) channel%compensated_ratio = moments%variance/channel%level%variance
-   end subroutine state_compensated
+   end subroutine run_smoother
 
    !> The record without the smoothed drift, and its Allan curve.
    subroutine compensate(record, x, drift, options, channel, error, valid, progress)
@@ -192,7 +166,6 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
       class(progress_type), intent(inout), optional :: progress
-      type(moments_type) :: moments
 
       if (options%keep_series) then
          call reserve(channel%series_drift, size(x, kind=int64), error)
@@ -200,8 +173,8 @@ contains
          channel%series_drift(:) = drift + channel%level%mean
       end if
       drift(:) = x - channel%level%mean - drift
-      call compute_moments(drift, moments, valid)
-      call state_compensated(moments, channel)
+      call compute_moments(drift, channel%compensated, valid)
+      if (channel%level%variance > 0.0_dp) channel%compensated_ratio = channel%compensated%variance/channel%level%variance
       if (options%do_allan) call run_allan(drift, record%sample_interval, record%rate_known, record%unit, options, &
                                            stage%compensated, channel, error, valid, progress)
       if (options%keep_series) call move_alloc(drift, channel%series_compensated)
