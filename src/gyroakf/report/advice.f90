@@ -7,7 +7,7 @@ module gyroakf_report_advice
    use gyroakf_filter_filter_series, only : filter_result_type
    use gyroakf_pipeline_result, only : channel_result_type, drift_process_type
    use gyroakf_report_text_layout, only : put_heading, put_point, put_items, number, count_text
-   use gyroakf_report_input, only : has_unit
+   use gyroakf_report_input, only : has_unit, time_unit
    implicit none (type, external)
    private
    public :: put_advice, put_warnings
@@ -75,8 +75,8 @@ contains
 
       if (.not. channel%available%drift) return
       if (.not. channel%drift%found) then
-         call put_point(writer, "No drift slower than "//number(channel%drift_tau, 3)//time_unit(record)//" was identified "// &
-                           "under the noise of the record: there is nothing that a filter could follow and subtract.")
+         call put_point(writer, "No drift slower than "//number(channel%drift_tau, 3)//" "//time_unit(record)// &
+                        " was identified under the noise of the record: there is nothing that a filter could follow and subtract.")
          return
       end if
       if (allocated(channel%drift_doubt)) then
@@ -179,17 +179,7 @@ contains
       character(:), allocatable :: text
 
       text = ""
-      if (process%time > 0.0_dp) text = " of "//number(process%time, 3)//time_unit(record)
+      if (process%time > 0.0_dp) text = " of "//number(process%time, 3)//" "//time_unit(record)
    end function of_time
-
-   !> " s", or " samples".
-   pure function time_unit(record) result(text)
-      !> Its rate is known or not
-      type(record_type), intent(in) :: record
-      character(:), allocatable :: text
-
-      text = " samples"
-      if (record%rate_known) text = " s"
-   end function time_unit
 
 end module gyroakf_report_advice

@@ -7,7 +7,7 @@ module gyroakf_report_figure_allan
    use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, pipeline_result_type, &
       stage, stated_coefficient_type
    use gyroakf_record, only : record_type, view_channel
-   use gyroakf_report_input, only : has_unit, unit_name
+   use gyroakf_report_input, only : has_unit, unit_name, time_unit
    use gyroakf_report_sign, only : to_unicode
    use gyroakf_report_svg, only : figure_type
    use gyroakf_report_svg_series, only : color_count, series_type
@@ -58,7 +58,7 @@ contains
          end if
          if (allan%read_off%known) figure%caption = figure%caption//"; lowest reliable: "//minimum_note()
          figure%caption = figure%caption//"."
-         if (allan%read_off%known) call set_minimum(figure%series(6), allan, record%rate_known)
+         if (allan%read_off%known) call set_minimum(figure%series(6), allan, time_unit(record))
          call set_curve(figure%series(8), allan, channel%name, 1)
          call set_points(figure%series(8), allan)
       end associate
@@ -121,7 +121,7 @@ contains
       type(coefficient_unit_type) :: unit
 
       figure%logarithmic = .true.
-      figure%x_label = "averaging time τ, "//trim(merge("s      ", "samples", record%rate_known))
+      figure%x_label = "averaging time τ, "//time_unit(record)
       figure%y_label = "Allan deviation, "//to_unicode(unit_name(record))
       if (.not. has_unit(record)) return
       unit = coefficient_unit(record%unit, 3, .not. record%rate_known)
@@ -198,17 +198,18 @@ contains
    end subroutine fill_between
 
    !> The lowest reliable deviation.
-   subroutine set_minimum(series, allan, rate_known)
+   subroutine set_minimum(series, allan, unit)
       type(series_type), intent(inout) :: series
       type(allan_result_type), intent(in) :: allan
-      logical, intent(in) :: rate_known
+      !> Of averaging times
+      character(*), intent(in) :: unit
 
       series%style = "mark"
       series%x = [allan%read%minimum_tau]
       series%y = [allan%read%minimum]
       series%label = "lowest reliable "//number(allan%read_off%minimum, 3)//" "// &
          to_unicode(allan%stated%term(3)%unit)//" at "//number(allan%read_off%minimum_tau, 3)// &
-         trim(merge(" s      ", " samples", rate_known))
+         " "//unit
    end subroutine set_minimum
 
    !> Which points the minimum is among.

@@ -10,6 +10,7 @@ module gyroakf_report_figure_series
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_pipeline_result, only : channel_result_type
    use gyroakf_record, only : record_type
+   use gyroakf_report_input, only : time_unit
    use gyroakf_report_sign, only : to_unicode
    use gyroakf_report_svg, only : figure_type
    use gyroakf_report_svg_series, only : series_type
@@ -86,7 +87,7 @@ contains
       type(figure_type), intent(inout) :: figure
 
       figure%title = title
-      figure%x_label = "time, "//trim(merge("s      ", "samples", record%rate_known))
+      figure%x_label = "time, "//time_unit(record)
       figure%y_label = to_unicode(unit)
    end subroutine begin_figure
 

@@ -10,7 +10,7 @@ module gyroakf_report_html_recording
    use gyroakf_report_figure_allan, only : minimum_note
    use gyroakf_report_figures, only : named_figure_type
    use gyroakf_report_html_markup, only : close_list, put_attribute, put_element, put_escaped
-   use gyroakf_report_input, only : put_input, unit_name
+   use gyroakf_report_input, only : put_input, unit_name, time_unit
    use gyroakf_report_svg, only : write_svg
    use gyroakf_report_text_answer, only : put_answer
    use gyroakf_report_text_layout, only : count_text, put_paragraph, put_point
@@ -191,7 +191,7 @@ contains
       unit = unit_name(record)
       if (verify(unit, plain) > 0) unit = ""
       attributes = " data-curve=""input"" data-unit="""//unit//""" data-time="""// &
-                   trim(merge("s      ", "samples", record%rate_known))//""""
+                   time_unit(record)//""""
    end subroutine curve_attributes
 
 end module gyroakf_report_html_recording

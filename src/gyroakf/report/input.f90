@@ -11,7 +11,7 @@ module gyroakf_report_input
    use gyroakf_report_text_table, only : table_type, new_table, set_cell, put_table
    implicit none (type, external)
    private
-   public :: report_inspect, put_input, put_source, has_unit, unit_name, duration_text
+   public :: report_inspect, put_input, put_source, has_unit, unit_name, time_unit, duration_text
 
 contains
 
@@ -283,6 +283,16 @@ contains
       name = "input units"
       if (has_unit(record)) name = record%unit%name
    end function unit_name
+
+   !> Unit of averaging times: "s", or "samples" where no rate is known.
+   pure function time_unit(record) result(name)
+      !> What was read
+      type(record_type), intent(in) :: record
+      character(:), allocatable :: name
+
+      name = "samples"
+      if (record%rate_known) name = "s"
+   end function time_unit
 
    !> "2400 s (40 min)".
    pure function duration_text(seconds) result(text)

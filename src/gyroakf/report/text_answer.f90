@@ -6,7 +6,7 @@ module gyroakf_report_text_answer
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, pipeline_result_type, stage, &
       stated_coefficient_type
-   use gyroakf_report_input, only : has_unit, unit_name
+   use gyroakf_report_input, only : has_unit, unit_name, time_unit
    use gyroakf_report_text_layout, only : number, put_item, put_paragraph, report_width, rounded
    use gyroakf_report_text_table, only : column_widths, new_table, put_table, set_cell, set_row, table_type
    use gyroakf_units, only : quantity
@@ -77,7 +77,7 @@ contains
       if (has_unit(view)) call set_cell(table, 2, 2, unit_name(view))
       associate (term => channel(1)%allan(stage%input)%stated%term)
          call set_row(table, 2, [character(24) :: "", table%cell(2, 2)%text, term(term_n)%unit, term(3)%unit, term(term_k)%unit, &
-                                 term(3)%unit, trim(merge("s      ", "samples", record%rate_known))])
+                                 term(3)%unit, time_unit(record)])
       end associate
       row = 2
       do c = 1, size(channel)

@@ -9,7 +9,7 @@ module gyroakf_report_text_noise
    use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stage, stage_names
    use gyroakf_report_text_layout, only : put_heading, number, count_text
    use gyroakf_report_text_table, only : table_type, new_table, set_exact, set_cell, put_table
-   use gyroakf_report_input, only : unit_name
+   use gyroakf_report_input, only : unit_name, time_unit
    implicit none (type, external)
    private
    public :: put_curves_of, make_comparison
@@ -62,7 +62,7 @@ contains
 
       call put_heading(writer, title//": "//trim(curve%kind)//" in "//unit_name(record)// &
                        trim(merge(" times tau", "          ", curve%kind == "tdev"))//", tau in "// &
-                       trim(merge("s      ", "samples", record%rate_known))//", "// &
+                       time_unit(record)//", "// &
                        number(100*curve%confidence, 4)//" % limits")
       call new_table(table, size(curve%tau) + 1, merge(7, 6, present(model)))
       do i = 1, merge(7, 6, present(model))

@@ -6,7 +6,7 @@ module gyroakf_report_text_screen
    use gyroakf_pipeline_result, only : pipeline_result_type, stage
    use gyroakf_record, only : record_type, text_type, view_channel
    use gyroakf_report_chart, only : draw_chart
-   use gyroakf_report_input, only : put_source, unit_name
+   use gyroakf_report_input, only : put_source, unit_name, time_unit
    use gyroakf_report_remarks, only : put_remarks
    use gyroakf_report_text_answer, only : put_answer
    use gyroakf_report_text_layout, only : put_heading, put_item
@@ -73,7 +73,7 @@ contains
       end if
       if (size(lines) == 0) return
       call put_heading(writer, "Allan deviation in "//unit_name(first)//" against tau in "// &
-                       trim(merge("s      ", "samples", record%rate_known))//": "//legend)
+                       time_unit(record)//": "//legend)
       do i = 1, size(lines)
          call put_line(writer, lines(i)%text)
       end do
