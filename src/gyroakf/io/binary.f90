@@ -17,7 +17,7 @@ module gyroakf_io_binary
    use gyroakf_record, only : add_text
    implicit none (type, external)
    private
-   public :: binary_type, read_binary_rows, skip_bytes
+   public :: binary_type, read_binary_rows, refuse_rest, skip_bytes
 
    !> Where the numbers of a file are
    type :: binary_type
@@ -300,8 +300,10 @@ contains
             call c_f_pointer(c_loc(buffer), bytes, [n*row_bytes])
             call take_bytes(binary, source, bytes, came, error)
             if (allocated(error)) return
-            if (modulo(came, row_bytes) /= 0) call rest_of_row(binary, table, got, came, row_bytes, error)
-            if (allocated(error)) return
+            if (modulo(came, row_bytes) /= 0) then
+               call refuse_rest(binary, table%name, binary%row + got + came/row_bytes, modulo(came, row_bytes), error)
+               return
+            end if
             piece = merge(table%layout%slot(j), 0, binary%by_columns)
             if (piece > 0 .or. .not. binary%by_columns) then
                call spread_rows(binary, c_loc(buffer), column, piece, got + 1, got + came/row_bytes, value, binary%rounded)
@@ -313,20 +315,25 @@ contains
       end do
    end subroutine fill_in_order
 
-   !> The pipe ends within a row.
-   subroutine rest_of_row(binary, table, got, came, row_bytes, error)
+   !> The error for numbers that end within a row.
+   subroutine refuse_rest(binary, name, rows, rest, error)
+      !> Its layout is known
       type(binary_type), intent(in) :: binary
-      type(table_type), intent(in) :: table
-      integer(int64), intent(in) :: got, came, row_bytes
+      !> Of the file
+      character(*), intent(in) :: name
+      !> Whole rows, and bytes behind them
+      integer(int64), intent(in) :: rows, rest
+      !> Allocated: parse
       type(error_type), allocatable, intent(out) :: error
-      integer(int64) :: rows
+      integer(int64) :: row_bytes
 
-      rows = binary%row + got + came/row_bytes
-      call fatal_error(error, status%parse, table%name//": byte "//integer_text(binary%first + rows*row_bytes)//": "// &
-                       integer_text(modulo(came, row_bytes))//" bytes are left after "//integer_text(rows)//" rows of "// &
-                       integer_text(row_bytes)//" bytes"//new_line("a")// &
+      row_bytes = binary%columns*binary%element%bytes
+      call fatal_error(error, status%parse, name//": byte "//integer_text(binary%first + rows*row_bytes)//": "// &
+                       integer_text(rest)//" bytes are left after "//integer_text(rows)//" rows of "// &
+                       integer_text(row_bytes)//" bytes ("//integer_text(binary%columns)//" x "// &
+                       trim(element_name(binary%element))//")"//new_line("a")// &
                        "check type, `channels` and `skip`, or whether the file was cut off")
-   end subroutine rest_of_row
+   end subroutine refuse_rest
 
    !> The next bytes of a source, those read ahead first.
    subroutine take_bytes(binary, source, buffer, got, error)

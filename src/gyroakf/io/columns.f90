@@ -12,8 +12,8 @@ module gyroakf_io_columns
    use gyroakf_utf8, only : make_readable
    implicit none (type, external)
    private
-   public :: column_names_type, read_names, join_names, drop_empty_names, take_brackets_off, refuse_equal_names
-   public :: names_way, take_name, name_of, label_of, find_column, choose_columns, most_columns
+   public :: column_names_type, count_names, has_name, read_names, join_names, drop_empty_names, take_brackets_off
+   public :: refuse_equal_names, names_way, take_name, label_of, find_column, choose_columns, most_columns
 
    !> A file with more of them has lost its line ends
    integer, parameter :: most_columns = 65536
@@ -74,21 +74,18 @@ contains
    !> Names that are equal without their units keep them: "a [g]", "a [m/s^2]".
    pure subroutine keep_apart(names)
       type(column_names_type), intent(inout) :: names
-      logical :: equal(size(names%name))
+      logical :: equal(merge(size(names%name), 0, size(names%name) <= most_compared))
       integer :: i, j
 
-      equal(:) = .false.
-      if (size(equal) > most_compared) return
-      do i = 1, size(equal)
-         do j = i + 1, merge(size(equal), 0, len(names%name(i)%text) > 0)
-            if (names%name(i)%text /= names%name(j)%text .or. names%unit(i)%text == names%unit(j)%text) cycle
-            equal(i) = .true.
-            equal(j) = .true.
+      associate (name => names%name, unit => names%unit)
+         do i = 1, size(equal)
+            equal(i) = len(name(i)%text) > 0 .and. len(unit(i)%text) > 0
+            if (equal(i)) equal(i) = any([(name(i)%text == name(j)%text .and. unit(i)%text /= unit(j)%text, j=1, size(equal))])
          end do
-      end do
-      do i = 1, size(equal)
-         if (equal(i) .and. len(names%unit(i)%text) > 0) names%name(i)%text = names%name(i)%text//" ["//names%unit(i)%text//"]"
-      end do
+         do i = 1, size(equal)
+            if (equal(i)) name(i)%text = name(i)%text//" ["//unit(i)%text//"]"
+         end do
+      end associate
    end subroutine keep_apart
 
    !> Names of one line from two: a group above the columns and the column in it, "gyro" and "x", or the line that says more.
@@ -204,55 +201,43 @@ contains
       word = trim(adjustl(word(2:last)))
    end subroutine take_brackets_off
 
-   !> The length of the name that a column has in the file; 0: none.
-   pure integer function own_length(names, column)
+   !> How many names are known.
+   pure integer function count_names(names)
+      !> Of a file
       type(column_names_type), intent(in) :: names
+
+      count_names = 0
+      if (names%known) count_names = size(names%name)
+   end function count_names
+
+   !> True where a column has a name in the file.
+   pure logical function has_name(names, column)
+      !> Of the file
+      type(column_names_type), intent(in) :: names
+      !> Counted from 1
       integer, intent(in) :: column
 
-      own_length = 0
-      if (names%known) own_length = len(names%name(column)%text)
-   end function own_length
-
-   !> The length of [[name_of]].
-   pure integer function name_length(names, column)
-      type(column_names_type), intent(in) :: names
-      integer, intent(in) :: column
-
-      name_length = own_length(names, column)
-      if (name_length == 0) name_length = len("column") + integer_length(int(column, int64))
-   end function name_length
+      has_name = names%known
+      if (has_name) has_name = len(names%name(column)%text) > 0
+   end function has_name
 
    !> The length of [[label_of]].
    pure integer function label_length(names, column)
       type(column_names_type), intent(in) :: names
       integer, intent(in) :: column
 
-      label_length = name_length(names, column) + merge(len("column ''"), len(" "), own_length(names, column) > 0)
+      label_length = len("column ") + integer_length(int(column, int64))
+      if (has_name(names, column)) label_length = len("column ''") + len(names%name(column)%text)
    end function label_length
 
-   !> The name of a column, "column3" where it has none.
-   pure function name_of(names, column) result(name)
-      !> Of the file
-      type(column_names_type), intent(in) :: names
-      !> Counted from 1
-      integer, intent(in) :: column
-      character(name_length(names, column)) :: name
-
-      if (own_length(names, column) > 0) then
-         name = names%name(column)%text
-      else
-         name = "column"//integer_text(int(column, int64))
-      end if
-   end function name_of
-
-   !> The same for messages: "column 3" or "column 'gx'".
+   !> A column as messages name it: "column 3" or "column 'gx'".
    pure function label_of(names, column) result(label)
-      !> As those of [[name_of]]
+      !> As those of [[has_name]]
       type(column_names_type), intent(in) :: names
       integer, intent(in) :: column
       character(label_length(names, column)) :: label
 
-      if (own_length(names, column) > 0) then
+      if (has_name(names, column)) then
          label = "column '"//names%name(column)%text//"'"
       else
          label = "column "//integer_text(int(column, int64))
@@ -376,14 +361,14 @@ contains
    end function kept
 
    !> Refuses names that several columns have, unless the columns were asked for by number: they get their number then.
-   subroutine refuse_equal_names(asked, file, names, error)
-      !> True where all columns that were asked for were asked for by number
-      logical, intent(in) :: asked
+   subroutine refuse_equal_names(file, names, error, columns)
       !> Its name, for the message
       character(*), intent(in) :: file
       type(column_names_type), intent(inout) :: names
       !> Allocated where names are equal: parse
       type(error_type), allocatable, intent(out) :: error
+      !> Those that were asked for, if any
+      character(*), intent(in), optional :: columns
       character(:), allocatable :: list, name
       integer :: i, j, count
 
@@ -401,7 +386,10 @@ contains
          end do
          if (count > 0) names%name(i)%text = name//" (column "//integer_text(int(i, int64))//")"
       end do
-      if (len(list) == 0 .or. asked) return
+      if (len(list) == 0) return
+      if (present(columns)) then
+         if (verify(columns, "0123456789, ") == 0) return
+      end if
       call fatal_error(error, status%parse, file//":"//integer_text(names%line)// &
                        ":1: names of columns are equal: "//list(3:)//new_line("a")// &
                        "choose columns by their numbers, or make the names different")

@@ -38,6 +38,8 @@ module gyroakf_io_layout
       !> Rows hold labels or brackets, see [[gyroakf_io_marks]]; only those of the first row are read, others are wrong, or left out
       logical :: marked = .false., where_label = .false.
       integer(int64) :: skeleton = 0
+      !> Lines that cannot be read count as missing samples instead of being an error
+      logical :: bad_lines_missing = .false.
       !> Semicolons part the columns: a line that begins with one may be a row whose first field is empty
       logical :: semicolons = .false.
    end type layout_type

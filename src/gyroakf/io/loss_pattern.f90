@@ -3,10 +3,11 @@
 module gyroakf_io_loss_pattern
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_cadence, only : cadence_type
-   use gyroakf_io_losses, only : gap_type
+   use gyroakf_io_losses, only : find_losses, gap_type
+   use gyroakf_record, only : audit_type
    implicit none (type, external)
    private
-   public :: loss_pattern, pattern
+   public :: explain_losses
 
    !> Losses at even distances of so many samples or more are the beat of a clock that counts in
    !> nearly the interval, unless all distances are equal and only the rate with losses is round
@@ -29,13 +30,46 @@ module gyroakf_io_loss_pattern
 
 contains
 
+   !> Decides whether losses at even distances are losses or the beat of the samples with a coarse clock: those at exactly even
+   !> distances below 50 samples are losses, others are not, unless the given rate is nearer to that of the other explanation.
+   subroutine explain_losses(t, cadence, given, gaps, audit)
+      !> s, none missing: [n]
+      real(dp), intent(in), contiguous :: t(:)
+      !> Of the stamps
+      type(cadence_type), intent(in) :: cadence
+      !> Sample rate that was given, Hz, 0 for none
+      real(dp), intent(in) :: given
+      !> Losses of single samples; fewer where they are none
+      type(gap_type), intent(inout) :: gaps
+      !> Its beats and the other rate are set
+      type(audit_type), intent(inout) :: audit
+      real(dp) :: grid_rate, beat_rate
+      integer(int64) :: distance
+      integer :: found
+      logical :: beat
+
+      call loss_pattern(gaps, cadence, size(t, kind=int64), found, distance)
+      if (found == pattern%losses) return
+      grid_rate = 1.0_dp/cadence%step
+      if (found == pattern%comb) then
+         call find_losses(t, cadence, .false., gaps)
+         return
+      end if
+      beat = found == pattern%beat
+      beat_rate = grid_rate*real(distance, dp)/real(distance + 1, dp)
+      if (beat) beat_rate = real(size(t) - 1, dp)/(t(size(t)) - t(1))
+      if (given > 0.0_dp) beat = abs(given - beat_rate) < abs(given - grid_rate)
+      if (given <= 0.0_dp .and. distance > 0) audit%other_rate = merge(grid_rate, beat_rate, beat)
+      if (.not. beat) return
+      audit%beats = audit%beats + gaps%count
+      gaps%count = 0
+   end subroutine explain_losses
+
    !> What the losses look like; always losses where the clock counts in less than half of the interval, and no beat is possible.
    pure subroutine loss_pattern(gaps, cadence, n, found, distance)
       type(gap_type), intent(in) :: gaps
       type(cadence_type), intent(in) :: cadence
-      !> Samples
       integer(int64), intent(in) :: n
-      !> A component of [[gyroakf_io_loss_pattern:pattern]]
       integer, intent(out) :: found
       !> Samples from loss to loss where most are alike, 0 where none are
       integer(int64), intent(out) :: distance

@@ -6,7 +6,7 @@ module gyroakf_io_system
    implicit none (type, external)
    private
    public :: c_open, c_read, c_pread, c_close, c_poll, poll_type
-   public :: c_creat, c_write, c_rename, c_rmdir, c_unlink, c_truncate, c_getpid, c_mkdir
+   public :: c_creat, c_write, c_rename, c_unlink, c_truncate, c_getpid, c_mkdir
    public :: read_at, write_all
 
    !> `struct pollfd` of poll.h
@@ -48,7 +48,6 @@ module gyroakf_io_system
    end interface
 
    procedure(path_call), bind(C, name="unlink") :: c_unlink
-   procedure(path_call), bind(C, name="rmdir") :: c_rmdir
    procedure(path_flag_call), bind(C, name="open") :: c_open
    procedure(path_flag_call), bind(C, name="creat") :: c_creat
    procedure(path_flag_call), bind(C, name="mkdir") :: c_mkdir
