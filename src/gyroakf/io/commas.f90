@@ -18,18 +18,8 @@ module gyroakf_io_commas
    character(*), parameter :: comma_found = "this looks like a decimal comma, and a comma separates columns"
    character(*), parameter :: comma_advice = "write decimal points"
 
-   !> What commas are, reached as `comma_mode%decimal`
-   type :: comma_mode_enum
-      !> They part columns
-      integer :: separator = 0
-      !> Every comma is a decimal comma
-      integer :: decimal = 1
-      !> Those behind the seconds of a time of day are decimal commas
-      integer :: seconds = 2
-   end type comma_mode_enum
-
-   !> All modes
-   type(comma_mode_enum), parameter :: comma_mode = comma_mode_enum()
+   !> What commas are where they do not part columns: all are decimal commas, or those behind the seconds of a time of day
+   integer, parameter :: decimal_commas = 1, seconds_commas = 2
 
    !> So many lines at the start are looked at for decimal commas
    integer, parameter :: looked_at = 64
@@ -45,16 +35,16 @@ contains
       type(lines_type), intent(inout) :: lines
       !> Every comma is a decimal comma
       logical, intent(in) :: decimal
-      !> Its names are used as far as they are known; `layout%commas` is set to a component of `comma_mode`
+      !> Its names are used as far as they are known; `layout%commas` is set
       type(table_type), intent(inout) :: table
       !> parse (they may be decimal commas, but not surely)
       type(error_type), allocatable, intent(out) :: error
       type(fields_type) :: fields
 
       if (decimal) then
-         table%layout%commas = comma_mode%decimal
+         table%layout%commas = decimal_commas
       else if (seconds_comma(lines%bytes, lines%at, lines%to)) then
-         table%layout%commas = comma_mode%seconds
+         table%layout%commas = seconds_commas
       else
          call split_line(lines%bytes, lines%at, lines%to, split%mixed, fields)
          if (count_names(table%names) == fields%count) return
@@ -97,7 +87,7 @@ contains
          at = last + 1
       end do
       if (sure .and. commas) then
-         table%layout%commas = comma_mode%decimal
+         table%layout%commas = decimal_commas
          call add_text(table%warnings, "the commas between digits are read as decimal commas", note=.true.)
       else if (likely > 0) then
          call place_error(error, lines%source%name, lines%number + line, lines%bytes, likely_at, likely_last, likely, &
@@ -247,13 +237,13 @@ contains
       !> Lines at first:last, a line feed at last
       integer(int8), intent(inout), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
-      !> One of the components of `comma_mode`
+      !> As `layout%commas`
       integer, intent(in) :: mode
       integer(int64) :: i
 
-      if (mode == comma_mode%decimal) then
+      if (mode == decimal_commas) then
          where (bytes(first:last) == comma) bytes(first:last) = point
-      else if (mode == comma_mode%seconds) then
+      else if (mode == seconds_commas) then
          do i = first, last
             if (bytes(i) /= comma) cycle
             if (behind_seconds(bytes, i, first)) bytes(i) = point

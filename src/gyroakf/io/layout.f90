@@ -23,7 +23,7 @@ module gyroakf_io_layout
       integer(int64) :: origin = 0
       !> The column that is a date and a time of day with blanks between them, 0 where there is none
       integer :: joined = 0
-      !> What commas are, a component of comma_mode
+      !> What commas are, see [[gyroakf_io_commas]]: 0 where they part columns
       integer :: commas = 0
       !> The line of the names, from its first visible byte to the last: where it is met again it is no row; unallocated where
       !> there is none

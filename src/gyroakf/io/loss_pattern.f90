@@ -13,20 +13,10 @@ module gyroakf_io_loss_pattern
    !> nearly the interval, unless all distances are equal and only the rate with losses is round
    integer(int64), parameter :: longest_period = 50
 
-   !> What losses look like, reached as `pattern%beat`
-   type :: pattern_enum
-      !> Scattered, or none: samples were lost
-      integer :: losses = 0
-      !> Mostly single samples at exactly even distances: every k-th was lost, or the clock counts in the interval
-      integer :: periodic = 1
-      !> Nearly even distances: the beat of the samples with a clock that counts in more than half of the interval
-      integer :: beat = 2
-      !> Such beats, and losses among them
-      integer :: comb = 3
-   end type pattern_enum
-
-   !> All patterns
-   type(pattern_enum), parameter :: pattern = pattern_enum()
+   !> What losses look like. Scattered, or none: samples were lost. Mostly single samples at exactly even distances: every k-th was
+   !> lost, or the clock counts in the interval. Nearly even distances: the beat of the samples with a clock that counts in more
+   !> than half of the interval. Such beats, and losses among them
+   integer, parameter :: scattered = 0, periodic = 1, beating = 2, comb = 3
 
 contains
 
@@ -49,17 +39,17 @@ contains
       logical :: beat
 
       call loss_pattern(gaps, cadence, size(t, kind=int64), found, distance)
-      if (found == pattern%losses) return
+      if (found == scattered) return
       grid_rate = 1.0_dp/cadence%step
-      if (found == pattern%comb) then
+      if (found == comb) then
          call find_losses(t, cadence, .false., gaps)
          return
       end if
-      beat = found == pattern%beat
+      beat = found == beating
       beat_rate = grid_rate*real(distance, dp)/real(distance + 1, dp)
       if (beat) beat_rate = real(size(t) - 1, dp)/(t(size(t)) - t(1))
       if (given > 0.0_dp) beat = abs(given - beat_rate) < abs(given - grid_rate)
-      if (given <= 0.0_dp .and. distance > 0) audit%other_rate = merge(grid_rate, beat_rate, beat)
+      if (given <= 0.0_dp) audit%other_rate = merge(grid_rate, beat_rate, beat)
       if (.not. beat) return
       audit%beats = audit%beats + gaps%count
       gaps%count = 0
@@ -79,14 +69,14 @@ contains
       real(dp) :: usual
       integer :: k, m, equal, beside, alike
 
-      found = pattern%losses
+      found = scattered
       distance = 0
       m = gaps%count - 1
       if (m < 0 .or. cadence%resolution < 0.5_dp*cadence%step) return
       between(:) = gaps%before(2:gaps%count) - gaps%before(:m)
       if (m < 3) then
          if (any(gaps%length(:gaps%count) > 1)) return
-         if (real(gaps%count, dp) < usual_drift*real(n, dp)) found = pattern%beat
+         if (real(gaps%count, dp) < usual_drift*real(n, dp)) found = beating
          return
       end if
       equal = 0
@@ -101,15 +91,15 @@ contains
       alike = count(abs(real(between, dp) - usual) <= max(1.0_dp, 0.1_dp*usual))
       if (2*count(gaps%length(:gaps%count) == 1) < gaps%count) return
       if (2*equal >= m .and. 2*beside <= m - equal .and. distance < longest_period) then
-         found = pattern%periodic
+         found = periodic
       else if (equal == m .and. m >= 20 .and. is_round(1.0_dp/cadence%step) .and. &
                .not. is_round(real(distance, dp)/(real(distance + 1, dp)*cadence%step))) then
-         found = pattern%periodic
+         found = periodic
       else if (10*alike >= 9*m .and. all(gaps%length(:gaps%count) == 1)) then
-         found = pattern%beat
+         found = beating
       else if (m >= 8 .and. 2*count(abs(between - distance) <= max(2_int64, distance/10)) >= m .and. &
                distance >= longest_period) then
-         found = pattern%comb
+         found = comb
       end if
    end subroutine loss_pattern
 
