@@ -1,10 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> Columns by name and number: names with units in brackets, which columns were asked for.
 module gyroakf_io_columns
-   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_kinds, only : int8, int64
    use gyroakf_column_class, only : class_of, column_class, is_unit, opening_bracket
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_place, only : integer_text, integer_length
    use gyroakf_io_text, only : bytes_text, fields_type, split, split_line
    use gyroakf_record, only : text_type
@@ -257,8 +256,6 @@ contains
       !> Allocated where there is no such column: invalid_argument
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: name, unit
-      integer :: found
-      real(dp) :: x
 
       column = 0
       call take_name(word, name, unit)
@@ -268,9 +265,8 @@ contains
          if (column == 0) column = column_named(names, name, .true.)
       end if
       if (column > 0) return
-      call parse_number(word, x, found)
-      if (found == number%ok .and. verify(word, "0123456789") == 0 .and. x < 1.0e9_dp) then
-         column = nint(x)
+      if (len(word) > 0 .and. len(word) < 10 .and. verify(word, "0123456789") == 0) then
+         read (word, "(i9)") column
          if (column >= 1 .and. column <= columns) return
          column = 0
          call fatal_error(error, status%invalid_argument, "there is no column "//word//": the file has columns 1 to "// &

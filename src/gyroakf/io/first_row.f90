@@ -6,7 +6,7 @@ module gyroakf_io_first_row
    use gyroakf_io_columns, only : count_names, drop_empty_names, most_columns, refuse_equal_names
    use gyroakf_io_commas, only : settle_commas
    use gyroakf_io_date, only : is_day_first
-   use gyroakf_io_leave_out, only : find_texts
+   use gyroakf_io_leave_out, only : is_text
    use gyroakf_io_lines, only : lines_type, map_row
    use gyroakf_io_marks, only : find_marks, marks_type, name_fields, strip_lines
    use gyroakf_io_place, only : integer_text, place_error
@@ -53,7 +53,7 @@ contains
       type(table_type), intent(inout) :: table
       type(error_type), allocatable, intent(out) :: error
       type(fields_type) :: fields
-      integer :: named
+      integer :: named, i, j
       character(:), allocatable :: word
       logical, allocatable :: texts(:)
       type(text_type), allocatable :: field(:, :)
@@ -106,7 +106,7 @@ contains
       end if
       call find_kinds(lines%bytes, fields, table%layout)
       call first_rows(lines%bytes, lines%at, lines%last, table%layout, field)
-      call find_texts(field, texts)
+      texts = [(size(field, 1) > 0 .and. all([(is_text(field(i, j)%text), i=1, size(field, 1))]), j=1, size(field, 2))]
       if (.not. allocated(options%where)) call find_kinds_of_records(field, texts, table)
       call choose(options, texts, table, error)
       if (allocated(error)) return

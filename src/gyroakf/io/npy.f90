@@ -9,8 +9,8 @@ module gyroakf_io_npy
    use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_element, only : element_type, host_big_endian
-   use gyroakf_io_place, only : integer_text
-   use gyroakf_io_text, only : bytes_text
+   use gyroakf_io_place, only : integer_text, shown_bytes
+   use gyroakf_io_text, only : bytes_text, text_bytes
    implicit none (type, external)
    private
    public :: npy_magic, npy_alignment, make_npy_header, spell_shape, npy_header_type, read_npy_header
@@ -145,7 +145,8 @@ contains
          call read_string(cursor, key)
          call expect(cursor, ":")
          this = [character(13) :: "descr", "fortran_order", "shape"] == key
-         if (.not. any(this)) call refuse(cursor, "'"//shown(key)//"' is none of descr, fortran_order, shape")
+         if (.not. any(this)) call refuse(cursor, "'"//shown_bytes(text_bytes(key), 1_int64, min(40_int64, len(key, int64)))// &
+                                           "' is none of descr, fortran_order, shape")
          if (any(this .and. seen)) call refuse(cursor, "a key stands twice")
          if (this(1)) call read_descr(cursor, header%element)
          if (this(2)) call read_order(cursor, header%by_columns)
@@ -288,22 +289,11 @@ contains
             advice = "save seconds: (array - array[0])/numpy.timedelta64(1, 's')"
          case default; what = " is not known"
          end select
-         if (descr(:min(1, len(descr))) /= "O") what = " '"//shown(descr)//"'"//what
+         if (descr(:min(1, len(descr))) /= "O") what = " '"// &
+            shown_bytes(text_bytes(descr), 1_int64, min(40_int64, len(descr, int64)))//"'"//what
          call unsuitable(cursor, "the array's type"//what, advice)
       end select
    end subroutine read_descr
-
-   !> A text for a message, without control characters, cut where it is long.
-   pure function shown(text) result(clean)
-      character(*), intent(in) :: text
-      character(min(len(text), 40)) :: clean
-      integer :: i
-
-      clean = text(:min(len(text), 40))
-      do i = 1, len(clean)
-         if (iachar(clean(i:i)) < 32 .or. iachar(clean(i:i)) > 126) clean(i:i) = "?"
-      end do
-   end function shown
 
    !> A header that cannot be understood, with the byte.
    subroutine refuse(cursor, what)

@@ -97,6 +97,8 @@ contains
       type(table_type), intent(inout) :: table
       !> Allocated where no column is left: parse; where none is what was asked for: invalid_argument
       type(error_type), allocatable, intent(out) :: error
+      !> What is taken for the time where no name is one
+      integer, parameter :: stamps(3) = [stamp_kind%moment, stamp_kind%clock, stamp_kind%date]
       character(:), allocatable :: word
       integer :: i, n
 
@@ -108,7 +110,9 @@ contains
          do i = count_names(table%names), 1, -1
             if (is_time_name(table%names%name(i)%text, table%names%unit(i)%text)) table%time = i
          end do
-         if (table%time == 0) table%time = first_stamps(table%layout)
+         do i = 1, merge(size(stamps), 0, table%time == 0)
+            if (table%time == 0) table%time = findloc(table%layout%kind, stamps(i), dim=1)
+         end do
       end if
       if (table%time > 0 .and. table%names%known) call fraction_of(table%names%name, table%time, table%fraction, table%nano)
       if (.not. allocated(table%header%units)) allocate (table%header%units(0))
@@ -158,15 +162,6 @@ contains
          table%chosen = table%chosen(in_order(class(table%chosen)))
       end associate
    end subroutine choose_by_class
-
-   !> The column without a name for a time that holds dates or times of day: a date and time together before others.
-   pure integer function first_stamps(layout)
-      type(layout_type), intent(in) :: layout
-
-      first_stamps = findloc(layout%kind, stamp_kind%moment, dim=1)
-      if (first_stamps == 0) first_stamps = findloc(layout%kind, stamp_kind%clock, dim=1)
-      if (first_stamps == 0) first_stamps = findloc(layout%kind, stamp_kind%date, dim=1)
-   end function first_stamps
 
    !> True for a column of dates or times of day.
    elemental logical function is_stamp(kind)
