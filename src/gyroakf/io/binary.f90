@@ -160,7 +160,8 @@ contains
                        new_line("a")//"give a file that holds one array")
    end subroutine finish
 
-   !> Reads rows into value(:, :) behind some: by position several blocks at a time, else one after the other.
+   !> Reads rows into value(:, :) behind some: by position several blocks at a time, else one after
+   !> the other.
    subroutine fill_rows(binary, source, table, value, before, rows, got, error)
       type(binary_type), intent(inout) :: binary
       type(source_type), intent(inout) :: source
@@ -193,7 +194,8 @@ contains
          from = before + 1 + modulo(k, blocks)*block_rows
          to = min(before + rows, from + block_rows - 1)
          piece = merge(1 + int(k/blocks), 0, binary%by_columns)
-         if (in_order .and. binary%by_columns) piece = merge(table%layout%slot(piece), -1, table%layout%slot(piece) > 0)
+         if (in_order .and. binary%by_columns) piece = merge(table%layout%slot(piece), -1, &
+            table%layout%slot(piece) > 0)
          call read_part(binary, source, column, piece, before, from, to, value, rounded, short, failed, error)
          refused = refused .or. failed
          if (short > 0) missing = max(missing, before + rows - (to - short))
@@ -217,9 +219,10 @@ contains
       end do
    end subroutine stored_columns
 
-   !> Reads some rows, or those of one column where there is a piece; leaves them out where it is below 0. Numbers of a file that
-   !> need no conversion go straight into their place.
-   subroutine read_part(binary, source, column, piece, before, from, to, value, rounded, short, failed, error)
+   !> Reads some rows, or those of one column where there is a piece; leaves them out where it is
+   !> below 0. Numbers of a file that need no conversion go straight into their place.
+   subroutine read_part(binary, source, column, piece, before, from, to, value, rounded, short, &
+      failed, error)
       type(binary_type), intent(inout) :: binary
       type(source_type), intent(inout) :: source
       integer, intent(in) :: column(:), piece
@@ -247,10 +250,13 @@ contains
       else
          allocate (buffer((n*row_bytes + 7)/8))
          call c_f_pointer(c_loc(buffer), bytes, [n*row_bytes])
-         if (binary%descriptor >= 0) call read_at(binary%descriptor, offset, c_loc(buffer), n*row_bytes, got, failed)
+         if (binary%descriptor >= 0) call read_at(binary%descriptor, offset, c_loc(buffer), &
+            n*row_bytes, got, failed)
          if (binary%descriptor < 0) call take_bytes(binary, source, bytes, got, error)
-         if (binary%descriptor < 0 .and. modulo(got, row_bytes) /= 0 .and. .not. allocated(error)) then
-            call refuse_rest(binary, source%name, binary%row + from - before - 1 + got/row_bytes, modulo(got, row_bytes), error)
+         if (binary%descriptor < 0 .and. modulo(got, row_bytes) /= 0 .and. &
+            .not. allocated(error)) then
+            call refuse_rest(binary, source%name, binary%row + from - before - 1 + got/row_bytes, &
+               modulo(got, row_bytes), error)
          end if
          got = got/row_bytes
          if (piece >= 0) call spread_rows(binary, c_loc(buffer), column, piece, from, from + got - 1, value, rounded)

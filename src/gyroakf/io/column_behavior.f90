@@ -14,8 +14,9 @@ module gyroakf_io_column_behavior
    private
    public :: find_time_and_counters
 
-   !> Behavior of a column: rises from row to row, unevenly; rises evenly, perhaps with equal values or a rollover; holds whole
-   !> numbers that rise by 1 in most rows, or is a counter by name that never falls: these may start again
+   !> Behavior of a column: rises from row to row, unevenly; rises evenly, perhaps with equal values
+   !> or a rollover; holds whole numbers that rise by 1 in most rows, or is a counter by name that
+   !> never falls: these may start again
    integer, parameter :: other = 0, rising = 1, even_time = 2, counter = 3
    !> A column rises by chance in fewer rows
    integer(int64), parameter :: least_rises = 20

@@ -18,7 +18,8 @@ module gyroakf_io_commas
    character(*), parameter :: comma_found = "this looks like a decimal comma, and a comma separates columns"
    character(*), parameter :: comma_advice = "write decimal points"
 
-   !> What commas are where they do not part columns: all are decimal commas, or those behind the seconds of a time of day
+   !> What commas are where they do not part columns: all are decimal commas, or those behind the
+   !> seconds of a time of day
    integer, parameter :: decimal_commas = 1, seconds_commas = 2
 
    !> So many lines at the start are looked at for decimal commas
@@ -88,7 +89,8 @@ contains
       end do
       if (sure .and. commas) then
          table%layout%commas = decimal_commas
-         call add_text(table%warnings, "the commas between digits are read as decimal commas", note=.true.)
+         call add_text(table%warnings, "the commas between digits are read as decimal commas", &
+            note=.true.)
       else if (likely > 0) then
          call place_error(error, lines%source%name, lines%number + line, lines%bytes, likely_at, likely_last, likely, &
                           comma_found, comma_advice)

@@ -125,7 +125,7 @@ contains
       if (digits(first) /= 4 .or. digits(2) > 2 .or. digits(4 - first) > 2) return
       if (part(2) < 1 .or. part(2) > 12 .or. part(4 - first) < 1) return
       day = day_number(int(part(first)), int(part(2)), int(part(4 - first)))
-      found = day < day_number(int(part(first)), int(part(2)) + 1, 1)      ! the month has so many days
+      found = day < day_number(int(part(first)), int(part(2)) + 1, 1)   ! in the month
    end subroutine scan_day
 
    !> Digits, at most so many.

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> What the user should know of a recording: what each column measures, its range, what is done with it; what is odd, in words.
+!> What the user should know of a recording: what each column measures, its range, what is done with
+!> it; what is odd, in words.
 module gyroakf_io_findings
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int64

@@ -106,7 +106,8 @@ contains
       end if
       call find_kinds(lines%bytes, fields, table%layout)
       call first_rows(lines%bytes, lines%at, lines%last, table%layout, field)
-      texts = [(size(field, 1) > 0 .and. all([(is_text(field(i, j)%text), i=1, size(field, 1))]), j=1, size(field, 2))]
+      texts = [(size(field, 1) > 0 .and. all([(is_text(field(i, j)%text), i=1, size(field, 1))]), &
+         j=1, size(field, 2))]
       if (.not. allocated(options%where)) call find_kinds_of_records(field, texts, table)
       call choose(options, texts, table, error)
       if (allocated(error)) return
@@ -210,7 +211,8 @@ contains
                integer_text(int(fields%count, int64))//"; the names are ignored")
          end if
       end associate
-      if (.not. table%supposed%known .or. .not. has_fields(fields, count_names(table%supposed))) return
+      if (.not. table%supposed%known .or. .not. has_fields(fields, count_names(table%supposed))) &
+         return
       table%names = table%supposed
       call add_text(table%warnings, "the names of the columns are taken from line "//integer_text(table%names%line), note=.true.)
    end subroutine take_names

@@ -47,7 +47,8 @@ contains
       integer(int64) :: from, last, mark
       character(:), allocatable :: key
 
-      from = lines%at - 1 + verify(bytes_text(lines%bytes, lines%at, lines%to)//"x", "#%;/! "//achar(9))
+      from = lines%at - 1 + verify(bytes_text(lines%bytes, lines%at, lines%to)//"x", "#%;/! "// &
+         achar(9))
       do mark = from, lines%to
          if (any(lines%bytes(mark) == iachar([":", "="]))) exit
       end do
@@ -183,7 +184,8 @@ contains
       character(*), intent(in) :: key, what
       type(text_type), allocatable, intent(inout) :: warnings(:)
 
-      call add_text(warnings, "line "//integer_text(lines%number)//": the header's "//key//" '"//shown_bytes(lines%bytes, first, &
+      call add_text(warnings, "line "//integer_text(lines%number)//": the header's "//key//" '"// &
+         shown_bytes(lines%bytes, first, &
          min(last_visible(lines%bytes, first, lines%to), first + 60))//"' "//what//" and is ignored")
    end subroutine warn
 

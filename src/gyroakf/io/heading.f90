@@ -30,7 +30,8 @@ contains
       integer :: i
 
       only_words = .false.
-      call split_line(lines%bytes, lines%at, lines%to, names_way(lines%bytes, lines%at, lines%to), fields)
+      call split_line(lines%bytes, lines%at, lines%to, &
+         names_way(lines%bytes, lines%at, lines%to), fields)
       do i = 1, fields%count
          if (fields%last(i) < fields%first(i)) cycle
          if (begins_like_number(lines%bytes, fields%first(i))) then
@@ -213,7 +214,8 @@ contains
       integer :: i
 
       if (scan(bytes_text(lines%bytes, lines%at, lines%to), ":=") > 0) return
-      from = lines%at - 1 + verify(bytes_text(lines%bytes, lines%at, lines%to)//"x", "#%;/! "//achar(9))
+      from = lines%at - 1 + verify(bytes_text(lines%bytes, lines%at, lines%to)//"x", "#%;/! "// &
+         achar(9))
       to = last_visible(lines%bytes, from, lines%to)
       if (to < from) return
       call read_names(lines%bytes, from, to, lines%number, names)

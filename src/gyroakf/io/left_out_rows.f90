@@ -131,7 +131,7 @@ contains
       real(dp), intent(in), contiguous :: t(:), value(:, :)
       logical, intent(inout) :: keep(:)
       type(audit_type), intent(inout) :: audit
-      integer(int64) :: i, n, last, met(2), alike(2)               ! of equal stamps, of different ones
+      integer(int64) :: i, n, last, met(2), alike(2)      ! of equal stamps, of different ones
       integer :: k
 
       n = size(t, kind=int64)

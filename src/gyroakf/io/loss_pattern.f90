@@ -13,9 +13,10 @@ module gyroakf_io_loss_pattern
    !> nearly the interval, unless all distances are equal and only the rate with losses is round
    integer(int64), parameter :: longest_period = 50
 
-   !> What losses look like. Scattered, or none: samples were lost. Mostly single samples at exactly even distances: every k-th was
-   !> lost, or the clock counts in the interval. Nearly even distances: the beat of the samples with a clock that counts in more
-   !> than half of the interval. Such beats, and losses among them
+   !> What losses look like. Scattered, or none: samples were lost. Periodic, mostly single samples
+   !> at exactly even distances: every k-th was lost, or the clock counts in the interval. Beating,
+   !> at nearly even distances: the samples and a clock that counts in more than half of the
+   !> interval. A comb has such beats, and losses among them
    integer, parameter :: scattered = 0, periodic = 1, beating = 2, comb = 3
 
 contains

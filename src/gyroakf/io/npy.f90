@@ -145,7 +145,8 @@ contains
          call read_string(cursor, key)
          call expect(cursor, ":")
          this = [character(13) :: "descr", "fortran_order", "shape"] == key
-         if (.not. any(this)) call refuse(cursor, "'"//shown_bytes(text_bytes(key), 1_int64, min(40_int64, len(key, int64)))// &
+         if (.not. any(this)) call refuse(cursor, "'"// &
+            shown_bytes(text_bytes(key), 1_int64, min(40_int64, len(key, int64)))// &
                                            "' is none of descr, fortran_order, shape")
          if (any(this .and. seen)) call refuse(cursor, "a key stands twice")
          if (this(1)) call read_descr(cursor, header%element)
@@ -311,7 +312,8 @@ contains
       character(*), intent(in) :: what, advice
 
       if (allocated(cursor%error)) return
-      call fatal_error(cursor%error, status%not_supported, cursor%name//": "//what//new_line("a")//advice)
+      call fatal_error(cursor%error, status%not_supported, cursor%name//": "//what// &
+         new_line("a")//advice)
    end subroutine unsuitable
 
 end module gyroakf_io_npy

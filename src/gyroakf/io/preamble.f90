@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> What stands above the rows of a table in text: comments, names, units, settings, rows of other records.
+!> What stands above the rows of a table in text: comments, names, units, settings, rows of other
+!> records.
 module gyroakf_io_preamble
    use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -51,7 +52,8 @@ contains
             call suppose_names(lines, table%supposed)
          else
             call find_pattern(lines%bytes, lines%at, lines%to, pattern, marks)
-            if (len_trim(pattern) == 0 .and. (len(pattern) == 0 .or. count_names(table%names) /= len(pattern))) then
+            if (len_trim(pattern) == 0 .and. (len(pattern) == 0 .or. &
+               count_names(table%names) /= len(pattern))) then
                continue
             else if (4*marks%labels <= len(pattern)/2 .and. only_words(lines)) then
                word = lower(bytes_text(lines%bytes, lines%at, min(lines%to, lines%at + 3)))

@@ -81,11 +81,13 @@ contains
          known = options%wrap == "auto" .or. options%wrap == "none"
          if (.not. known) call parse_number(options%wrap, modulus, found)
          if (.not. known) known = found == number%ok .and. modulus > 0.0_dp
-         if (.not. known) wrong = "angles cannot wrap at '"//options%wrap//"'; known are auto, none and positive numbers"
+         if (.not. known) wrong = "angles cannot wrap at '"//options%wrap// &
+            "'; known are auto, none and positive numbers"
       end if
       if (allocated(options%input)) then
          known = any(options%input == [character(9) :: "rate", "increment", "angle"])
-         if (.not. known) wrong = "the input '"//options%input//"' is not known; known are rate, increment, angle"
+         if (.not. known) wrong = "the input '"//options%input// &
+            "' is not known; known are rate, increment, angle"
       end if
       if (allocated(options%time_unit)) then
          known = time_scale(lower(options%time_unit)) > 0.0_dp
@@ -97,7 +99,8 @@ contains
       end if
       if (options%channels < 0) wrong = "the number of channels must not be negative"
       if (options%skip < 0) wrong = "the number of lines to skip must not be negative"
-      if (options%from < 0.0_dp .or. options%from >= options%to) wrong = "the part from "//format_real(options%from, 6)// &
+      if (options%from < 0.0_dp .or. options%from >= options%to) &
+         wrong = "the part from "//format_real(options%from, 6)// &
          " s to "//format_real(options%to, 6)//" s is empty"
       if (ieee_is_nan(options%from) .or. ieee_is_nan(options%to)) &
          wrong = "the part that is to be read has a limit that is not a number"
@@ -105,7 +108,8 @@ contains
       if (.not. ieee_is_finite(options%scale)) wrong = "the scale has to be finite"
       if (options%rate_hz < 0.0_dp .or. options%rate_hz > largest_rate .or. &
           (options%rate_hz > 0.0_dp .and. options%rate_hz < smallest_rate)) &
-         wrong = "the rate has to lie between 1e-30 and 1e30 Hz, and is "//format_real(options%rate_hz, 6)//" Hz"
+         wrong = "the rate has to lie between 1e-30 and 1e30 Hz, and is "// &
+            format_real(options%rate_hz, 6)//" Hz"
       if (ieee_is_nan(options%rate_hz)) wrong = "the rate is not a number"
       if (allocated(wrong)) then
          call fatal_error(error, status%invalid_argument, wrong)
@@ -113,12 +117,14 @@ contains
       end if
       if (allocated(options%resample)) then
          known = any(options%resample == [character(7) :: "index", "nearest", "linear"])
-         if (.not. known) wrong = "to resample by '"//options%resample//"' is not supported; known are index, nearest, linear"
+         if (.not. known) wrong = "to resample by '"//options%resample// &
+            "' is not supported; known are index, nearest, linear"
       end if
       if (allocated(options%format)) then
          call parse_element(options%format, element, known)
          known = known .or. any(options%format == [character(4) :: "auto", "text", "csv", "npy"])
-         if (.not. known) wrong = "the format '"//options%format//"' is not supported; known are auto, text, csv, npy, f32, "// &
+         if (.not. known) wrong = "the format '"//options%format// &
+            "' is not supported; known are auto, text, csv, npy, f32, "// &
             "f64, i8, i16, i32, i64, u8, u16, u32, with be for big endian"
       end if
       if (allocated(wrong)) call fatal_error(error, status%not_supported, wrong)

@@ -5,7 +5,8 @@ module gyroakf_io_selection
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_column_class, only : class_of, column_class
    use gyroakf_error, only : error_type
-   use gyroakf_io_columns, only : column_names_type, find_column, label_of
+   use gyroakf_io_column_choice, only : find_column
+   use gyroakf_io_columns, only : column_names_type, label_of
    use gyroakf_io_layout, only : layout_type
    use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_place, only : integer_text
@@ -75,10 +76,12 @@ contains
          if (j == table%time .or. any(table%class(j) == [column_class%rate, column_class%acceleration])) cycle
          sensors = 0
          do k = max(1, table%time), merge(table%time, size(field, 2), table%time > 0)
-            if (k /= j) sensors = max(sensors, alternating(field(:, j), field(:, k), table%time > 0))
+            if (k /= j) sensors = max(sensors, alternating(field(:, j), field(:, k), &
+               table%time > 0))
          end do
          if (sensors == 0) cycle
-         what = label_of(table%names, j)//" alternates between "//integer_text(int(sensors, int64))// &
+         what = label_of(table%names, j)//" alternates between "// &
+            integer_text(int(sensors, int64))// &
                 " values while the time stamps repeat: "//integer_text(int(sensors, int64))//" sensors in one table"
          call find_selector(table%names, j, column)
          do k = 1, sensors
@@ -107,7 +110,8 @@ contains
          if (table%names%known) then
             class = [(class_of(table%names%name(k)%text, ""), k=1, j)]
             if (all(class(j) /= [column_class%unknown, column_class%counter])) cycle
-            if (.not. all(texts(:j - 1) .or. class(:j - 1) == column_class%time .or. class(:j - 1) == column_class%counter)) return
+            if (.not. all(texts(:j - 1) .or. class(:j - 1) == column_class%time .or. &
+               class(:j - 1) == column_class%counter)) return
          else if (j > 2) then
             return
          end if

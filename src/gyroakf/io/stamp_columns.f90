@@ -72,12 +72,14 @@ contains
       integer(int8), intent(in), contiguous :: bytes(:)
       !> Of the first row
       type(fields_type), intent(in) :: fields
-      !> Its columns are chosen; kinds of others than the time become those of numbers where they can, `origin` is set
+      !> Its columns are chosen; kinds of others than the time become those of numbers where they
+      !> can, `origin` is set
       type(table_type), intent(inout) :: table
       integer :: j, wanted, partner
 
       partner = 0
-      associate (kind => table%layout%kind, time => table%time, fraction => table%fraction, chosen => table%chosen)
+      associate (kind => table%layout%kind, time => table%time, fraction => table%fraction, &
+         chosen => table%chosen)
          do j = 1, size(kind)
             if (kind(j) == stamp_kind%long .and. (j /= time .or. any(chosen == j))) kind(j) = stamp_kind%number
          end do

@@ -4,7 +4,8 @@ module gyroakf_io_table
    use gyroakf_kinds, only : int64
    use gyroakf_column_class, only : column_class, is_time_name
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_columns, only : choose_columns, column_names_type, count_names, find_column, label_of, most_columns
+   use gyroakf_io_column_choice, only : choose_columns, find_column
+   use gyroakf_io_columns, only : column_names_type, count_names, label_of, most_columns
    use gyroakf_io_date, only : stamp_kind
    use gyroakf_io_header, only : header_type
    use gyroakf_io_layout, only : layout_type
@@ -95,7 +96,8 @@ contains
       logical, intent(in) :: texts(:)
       !> Its names and layout are known; the time, `class` and `chosen` are set
       type(table_type), intent(inout) :: table
-      !> Allocated where no column is left: parse; where none is what was asked for: invalid_argument
+      !> Allocated where no column is left: parse; where none is what was asked for:
+      !> invalid_argument
       type(error_type), allocatable, intent(out) :: error
       !> What is taken for the time where no name is one
       integer, parameter :: stamps(3) = [stamp_kind%moment, stamp_kind%clock, stamp_kind%date]
