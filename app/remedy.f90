@@ -10,7 +10,7 @@ module gyroakf_app_remedy
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_reader, only : read_record, reader_options
    use gyroakf_io_recording, only : recording_type
-   use gyroakf_io_text, only : bytes_text, fields_type, is_comment, split, split_line
+   use gyroakf_io_text, only : bytes_text, fields_type, is_no_row, split, split_line
    use gyroakf_record, only : add_text, record_type, text_type
    use gyroakf_app_words, only : shell_word
    implicit none (type, external)
@@ -107,7 +107,7 @@ contains
       do i = 1, size(line)
          feed = at - 1 + findloc(bytes(at:), 10_int8, dim=1)
          line(i)%pattern = ""
-         if (.not. is_comment(bytes, at, feed - 1)) then
+         if (.not. is_no_row(bytes, at, feed - 1)) then
             call find_pattern(bytes, at, feed - 1, line(i)%pattern, marks)
             call find_kind(bytes(at:feed - 1), line(i))
          end if

@@ -11,7 +11,8 @@ module test_text_rows
    use gyroakf_io_lines, only : line_of, lines_type, open_lines
    use gyroakf_io_store, only : count_rows, store_type
    use gyroakf_io_reader_options, only : reader_options
-   use gyroakf_io_table, only : begin_table, table_type
+   use gyroakf_io_first_row, only : begin_table
+   use gyroakf_io_table, only : table_type
    use gyroakf_io_text_rows, only : read_rows
    use scratch_file, only : remove_file, scratch_path, write_bytes
    implicit none (type, external)
@@ -98,7 +99,7 @@ contains
       call write_bytes(scratch_path("rows.txt"), content)
       options%input = "rate"
       call begin(lines, scratch_path("rows.txt"), options, table, failed)
-      if (.not. allocated(failed)) call read_rows(lines, options, huge(1_int64), table, failed)
+      if (.not. allocated(failed)) call read_rows(lines, huge(1_int64), table, failed)
       call close_source(lines%source)
       call remove_file(scratch_path("rows.txt"))
       call set_thread_count(usual)
@@ -324,7 +325,7 @@ contains
       call begin(lines, scratch_path("parts.txt"), options, table, failed)
       rows = 0
       do calls = 1, 1000
-         call read_rows(lines, options, 1000_int64, table, failed)
+         call read_rows(lines, 1000_int64, table, failed)
          if (allocated(failed) .or. count_rows(table%store) == 0) exit
          rows = rows + count_rows(table%store)
          table%store = store_type()
@@ -358,7 +359,7 @@ contains
          write (unit) after
          close (unit)
       end if
-      if (.not. allocated(failed)) call read_rows(lines, options, huge(1_int64), table, failed)
+      if (.not. allocated(failed)) call read_rows(lines, huge(1_int64), table, failed)
       call close_source(lines%source)
       call remove_file(scratch_path("changed.txt"))
    end subroutine read_changed

@@ -10,7 +10,7 @@ module gyroakf_io_audit
    use gyroakf_stats_extremes, only : scan_extremes
    use gyroakf_io_cadence, only : cadence_type, count_bursts, find_cadence
    use gyroakf_io_losses, only : add_gap, find_losses, gap_type
-   use gyroakf_io_loss_pattern, only : loss_pattern, pattern
+   use gyroakf_io_loss_pattern, only : explain_losses
    use gyroakf_io_rate_changes, only : find_changes
    use gyroakf_record, only : audit_type
    implicit none (type, external)
@@ -104,36 +104,6 @@ contains
          gaps%jumps = gaps%jumps + part%jumps
       end do
    end subroutine audit_stretches
-
-   !> Decides whether losses at even distances are losses or the beat of the samples with a coarse clock: those at exactly even
-   !> distances below 50 samples are losses, others are not, unless the given rate is nearer to that of the other explanation.
-   subroutine explain_losses(t, cadence, given, gaps, audit)
-      real(dp), intent(in), contiguous :: t(:)
-      type(cadence_type), intent(in) :: cadence
-      real(dp), intent(in) :: given
-      type(gap_type), intent(inout) :: gaps
-      type(audit_type), intent(inout) :: audit
-      real(dp) :: grid_rate, beat_rate
-      integer(int64) :: distance
-      integer :: found
-      logical :: beat
-
-      call loss_pattern(gaps, cadence, size(t, kind=int64), found, distance)
-      if (found == pattern%losses) return
-      grid_rate = 1.0_dp/cadence%step
-      if (found == pattern%comb) then
-         call find_losses(t, cadence, .false., gaps)
-         return
-      end if
-      beat = found == pattern%beat
-      beat_rate = grid_rate*real(distance, dp)/real(distance + 1, dp)
-      if (beat) beat_rate = real(size(t) - 1, dp)/(t(size(t)) - t(1))
-      if (given > 0.0_dp) beat = abs(given - beat_rate) < abs(given - grid_rate)
-      if (given <= 0.0_dp .and. distance > 0) audit%other_rate = merge(grid_rate, beat_rate, beat)
-      if (.not. beat) return
-      audit%beats = audit%beats + gaps%count
-      gaps%count = 0
-   end subroutine explain_losses
 
    !> Counts duplicates, rollovers and backward steps; a clock that starts again is continued, one
    !> that was set back by more than ten samples otherwise goes on by one sample.

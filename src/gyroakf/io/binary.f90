@@ -17,7 +17,7 @@ module gyroakf_io_binary
    use gyroakf_record, only : add_text
    implicit none (type, external)
    private
-   public :: binary_type, read_binary_rows, skip_bytes
+   public :: binary_type, read_binary_rows, refuse_rest, skip_bytes
 
    !> Where the numbers of a file are
    type :: binary_type
@@ -112,11 +112,7 @@ contains
             call tell_progress("reading", place_of(binary), source%length, error, progress)
             if (allocated(error)) return
             slice = min(slice, rows - chunk%rows)
-            if (binary%descriptor >= 0) then
-               call fill_by_position(binary, table, chunk%value, chunk%rows, slice, got, error)
-            else
-               call fill_in_order(binary, source, table, chunk%value, got, error)
-            end if
+            call fill_rows(binary, source, table, chunk%value, chunk%rows, slice, got, error)
             if (allocated(error)) return
             chunk%rows = chunk%rows + got
             binary%row = binary%row + got
@@ -164,23 +160,27 @@ contains
                        new_line("a")//"give a file that holds one array")
    end subroutine finish
 
-   !> Reads rows by position into value(:, :), whose rows are to be filled.
-   subroutine fill_by_position(binary, table, value, before, rows, got, error)
+   !> Reads rows into value(:, :) behind some: by position several blocks at a time, else one after
+   !> the other.
+   subroutine fill_rows(binary, source, table, value, before, rows, got, error)
       type(binary_type), intent(inout) :: binary
+      type(source_type), intent(inout) :: source
       type(table_type), intent(in) :: table
       real(dp), intent(inout), contiguous :: value(:, :)
       integer(int64), intent(in) :: before, rows
       integer(int64), intent(out) :: got
       type(error_type), allocatable, intent(out) :: error
       integer, allocatable :: column(:)
-      logical :: failed, refused
+      logical :: failed, refused, in_order
       integer(int64) :: block_rows, blocks, k, from, to, rounded, missing, short
       integer :: tasks, piece
 
       call stored_columns(table, column)
-      tasks = merge(size(column), 1, binary%by_columns)
+      in_order = binary%descriptor < 0
+      tasks = 1
+      if (binary%by_columns) tasks = merge(int(binary%columns), size(column), in_order)
       block_rows = block_bytes/binary%element%bytes
-      if (tasks == 1) block_rows = block_rows/binary%columns
+      if (.not. binary%by_columns) block_rows = block_rows/binary%columns
       if (is_native(binary%element) .and. (binary%by_columns .or. binary%columns == 1)) block_rows = 4*block_rows
       block_rows = max(1_int64, block_rows)
       blocks = (rows + block_rows - 1)/block_rows
@@ -188,12 +188,15 @@ contains
       rounded = 0
       refused = .false.
       !$omp parallel do schedule(dynamic) private(from, to, piece, short, failed) reduction(+:rounded) &
-      !$omp& reduction(max:missing) reduction(.or.:refused) if (rows*size(column)*8 > worth_threads)
+      !$omp& reduction(max:missing) reduction(.or.:refused) if (.not. in_order .and. rows*size(column)*8 > worth_threads)
       do k = 0, blocks*tasks - 1
+         if (in_order .and. (missing > 0 .or. allocated(error))) cycle
          from = before + 1 + modulo(k, blocks)*block_rows
          to = min(before + rows, from + block_rows - 1)
          piece = merge(1 + int(k/blocks), 0, binary%by_columns)
-         call read_part(binary, column, piece, binary%row + from - before - 1, from, to, value, rounded, short, failed)
+         if (in_order .and. binary%by_columns) piece = merge(table%layout%slot(piece), -1, &
+            table%layout%slot(piece) > 0)
+         call read_part(binary, source, column, piece, before, from, to, value, rounded, short, failed, error)
          refused = refused .or. failed
          if (short > 0) missing = max(missing, before + rows - (to - short))
       end do
@@ -202,7 +205,7 @@ contains
       got = rows - missing
       if (refused) call fatal_error(error, status%io, table%name//": the system refused to read row "// &
                                     integer_text(binary%row + got + 1)//new_line("a")//"check the disk, or copy the file")
-   end subroutine fill_by_position
+   end subroutine fill_rows
 
    !> The column of the file that each stored column holds.
    pure subroutine stored_columns(table, column)
@@ -216,35 +219,47 @@ contains
       end do
    end subroutine stored_columns
 
-   !> Reads some rows; numbers that need no conversion go straight into their place.
-   subroutine read_part(binary, column, piece, start, from, to, value, rounded, short, failed)
-      type(binary_type), intent(in) :: binary
-      integer, intent(in) :: column(:)
-      integer, intent(in) :: piece
-      integer(int64), intent(in) :: start, from, to
+   !> Reads some rows, or those of one column where there is a piece; leaves them out where it is
+   !> below 0. Numbers of a file that need no conversion go straight into their place.
+   subroutine read_part(binary, source, column, piece, before, from, to, value, rounded, short, &
+      failed, error)
+      type(binary_type), intent(inout) :: binary
+      type(source_type), intent(inout) :: source
+      integer, intent(in) :: column(:), piece
+      integer(int64), intent(in) :: before, from, to
       real(dp), intent(inout), contiguous, target :: value(:, :)
       integer(int64), intent(inout) :: rounded
       integer(int64), intent(out) :: short
       logical, intent(out) :: failed
+      type(error_type), allocatable, intent(inout) :: error
       integer(int64), allocatable, target :: buffer(:)
+      integer(int8), pointer, contiguous :: bytes(:)
       integer(int64) :: row_bytes, offset, got, n
 
       n = to - from + 1
+      failed = .false.
       row_bytes = binary%element%bytes
       offset = binary%first
       if (piece > 0) offset = offset + (column(max(piece, 1)) - 1)*max(binary%rows, 0_int64)*row_bytes
       if (piece == 0) row_bytes = row_bytes*binary%columns
-      offset = offset + start*row_bytes
-      if (is_native(binary%element) .and. row_bytes == 8) then
+      offset = offset + (binary%row + from - before - 1)*row_bytes
+      if (binary%descriptor >= 0 .and. is_native(binary%element) .and. row_bytes == 8) then
          call read_at(binary%descriptor, offset, c_loc(value(from, max(piece, 1))), 8*n, got, failed)
          got = got/8
          call drop_infinite(value(from:from + got - 1, max(piece, 1)))
       else
          allocate (buffer((n*row_bytes + 7)/8))
-         call read_at(binary%descriptor, offset, c_loc(buffer), n*row_bytes, got, failed)
+         call c_f_pointer(c_loc(buffer), bytes, [n*row_bytes])
+         if (binary%descriptor >= 0) call read_at(binary%descriptor, offset, c_loc(buffer), &
+            n*row_bytes, got, failed)
+         if (binary%descriptor < 0) call take_bytes(binary, source, bytes, got, error)
+         if (binary%descriptor < 0 .and. modulo(got, row_bytes) /= 0 .and. &
+            .not. allocated(error)) then
+            call refuse_rest(binary, source%name, binary%row + from - before - 1 + got/row_bytes, &
+               modulo(got, row_bytes), error)
+         end if
          got = got/row_bytes
-         call spread_rows(binary, c_loc(buffer), column, piece, from, from + got - 1, value, &
-                          rounded)
+         if (piece >= 0) call spread_rows(binary, c_loc(buffer), column, piece, from, from + got - 1, value, rounded)
       end if
       short = n - got
    end subroutine read_part
@@ -268,65 +283,25 @@ contains
       end do
    end subroutine spread_rows
 
-   !> Reads rows in order.
-   subroutine fill_in_order(binary, source, table, value, got, error)
-      type(binary_type), intent(inout) :: binary
-      type(source_type), intent(inout) :: source
-      type(table_type), intent(in) :: table
-      real(dp), intent(inout), contiguous :: value(:, :)
-      integer(int64), intent(out) :: got
-      type(error_type), allocatable, intent(out) :: error
-      integer, allocatable :: column(:)
-      integer(int64), allocatable, target :: buffer(:)
-      integer(int8), pointer, contiguous :: bytes(:)
-      integer(int64) :: rows, row_bytes, block_rows, n, came
-      integer :: j, piece, failed
-
-      rows = size(value, 1, kind=int64)
-      call stored_columns(table, column)
-      got = 0
-      row_bytes = binary%element%bytes
-      if (.not. binary%by_columns) row_bytes = row_bytes*binary%columns
-      block_rows = max(1_int64, block_bytes/row_bytes)
-      allocate (buffer((block_rows*row_bytes + 7)/8), stat=failed)
-      if (failed /= 0) then
-         call fatal_error(error, status%no_memory, table%name//": no memory for a row of "//integer_text(row_bytes)//" bytes")
-         return
-      end if
-      do j = 1, merge(int(binary%columns), 1, binary%by_columns)
-         got = 0
-         do while (got < rows)
-            n = min(block_rows, rows - got)
-            call c_f_pointer(c_loc(buffer), bytes, [n*row_bytes])
-            call take_bytes(binary, source, bytes, came, error)
-            if (allocated(error)) return
-            if (modulo(came, row_bytes) /= 0) call rest_of_row(binary, table, got, came, row_bytes, error)
-            if (allocated(error)) return
-            piece = merge(table%layout%slot(j), 0, binary%by_columns)
-            if (piece > 0 .or. .not. binary%by_columns) then
-               call spread_rows(binary, c_loc(buffer), column, piece, got + 1, got + came/row_bytes, value, binary%rounded)
-            end if
-            got = got + came/row_bytes
-            if (came < n*row_bytes) exit
-         end do
-         if (got < rows) return
-      end do
-   end subroutine fill_in_order
-
-   !> The pipe ends within a row.
-   subroutine rest_of_row(binary, table, got, came, row_bytes, error)
+   !> The error for numbers that end within a row.
+   subroutine refuse_rest(binary, name, rows, rest, error)
+      !> Its layout is known
       type(binary_type), intent(in) :: binary
-      type(table_type), intent(in) :: table
-      integer(int64), intent(in) :: got, came, row_bytes
+      !> Of the file
+      character(*), intent(in) :: name
+      !> Whole rows, and bytes behind them
+      integer(int64), intent(in) :: rows, rest
+      !> Allocated: parse
       type(error_type), allocatable, intent(out) :: error
-      integer(int64) :: rows
+      integer(int64) :: row_bytes
 
-      rows = binary%row + got + came/row_bytes
-      call fatal_error(error, status%parse, table%name//": byte "//integer_text(binary%first + rows*row_bytes)//": "// &
-                       integer_text(modulo(came, row_bytes))//" bytes are left after "//integer_text(rows)//" rows of "// &
-                       integer_text(row_bytes)//" bytes"//new_line("a")// &
+      row_bytes = binary%columns*binary%element%bytes
+      call fatal_error(error, status%parse, name//": byte "//integer_text(binary%first + rows*row_bytes)//": "// &
+                       integer_text(rest)//" bytes are left after "//integer_text(rows)//" rows of "// &
+                       integer_text(row_bytes)//" bytes ("//integer_text(binary%columns)//" x "// &
+                       trim(element_name(binary%element))//")"//new_line("a")// &
                        "check type, `channels` and `skip`, or whether the file was cut off")
-   end subroutine rest_of_row
+   end subroutine refuse_rest
 
    !> The next bytes of a source, those read ahead first.
    subroutine take_bytes(binary, source, buffer, got, error)

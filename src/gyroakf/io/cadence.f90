@@ -12,7 +12,7 @@ module gyroakf_io_cadence
    use gyroakf_sort, only : sort_values
    implicit none (type, external)
    private
-   public :: cadence_type, find_cadence, find_step, count_bursts, sort, median_of
+   public :: cadence_type, find_cadence, find_step, count_bursts, sorted, median_of
 
    !> How samples come
    type :: cadence_type
@@ -57,7 +57,7 @@ contains
          if (m < n - 1) i = 2 + int(modulo(k*golden, 1.0_dp)*real(n - 1, dp), int64)
          step(k) = t(i) - t(i - 1)
       end do
-      call sort(step(:m))
+      step(:m) = sorted(step(:m))
       rounding = 1.0e-4_dp*max(step((m + 1)/2), 0.1_dp*cadence%step)
       cadence%resolution = smallest_difference(step(:m), rounding)
       if (cadence%resolution <= 0.3_dp*cadence%step) return
@@ -70,9 +70,10 @@ contains
       real(dp), intent(in), contiguous :: t(:)
       !> Its resolution stays 0
       type(cadence_type), intent(out) :: cadence
-      real(dp) :: total(bins), x(bins)
-      integer(int64) :: number(bins), weight(bins), i, flat
-      integer :: bin, k
+      real(dp) :: total(bins)
+      real(dp), allocatable :: weight(:)
+      integer(int64) :: number(bins), i, flat
+      integer :: bin
       real(dp) :: step
 
       total(:) = 0.0_dp
@@ -88,15 +89,9 @@ contains
             flat = flat + 1
          end if
       end do
-      k = 0
-      do bin = 1, bins
-         if (number(bin) == 0) cycle
-         k = k + 1
-         x(k) = total(bin)/real(number(bin), dp)
-         weight(k) = number(bin)
-      end do
-      if (k == 0) return
-      call choose_step(x(:k), real(weight(:k), dp), real(flat, dp), cadence)
+      if (all(number == 0)) return
+      weight = pack(real(number, dp), number > 0)
+      call choose_step(pack(total, number > 0)/weight, weight, real(flat, dp), cadence)
       if (.not. cadence%regular) call use_mean(t, cadence)
    end subroutine find_step
 
@@ -241,19 +236,20 @@ contains
       real(dp), intent(in) :: x(:)
       real(dp) :: y(size(x))
 
-      y = x
-      call sort(y)
+      y = sorted(x)
       median_of = 0.5_dp*(y((size(x) + 1)/2) + y(size(x)/2 + 1))
    end function median_of
 
-   !> Sorts a short list.
-   subroutine sort(x)
-      !> Ascending afterwards
-      real(dp), intent(inout), contiguous :: x(:)
+   !> A short list in ascending order.
+   function sorted(x) result(y)
+      !> Any values
+      real(dp), intent(in) :: x(:)
+      real(dp) :: y(size(x))
       type(error_type), allocatable :: failed
 
-      call sort_values(x, failed)
-   end subroutine sort
+      y(:) = x
+      call sort_values(y, failed)
+   end function sorted
 
    !> Counts bursts: three samples or more at once, with less than 0.3 of the usual step between them, behind a long step; more
    !> of them than a tick of the clock holds.

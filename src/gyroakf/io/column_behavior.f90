@@ -14,18 +14,10 @@ module gyroakf_io_column_behavior
    private
    public :: find_time_and_counters
 
-   !> Behavior of a column, reached as `behavior%time`
-   type :: behavior_enum
-      integer :: other = 0
-      !> Rises from row to row, unevenly
-      integer :: rising = 1
-      !> Rises evenly, perhaps with equal values or a rollover
-      integer :: time = 2
-      !> Whole numbers that rise by 1 in most rows, or a counter by name that never falls; they may start again
-      integer :: counter = 3
-   end type behavior_enum
-
-   type(behavior_enum), parameter :: behavior = behavior_enum()
+   !> Behavior of a column: rises from row to row, unevenly; rises evenly, perhaps with equal values
+   !> or a rollover; holds whole numbers that rise by 1 in most rows, or is a counter by name that
+   !> never falls: these may start again
+   integer, parameter :: other = 0, rising = 1, even_time = 2, counter = 3
    !> A column rises by chance in fewer rows
    integer(int64), parameter :: least_rises = 20
 
@@ -45,7 +37,7 @@ contains
       integer :: kind(size(keep)), j
       logical :: may(size(keep))
 
-      kind(:) = behavior%other
+      kind(:) = other
       may(:) = .true.
       do j = 1, size(keep)
          if (table%names%known) may(j) = may_hold_time(table%names%name(table%chosen(j))%text)
@@ -55,7 +47,7 @@ contains
       end do
       do j = 1, size(keep)
          if (table%time > 0 .or. time_known) exit
-         if (kind(j) /= behavior%time .or. size(keep) < 2) cycle
+         if (kind(j) /= even_time .or. size(keep) < 2) cycle
          table%time = table%chosen(j)
          table%class(table%time) = column_class%time
          call add_text(warnings, label_of(table%names, table%time)//" rises evenly from row to row "// &
@@ -63,7 +55,7 @@ contains
       end do
       associate (class => table%class)
          do j = 1, size(keep)
-            if (kind(j) == behavior%counter) then
+            if (kind(j) == counter) then
                class(table%chosen(j)) = column_class%counter
             else if (class(table%chosen(j)) == column_class%counter .and. input /= "angle") then
                class(table%chosen(j)) = column_class%unknown
@@ -74,7 +66,7 @@ contains
             analyzed_columns(pack(class(table%chosen), table%chosen /= table%time), input /= "rate")
       end associate
       if (.not. any(keep)) keep(:) = table%chosen /= table%time
-      if (kind(1) /= behavior%rising .and. kind(1) /= behavior%time) return
+      if (kind(1) /= rising .and. kind(1) /= even_time) return
       if (.not. keep(1) .or. count(keep) < 2 .or. .not. may(1)) return
       call add_text(warnings, label_of(table%names, table%chosen(1))// &
                     " rises from row to row and looks like "// &
@@ -93,7 +85,7 @@ contains
       real(dp) :: before, lowest, highest, step, usual
       logical :: whole
 
-      found = behavior%other
+      found = other
       before = ieee_value(before, ieee_quiet_nan)
       rises = 0
       ones = 0
@@ -132,13 +124,13 @@ contains
          end do
       end do
       if (rises < least_rises .or. 20*rises < rows) return
-      found = behavior%rising
+      found = rising
       if (whole .and. (2*ones >= rises .or. named_counter)) then
-         found = behavior%counter
+         found = counter
       else if (falls > 1 + rows/2000) then
-         found = behavior%other
+         found = other
       else if (5*even >= 4*rises) then
-         found = behavior%time
+         found = even_time
       end if
    end function behavior_of
 

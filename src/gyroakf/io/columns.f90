@@ -1,19 +1,17 @@
 ! SPDX-License-Identifier: MIT
-!> Columns by name and number: names with units in brackets, which columns were asked for.
+!> Names of columns, with units in brackets.
 module gyroakf_io_columns
-   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_kinds, only : int8, int64
    use gyroakf_column_class, only : class_of, column_class, is_unit, opening_bracket
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_place, only : integer_text, integer_length
    use gyroakf_io_text, only : bytes_text, fields_type, split, split_line
    use gyroakf_record, only : text_type
-   use gyroakf_spelling, only : lower, nearest_word
    use gyroakf_utf8, only : make_readable
    implicit none (type, external)
    private
-   public :: column_names_type, read_names, join_names, drop_empty_names, take_brackets_off, refuse_equal_names
-   public :: names_way, take_name, name_of, label_of, find_column, choose_columns, most_columns
+   public :: column_names_type, count_names, has_name, read_names, join_names, drop_empty_names, take_brackets_off
+   public :: refuse_equal_names, names_way, take_name, label_of, most_columns
 
    !> A file with more of them has lost its line ends
    integer, parameter :: most_columns = 65536
@@ -74,21 +72,19 @@ contains
    !> Names that are equal without their units keep them: "a [g]", "a [m/s^2]".
    pure subroutine keep_apart(names)
       type(column_names_type), intent(inout) :: names
-      logical :: equal(size(names%name))
+      logical :: equal(merge(size(names%name), 0, size(names%name) <= most_compared))
       integer :: i, j
 
-      equal(:) = .false.
-      if (size(equal) > most_compared) return
-      do i = 1, size(equal)
-         do j = i + 1, merge(size(equal), 0, len(names%name(i)%text) > 0)
-            if (names%name(i)%text /= names%name(j)%text .or. names%unit(i)%text == names%unit(j)%text) cycle
-            equal(i) = .true.
-            equal(j) = .true.
+      associate (name => names%name, unit => names%unit)
+         do i = 1, size(equal)
+            equal(i) = len(name(i)%text) > 0 .and. len(unit(i)%text) > 0
+            if (equal(i)) equal(i) = any([(name(i)%text == name(j)%text .and. &
+               unit(i)%text /= unit(j)%text, j=1, size(equal))])
          end do
-      end do
-      do i = 1, size(equal)
-         if (equal(i) .and. len(names%unit(i)%text) > 0) names%name(i)%text = names%name(i)%text//" ["//names%unit(i)%text//"]"
-      end do
+         do i = 1, size(equal)
+            if (equal(i)) name(i)%text = name(i)%text//" ["//unit(i)%text//"]"
+         end do
+      end associate
    end subroutine keep_apart
 
    !> Names of one line from two: a group above the columns and the column in it, "gyro" and "x", or the line that says more.
@@ -204,186 +200,58 @@ contains
       word = trim(adjustl(word(2:last)))
    end subroutine take_brackets_off
 
-   !> The length of the name that a column has in the file; 0: none.
-   pure integer function own_length(names, column)
+   !> How many names are known.
+   pure integer function count_names(names)
+      !> Of a file
       type(column_names_type), intent(in) :: names
+
+      count_names = 0
+      if (names%known) count_names = size(names%name)
+   end function count_names
+
+   !> True where a column has a name in the file.
+   pure logical function has_name(names, column)
+      !> Of the file
+      type(column_names_type), intent(in) :: names
+      !> Counted from 1
       integer, intent(in) :: column
 
-      own_length = 0
-      if (names%known) own_length = len(names%name(column)%text)
-   end function own_length
-
-   !> The length of [[name_of]].
-   pure integer function name_length(names, column)
-      type(column_names_type), intent(in) :: names
-      integer, intent(in) :: column
-
-      name_length = own_length(names, column)
-      if (name_length == 0) name_length = len("column") + integer_length(int(column, int64))
-   end function name_length
+      has_name = names%known
+      if (has_name) has_name = len(names%name(column)%text) > 0
+   end function has_name
 
    !> The length of [[label_of]].
    pure integer function label_length(names, column)
       type(column_names_type), intent(in) :: names
       integer, intent(in) :: column
 
-      label_length = name_length(names, column) + merge(len("column ''"), len(" "), own_length(names, column) > 0)
+      label_length = len("column ") + integer_length(int(column, int64))
+      if (has_name(names, column)) label_length = len("column ''") + len(names%name(column)%text)
    end function label_length
 
-   !> The name of a column, "column3" where it has none.
-   pure function name_of(names, column) result(name)
-      !> Of the file
-      type(column_names_type), intent(in) :: names
-      !> Counted from 1
-      integer, intent(in) :: column
-      character(name_length(names, column)) :: name
-
-      if (own_length(names, column) > 0) then
-         name = names%name(column)%text
-      else
-         name = "column"//integer_text(int(column, int64))
-      end if
-   end function name_of
-
-   !> The same for messages: "column 3" or "column 'gx'".
+   !> A column as messages name it: "column 3" or "column 'gx'".
    pure function label_of(names, column) result(label)
-      !> As those of [[name_of]]
+      !> As those of [[has_name]]
       type(column_names_type), intent(in) :: names
       integer, intent(in) :: column
       character(label_length(names, column)) :: label
 
-      if (own_length(names, column) > 0) then
+      if (has_name(names, column)) then
          label = "column '"//names%name(column)%text//"'"
       else
          label = "column "//integer_text(int(column, int64))
       end if
    end function label_of
 
-   !> The column that a number or a name means.
-   subroutine find_column(word, names, columns, column, error)
-      !> "2" or "gx"
-      character(*), intent(in) :: word
-      !> Of the file
-      type(column_names_type), intent(in) :: names
-      !> How many the file has
-      integer, intent(in) :: columns
-      !> From 1
-      integer, intent(out) :: column
-      !> Allocated where there is no such column: invalid_argument
-      type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: name, unit
-      integer :: found
-      real(dp) :: x
-
-      column = 0
-      call take_name(word, name, unit)
-      if (names%known .and. len(word) > 0) then
-         column = column_named(names, word, .true.)
-         if (column == 0) column = column_named(names, word, .false.)
-         if (column == 0) column = column_named(names, name, .true.)
-      end if
-      if (column > 0) return
-      call parse_number(word, x, found)
-      if (found == number%ok .and. verify(word, "0123456789") == 0 .and. x < 1.0e9_dp) then
-         column = nint(x)
-         if (column >= 1 .and. column <= columns) return
-         column = 0
-         call fatal_error(error, status%invalid_argument, "there is no column "//word//": the file has columns 1 to "// &
-                          integer_text(int(columns, int64)))
-      else
-         call refuse_name(word, names, error)
-      end if
-   end subroutine find_column
-
-   !> The column of that name, 0 where there is none or, apart from case, more than one.
-   pure integer function column_named(names, name, exact) result(column)
-      type(column_names_type), intent(in) :: names
-      character(*), intent(in) :: name
-      logical, intent(in) :: exact
-      integer :: i
-
-      column = 0
-      do i = 1, size(names%name)
-         if (exact .and. names%name(i)%text /= name) cycle
-         if (lower(names%name(i)%text) /= lower(name)) cycle
-         if (column > 0) then
-            column = 0
-            return
-         end if
-         column = i
-      end do
-   end function column_named
-
-   !> The error for a name that no column has.
-   subroutine refuse_name(word, names, error)
-      character(*), intent(in) :: word
-      type(column_names_type), intent(in) :: names
-      type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: message
-      character(80), allocatable :: known(:)
-      integer :: i, near
-
-      message = "there is no column '"//word//"'"
-      if (.not. names%known) then
-         call fatal_error(error, status%invalid_argument, &
-                          message//": the file does not name its columns; give numbers, counted from 1")
-         return
-      end if
-      allocate (known(size(names%name)))
-      do i = 1, size(known)
-         known(i) = ""
-         if (may_mean(word, names%name(i)%text)) known(i) = names%name(i)%text
-      end do
-      near = nearest_word(word, known)
-      if (near > 0) message = message//", perhaps '"//names%name(near)%text//"'"
-      message = message//"; the file has"
-      do i = 1, min(size(known), 40)
-         message = message//" '"//names%name(i)%text//"'"
-      end do
-      if (size(known) > 40) message = message//" ..."
-      call fatal_error(error, status%invalid_argument, message)
-   end subroutine refuse_name
-
-   !> True where a name may be another one misspelt: the same digits and the same last letter, so the same axis, and nothing that
-   !> makes it the name of another quantity.
-   pure logical function may_mean(word, name)
-      character(*), intent(in) :: word, name
-      character(*), parameter :: digits = "0123456789", letters = "abcdefghijklmnopqrstuvwxyz"
-      integer :: last(2), class(2)
-
-      may_mean = kept(word, digits) == kept(name, digits) .and. len(name) > 0
-      last = [scan(lower(word), letters, back=.true.), scan(lower(name), letters, back=.true.)]
-      if (.not. may_mean .or. any(last == 0)) return
-      may_mean = lower(word(last(1):last(1))) == lower(name(last(2):last(2)))
-      class = [class_of(word, ""), class_of(name, "")]
-      may_mean = may_mean .and. (class(1) == class(2) .or. (class(1) == column_class%unknown .and. len(word) /= len(name)) &
-                                 .or. (class(1) == column_class%unknown .and. len(word) > 4))
-   end function may_mean
-
-   !> The characters of a text that are in a set, then blanks.
-   pure function kept(text, set) result(left)
-      character(*), intent(in) :: text, set
-      character(len(text)) :: left
-      integer :: i, n
-
-      left = ""
-      n = 0
-      do i = 1, len(text)
-         if (scan(text(i:i), set) == 0) cycle
-         n = n + 1
-         left(n:n) = text(i:i)
-      end do
-   end function kept
-
    !> Refuses names that several columns have, unless the columns were asked for by number: they get their number then.
-   subroutine refuse_equal_names(asked, file, names, error)
-      !> True where all columns that were asked for were asked for by number
-      logical, intent(in) :: asked
+   subroutine refuse_equal_names(file, names, error, columns)
       !> Its name, for the message
       character(*), intent(in) :: file
       type(column_names_type), intent(inout) :: names
       !> Allocated where names are equal: parse
       type(error_type), allocatable, intent(out) :: error
+      !> Those that were asked for, if any
+      character(*), intent(in), optional :: columns
       character(:), allocatable :: list, name
       integer :: i, j, count
 
@@ -401,42 +269,13 @@ contains
          end do
          if (count > 0) names%name(i)%text = name//" (column "//integer_text(int(i, int64))//")"
       end do
-      if (len(list) == 0 .or. asked) return
+      if (len(list) == 0) return
+      if (present(columns)) then
+         if (verify(columns, "0123456789, ") == 0) return
+      end if
       call fatal_error(error, status%parse, file//":"//integer_text(names%line)// &
                        ":1: names of columns are equal: "//list(3:)//new_line("a")// &
                        "choose columns by their numbers, or make the names different")
    end subroutine refuse_equal_names
-
-   !> The columns of a comma list.
-   subroutine choose_columns(list, names, columns, chosen, error)
-      !> "2" or "gx,gz"
-      character(*), intent(in) :: list
-      !> Of the file
-      type(column_names_type), intent(in) :: names
-      !> How many the file has
-      integer, intent(in) :: columns
-      !> As asked for, in this order
-      integer, allocatable, intent(out) :: chosen(:)
-      !> Allocated where there is no such column or one is named twice: invalid_argument
-      type(error_type), allocatable, intent(out) :: error
-      integer :: column(len(list) + 1), count, from, to, i
-
-      count = 0
-      from = 1
-      do while (from <= len(list) + 1)
-         to = index(list(from:), ",")
-         to = merge(len(list), from + to - 2, to == 0)
-         count = count + 1
-         call find_column(trim(adjustl(list(from:to))), names, columns, column(count), error)
-         if (allocated(error)) return
-         do i = 1, count - 1
-            if (column(i) /= column(count)) cycle
-            call fatal_error(error, status%invalid_argument, "the column '"//list(from:to)//"' is chosen twice")
-            return
-         end do
-         from = to + 2
-      end do
-      chosen = column(:count)
-   end subroutine choose_columns
 
 end module gyroakf_io_columns

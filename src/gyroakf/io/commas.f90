@@ -3,12 +3,13 @@
 module gyroakf_io_commas
    use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : error_type
-   use gyroakf_io_columns, only : column_names_type
+   use gyroakf_io_columns, only : count_names
    use gyroakf_io_date, only : is_digit
    use gyroakf_io_lines, only : lines_type
    use gyroakf_io_place, only : place_error
-   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, last_visible, line_feed_from, split, split_line
-   use gyroakf_record, only : add_text, text_type
+   use gyroakf_io_table, only : table_type
+   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_no_row, last_visible, line_feed_from, split, split_line
+   use gyroakf_record, only : add_text
    implicit none (type, external)
    private
    public :: settle_commas, decimal_comma, decimal_fields, seconds_comma, make_points, comma_found, comma_advice
@@ -17,18 +18,9 @@ module gyroakf_io_commas
    character(*), parameter :: comma_found = "this looks like a decimal comma, and a comma separates columns"
    character(*), parameter :: comma_advice = "write decimal points"
 
-   !> What commas are, reached as `comma_mode%decimal`
-   type :: comma_mode_enum
-      !> They part columns
-      integer :: separator = 0
-      !> Every comma is a decimal comma
-      integer :: decimal = 1
-      !> Those behind the seconds of a time of day are decimal commas
-      integer :: seconds = 2
-   end type comma_mode_enum
-
-   !> All modes
-   type(comma_mode_enum), parameter :: comma_mode = comma_mode_enum()
+   !> What commas are where they do not part columns: all are decimal commas, or those behind the
+   !> seconds of a time of day
+   integer, parameter :: decimal_commas = 1, seconds_commas = 2
 
    !> So many lines at the start are looked at for decimal commas
    integer, parameter :: looked_at = 64
@@ -39,60 +31,49 @@ module gyroakf_io_commas
 contains
 
    !> Decides what commas are.
-   subroutine settle_commas(lines, last, decimal, names, mode, warnings, error)
+   subroutine settle_commas(lines, decimal, table, error)
       !> The first line of numbers is at hand; decimal commas become points
       type(lines_type), intent(inout) :: lines
-      !> Last byte of the first line of numbers
-      integer(int64), intent(in) :: last
       !> Every comma is a decimal comma
       logical, intent(in) :: decimal
-      !> Of the columns, as far as they are known
-      type(column_names_type), intent(in) :: names
-      !> A component of `comma_mode`
-      integer, intent(inout) :: mode
-      !> One more where decimal commas were recognized
-      type(text_type), allocatable, intent(inout) :: warnings(:)
+      !> Its names are used as far as they are known; `layout%commas` is set
+      type(table_type), intent(inout) :: table
       !> parse (they may be decimal commas, but not surely)
       type(error_type), allocatable, intent(out) :: error
       type(fields_type) :: fields
 
       if (decimal) then
-         mode = comma_mode%decimal
-      else if (seconds_comma(lines%bytes, lines%at, last)) then
-         mode = comma_mode%seconds
+         table%layout%commas = decimal_commas
+      else if (seconds_comma(lines%bytes, lines%at, lines%to)) then
+         table%layout%commas = seconds_commas
       else
-         call split_line(lines%bytes, lines%at, last, split%mixed, fields)
-         if (names%known) then
-            if (size(names%name) == fields%count) return
-         end if
-         call recognise_commas(lines, names, mode, warnings, error)
+         call split_line(lines%bytes, lines%at, lines%to, split%mixed, fields)
+         if (count_names(table%names) == fields%count) return
+         call recognise_commas(lines, table, error)
          if (allocated(error)) return
       end if
-      if (mode /= comma_mode%separator) call make_points(lines%bytes, lines%at, lines%last, mode)
+      call make_points(lines%bytes, lines%at, lines%last, table%layout%commas)
    end subroutine settle_commas
 
    !> Looks at the first lines for decimal commas: where every line has them or whole numbers between other separators, they are
    !> read; where they are likely but not sure it is an error, for they would be taken for separators.
-   subroutine recognise_commas(lines, names, mode, warnings, error)
+   subroutine recognise_commas(lines, table, error)
       type(lines_type), intent(in) :: lines
-      type(column_names_type), intent(in) :: names
-      integer, intent(inout) :: mode
-      type(text_type), allocatable, intent(inout) :: warnings(:)
+      type(table_type), intent(inout) :: table
       type(error_type), allocatable, intent(out) :: error
       integer(int64) :: at, last, likely, likely_at, likely_last
       integer :: i, fields, expected, line
       logical :: sure, commas
 
       at = lines%at
-      expected = 0
-      if (names%known) expected = size(names%name)
+      expected = count_names(table%names)
       sure = .true.
       commas = .false.
       likely = 0
       do i = 0, looked_at - 1
          if (at > lines%last) exit
          last = line_feed_from(lines%bytes, at)
-         if (.not. is_comment(lines%bytes, at, last - 1) .and. first_visible(lines%bytes, at, last - 1) < last) then
+         if (.not. is_no_row(lines%bytes, at, last - 1)) then
             fields = decimal_fields(lines%bytes, at, last - 1)
             if (expected == 0) expected = fields
             sure = sure .and. fields > 1 .and. fields == expected
@@ -107,8 +88,9 @@ contains
          at = last + 1
       end do
       if (sure .and. commas) then
-         mode = comma_mode%decimal
-         call add_text(warnings, "the commas between digits are read as decimal commas", note=.true.)
+         table%layout%commas = decimal_commas
+         call add_text(table%warnings, "the commas between digits are read as decimal commas", &
+            note=.true.)
       else if (likely > 0) then
          call place_error(error, lines%source%name, lines%number + line, lines%bytes, likely_at, likely_last, likely, &
                           comma_found, comma_advice)
@@ -257,13 +239,13 @@ contains
       !> Lines at first:last, a line feed at last
       integer(int8), intent(inout), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
-      !> One of the components of `comma_mode`
+      !> As `layout%commas`
       integer, intent(in) :: mode
       integer(int64) :: i
 
-      if (mode == comma_mode%decimal) then
+      if (mode == decimal_commas) then
          where (bytes(first:last) == comma) bytes(first:last) = point
-      else if (mode == comma_mode%seconds) then
+      else if (mode == seconds_commas) then
          do i = first, last
             if (bytes(i) /= comma) cycle
             if (behind_seconds(bytes, i, first)) bytes(i) = point

@@ -124,9 +124,8 @@ contains
       end if
       if (digits(first) /= 4 .or. digits(2) > 2 .or. digits(4 - first) > 2) return
       if (part(2) < 1 .or. part(2) > 12 .or. part(4 - first) < 1) return
-      if (part(4 - first) > month_days(int(part(first)), int(part(2)))) return
       day = day_number(int(part(first)), int(part(2)), int(part(4 - first)))
-      found = .true.
+      found = day < day_number(int(part(first)), int(part(2)) + 1, 1)   ! in the month
    end subroutine scan_day
 
    !> Digits, at most so many.
@@ -369,21 +368,12 @@ contains
 
    !> Days from 1970-01-01 in the Gregorian calendar: years that begin in March have the leap day at their end.
    pure integer(int64) function day_number(year, month, day)
-      !> Year 0 to 9999, month 1 to 12, day 1 to 31
+      !> Year 0 to 9999, month 1 to 13, day 1 to 31
       integer, intent(in) :: year, month, day
       integer(int64) :: y
 
       y = year - merge(1, 0, month < 3) + 400
       day_number = 365*y + y/4 - y/100 + y/400 + (153*modulo(month - 3, 12) + 2)/5 + day - 1 - 719468 - 146097
    end function day_number
-
-   !> Days of a month.
-   pure integer function month_days(year, month)
-      integer, intent(in) :: year, month
-      integer, parameter :: days(12) = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31]
-
-      month_days = days(month)
-      if (month == 2 .and. modulo(year, 4) == 0 .and. (modulo(year, 100) /= 0 .or. modulo(year, 400) == 0)) month_days = 29
-   end function month_days
 
 end module gyroakf_io_date

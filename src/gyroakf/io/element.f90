@@ -49,10 +49,8 @@ contains
       select case (base)
       case ("f16", "f32", "f64", "i8", "i16", "i32", "i64", "u8", "u16", "u32", "u64")
          element%kind = base(1:1)
-         element%bytes = 1
-         if (base(2:) == "16") element%bytes = 2
-         if (base(2:) == "32") element%bytes = 4
-         if (base(2:) == "64") element%bytes = 8
+         read (base(2:), "(i2)") element%bytes
+         element%bytes = element%bytes/8
       case default
          known = .false.
       end select

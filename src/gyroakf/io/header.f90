@@ -8,6 +8,7 @@ module gyroakf_io_header
    use gyroakf_error, only : error_type
    use gyroakf_io_columns, only : column_names_type, read_names
    use gyroakf_io_decimal, only : format_real
+   use gyroakf_io_lines, only : lines_type
    use gyroakf_io_number, only : number, scan_number
    use gyroakf_io_place, only : integer_text, shown_bytes
    use gyroakf_io_text, only : bytes_text, first_visible, last_visible
@@ -36,31 +37,30 @@ module gyroakf_io_header
 contains
 
    !> Takes in one comment line; lines without a known key are ignored.
-   subroutine read_comment(bytes, first, last, line, header, warnings)
-      !> Holds the line at first:last; a line feed is behind it
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      !> Number of the line
-      integer(int64), intent(in) :: line
+   subroutine read_comment(lines, header, warnings)
+      !> At the line
+      type(lines_type), intent(in) :: lines
       !> What is known so far
       type(header_type), intent(inout) :: header
       !> What could not be understood
       type(text_type), allocatable, intent(inout) :: warnings(:)
-      integer(int64) :: from, mark
+      integer(int64) :: from, last, mark
       character(:), allocatable :: key
 
-      from = first - 1 + verify(bytes_text(bytes, first, last)//"x", "#%;/! "//achar(9))
-      do mark = from, last
-         if (bytes(mark) == iachar(":") .or. bytes(mark) == iachar("=")) exit
+      from = lines%at - 1 + verify(bytes_text(lines%bytes, lines%at, lines%to)//"x", "#%;/! "// &
+         achar(9))
+      do mark = from, lines%to
+         if (any(lines%bytes(mark) == iachar([":", "="]))) exit
       end do
-      if (mark > last .or. mark - from > 32) return
-      key = lower(bytes_text(bytes, from, last_visible(bytes, from, mark - 1)))
-      from = first_visible(bytes, mark + 1, last)
+      if (mark > lines%to .or. mark - from > 32) return
+      key = lower(bytes_text(lines%bytes, from, last_visible(lines%bytes, from, mark - 1)))
+      from = first_visible(lines%bytes, mark + 1, lines%to)
+      last = last_visible(lines%bytes, from, lines%to)
       select case (key)
       case ("rate_hz", "dt", "sample rate", "sampling rate", "update rate")
-         call read_rate(bytes, from, last, key, line, header, warnings)
-      case ("unit", "units"); call read_unit(bytes, from, last_visible(bytes, from, last), key, line, header, warnings)
-      case ("columns"); if (from <= last) call read_names(bytes, from, last_visible(bytes, from, last), line, header%names)
+         call read_rate(lines, from, key, header, warnings)
+      case ("unit", "units"); call read_unit(lines, from, last, key, header, warnings)
+      case ("columns"); if (from <= last) call read_names(lines%bytes, from, last, lines%number, header%names)
       case default; continue
       end select
    end subroutine read_comment
@@ -91,35 +91,35 @@ contains
 
    !> Keys `rate_hz` and `dt`, in Hz and seconds unless a unit follows; where an earlier line said another rate, the later counts
    !> and a warning says so.
-   subroutine read_rate(bytes, first, last, key, line, header, warnings)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last, line
+   subroutine read_rate(lines, first, key, header, warnings)
+      type(lines_type), intent(in) :: lines
+      integer(int64), intent(in) :: first
       character(*), intent(in) :: key
       type(header_type), intent(inout) :: header
       type(text_type), allocatable, intent(inout) :: warnings(:)
       character(:), allocatable :: word
       real(dp) :: x, scale
 
-      call first_number(bytes, first, last, x, word)
+      call first_number(lines%bytes, first, lines%to, x, word)
       scale = time_scale(word)
       if (key == "dt" .and. scale > 0.0_dp) x = x*scale
       if (key /= "dt" .and. word == "khz") x = 1.0e3_dp*x
       if (.not. (x >= smallest_rate .and. x <= largest_rate)) then
-         call warn(bytes, first, last, line, key, "is not a positive number", warnings)
+         call warn(lines, first, key, "is not a positive number", warnings)
          return
       end if
       if (key == "dt") x = 1.0_dp/x
       if (header%rate_hz > 0.0_dp .and. abs(header%rate_hz - x) > 1.0e-6_dp*x) then
-         call add_text(warnings, "line "//integer_text(line)//": the header gives a second rate, "//format_real(x, 6)// &
+         call add_text(warnings, "line "//integer_text(lines%number)//": the header gives a second rate, "//format_real(x, 6)// &
                        " Hz after "//format_real(header%rate_hz, 6)//" Hz; the last counts, `rate_hz` overrides it")
       end if
       header%rate_hz = x
    end subroutine read_rate
 
    !> Key `unit`: the whole value, or its first word; where every word is a unit, or the key is `units`, one for each column.
-   subroutine read_unit(bytes, first, last, key, line, header, warnings)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last, line
+   subroutine read_unit(lines, first, last, key, header, warnings)
+      type(lines_type), intent(in) :: lines
+      integer(int64), intent(in) :: first, last
       character(*), intent(in) :: key
       type(header_type), intent(inout) :: header
       type(text_type), allocatable, intent(inout) :: warnings(:)
@@ -129,7 +129,7 @@ contains
       character(:), allocatable :: value
       integer :: i, several, first_word
 
-      value = bytes_text(bytes, first, last)
+      value = bytes_text(lines%bytes, first, last)
       value = value(:noteless_length(value))
       call parse_unit(value, unit, failed)
       if (allocated(failed)) then
@@ -149,7 +149,7 @@ contains
          call parse_unit(value(:first_word), unit, failed)
       end if
       if (allocated(failed)) then
-         call warn(bytes, first, last, line, key, "is not known", warnings)
+         call warn(lines, first, key, "is not known", warnings)
          if (index(value, "increment") > 0) call add_text(warnings, "if the numbers are increments of an angle, say so: "// &
             "`input` increment, `unit` arcsec (deg, rad, ...), and `scale` F where a count is F of that unit")
       else
@@ -178,14 +178,15 @@ contains
    end subroutine split_words
 
    !> Appends a warning about a key.
-   subroutine warn(bytes, first, last, line, key, what, warnings)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last, line
+   subroutine warn(lines, first, key, what, warnings)
+      type(lines_type), intent(in) :: lines
+      integer(int64), intent(in) :: first
       character(*), intent(in) :: key, what
       type(text_type), allocatable, intent(inout) :: warnings(:)
 
-      call add_text(warnings, "line "//integer_text(line)//": the header's "//key//" '"// &
-                    shown_bytes(bytes, first, min(last_visible(bytes, first, last), first + 60))//"' "//what//" and is ignored")
+      call add_text(warnings, "line "//integer_text(lines%number)//": the header's "//key//" '"// &
+         shown_bytes(lines%bytes, first, &
+         min(last_visible(lines%bytes, first, lines%to), first + 60))//"' "//what//" and is ignored")
    end subroutine warn
 
 end module gyroakf_io_header

@@ -4,14 +4,14 @@
 module gyroakf_io_heading
    use gyroakf_kinds, only : int8, int64
    use gyroakf_column_class, only : is_time_name, is_unit
-   use gyroakf_io_columns, only : column_names_type, join_names, names_way, read_names, take_brackets_off
+   use gyroakf_io_columns, only : column_names_type, count_names, join_names, names_way, read_names, take_brackets_off
    use gyroakf_io_date, only : is_digit
    use gyroakf_io_leave_out, only : is_text
    use gyroakf_io_lines, only : lines_type
    use gyroakf_io_marks, only : find_marks, marks_type
    use gyroakf_io_number, only : is_missing_field
    use gyroakf_io_rows, only : layout_type
-   use gyroakf_io_text, only : begins_with_semicolon, bytes_text, fields_type, first_visible, is_comment, &
+   use gyroakf_io_text, only : begins_with_semicolon, bytes_text, fields_type, first_visible, is_no_row, &
       last_visible, line_feed_from, split, split_line
    implicit none (type, external)
    private
@@ -23,14 +23,15 @@ module gyroakf_io_heading
 contains
 
    !> True for a line that holds words and nothing like a number: names of columns.
-   logical function only_words(lines, last)
+   logical function only_words(lines)
+      !> At the line
       type(lines_type), intent(in) :: lines
-      integer(int64), intent(in) :: last
       type(fields_type) :: fields
       integer :: i
 
       only_words = .false.
-      call split_line(lines%bytes, lines%at, last, names_way(lines%bytes, lines%at, last), fields)
+      call split_line(lines%bytes, lines%at, lines%to, &
+         names_way(lines%bytes, lines%at, lines%to), fields)
       do i = 1, fields%count
          if (fields%last(i) < fields%first(i)) cycle
          if (begins_like_number(lines%bytes, fields%first(i))) then
@@ -73,11 +74,9 @@ contains
    !> It is a row where the next one, or two behind others, have the same number of fields, labels and words in the same places;
    !> with a word in front these begin with the same one: records of several kinds. So is what begins with a number and has as
    !> many fields.
-   logical function is_setting(lines, last, pattern, marks)
+   logical function is_setting(lines, pattern, marks)
       !> At the line
       type(lines_type), intent(in) :: lines
-      !> Its last byte
-      integer(int64), intent(in) :: last
       !> Of the line
       character(*), intent(in) :: pattern
       type(marks_type), intent(in) :: marks
@@ -89,12 +88,12 @@ contains
       again = 0
       is_setting = index(pattern, "t") > 0 .and. index(pattern, "n") == 0
       if (is_setting .or. (index(pattern, "t") == 0 .and. marks%labels == 0)) return
-      at = last + 1
+      at = lines%to + 1
       do i = 1, most_ahead
          at = line_feed_from(lines%bytes, at) + 1
          if (at > lines%last) return
          to = line_feed_from(lines%bytes, at)
-         if (first_visible(lines%bytes, at, to - 1) == to .or. is_comment(lines%bytes, at, to - 1)) cycle
+         if (is_no_row(lines%bytes, at, to - 1)) cycle
          call find_pattern(lines%bytes, at, to - 1, other, other_marks)
          if (len(other) == 0) cycle
          if (other_marks%skeleton /= marks%skeleton .or. .not. alike(pattern, other)) then
@@ -135,13 +134,13 @@ contains
    end function alike
 
    !> True for a line that begins with a semicolon and holds names between semicolons: the first column has none.
-   logical function begins_with_names(lines, last)
+   logical function begins_with_names(lines)
+      !> At the line
       type(lines_type), intent(in) :: lines
-      integer(int64), intent(in) :: last
 
-      begins_with_names = begins_with_semicolon(lines%bytes, lines%at, last)
-      if (begins_with_names) begins_with_names = count(lines%bytes(lines%at:last) == iachar(";")) > 1
-      if (begins_with_names) begins_with_names = only_words(lines, last)
+      begins_with_names = begins_with_semicolon(lines%bytes, lines%at, lines%to)
+      if (begins_with_names) begins_with_names = count(lines%bytes(lines%at:lines%to) == iachar(";")) > 1
+      if (begins_with_names) begins_with_names = only_words(lines)
    end function begins_with_names
 
    !> True for a byte that a name does not begin with, perhaps behind brackets: what begins so, or with U+2212, is a number,
@@ -157,9 +156,9 @@ contains
    end function begins_like_number
 
    !> Takes in a line of words: names, units below them, or names below a title or below groups of columns.
-   subroutine take_heading(lines, last, behind_setting, names, layout)
+   subroutine take_heading(lines, behind_setting, names, layout)
+      !> At the line
       type(lines_type), intent(in) :: lines
-      integer(int64), intent(in) :: last
       !> True where a setting stands between the names so far and this line
       logical, intent(in) :: behind_setting
       type(column_names_type), intent(inout) :: names
@@ -168,31 +167,27 @@ contains
       logical :: taken
 
       taken = .false.
-      if (names%known .and. .not. behind_setting) call take_units(lines, last, names, taken)
+      if (names%known .and. .not. behind_setting) call take_units(lines, names, taken)
       if (taken) return
       above = names
-      call read_names(lines%bytes, lines%at, last, lines%number, names)
-      if (above%known .and. names%known) then
-         if (size(above%name) == size(names%name) .and. .not. behind_setting) call join_names(above, names)
-      end if
+      call read_names(lines%bytes, lines%at, lines%to, lines%number, names)
+      if (above%known .and. count_names(above) == count_names(names) .and. .not. behind_setting) call join_names(above, names)
       associate (bytes => lines%bytes)
-         layout%heading = bytes(first_visible(bytes, lines%at, last):last_visible(bytes, lines%at, last))
+         layout%heading = bytes(first_visible(bytes, lines%at, lines%to):last_visible(bytes, lines%at, lines%to))
       end associate
-      layout%semicolons = any(lines%bytes(lines%at:last) == iachar(";"))
+      layout%semicolons = any(lines%bytes(lines%at:lines%to) == iachar(";"))
    end subroutine take_heading
 
    !> Takes in a line of units below the names, in brackets or not; not taken where no word of it is a unit.
-   subroutine take_units(lines, last, names, taken)
+   subroutine take_units(lines, names, taken)
       type(lines_type), intent(in) :: lines
-      integer(int64), intent(in) :: last
       type(column_names_type), intent(inout) :: names
       logical, intent(out) :: taken
       type(column_names_type) :: words
       integer :: i, units, others
 
-      call read_names(lines%bytes, lines%at, last, lines%number, words)
-      taken = words%known
-      if (taken) taken = size(words%name) == size(names%name)
+      call read_names(lines%bytes, lines%at, lines%to, lines%number, words)
+      taken = count_names(words) == count_names(names)
       if (.not. taken) return
       units = 0
       others = 0
@@ -209,26 +204,23 @@ contains
    !> Takes a comment for names of columns: words between commas, semicolons or tabs, or a time and words between blanks.
    !>
    !> Whether they are names is decided later, by the number of columns.
-   subroutine suppose_names(bytes, first, last, line, supposed)
-      !> Holds the line at first:last; a line feed is behind it
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      !> Number of the line
-      integer(int64), intent(in) :: line
+   subroutine suppose_names(lines, supposed)
+      !> At the line
+      type(lines_type), intent(in) :: lines
       !> Left alone where the comment is no list of words, or has a colon or an equals sign
       type(column_names_type), intent(inout) :: supposed
       type(column_names_type) :: names
       integer(int64) :: from, to
       integer :: i
 
-      if (any(bytes(first:last) == iachar(":") .or. bytes(first:last) == iachar("="))) return
-      from = first - 1 + verify(bytes_text(bytes, first, last)//"x", "#%;/! "//achar(9))
-      to = last_visible(bytes, from, last)
+      if (scan(bytes_text(lines%bytes, lines%at, lines%to), ":=") > 0) return
+      from = lines%at - 1 + verify(bytes_text(lines%bytes, lines%at, lines%to)//"x", "#%;/! "// &
+         achar(9))
+      to = last_visible(lines%bytes, from, lines%to)
       if (to < from) return
-      call read_names(bytes, from, to, line, names)
-      if (.not. names%known) return
-      if (size(names%name) < 2) return
-      if (names_way(bytes, from, to) == split%mixed .and. .not. is_time_name(names%name(1)%text)) return
+      call read_names(lines%bytes, from, to, lines%number, names)
+      if (count_names(names) < 2) return
+      if (names_way(lines%bytes, from, to) == split%mixed .and. .not. is_time_name(names%name(1)%text)) return
       do i = 1, size(names%name)
          if (len(names%name(i)%text) == 0) cycle
          if (scan(names%name(i)%text(1:1), "+-0123456789") > 0) return

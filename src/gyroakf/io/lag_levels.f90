@@ -3,7 +3,7 @@
 !> jittery, coarse or come in bursts.
 module gyroakf_io_lag_levels
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_io_cadence, only : cadence_type, median_of, sort
+   use gyroakf_io_cadence, only : cadence_type, median_of, sorted
    implicit none (type, external)
    private
    public :: find_levels
@@ -112,8 +112,7 @@ contains
       real(dp) :: y(size(x))
       integer :: cut
 
-      y = x
-      call sort(y)
+      y = sorted(x)
       cut = size(y)/5
       middle_mean = sum(y(cut + 1:size(y) - cut))/(size(y) - 2*cut)
    end function middle_mean
@@ -123,8 +122,7 @@ contains
       real(dp), intent(in) :: distance(:)
       real(dp) :: y(size(distance))
 
-      y = distance
-      call sort(y)
+      y = sorted(distance)
       spread_of = max(1.4826_dp*y((size(y) + 1)/2), 0.7803_dp*y(max(1, (4*size(y))/5)))
    end function spread_of
 

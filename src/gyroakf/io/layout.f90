@@ -23,7 +23,7 @@ module gyroakf_io_layout
       integer(int64) :: origin = 0
       !> The column that is a date and a time of day with blanks between them, 0 where there is none
       integer :: joined = 0
-      !> What commas are, a component of comma_mode
+      !> What commas are, see [[gyroakf_io_commas]]: 0 where they part columns
       integer :: commas = 0
       !> The line of the names, from its first visible byte to the last: where it is met again it is no row; unallocated where
       !> there is none
@@ -38,6 +38,8 @@ module gyroakf_io_layout
       !> Rows hold labels or brackets, see [[gyroakf_io_marks]]; only those of the first row are read, others are wrong, or left out
       logical :: marked = .false., where_label = .false.
       integer(int64) :: skeleton = 0
+      !> Lines that cannot be read count as missing samples instead of being an error
+      logical :: bad_lines_missing = .false.
       !> Semicolons part the columns: a line that begins with one may be a row whose first field is empty
       logical :: semicolons = .false.
    end type layout_type

@@ -10,26 +10,12 @@ module gyroakf_io_leave_out
    use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
-   public :: find_texts, is_text, classes_of, analyzed_columns, in_order, list_left_out
+   public :: is_text, classes_of, analyzed_columns, in_order, list_left_out
 
    !> So many columns are named in a warning
    integer, parameter :: most_listed = 40
 
 contains
-
-   !> Which columns hold words in all of the first rows.
-   pure subroutine find_texts(field, texts)
-      !> Of [[gyroakf_io_selection:first_rows]]
-      type(text_type), intent(in) :: field(:, :)
-      !> False where there is no row: [column]
-      logical, allocatable, intent(out) :: texts(:)
-      integer :: i, j
-
-      allocate (texts(size(field, 2)))
-      do j = 1, size(texts)
-         texts(j) = size(field, 1) > 0 .and. all([(is_text(field(i, j)%text), i=1, size(field, 1))])
-      end do
-   end subroutine find_texts
 
    !> True for a word that can be no number, not even a wrong one; what holds a number behind a colon is not.
    pure logical function is_text(field)
@@ -54,7 +40,7 @@ contains
       type(column_names_type), intent(in) :: names
       !> Of the header's key `units`: [column], or of another size
       type(text_type), intent(in) :: units(:)
-      !> Of [[find_texts]]: [column], or of size 0
+      !> Columns of words: [column], or of size 0
       logical, intent(in) :: texts(:)
       integer, intent(in) :: columns
       integer :: class(columns), i, j, turns(3)

@@ -131,28 +131,23 @@ contains
       real(dp), intent(in), contiguous :: t(:), value(:, :)
       logical, intent(inout) :: keep(:)
       type(audit_type), intent(inout) :: audit
-      integer(int64) :: i, n, last, equal, alike, others, chance
+      integer(int64) :: i, n, last, met(2), alike(2)      ! of equal stamps, of different ones
+      integer :: k
 
       n = size(t, kind=int64)
-      equal = 0
-      alike = 0
-      others = 0
-      chance = 0
+      met(:) = 0
+      alike(:) = 0
       last = 0
       do i = 1, n
          if (.not. keep(i)) cycle
          if (last > 0) then
-            if (abs(t(i) - t(last)) > 0.0_dp) then
-               others = others + 1
-               if (same_row(value, i, last)) chance = chance + 1
-            else
-               equal = equal + 1
-               if (same_row(value, i, last)) alike = alike + 1
-            end if
+            k = merge(2, 1, abs(t(i) - t(last)) > 0.0_dp)
+            met(k) = met(k) + 1
+            if (same_row(value, i, last)) alike(k) = alike(k) + 1
          end if
          last = i
       end do
-      if (real(alike, dp)*real(max(others, 1_int64), dp) <= 10.0_dp*real(equal, dp)*real(chance, dp)) return
+      if (real(alike(1), dp)*real(max(met(2), 1_int64), dp) <= 10.0_dp*real(met(1), dp)*real(alike(2), dp)) return
       last = 0
       do i = 1, n
          if (.not. keep(i)) cycle

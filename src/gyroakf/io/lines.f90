@@ -5,12 +5,12 @@ module gyroakf_io_lines
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_number, only : digits_ahead
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_text, only : line_feed_from
+   use gyroakf_io_text, only : line_end_from, line_feed_from
    use gyroakf_io_source, only : has_places, open_source, read_block, source_left, source_type
    implicit none (type, external)
    private
    public :: lines_type, open_lines, more_lines, reserve_bytes, check_length, end_last_line, turn_returns
-   public :: line_end, next_line, line_map_type, map_row, line_of
+   public :: next_line, line_map_type, map_row, line_of
 
    !> Bytes of the first block
    integer(int64), parameter :: block_size = 1048576
@@ -28,8 +28,8 @@ module gyroakf_io_lines
       type(source_type) :: source
       !> The block
       integer(int8), allocatable :: bytes(:)
-      !> First byte of the next line
-      integer(int64) :: at = 1
+      !> First byte of the next line, and its last one without its end, see [[more_lines]]
+      integer(int64) :: at = 1, to = 0
       !> The last line feed; at > last where there is no whole line
       integer(int64) :: last = 0
       !> Bytes that are filled
@@ -101,6 +101,7 @@ contains
          if (allocated(error)) return
          call find_last(lines, rest + 1)
       end do
+      if (lines%at <= lines%last) lines%to = line_end_from(lines%bytes, lines%at)
    end subroutine more_lines
 
    !> Moves the bytes from `at` on to the start; reserves `wanted` and as many more bytes behind.
@@ -224,16 +225,6 @@ contains
       if (lines%last > 0) lines%last = lines%last + from - 1
       lines%bytes(lines%filled + 1:lines%filled + digits_ahead) = line_feed
    end subroutine find_last
-
-   !> The last byte of the line at `at`, without its end (line feed, carriage return).
-   pure integer(int64) function line_end(lines)
-      !> With a whole line at hand
-      type(lines_type), intent(in) :: lines
-
-      line_end = line_feed_from(lines%bytes, lines%at) - 1
-      if (line_end < lines%at) return
-      if (lines%bytes(line_end) == carriage_return) line_end = line_end - 1
-   end function line_end
 
    !> Leaves the line at `at` behind.
    pure subroutine next_line(lines)

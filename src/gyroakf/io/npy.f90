@@ -9,8 +9,8 @@ module gyroakf_io_npy
    use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_element, only : element_type, host_big_endian
-   use gyroakf_io_place, only : integer_text
-   use gyroakf_io_text, only : bytes_text
+   use gyroakf_io_place, only : integer_text, shown_bytes
+   use gyroakf_io_text, only : bytes_text, text_bytes
    implicit none (type, external)
    private
    public :: npy_magic, npy_alignment, make_npy_header, spell_shape, npy_header_type, read_npy_header
@@ -42,6 +42,8 @@ module gyroakf_io_npy
       !> Bytes before the text, and the file's name: for messages
       integer(int64) :: before = 0
       character(:), allocatable :: name
+      !> What is wrong first; what follows is not looked at
+      type(error_type), allocatable :: error
    end type cursor_type
 
 contains
@@ -125,49 +127,38 @@ contains
       end if
       cursor%text = bytes_text(bytes, start + 1, header%first)
       cursor%before = start
-      call read_dictionary(cursor, header, error)
+      call read_dictionary(cursor, header)
+      call move_alloc(cursor%error, error)
    end subroutine read_npy_header
 
    !> {'descr': ..., 'fortran_order': ..., 'shape': ...}: the three keys in any order, each once.
-   subroutine read_dictionary(cursor, header, error)
+   subroutine read_dictionary(cursor, header)
       type(cursor_type), intent(inout) :: cursor
       type(npy_header_type), intent(inout) :: header
-      type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: key
-      logical :: seen(3)
-      integer :: k
+      logical :: seen(3), this(3)
 
-      seen = .false.
-      call expect(cursor, "{", error)
-      do while (.not. allocated(error))
+      seen(:) = .false.
+      call expect(cursor, "{")
+      do while (.not. allocated(cursor%error))
          if (ahead(cursor) == "}") exit
-         call read_string(cursor, key, error)
-         if (.not. allocated(error)) call expect(cursor, ":", error)
-         if (allocated(error)) return
-         k = findloc([character(13) :: "descr", "fortran_order", "shape"] == key, .true., dim=1)
-         if (k == 0) then
-            call refuse(cursor, "'"//shown(key)//"' is none of descr, fortran_order, shape", error)
-         else if (seen(k)) then
-            call refuse(cursor, "a key stands twice", error)
-         else if (k == 1) then
-            call read_descr(cursor, header%element, error)
-         else if (k == 2) then
-            call read_order(cursor, header%by_columns, error)
-         else
-            call read_shape(cursor, header, error)
-         end if
-         if (allocated(error)) return
-         seen(k) = .true.
+         call read_string(cursor, key)
+         call expect(cursor, ":")
+         this = [character(13) :: "descr", "fortran_order", "shape"] == key
+         if (.not. any(this)) call refuse(cursor, "'"// &
+            shown_bytes(text_bytes(key), 1_int64, min(40_int64, len(key, int64)))// &
+                                           "' is none of descr, fortran_order, shape")
+         if (any(this .and. seen)) call refuse(cursor, "a key stands twice")
+         if (this(1)) call read_descr(cursor, header%element)
+         if (this(2)) call read_order(cursor, header%by_columns)
+         if (this(3)) call read_shape(cursor, header)
+         seen = seen .or. this
          if (ahead(cursor) /= ",") exit
          cursor%at = cursor%at + 1
       end do
-      if (.not. allocated(error)) call expect(cursor, "}", error)
-      if (allocated(error)) return
-      if (.not. all(seen)) then
-         call refuse(cursor, "descr, fortran_order or shape is not there", error)
-      else if (ahead(cursor) /= "") then
-         call refuse(cursor, "more follows", error)
-      end if
+      call expect(cursor, "}")
+      if (.not. all(seen)) call refuse(cursor, "descr, fortran_order or shape is not there")
+      if (ahead(cursor) /= "") call refuse(cursor, "more follows")
    end subroutine read_dictionary
 
    !> The next character that is not blank, "" at the end.
@@ -185,69 +176,57 @@ contains
    end function ahead
 
    !> Moves behind a sign that has to come.
-   subroutine expect(cursor, sign, error)
+   subroutine expect(cursor, sign)
       type(cursor_type), intent(inout) :: cursor
       character(1), intent(in) :: sign
-      type(error_type), allocatable, intent(out) :: error
 
-      if (ahead(cursor) == sign) then
-         cursor%at = cursor%at + 1
-      else
-         call refuse(cursor, "'"//sign//"' is expected", error)
-      end if
+      if (ahead(cursor) /= sign) call refuse(cursor, "'"//sign//"' is expected")
+      cursor%at = cursor%at + 1
    end subroutine expect
 
    !> A text in single or double quotes.
-   subroutine read_string(cursor, text, error)
+   subroutine read_string(cursor, text)
       type(cursor_type), intent(inout) :: cursor
       character(:), allocatable, intent(out) :: text
-      type(error_type), allocatable, intent(out) :: error
       character(1) :: mark
       integer :: last
 
-      text = ""
       mark = ahead(cursor)
       last = 0
       if (mark == "'" .or. mark == '"') last = index(cursor%text(cursor%at + 1:), mark)
-      if (last == 0) then
-         call refuse(cursor, "a text in quotes is expected", error)
-         return
-      end if
+      if (last == 0) call refuse(cursor, "a text in quotes is expected")
       text = cursor%text(cursor%at + 1:cursor%at + last - 1)
       cursor%at = cursor%at + last + 1
    end subroutine read_string
 
    !> True or False.
-   subroutine read_order(cursor, by_columns, error)
+   subroutine read_order(cursor, by_columns)
       type(cursor_type), intent(inout) :: cursor
       logical, intent(out) :: by_columns
-      type(error_type), allocatable, intent(out) :: error
 
       by_columns = ahead(cursor) == "T"
-      if (index(cursor%text(cursor%at:), trim(merge("True ", "False", by_columns))) == 1) then
-         cursor%at = cursor%at + merge(4, 5, by_columns)
-      else
-         call refuse(cursor, "fortran_order is neither True nor False", error)
+      if (index(cursor%text(cursor%at:), trim(merge("True ", "False", by_columns))) /= 1) then
+         call refuse(cursor, "fortran_order is neither True nor False")
       end if
+      cursor%at = cursor%at + merge(4, 5, by_columns)
    end subroutine read_order
 
    !> (), (1000,) or (1000, 3); a long integer of Python 2 ends with L.
-   subroutine read_shape(cursor, header, error)
+   subroutine read_shape(cursor, header)
       type(cursor_type), intent(inout) :: cursor
       type(npy_header_type), intent(inout) :: header
-      type(error_type), allocatable, intent(out) :: error
       integer(int64) :: length, longest
       integer :: digits, i, axis
 
       header%rank = 0
       longest = -1
       axis = 0
-      call expect(cursor, "(", error)
-      do while (.not. allocated(error))
+      call expect(cursor, "(")
+      do while (.not. allocated(cursor%error))
          if (ahead(cursor) == ")") exit
          digits = verify(cursor%text(cursor%at:)//" ", "0123456789") - 1
          if (digits < 1 .or. digits > 18) then
-            call refuse(cursor, "a length of the shape is expected", error)
+            call refuse(cursor, "a length of the shape is expected")
             return
          end if
          length = 0
@@ -263,30 +242,27 @@ contains
          if (ahead(cursor) /= ",") exit
          cursor%at = cursor%at + 1
       end do
-      if (.not. allocated(error)) call expect(cursor, ")", error)
-      if (allocated(error)) return
-      if (header%rank == 0) call unsuitable(cursor, "the array is a single number, shape ()", "save the whole series", error)
+      call expect(cursor, ")")
+      if (header%rank == 0) call unsuitable(cursor, "the array is a single number, shape ()", "save the whole series")
       if (header%rank > 2) call unsuitable(cursor, "the array has "//integer_text(int(header%rank, int64))//" dimensions", &
          "one row for each sample, where the longest axis is the time: python3 -c ""import numpy; numpy.save('rows.npy', "// &
          "numpy.moveaxis(numpy.load('"//cursor%name//"'), "//integer_text(int(axis, int64))//", 0).reshape("// &
-         integer_text(longest)//", -1))""", error)
+         integer_text(longest)//", -1))""")
    end subroutine read_shape
 
    !> '<f8': order, kind, bytes; a list is a structured type.
-   subroutine read_descr(cursor, element, error)
+   subroutine read_descr(cursor, element)
       type(cursor_type), intent(inout) :: cursor
       type(element_type), intent(out) :: element
-      type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: descr, what, advice
 
       if (ahead(cursor) == "[") then
          call unsuitable(cursor, "the array's type is structured", "a table with a column for each field: python3 -c "// &
             """import numpy; a = numpy.load('"//cursor%name//"'); n = a.dtype.names; numpy.savetxt('rows.csv', "// &
-            "numpy.column_stack([a[i] for i in n]), delimiter=',', header=','.join(n), comments='')""", error)
+            "numpy.column_stack([a[i] for i in n]), delimiter=',', header=','.join(n), comments='')""")
          return
       end if
-      call read_string(cursor, descr, error)
-      if (allocated(error)) return
+      call read_string(cursor, descr)
       descr = descr//" "
       element%big_endian = host_big_endian()
       if (descr(1:1) == "<") element%big_endian = .false.
@@ -314,40 +290,30 @@ contains
             advice = "save seconds: (array - array[0])/numpy.timedelta64(1, 's')"
          case default; what = " is not known"
          end select
-         if (descr(:min(1, len(descr))) /= "O") what = " '"//shown(descr)//"'"//what
-         call unsuitable(cursor, "the array's type"//what, advice, error)
+         if (descr(:min(1, len(descr))) /= "O") what = " '"// &
+            shown_bytes(text_bytes(descr), 1_int64, min(40_int64, len(descr, int64)))//"'"//what
+         call unsuitable(cursor, "the array's type"//what, advice)
       end select
    end subroutine read_descr
 
-   !> A text for a message, without control characters, cut where it is long.
-   pure function shown(text) result(clean)
-      character(*), intent(in) :: text
-      character(min(len(text), 40)) :: clean
-      integer :: i
-
-      clean = text(:min(len(text), 40))
-      do i = 1, len(clean)
-         if (iachar(clean(i:i)) < 32 .or. iachar(clean(i:i)) > 126) clean(i:i) = "?"
-      end do
-   end function shown
-
    !> A header that cannot be understood, with the byte.
-   subroutine refuse(cursor, what, error)
-      type(cursor_type), intent(in) :: cursor
+   subroutine refuse(cursor, what)
+      type(cursor_type), intent(inout) :: cursor
       character(*), intent(in) :: what
-      type(error_type), allocatable, intent(out) :: error
 
-      call fatal_error(error, status%parse, cursor%name//": byte "//integer_text(cursor%before + cursor%at - 1)// &
+      if (allocated(cursor%error)) return
+      call fatal_error(cursor%error, status%parse, cursor%name//": byte "//integer_text(cursor%before + cursor%at - 1)// &
                        ": in the header of NumPy's format "//what//new_line("a")//"save it again with numpy.save")
    end subroutine refuse
 
    !> An array that is no table of numbers.
-   subroutine unsuitable(cursor, what, advice, error)
-      type(cursor_type), intent(in) :: cursor
+   subroutine unsuitable(cursor, what, advice)
+      type(cursor_type), intent(inout) :: cursor
       character(*), intent(in) :: what, advice
-      type(error_type), allocatable, intent(out) :: error
 
-      call fatal_error(error, status%not_supported, cursor%name//": "//what//new_line("a")//advice)
+      if (allocated(cursor%error)) return
+      call fatal_error(cursor%error, status%not_supported, cursor%name//": "//what// &
+         new_line("a")//advice)
    end subroutine unsuitable
 
 end module gyroakf_io_npy

@@ -3,7 +3,7 @@
 module gyroakf_io_opening
    use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_binary, only : binary_type, skip_bytes
+   use gyroakf_io_binary, only : binary_type, refuse_rest, skip_bytes
    use gyroakf_io_element, only : element_name, element_type
    use gyroakf_io_lines, only : lines_type
    use gyroakf_io_npy, only : npy_header_type, read_npy_header, spell_shape
@@ -57,11 +57,7 @@ contains
          binary%rows = rest/row_bytes
          rest = rest - binary%rows*row_bytes
          if (rest > 0) then
-            call fatal_error(error, status%parse, source%name//": byte "//integer_text(source%length - rest)//": "// &
-                             integer_text(rest)//" bytes are left after "//integer_text(binary%rows)//" rows of "// &
-                             integer_text(row_bytes)//" bytes ("//integer_text(channels)//" x "// &
-                             trim(element_name(element))//")"//new_line("a")// &
-                             "check type, `channels` and `skip`, or whether the file was cut off")
+            call refuse_rest(binary, source%name, binary%rows, rest, error)
             return
          end if
       end if

@@ -21,11 +21,10 @@ module gyroakf_io_quick_number
    !> So many bytes after the last one of the text have to be addressable
    integer, parameter :: digits_ahead = 8
 
+   integer :: i
+
    !> The powers of ten that are doubles
-   real(dp), parameter :: exact_ten(0:22) = [ &
-      1.0e0_dp, 1.0e1_dp, 1.0e2_dp, 1.0e3_dp, 1.0e4_dp, 1.0e5_dp, 1.0e6_dp, 1.0e7_dp, &
-      1.0e8_dp, 1.0e9_dp, 1.0e10_dp, 1.0e11_dp, 1.0e12_dp, 1.0e13_dp, 1.0e14_dp, 1.0e15_dp, &
-      1.0e16_dp, 1.0e17_dp, 1.0e18_dp, 1.0e19_dp, 1.0e20_dp, 1.0e21_dp, 1.0e22_dp]
+   real(dp), parameter :: exact_ten(0:22) = [(10.0_dp**i, i=0, 22)]
 
    !> Bytes of words: the lower and the upper half, "0", 6, ".", six bits and the one above them
    integer(int64), parameter :: nibbles = int(z'0F0F0F0F0F0F0F0F', int64), upper = int(z'F0F0F0F0F0F0F0F0', int64)

@@ -79,7 +79,7 @@ contains
       integer, intent(inout) :: ends(0:)
       integer, intent(inout) :: changes
       integer, intent(in) :: most
-      integer :: stretch, at, k
+      integer :: stretch, at
       logical :: found
 
       do while (changes < most)
@@ -88,9 +88,7 @@ contains
             call best_division(part(ends(stretch) + 1:ends(stretch + 1)), at)
             if (at == 0) cycle
             found = .true.
-            do k = changes + 1, stretch + 1, -1
-               ends(k + 1) = ends(k)
-            end do
+            ends(stretch + 2:changes + 2) = ends(stretch + 1:changes + 1)
             ends(stretch + 1) = ends(stretch) + at
             changes = changes + 1
             exit

@@ -10,8 +10,8 @@ module gyroakf_io_reader
    use gyroakf_io_audit, only : audit_values, gap_type
    use gyroakf_io_channel_units, only : set_units
    use gyroakf_io_column_behavior, only : find_time_and_counters
-   use gyroakf_io_columns, only : label_of, name_of
-   use gyroakf_io_findings, only : tell
+   use gyroakf_io_columns, only : has_name, label_of
+   use gyroakf_io_findings, only : survey_columns, tell
    use gyroakf_io_leave_out, only : list_left_out
    use gyroakf_io_lines, only : line_of
    use gyroakf_io_place, only : integer_text
@@ -19,7 +19,6 @@ module gyroakf_io_reader
    use gyroakf_io_store, only : take_columns
    use gyroakf_io_recording, only : close_recording, hold_rows, open_recording, reader_options, recording_type, &
       say_too_large
-   use gyroakf_io_survey, only : survey_columns
    use gyroakf_io_table, only : table_type
    use gyroakf_io_time_base, only : place_samples, set_rate, use_stamps
    use gyroakf_progress, only : progress_type, tell_progress
@@ -129,7 +128,9 @@ contains
       end if
       allocate (record%channel(size(slots)))
       do j = 1, size(slots)
-         record%channel(j)%text = name_of(table%names, table%chosen(slots(j)))
+         record%channel(j)%text = "column"//integer_text(int(table%chosen(slots(j)), int64))
+         if (has_name(table%names, table%chosen(slots(j)))) &
+            record%channel(j)%text = table%names%name(table%chosen(slots(j)))%text
       end do
       table%chosen = table%chosen(slots)
    end subroutine take_values

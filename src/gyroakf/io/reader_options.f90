@@ -75,59 +75,59 @@ contains
       logical :: known
       integer :: found
       real(dp) :: modulus
+      character(:), allocatable :: wrong
 
-      if (ieee_is_nan(options%rate_hz)) then
-         call fatal_error(error, status%invalid_argument, "the rate is not a number")
-      else if (options%rate_hz < 0.0_dp .or. options%rate_hz > largest_rate .or. &
-               (options%rate_hz > 0.0_dp .and. options%rate_hz < smallest_rate)) then
-         call fatal_error(error, status%invalid_argument, "the rate has to lie between 1e-30 and 1e30 Hz, and is "// &
-                          format_real(options%rate_hz, 6)//" Hz")
-      else if (.not. ieee_is_finite(options%scale)) then
-         call fatal_error(error, status%invalid_argument, "the scale has to be finite")
-      else if (abs(options%scale) < tiny(1.0_dp)) then
-         call fatal_error(error, status%invalid_argument, "the scale must not be 0")
-      else if (ieee_is_nan(options%from) .or. ieee_is_nan(options%to)) then
-         call fatal_error(error, status%invalid_argument, "the part that is to be read has a limit that is not a number")
-      else if (options%from < 0.0_dp .or. options%from >= options%to) then
-         call fatal_error(error, status%invalid_argument, "the part from "//format_real(options%from, 6)//" s to "// &
-                          format_real(options%to, 6)//" s is empty")
-      else if (options%skip < 0) then
-         call fatal_error(error, status%invalid_argument, "the number of lines to skip must not be negative")
-      else if (options%channels < 0) then
-         call fatal_error(error, status%invalid_argument, "the number of channels must not be negative")
-      end if
-      if (allocated(options%where) .and. .not. allocated(error)) then
-         if (index(options%where, "=") < 2) call fatal_error(error, status%invalid_argument, "'"//options%where// &
-            "' is no COLUMN=VALUE")
-      end if
-      if (allocated(options%time_unit) .and. .not. allocated(error)) then
-         known = time_scale(lower(options%time_unit)) > 0.0_dp
-         if (.not. known) call fatal_error(error, status%invalid_argument, "the unit of time '"//options%time_unit// &
-            "' is not known; known are s, ms, us, ns, min, h and multiples such as 100us")
-      end if
-      if (allocated(options%format) .and. .not. allocated(error)) then
-         call parse_element(options%format, element, known)
-         known = known .or. any(options%format == [character(4) :: "auto", "text", "csv", "npy"])
-         if (.not. known) call fatal_error(error, status%not_supported, "the format '"//options%format// &
-            "' is not supported; known are auto, text, csv, npy, f32, f64, i8, i16, i32, i64, u8, u16, u32, with be for big endian")
-      end if
-      if (allocated(options%resample) .and. .not. allocated(error)) then
-         known = any(options%resample == [character(7) :: "index", "nearest", "linear"])
-         if (.not. known) call fatal_error(error, status%not_supported, "to resample by '"//options%resample// &
-                                           "' is not supported; known are index, nearest, linear")
-      end if
-      if (allocated(options%input) .and. .not. allocated(error)) then
-         known = any(options%input == [character(9) :: "rate", "increment", "angle"])
-         if (.not. known) call fatal_error(error, status%invalid_argument, "the input '"//options%input// &
-                                           "' is not known; known are rate, increment, angle")
-      end if
-      if (allocated(options%wrap) .and. .not. allocated(error)) then
+      if (allocated(options%wrap)) then
          known = options%wrap == "auto" .or. options%wrap == "none"
          if (.not. known) call parse_number(options%wrap, modulus, found)
          if (.not. known) known = found == number%ok .and. modulus > 0.0_dp
-         if (.not. known) call fatal_error(error, status%invalid_argument, "angles cannot wrap at '"//options%wrap// &
-                                           "'; known are auto, none and positive numbers")
+         if (.not. known) wrong = "angles cannot wrap at '"//options%wrap// &
+            "'; known are auto, none and positive numbers"
       end if
+      if (allocated(options%input)) then
+         known = any(options%input == [character(9) :: "rate", "increment", "angle"])
+         if (.not. known) wrong = "the input '"//options%input// &
+            "' is not known; known are rate, increment, angle"
+      end if
+      if (allocated(options%time_unit)) then
+         known = time_scale(lower(options%time_unit)) > 0.0_dp
+         if (.not. known) wrong = "the unit of time '"//options%time_unit// &
+            "' is not known; known are s, ms, us, ns, min, h and multiples such as 100us"
+      end if
+      if (allocated(options%where)) then
+         if (index(options%where, "=") < 2) wrong = "'"//options%where//"' is no COLUMN=VALUE"
+      end if
+      if (options%channels < 0) wrong = "the number of channels must not be negative"
+      if (options%skip < 0) wrong = "the number of lines to skip must not be negative"
+      if (options%from < 0.0_dp .or. options%from >= options%to) &
+         wrong = "the part from "//format_real(options%from, 6)// &
+         " s to "//format_real(options%to, 6)//" s is empty"
+      if (ieee_is_nan(options%from) .or. ieee_is_nan(options%to)) &
+         wrong = "the part that is to be read has a limit that is not a number"
+      if (abs(options%scale) < tiny(1.0_dp)) wrong = "the scale must not be 0"
+      if (.not. ieee_is_finite(options%scale)) wrong = "the scale has to be finite"
+      if (options%rate_hz < 0.0_dp .or. options%rate_hz > largest_rate .or. &
+          (options%rate_hz > 0.0_dp .and. options%rate_hz < smallest_rate)) &
+         wrong = "the rate has to lie between 1e-30 and 1e30 Hz, and is "// &
+            format_real(options%rate_hz, 6)//" Hz"
+      if (ieee_is_nan(options%rate_hz)) wrong = "the rate is not a number"
+      if (allocated(wrong)) then
+         call fatal_error(error, status%invalid_argument, wrong)
+         return
+      end if
+      if (allocated(options%resample)) then
+         known = any(options%resample == [character(7) :: "index", "nearest", "linear"])
+         if (.not. known) wrong = "to resample by '"//options%resample// &
+            "' is not supported; known are index, nearest, linear"
+      end if
+      if (allocated(options%format)) then
+         call parse_element(options%format, element, known)
+         known = known .or. any(options%format == [character(4) :: "auto", "text", "csv", "npy"])
+         if (.not. known) wrong = "the format '"//options%format// &
+            "' is not supported; known are auto, text, csv, npy, f32, "// &
+            "f64, i8, i16, i32, i64, u8, u16, u32, with be for big endian"
+      end if
+      if (allocated(wrong)) call fatal_error(error, status%not_supported, wrong)
    end subroutine check_options
 
 end module gyroakf_io_reader_options

@@ -7,13 +7,14 @@ module gyroakf_io_recording
    use gyroakf_io_binary, only : binary_type, read_binary_rows
    use gyroakf_io_decimal, only : format_real, real_length
    use gyroakf_io_element, only : element_name, element_type, element_word, parse_element
+   use gyroakf_io_first_row, only : begin_table
    use gyroakf_io_format, only : content_type, recognise
    use gyroakf_io_lines, only : lines_type, open_lines
    use gyroakf_io_opening, only : begin_npy, begin_raw
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_reader_options, only : check_options, reader_options
    use gyroakf_io_source, only : close_source
-   use gyroakf_io_table, only : begin_table, table_type
+   use gyroakf_io_table, only : table_type
    use gyroakf_io_text_rows, only : read_rows
    use gyroakf_record, only : add_text
    use gyroakf_spelling, only : lower
@@ -165,15 +166,14 @@ contains
       character(*), intent(in) :: kind
       type(recording_type), intent(in) :: recording
       type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: what
 
-      if (kind /= "binary" .and. recording%options%channels > 0) then
-         call fatal_error(error, status%invalid_argument, recording%path//": `channels` is for raw numbers, and this is "//kind)
-      else if (kind /= "text" .and. allocated(recording%options%where)) then
-         call fatal_error(error, status%invalid_argument, recording%path//": `where` is for text, and this is "//kind)
-      else if (kind == "npy" .and. recording%options%skip > 0) then
-         call fatal_error(error, status%invalid_argument, recording%path// &
-                          ": `skip` is for text (lines) and raw numbers (bytes), and this is "//kind)
-      end if
+      if (kind == "npy" .and. recording%options%skip > 0) &
+         what = "`skip` is for text (lines) and raw numbers (bytes)"
+      if (kind /= "text" .and. allocated(recording%options%where)) what = "`where` is for text"
+      if (kind /= "binary" .and. recording%options%channels > 0) &
+         what = "`channels` is for raw numbers"
+      if (allocated(what)) call fatal_error(error, status%invalid_argument, recording%path//": "//what//", and this is "//kind)
    end subroutine check_use
 
    !> True for the ending of another format.
@@ -245,7 +245,7 @@ contains
       class(progress_type), intent(inout), optional :: progress
 
       if (recording%format == "text") then
-         call read_rows(recording%lines, recording%options, most, recording%table, error, progress)
+         call read_rows(recording%lines, most, recording%table, error, progress)
       else
          call read_binary_rows(recording%binary, recording%lines%source, most, recording%table, error, progress)
       end if

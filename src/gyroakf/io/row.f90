@@ -8,10 +8,10 @@ module gyroakf_io_row
    use gyroakf_io_layout, only : layout_type, problem_type
    use gyroakf_io_number, only : is_missing_field, number, scan_number
    use gyroakf_io_row_problem, only : count_problem, excerpt, field_problem, mend, set_problem
-   use gyroakf_io_text, only : fields_type, split, split_line
+   use gyroakf_io_text, only : fields_type, has_fields, split, split_line
    implicit none (type, external)
    private
-   public :: read_row, join_fields, agrees
+   public :: read_row, split_row, join_fields, agrees
 
    integer(int8), parameter :: tab = 9
 
@@ -34,18 +34,12 @@ contains
       type(problem_type), intent(out) :: problem
       !> False leaves out the texts
       logical, intent(in) :: explain
-      integer, parameter :: ways(3) = [split%mixed, split%tabs, split%mixed]
       integer(int64) :: comma_at
       integer :: j, slot
       logical :: other
 
       row = ieee_value(1.0_dp, ieee_quiet_nan)
-      do j = 1, size(ways)
-         call split_line(bytes, first, last, ways(j), fields)
-         call join_fields(bytes, layout, fields)
-         if (fits(layout, fields)) exit
-         if (.not. any(bytes(first:last) == tab)) exit
-      end do
+      call split_row(bytes, first, last, layout, fields)
       other = layout%strict
       if (other) other = .not. agrees(bytes, fields, layout)
       problem%found = fields%open_quote /= 0 .or. other .or. .not. fits(layout, fields)
@@ -71,6 +65,26 @@ contains
          return
       end do
    end subroutine read_row
+
+   !> Splits a row; each tab parts fields where that makes as many as there are columns.
+   pure subroutine split_row(bytes, first, last, layout, fields)
+      !> Holds the line at first:last, without its end
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
+      !> The columns
+      type(layout_type), intent(in) :: layout
+      !> Its fields, a date and a time of day joined
+      type(fields_type), intent(inout) :: fields
+      integer, parameter :: ways(3) = [split%mixed, split%tabs, split%mixed]
+      integer :: j
+
+      do j = 1, size(ways)
+         call split_line(bytes, first, last, ways(j), fields)
+         call join_fields(bytes, layout, fields)
+         if (fits(layout, fields)) exit
+         if (.not. any(bytes(first:last) == tab)) exit
+      end do
+   end subroutine split_row
 
    !> Makes one field of a date and the time of day behind it, where the layout says that they are one column.
    pure subroutine join_fields(bytes, layout, fields)
@@ -121,8 +135,7 @@ contains
       type(layout_type), intent(in) :: layout
       type(fields_type), intent(in) :: fields
 
-      fits = fields%count == layout%columns .or. (fields%count == layout%columns + 1 .and. fields%trailing) &
-             .or. (fields%count == layout%columns - 1 .and. layout%last_optional)
+      fits = has_fields(fields, layout%columns) .or. (fields%count == layout%columns - 1 .and. layout%last_optional)
    end function fits
 
    !> The number or stamp in first:last; unchanged where a number is missing, NaN where a stamp is.

@@ -5,13 +5,14 @@ module gyroakf_io_selection
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_column_class, only : class_of, column_class
    use gyroakf_error, only : error_type
-   use gyroakf_io_columns, only : column_names_type, find_column, label_of
+   use gyroakf_io_column_choice, only : find_column
+   use gyroakf_io_columns, only : column_names_type, label_of
    use gyroakf_io_layout, only : layout_type
    use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_row, only : agrees, join_fields
-   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_comment, line_feed_from, split, split_line, &
-      text_bytes
+   use gyroakf_io_row, only : agrees, split_row
+   use gyroakf_io_table, only : table_type
+   use gyroakf_io_text, only : bytes_text, fields_type, is_no_row, line_feed_from, text_bytes
    use gyroakf_record, only : add_text, text_type
    implicit none (type, external)
    private
@@ -35,8 +36,7 @@ contains
       type(layout_type), intent(in) :: layout
       type(fields_type) :: fields
 
-      call split_line(bytes, first, last, split%mixed, fields)
-      call join_fields(bytes, layout, fields)
+      call split_row(bytes, first, last, layout, fields)
       is_wanted = agrees(bytes, fields, layout)
    end function is_wanted
 
@@ -61,33 +61,31 @@ contains
    end subroutine set_condition
 
    !> Looks for a column that alternates between few values while the time stamps repeat, and says so.
-   subroutine find_interleaved(field, names, time, class, kinds, what)
+   subroutine find_interleaved(field, table, what)
       !> Of [[first_rows]]
       type(text_type), intent(in) :: field(:, :)
-      type(column_names_type), intent(in) :: names
-      !> The column of the time, 0 where it is not known
-      integer, intent(in) :: time
-      !> [column]
-      integer, intent(in) :: class(:)
-      !> COLUMN=VALUE of each sensor, and the message; unallocated where there is one sensor
-      type(text_type), allocatable, intent(out) :: kinds(:)
+      !> Its columns are known; `kinds` is set where there are several sensors
+      type(table_type), intent(inout) :: table
+      !> The message; unallocated where there is one sensor
       character(:), allocatable, intent(out) :: what
       character(:), allocatable :: column
       integer :: j, k, sensors
 
       if (size(field, 2) > most_columns .or. size(field, 1) < 8) return
       do j = 1, size(field, 2)
-         if (j == time .or. class(j) == column_class%rate .or. class(j) == column_class%acceleration) cycle
+         if (j == table%time .or. any(table%class(j) == [column_class%rate, column_class%acceleration])) cycle
          sensors = 0
-         do k = max(1, time), merge(time, size(field, 2), time > 0)
-            if (k /= j) sensors = max(sensors, alternating(field(:, j), field(:, k), time > 0))
+         do k = max(1, table%time), merge(table%time, size(field, 2), table%time > 0)
+            if (k /= j) sensors = max(sensors, alternating(field(:, j), field(:, k), &
+               table%time > 0))
          end do
          if (sensors == 0) cycle
-         what = label_of(names, j)//" alternates between "//integer_text(int(sensors, int64))// &
+         what = label_of(table%names, j)//" alternates between "// &
+            integer_text(int(sensors, int64))// &
                 " values while the time stamps repeat: "//integer_text(int(sensors, int64))//" sensors in one table"
-         call find_selector(names, j, column)
+         call find_selector(table%names, j, column)
          do k = 1, sensors
-            call add_text(kinds, column//"="//field(k, j)%text)
+            call add_text(table%kinds, column//"="//field(k, j)%text)
          end do
          return
       end do
@@ -95,32 +93,33 @@ contains
 
    !> Looks for a column of words that repeat, with only times and counters before it: rows that hold another word than the first
    !> row are wrong then. A column of words behind the samples says something about a row.
-   subroutine find_kinds_of_records(field, names, texts, layout)
+   subroutine find_kinds_of_records(field, texts, table)
       !> Of [[first_rows]]
       type(text_type), intent(in) :: field(:, :)
-      type(column_names_type), intent(in) :: names
       !> Columns of words: [column]
       logical, intent(in) :: texts(:)
-      !> `where_column`, `where_value` and `strict` are set
-      type(layout_type), intent(inout) :: layout
+      !> `where_column`, `where_value` and `strict` of its layout are set
+      type(table_type), intent(inout) :: table
       type(error_type), allocatable :: failed
+      integer, allocatable :: class(:)
       integer :: rows, i, j, k, words
 
       rows = size(field, 1)
       do j = 1, merge(size(texts), 0, size(texts) <= most_columns)
          if (.not. texts(j)) cycle
-         if (names%known) then
-            if (.not. any(class_of(names%name(j)%text, "") == [column_class%unknown, column_class%counter])) cycle
-            do k = 1, j - 1
-               if (.not. (texts(k) .or. any(class_of(names%name(k)%text, "") == [column_class%time, column_class%counter]))) return
-            end do
+         if (table%names%known) then
+            class = [(class_of(table%names%name(k)%text, ""), k=1, j)]
+            if (all(class(j) /= [column_class%unknown, column_class%counter])) cycle
+            if (.not. all(texts(:j - 1) .or. class(:j - 1) == column_class%time .or. &
+               class(:j - 1) == column_class%counter)) return
          else if (j > 2) then
             return
          end if
          words = count([(.not. any([(field(i, j)%text == field(k, j)%text, k=1, i - 1)]), i=1, rows)])
          if (2*words > rows) cycle
-         call set_condition(integer_text(int(j, int64))//"="//field(1, j)%text, column_names_type(), layout%columns, layout, failed)
-         layout%strict = .not. allocated(failed)
+         call set_condition(integer_text(int(j, int64))//"="//field(1, j)%text, column_names_type(), table%layout%columns, &
+                            table%layout, failed)
+         table%layout%strict = .not. allocated(failed)
          return
       end do
    end subroutine find_kinds_of_records
@@ -155,13 +154,8 @@ contains
       at = first
       do while (at <= last .and. rows < size(field, 1))
          to = line_feed_from(bytes, at)
-         if (.not. is_comment(bytes, at, to - 1) .and. first_visible(bytes, at, to - 1) < to) then
-            call split_line(bytes, at, to - 1, split%mixed, fields)
-            call join_fields(bytes, layout, fields)
-            if (fields%count < layout%columns .and. any(bytes(at:to - 1) == iachar(achar(9)))) then    ! empty between tabs
-               call split_line(bytes, at, to - 1, split%tabs, fields)
-               call join_fields(bytes, layout, fields)
-            end if
+         if (.not. is_no_row(bytes, at, to - 1)) then
+            call split_row(bytes, at, to - 1, layout, fields)
             wanted = layout%where_column == 0
             if (.not. wanted) wanted = agrees(bytes, fields, layout)
             if (wanted .and. fields%count >= layout%columns) then

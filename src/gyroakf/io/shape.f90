@@ -193,8 +193,7 @@ contains
       do j = 1, size(record%value, 2)
          largest = 0.0_dp
          do i = 2, size(record%value, 1, kind=int64)
-            if (.not. steps(record, i, j)) cycle
-            largest = max(largest, abs(record%value(i, j) - record%value(i - 1, j)))
+            largest = max(largest, change_at(record, i, j))
          end do
          k = findloc(usual >= largest, .true., dim=1)
          if (k == 0 .or. largest <= 0.0_dp) cycle
@@ -202,8 +201,7 @@ contains
          other = 0.0_dp
          times = 0
          do i = 2, size(record%value, 1, kind=int64)
-            if (.not. steps(record, i, j)) cycle
-            change = abs(record%value(i, j) - record%value(i - 1, j))
+            change = change_at(record, i, j)
             if (change >= 0.75_dp*usual(k)) times = times + 1
             if (change < 0.75_dp*usual(k)) other = max(other, change)
          end do
@@ -215,15 +213,16 @@ contains
       end do
    end subroutine warn_of_wraps
 
-   !> True where a sample and the one before are there.
-   pure logical function steps(record, i, j)
+   !> How much a sample differs from the one before; 0 where one of them is missing.
+   pure real(dp) function change_at(record, i, j) result(change)
       type(record_type), intent(in) :: record
       integer(int64), intent(in) :: i
       integer, intent(in) :: j
 
-      steps = .true.
-      if (allocated(record%present)) steps = record%present(i, j) == 1 .and. record%present(i - 1, j) == 1
-   end function steps
+      change = abs(record%value(i, j) - record%value(i - 1, j))
+      if (.not. allocated(record%present)) return
+      if (record%present(i, j)*record%present(i - 1, j) == 0) change = 0.0_dp
+   end function change_at
 
    !> n angles become n - 1 differences; one is missing where one of its two angles is.
    subroutine difference(record, modulus, error)

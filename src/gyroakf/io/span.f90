@@ -9,21 +9,16 @@ module gyroakf_io_span
    use gyroakf_io_lines, only : line_map_type, map_row
    use gyroakf_io_selection, only : is_wanted
    use gyroakf_io_rows, only : layout_type, parse_rows, problem_type, read_row
-   use gyroakf_io_text, only : begins_with_semicolon, fields_type, first_visible, is_comment, last_visible, line_feed_from
+   use gyroakf_io_text, only : begins_with_semicolon, fields_type, first_visible, is_no_row, last_visible, line_end_from, &
+      line_feed_from
    implicit none (type, external)
    private
    public :: span_type, read_span
 
-   !> Rows of some lines; its arrays are used again for the next lines
-   type :: span_type
-      !> The lines are in first:last, last being a line feed; there are none where last < first
-      integer(int64) :: first = 1, last = 0
+   !> What was met among some lines
+   type :: tally_type
       !> Rows that were read, lines that were left behind
       integer(int64) :: rows = 0, lines = 0
-      !> [row, stored column]; NaN where missing
-      real(dp), allocatable :: value(:, :)
-      !> Where rows stood, both counted from the start of the span
-      type(line_map_type) :: map
       !> Lines that could not be read and count as missing, and the first of them, counted from the start of the span
       integer(int64) :: bad_lines = 0, first_bad_line = 0
       !> Lines that repeat the names of the columns, and the first of them
@@ -32,37 +27,39 @@ module gyroakf_io_span
       integer(int64) :: problem_at = 0
       !> True where there was no memory for the rows
       logical :: no_memory = .false.
+   end type tally_type
+
+   !> Rows of some lines; its arrays are used again for the next lines
+   type, extends(tally_type) :: span_type
+      !> The lines are in first:last, last being a line feed; there are none where last < first
+      integer(int64) :: first = 1, last = 0
+      !> [row, stored column]; NaN where missing
+      real(dp), allocatable :: value(:, :)
+      !> Where rows stood, both counted from the start of the span
+      type(line_map_type) :: map
+      !> Bytes of the piece that a thread read for it, and whether the system refused
+      integer(int64) :: got = 0
+      logical :: failed = .false.
       !> Work space: the fields and the numbers of one line
       type(fields_type) :: fields
       real(dp), allocatable :: row(:)
    end type span_type
 
-   integer(int8), parameter :: carriage_return = 13
-
 contains
 
    !> Reads the lines of a span.
-   subroutine read_span(bytes, layout, bad_lines_missing, span)
+   subroutine read_span(bytes, layout, span)
       !> Holds the lines, and more bytes behind them
       integer(int8), intent(in), contiguous :: bytes(:)
       !> The columns
       type(layout_type), intent(in) :: layout
-      !> Lines that cannot be read are missing samples
-      logical, intent(in) :: bad_lines_missing
       !> `first` and `last` tell the lines; the rest is filled
       type(span_type), intent(inout) :: span
       integer(int64) :: at, before, feed
       logical :: odd
 
-      span%rows = 0
-      span%lines = 0
+      span%tally_type = tally_type()
       span%map%count = 0
-      span%bad_lines = 0
-      span%first_bad_line = 0
-      span%headings = 0
-      span%first_heading = 0
-      span%problem_at = 0
-      span%no_memory = .false.
       at = span%first
       do while (at <= span%last)
          call reserve_rows(layout, at, span)
@@ -76,7 +73,7 @@ contains
             call parse_rows(bytes, at, span%last, layout, span%value, span%rows, odd)
          end if
          span%lines = span%lines + span%rows - before
-         if (odd) call take_odd_line(bytes, at, layout, bad_lines_missing, span)
+         if (odd) call take_odd_line(bytes, at, layout, span)
          if (span%problem_at > 0) return
       end do
    end subroutine read_span
@@ -127,22 +124,18 @@ contains
    end subroutine reserve_rows
 
    !> Reads the line at a byte, whatever it is, and moves behind it.
-   subroutine take_odd_line(bytes, at, layout, bad_lines_missing, span)
+   subroutine take_odd_line(bytes, at, layout, span)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: at
       type(layout_type), intent(in) :: layout
-      logical, intent(in) :: bad_lines_missing
       type(span_type), intent(inout) :: span
       type(problem_type) :: problem
       integer(int64) :: feed, last
       logical :: no_row
 
       feed = line_feed_from(bytes, at)
-      last = feed - 1
-      if (last >= at) then
-         if (bytes(last) == carriage_return) last = last - 1
-      end if
-      no_row = first_visible(bytes, at, last) > last .or. is_comment(bytes, at, last)
+      last = line_end_from(bytes, at)
+      no_row = is_no_row(bytes, at, last)
       if (is_heading(bytes, at, last, layout)) then
          if (span%headings == 0) span%first_heading = span%lines + 1
          span%headings = span%headings + 1
@@ -154,7 +147,7 @@ contains
       if (no_row) then
          call map_row(span%map, span%rows + 1, span%lines + 2)
       else
-         if (problem%found .and. .not. bad_lines_missing) then
+         if (problem%found .and. .not. layout%bad_lines_missing) then
             span%problem_at = at
             return
          end if

@@ -5,15 +5,13 @@
 !> them as one column.
 module gyroakf_io_stamp_columns
    use gyroakf_kinds, only : int8, int64
-   use gyroakf_io_date, only : kind_of_field, is_day_first, is_digit, stamp_kind, stamp_origin
+   use gyroakf_io_date, only : kind_of_field, is_digit, stamp_kind, stamp_origin
    use gyroakf_io_rows, only : join_fields, layout_type
+   use gyroakf_io_table, only : set_slots, table_type
    use gyroakf_io_text, only : fields_type
    implicit none (type, external)
    private
-   public :: find_joined, find_kinds, pair_stamps, ambiguous_date, date_advice
-
-   !> What to do about a date that may be either
-   character(*), parameter :: date_advice = "write the year first, as in 2026-05-01, or leave the column out"
+   public :: find_joined, find_kinds, pair_stamps
 
    integer(int8), parameter :: tab = 9, blank = 32, comma = 44, semicolon = 59
 
@@ -51,63 +49,59 @@ contains
    end subroutine find_joined
 
    !> What each column of the first row holds.
-   pure subroutine find_kinds(bytes, fields, columns, layout)
+   pure subroutine find_kinds(bytes, fields, layout)
       !> Holds the fields
       integer(int8), intent(in), contiguous :: bytes(:)
       !> Of the first row, joined
       type(fields_type), intent(in) :: fields
-      !> Columns of the file
-      integer, intent(in) :: columns
-      !> Its `kind` is set
+      !> Its columns are known; `kind` is set
       type(layout_type), intent(inout) :: layout
       integer :: j
 
-      layout%kind = spread(stamp_kind%number, 1, columns)
-      do j = 1, min(columns, fields%count)
+      layout%kind = spread(stamp_kind%number, 1, layout%columns)
+      do j = 1, min(layout%columns, fields%count)
          layout%kind(j) = kind_of_field(bytes, fields%first(j), fields%last(j))
          if (j == layout%joined) layout%kind(j) = stamp_kind%moment
       end do
    end subroutine find_kinds
 
-   !> The date that belongs to a time of day, or the reverse, and from what the stamps are counted.
-   pure subroutine pair_stamps(bytes, fields, time, chosen, fraction, nano, layout, partner)
+   !> Sets where the columns are kept, the date that belongs to a time of day with it, or the reverse; and from what the stamps
+   !> are counted.
+   subroutine pair_stamps(bytes, fields, table)
       !> Holds the fields
       integer(int8), intent(in), contiguous :: bytes(:)
       !> Of the first row
       type(fields_type), intent(in) :: fields
-      !> The column of the time, 0 for none
-      integer, intent(in) :: time
-      !> The columns of the record
-      integer, intent(in) :: chosen(:)
-      !> The column of fractions of the time's seconds, 0 for none, and whether these are nanoseconds
-      integer, intent(in) :: fraction
-      logical, intent(in) :: nano
-      !> Kinds of other columns than these become those of numbers where they can; `origin` is set
-      type(layout_type), intent(inout) :: layout
-      !> The other column, 0 for none
-      integer, intent(out) :: partner
-      integer :: j, wanted
+      !> Its columns are chosen; kinds of others than the time become those of numbers where they
+      !> can, `origin` is set
+      type(table_type), intent(inout) :: table
+      integer :: j, wanted, partner
 
       partner = 0
-      do j = 1, size(layout%kind)
-         if (layout%kind(j) == stamp_kind%long .and. (j /= time .or. any(chosen == j))) layout%kind(j) = stamp_kind%number
-      end do
-      if (time == 0) return
-      if (fraction > 0 .and. max(time, fraction) <= fields%count .and. .not. any(chosen == time .or. chosen == fraction)) then
-         if (all_digits(bytes, fields, time) .and. all_digits(bytes, fields, fraction)) then
-            partner = fraction
-            layout%kind(time) = stamp_kind%long
-            layout%kind(fraction) = merge(stamp_kind%nano, stamp_kind%micro, nano)
+      associate (kind => table%layout%kind, time => table%time, fraction => table%fraction, &
+         chosen => table%chosen)
+         do j = 1, size(kind)
+            if (kind(j) == stamp_kind%long .and. (j /= time .or. any(chosen == j))) kind(j) = stamp_kind%number
+         end do
+         if (time > 0) then
+            if (fraction > 0 .and. max(time, fraction) <= fields%count .and. all(chosen /= time .and. chosen /= fraction)) then
+               if (all_digits(bytes, fields, time) .and. all_digits(bytes, fields, fraction)) then
+                  partner = fraction
+                  kind(time) = stamp_kind%long
+                  kind(fraction) = merge(stamp_kind%nano, stamp_kind%micro, table%nano)
+               end if
+            end if
+            wanted = stamp_kind%number
+            if (kind(time) == stamp_kind%clock) wanted = stamp_kind%date
+            if (kind(time) == stamp_kind%date) wanted = stamp_kind%clock
+            if (wanted /= stamp_kind%number) partner = findloc(kind, wanted, dim=1)
+            j = time
+            if (partner > 0 .and. wanted == stamp_kind%date) j = partner
+            if (j <= fields%count) call stamp_origin(bytes, fields%first(j), kind(j), table%layout%origin)
+            if (partner > 0) kind(max(time, partner)) = -kind(max(time, partner))
          end if
-      end if
-      wanted = stamp_kind%number
-      if (layout%kind(time) == stamp_kind%clock) wanted = stamp_kind%date
-      if (layout%kind(time) == stamp_kind%date) wanted = stamp_kind%clock
-      if (wanted /= stamp_kind%number) partner = findloc(layout%kind, wanted, dim=1)
-      j = time
-      if (partner > 0 .and. wanted == stamp_kind%date) j = partner
-      if (j <= fields%count) call stamp_origin(bytes, fields%first(j), layout%kind(j), layout%origin)
-      if (partner > 0) layout%kind(max(time, partner)) = -layout%kind(max(time, partner))
+      end associate
+      call set_slots(partner, table)
    end subroutine pair_stamps
 
    !> True where a field is a whole number.
@@ -121,19 +115,5 @@ contains
          if (all_digits) all_digits = all(is_digit(bytes(first:last)))
       end associate
    end function all_digits
-
-   !> The first field of a row that is a date with the day or the month first, 0 where there is none.
-   pure integer function ambiguous_date(bytes, fields) result(column)
-      !> Holds the fields
-      integer(int8), intent(in), contiguous :: bytes(:)
-      !> Of the first row
-      type(fields_type), intent(in) :: fields
-
-      do column = 1, fields%count
-         if (fields%last(column) < fields%first(column)) cycle
-         if (is_day_first(bytes, fields%first(column), fields%last(column))) return
-      end do
-      column = 0
-   end function ambiguous_date
 
 end module gyroakf_io_stamp_columns

@@ -77,32 +77,32 @@ contains
       real(dp), intent(in), optional :: offset
       real(dp), parameter :: units(4) = [1.0_dp, 1.0e-3_dp, 1.0e-6_dp, 1.0e-9_dp]
       real(dp) :: first, last, step, total
-      integer(int64) :: i, count, forward
+      integer(int64) :: i, known, forward
       integer :: k
       logical :: whole, equal
 
       scale = 1.0_dp
       whole = .true.
       equal = .false.
-      count = 0
+      known = 0
       forward = 0
       first = 0.0_dp
       last = 0.0_dp
       total = 0.0_dp
       do i = 1, size(stamps, kind=int64)
          if (ieee_is_nan(stamps(i))) cycle
-         if (count == 0) first = stamps(i)
-         if (count > 0 .and. stamps(i) >= last) then
+         if (known == 0) first = stamps(i)
+         if (known > 0 .and. stamps(i) >= last) then
             total = total + (stamps(i) - last)
             equal = equal .or. .not. stamps(i) > last
             forward = forward + 1
          end if
          last = stamps(i)
-         count = count + 1
+         known = known + 1
          if (whole) whole = abs(stamps(i) - anint(stamps(i))) <= 0.0_dp
       end do
       sure = .not. whole
-      if (count < 2) return
+      if (known < 2) return
       if (present(offset)) first = first + offset
       step = total/real(max(forward, 1_int64), dp)
       if (rate_hz > 0.0_dp) then
@@ -115,17 +115,10 @@ contains
       end if
       sure = .not. whole .and. step <= 1.5_dp .and. abs(first) <= 1.0e11_dp
       if (sure) return
-      if (abs(first) > 1.0e17_dp) then
-         scale = units(4)
-      else if (abs(first) > 1.0e14_dp) then
-         scale = units(3)
-      else if (abs(first) > 1.0e11_dp) then
-         scale = units(2)
-      else if (step > merge(1.0_dp, 1.5_dp, equal)) then
-         scale = units(2)
-         if (step >= 1.0e3_dp) scale = units(3)
-         if (step >= 1.0e6_dp) scale = units(4)
-      end if
+      k = 1 + count(abs(first) > [1.0e11_dp, 1.0e14_dp, 1.0e17_dp])
+      if (k == 1 .and. step > merge(1.0_dp, 1.5_dp, equal)) &
+         k = 2 + count(step >= [1.0e3_dp, 1.0e6_dp])
+      scale = units(k)
    end subroutine infer_scale
 
    !> Turns hhmmss.sss of NMEA into seconds from midnight, where all stamps can be that and a minute ends in a step like others.

@@ -5,7 +5,7 @@
 !> while the chunks are joined, no more than one of them is held twice, and no more than some pages of it where the system takes
 !> back parts of an array.
 module gyroakf_io_store
-   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_kinds, only : dp, int64
    use gyroakf_large_pages, only : page_values, prefer_large_pages, release_pages, values_before_page
    implicit none (type, external)
    private

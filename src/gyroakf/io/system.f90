@@ -6,7 +6,7 @@ module gyroakf_io_system
    implicit none (type, external)
    private
    public :: c_open, c_read, c_pread, c_close, c_poll, poll_type
-   public :: c_creat, c_write, c_rename, c_rmdir, c_unlink, c_truncate, c_getpid, c_mkdir
+   public :: c_creat, c_write, c_rename, c_unlink, c_truncate, c_getpid, c_mkdir
    public :: read_at, write_all
 
    !> `struct pollfd` of poll.h
@@ -19,15 +19,7 @@ module gyroakf_io_system
    integer, parameter :: most_tries = 1000
 
    abstract interface
-      !> What is done with a path
-      function path_call(path) result(failed) bind(C)
-         import :: c_char, c_int
-         implicit none (type, external)
-         character(kind=c_char), intent(in) :: path(*)
-         integer(c_int) :: failed
-      end function path_call
-
-      !> The same with flags or a mode: a descriptor, or whether it failed
+      !> What is done with a path, with flags or a mode: a descriptor, or whether it failed
       function path_flag_call(path, flags) result(answer) bind(C)
          import :: c_char, c_int
          implicit none (type, external)
@@ -47,8 +39,6 @@ module gyroakf_io_system
       end function buffer_call
    end interface
 
-   procedure(path_call), bind(C, name="unlink") :: c_unlink
-   procedure(path_call), bind(C, name="rmdir") :: c_rmdir
    procedure(path_flag_call), bind(C, name="open") :: c_open
    procedure(path_flag_call), bind(C, name="creat") :: c_creat
    procedure(path_flag_call), bind(C, name="mkdir") :: c_mkdir
@@ -81,6 +71,13 @@ module gyroakf_io_system
          integer(c_int), intent(in), value :: milliseconds
          integer(c_int) :: ready
       end function c_poll
+
+      function c_unlink(path) result(failed) bind(C, name="unlink")
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int) :: failed
+      end function c_unlink
 
       function c_rename(old, new) result(failed) bind(C, name="rename")
          import :: c_char, c_int

@@ -4,8 +4,8 @@ module gyroakf_io_text
    use gyroakf_kinds, only : int8, int64
    implicit none (type, external)
    private
-   public :: fields_type, split, split_line, is_comment, begins_with_semicolon
-   public :: first_visible, last_visible, line_feed_from, bytes_text, text_bytes
+   public :: fields_type, split, split_line, has_fields, is_no_row, begins_with_semicolon
+   public :: first_visible, last_visible, line_feed_from, line_end_from, bytes_text, text_bytes
 
    !> How a line is split, reached as `split%mixed`
    type :: split_enum
@@ -70,6 +70,15 @@ contains
       if (fields%trailing) call append(fields, min(p, last + 1), min(p, last + 1) - 1)
    end subroutine split_line
 
+   !> True where a line has a field for each of so many columns; a separator may follow.
+   pure logical function has_fields(fields, columns)
+      !> Of the line
+      type(fields_type), intent(in) :: fields
+      integer, intent(in) :: columns
+
+      has_fields = fields%count == columns .or. (fields%count == columns + 1 .and. fields%trailing)
+   end function has_fields
+
    !> Moves on to the next byte that is no soft separator.
    pure subroutine skip_blanks(bytes, last, way, p)
       integer(int8), intent(in), contiguous :: bytes(:)
@@ -98,20 +107,16 @@ contains
       integer, intent(in) :: way
       integer(int64), intent(inout) :: p, open_quote
       integer(int64), intent(out) :: from, to
-      integer(int8) :: mark
 
       from = p
       if (bytes(p) == quote .or. bytes(p) == apostrophe) then
-         mark = bytes(p)
          from = p + 1
-         p = p + 1
-         do while (p <= last)
-            if (bytes(p) == mark) exit
-            p = p + 1
+         do to = from, last
+            if (bytes(to) == bytes(p)) exit
          end do
-         to = p - 1
-         if (p > last) open_quote = from - 1
-         p = p + 1
+         if (to > last) open_quote = p
+         p = to + 1
+         to = to - 1
          return
       end if
       do while (p <= last)
@@ -149,18 +154,17 @@ contains
       comment_at = bytes(p + 1) == slash
    end function comment_at
 
-   !> True for a line that is a comment: it begins with `#`, `%`, `;` or `//`.
-   pure logical function is_comment(bytes, first, last)
+   !> True for a line that is no row: it is blank or begins with `#`, `%`, `;` or `//`.
+   pure logical function is_no_row(bytes, first, last)
       !> Holds the line at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       integer(int64) :: p
 
-      is_comment = .false.
       p = first_visible(bytes, first, last)
-      if (p > last) return
-      is_comment = bytes(p) == semicolon .or. comment_at(bytes, p, last)
-   end function is_comment
+      is_no_row = p > last
+      if (.not. is_no_row) is_no_row = bytes(p) == semicolon .or. comment_at(bytes, p, last)
+   end function is_no_row
 
    !> True for a line that begins with `;`: a comment, or a row whose first field is empty where semicolons part the columns.
    pure logical function begins_with_semicolon(bytes, first, last)
@@ -211,6 +215,17 @@ contains
          feed = feed + 1
       end do
    end function line_feed_from
+
+   !> The last byte of the line at a byte, without its end (line feed, carriage return).
+   pure integer(int64) function line_end_from(bytes, at) result(last)
+      !> Has a line feed from there on
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: at
+
+      last = line_feed_from(bytes, at) - 1
+      if (last < at) return
+      if (bytes(last) == carriage_return) last = last - 1
+   end function line_end_from
 
    !> Bytes as a character string.
    pure function bytes_text(bytes, first, last) result(text)

@@ -8,17 +8,16 @@ module gyroakf_io_text_rows
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_commas, only : make_points
-   use gyroakf_io_lines, only : check_length, end_last_line, line_end, lines_type, reserve_bytes, map_row, turn_returns
+   use gyroakf_io_lines, only : check_length, end_last_line, lines_type, reserve_bytes, map_row, turn_returns
    use gyroakf_io_marks, only : strip_lines
    use gyroakf_io_number, only : digits_ahead
    use gyroakf_io_place, only : integer_text, place_error
-   use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_rows, only : layout_type, problem_type, read_row
    use gyroakf_io_source, only : has_places, read_block, read_piece, source_left
    use gyroakf_io_span, only : read_span, span_type
    use gyroakf_io_store, only : count_rows, next_chunk
    use gyroakf_io_table, only : table_type
-   use gyroakf_io_text, only : fields_type
+   use gyroakf_io_text, only : fields_type, line_end_from
    use gyroakf_progress, only : progress_type, tell_progress
    implicit none (type, external)
    private
@@ -37,9 +36,6 @@ module gyroakf_io_text_rows
       !> True where the pieces are to be read by the threads, from this place of the source on
       logical :: by_pieces = .false.
       integer(int64) :: offset = 0
-      !> What the pieces delivered
-      integer(int64), allocatable :: got(:)
-      logical, allocatable :: failed(:)
       !> Spans: 2k is within piece k, 2k - 1 lies before it and the last one behind the last piece
       integer :: pieces = 0
       type(span_type), allocatable :: span(:)
@@ -48,11 +44,9 @@ module gyroakf_io_text_rows
 contains
 
    !> Reads rows into the store until it has as many as wanted, or a few more, or there are no more.
-   subroutine read_rows(lines, options, most, table, error, progress)
+   subroutine read_rows(lines, most, table, error, progress)
       !> Of [[begin_table]]
       type(lines_type), intent(inout) :: lines
-      !> What is wanted
-      type(reader_options), intent(in) :: options
       !> So many rows in the store are enough
       integer(int64), intent(in) :: most
       !> Its store grows
@@ -64,7 +58,6 @@ contains
       type(block_type) :: block
       integer(int64) :: missing
 
-      allocate (block%got(0), block%failed(0))
       do
          missing = most - count_rows(table%store)
          if (missing <= 0) return
@@ -73,9 +66,9 @@ contains
          table%whole = lines%ended .and. lines%at > lines%filled
          if (table%whole) return
          call begin_block(lines, wanted_bytes(lines, table, missing), block, error)
-         if (.not. allocated(error)) call read_pieces(lines, options, table, block)
+         if (.not. allocated(error)) call read_pieces(lines, table, block)
          if (.not. allocated(error) .and. block%by_pieces) call take_bytes(lines, block, error)
-         if (.not. allocated(error)) call read_borders(lines, options, table, block)
+         if (.not. allocated(error)) call read_borders(lines, table, block)
          if (.not. allocated(error)) call join_spans(lines, missing, table, block, error)
          if (allocated(error)) return
       end do
@@ -129,27 +122,17 @@ contains
    !> Spans for all pieces and borders; existing ones keep their memory.
    subroutine provide_spans(block)
       type(block_type), intent(inout) :: block
-      type(span_type), allocatable :: more(:)
-      integer :: i
 
-      if (size(block%got) < block%pieces) then
-         deallocate (block%got, block%failed)
-         allocate (block%got(block%pieces), block%failed(block%pieces))
+      if (allocated(block%span)) then
+         if (size(block%span) > 2*block%pieces) return
+         deallocate (block%span)
       end if
-      if (.not. allocated(block%span)) allocate (block%span(0))
-      if (size(block%span) > 2*block%pieces) return
-      allocate (more(2*block%pieces + 1))
-      do i = 1, size(block%span)
-         call move_alloc(block%span(i)%value, more(i)%value)
-         call move_alloc(block%span(i)%row, more(i)%row)
-      end do
-      call move_alloc(more, block%span)
+      allocate (block%span(2*block%pieces + 1))
    end subroutine provide_spans
 
    !> Reads the pieces and the whole lines within them.
-   subroutine read_pieces(lines, options, table, block)
+   subroutine read_pieces(lines, table, block)
       type(lines_type), intent(inout) :: lines
-      type(reader_options), intent(in) :: options
       type(table_type), intent(in) :: table
       type(block_type), intent(inout) :: block
       integer(int64) :: first, last
@@ -160,27 +143,26 @@ contains
          first = block%first + (k - 1)*piece_size
          last = min(first + piece_size - 1, block%last)
          if (block%by_pieces) then
-            call read_piece(lines%source, block%offset + first - block%first, lines%bytes(first:last), block%got(k), &
-                            block%failed(k))
-            last = first - 1 + block%got(k)
+            call read_piece(lines%source, block%offset + first - block%first, lines%bytes(first:last), block%span(2*k)%got, &
+                            block%span(2*k)%failed)
+            last = first - 1 + block%span(2*k)%got
          end if
          if (lines%only_returns) call turn_returns(lines%bytes(first:last))
          call find_lines(lines%bytes, first, last, block%span(2*k)%first, block%span(2*k)%last)
-         call read_lines(lines%bytes, table%layout, options%bad_lines_missing, block%span(2*k))
+         call read_lines(lines%bytes, table%layout, block%span(2*k))
       end do
       !$omp end parallel do
    end subroutine read_pieces
 
    !> Reads the lines of a span, labels and brackets becoming blanks, decimal commas points.
-   subroutine read_lines(bytes, layout, bad_lines_missing, span)
+   subroutine read_lines(bytes, layout, span)
       integer(int8), intent(inout), contiguous :: bytes(:)
       type(layout_type), intent(in) :: layout
-      logical, intent(in) :: bad_lines_missing
       type(span_type), intent(inout) :: span
 
       if (layout%marked) call strip_lines(bytes, span%first, span%last, layout)
       if (layout%commas /= 0 .and. span%last >= span%first) call make_points(bytes, span%first, span%last, layout%commas)
-      call read_span(bytes, layout, bad_lines_missing, span)
+      call read_span(bytes, layout, span)
    end subroutine read_lines
 
    !> The lines behind the first line feed of a piece; the last ones are left out where they are nearer to its end than
@@ -210,12 +192,12 @@ contains
 
       got = 0
       do k = 1, block%pieces
-         if (block%failed(k)) then
+         if (block%span(2*k)%failed) then
             call fatal_error(error, status%io, lines%source%name//": cannot be read")
             return
          end if
-         got = got + block%got(k)
-         if (block%got(k) < piece_size) exit
+         got = got + block%span(2*k)%got
+         if (block%span(2*k)%got < piece_size) exit
       end do
       wanted = block%last - block%first + 1
       lines%source%delivered = lines%source%delivered + got
@@ -227,9 +209,8 @@ contains
    end subroutine take_bytes
 
    !> Reads the lines between those that the pieces hold; none is left but what may be the start of a line.
-   subroutine read_borders(lines, options, table, block)
+   subroutine read_borders(lines, table, block)
       type(lines_type), intent(inout) :: lines
-      type(reader_options), intent(in) :: options
       type(table_type), intent(in) :: table
       type(block_type), intent(inout) :: block
       integer(int64) :: at, feed
@@ -254,7 +235,7 @@ contains
       block%span(2*block%pieces + 1)%last = feed
       !$omp parallel do schedule(dynamic) if(block%pieces > 1)
       do k = 1, 2*block%pieces + 1, 2
-         call read_lines(lines%bytes, table%layout, options%bad_lines_missing, block%span(k))
+         call read_lines(lines%bytes, table%layout, block%span(k))
       end do
       !$omp end parallel do
       lines%at = feed + 1
@@ -350,7 +331,7 @@ contains
 
       allocate (row(table%layout%stored))
       lines%at = at
-      last = line_end(lines)
+      last = line_end_from(lines%bytes, at)
       call read_row(lines%bytes, at, last, table%layout, fields, row, problem, .true.)
       call place_error(error, table%name, lines%number, lines%bytes, at, last, problem%at, problem%what, problem%advice)
    end subroutine explain_problem

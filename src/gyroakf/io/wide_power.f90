@@ -13,15 +13,13 @@ module gyroakf_io_wide_power
    !> Integers for products of two 64-bit numbers
    integer, parameter :: int128 = selected_int_kind(38)
 
+   integer :: a, b
+
    !> The smallest and the largest k
    integer, parameter :: least_power = -300, most_power = 340
 
    !> 10^0 to 10^18
-   integer(int64), parameter :: ten(0:18) = [ &
-      1_int64, 10_int64, 100_int64, 1000_int64, 10000_int64, &
-      100000_int64, 1000000_int64, 10000000_int64, 100000000_int64, 1000000000_int64, &
-      10000000000_int64, 100000000000_int64, 1000000000000_int64, 10000000000000_int64, 100000000000000_int64, &
-      1000000000000000_int64, 10000000000000000_int64, 100000000000000000_int64, 1000000000000000000_int64]
+   integer(int64), parameter :: ten(0:18) = [(10_int64**a, a=0, 18)]
 
    !> 10^(18 a), a = -17 to 18, truncated to 186 bits, as three words of 62 bits, the highest first
    integer(int64), parameter :: word(3, -17:18) = reshape([ &
@@ -63,8 +61,6 @@ module gyroakf_io_wide_power
       2848094538889217770_int64, 1639444594408567917_int64, 370723880999011195_int64], [3, 36])
 
    integer(int64), parameter :: low62 = 2_int64**62 - 1
-
-   integer :: a, b
 
    !> 10^0 to 10^17, with the highest bit moved to the place of 2^61
    integer(int64), parameter :: fine(0:17) = [(shiftl(ten(b), leadz(ten(b)) - 2), b=0, 17)]
