@@ -164,8 +164,14 @@ check_fortran() { # DIRECTORY
   } | sort -u >"$work/pairs"
   echo '#include "gyroakf.h"' >"$work/preamble"
   layout "$work/preamble" "$work/header.members" </dev/null | sort >"$work/header.layout"
-  layout "$work/types.h" "$work/fortran.members" </dev/null |
-    sort >"$work/fortran.layout"
+  # progress_c is two members of the header
+  layout "$work/types.h" "$work/fortran.members" </dev/null | awk '
+    /^member .*\.progress at [0-9]+, size 16, / {
+      print $1, $2, $3, $4 + 0 ", size 8,", $NF
+      print $1, $2 "_user", $3, $4 + 8 ", size 8,", $NF
+      next
+    }
+    { print }' | sort >"$work/fortran.layout"
   while read -r c f; do
     grep -q "^struct $f " "$work/fortran.layout" || continue
     sed -E "s/^(struct|member) $f([. ])/\1 $c\2/" "$work/fortran.layout" | grep -E "^(struct|member) $c[. ]"

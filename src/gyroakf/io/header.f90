@@ -5,7 +5,7 @@
 module gyroakf_io_header
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_column_class, only : noteless_length
-   use gyroakf_error, only : error_type
+   use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_columns, only : column_names_type, read_names
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_lines, only : lines_type
@@ -147,6 +147,7 @@ contains
          first_word = scan(value, " ,;"//achar(9)) - 1
          if (first_word < 0) first_word = len(value)
          call parse_unit(value(:first_word), unit, failed)
+         if (allocated(failed) .and. key == "units") call find_named_unit(words, unit, failed)
       end if
       if (allocated(failed)) then
          call warn(lines, first, key, "is not known", warnings)
@@ -157,6 +158,28 @@ contains
          if (allocated(header%units)) deallocate (header%units)
       end if
    end subroutine read_unit
+
+   !> The one unit of "t s, gyro deg/s", where names stand before the units.
+   subroutine find_named_unit(words, unit, error)
+      type(text_type), intent(in) :: words(:)
+      type(unit_type), intent(out) :: unit
+      !> None of them ends with a unit, or several do
+      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable :: failed
+      type(unit_type) :: last_word
+      integer :: i, found
+
+      found = 0
+      do i = 1, size(words)
+         associate (word => words(i)%text)
+            call parse_unit(word(index(word, " ", back=.true.) + 1:), last_word, failed)
+         end associate
+         if (allocated(failed)) cycle
+         found = found + 1
+         unit = last_word
+      end do
+      if (found /= 1) call fatal_error(error, status%parse, "not one unit")
+   end subroutine find_named_unit
 
    !> Words between commas and semicolons where there are any, else between blanks and tabs.
    pure subroutine split_words(text, words)
