@@ -211,8 +211,8 @@ contains
                integer_text(int(fields%count, int64))//"; the names are ignored")
          end if
       end associate
-      if (.not. table%supposed%known .or. .not. has_fields(fields, count_names(table%supposed))) &
-         return
+      if (.not. table%supposed%known) return
+      if (.not. has_fields(fields, count_names(table%supposed))) return
       table%names = table%supposed
       call add_text(table%warnings, "the names of the columns are taken from line "//integer_text(table%names%line), note=.true.)
    end subroutine take_names

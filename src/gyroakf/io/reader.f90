@@ -129,8 +129,8 @@ contains
       allocate (record%channel(size(slots)))
       do j = 1, size(slots)
          record%channel(j)%text = "column"//integer_text(int(table%chosen(slots(j)), int64))
-         if (has_name(table%names, table%chosen(slots(j)))) &
-            record%channel(j)%text = table%names%name(table%chosen(slots(j)))%text
+         if (has_name(table%names, table%chosen(slots(j)))) record%channel(j)%text = &
+            table%names%name(table%chosen(slots(j)))%text
       end do
       table%chosen = table%chosen(slots)
    end subroutine take_values

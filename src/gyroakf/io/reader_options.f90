@@ -99,18 +99,24 @@ contains
       end if
       if (options%channels < 0) wrong = "the number of channels must not be negative"
       if (options%skip < 0) wrong = "the number of lines to skip must not be negative"
-      if (options%from < 0.0_dp .or. options%from >= options%to) &
-         wrong = "the part from "//format_real(options%from, 6)// &
-         " s to "//format_real(options%to, 6)//" s is empty"
-      if (ieee_is_nan(options%from) .or. ieee_is_nan(options%to)) &
+      if (ieee_is_nan(options%from) .or. ieee_is_nan(options%to)) then
          wrong = "the part that is to be read has a limit that is not a number"
-      if (abs(options%scale) < tiny(1.0_dp)) wrong = "the scale must not be 0"
-      if (.not. ieee_is_finite(options%scale)) wrong = "the scale has to be finite"
-      if (options%rate_hz < 0.0_dp .or. options%rate_hz > largest_rate .or. &
-          (options%rate_hz > 0.0_dp .and. options%rate_hz < smallest_rate)) &
+      else if (options%from < 0.0_dp .or. options%from >= options%to) then
+         wrong = "the part from "//format_real(options%from, 6)//" s to "// &
+            format_real(options%to, 6)//" s is empty"
+      end if
+      if (.not. ieee_is_finite(options%scale)) then
+         wrong = "the scale has to be finite"
+      else if (abs(options%scale) < tiny(1.0_dp)) then
+         wrong = "the scale must not be 0"
+      end if
+      if (ieee_is_nan(options%rate_hz)) then
+         wrong = "the rate is not a number"
+      else if (options%rate_hz < 0.0_dp .or. options%rate_hz > largest_rate .or. &
+               (options%rate_hz > 0.0_dp .and. options%rate_hz < smallest_rate)) then
          wrong = "the rate has to lie between 1e-30 and 1e30 Hz, and is "// &
             format_real(options%rate_hz, 6)//" Hz"
-      if (ieee_is_nan(options%rate_hz)) wrong = "the rate is not a number"
+      end if
       if (allocated(wrong)) then
          call fatal_error(error, status%invalid_argument, wrong)
          return

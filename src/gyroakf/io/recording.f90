@@ -168,11 +168,11 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: what
 
-      if (kind == "npy" .and. recording%options%skip > 0) &
-         what = "`skip` is for text (lines) and raw numbers (bytes)"
+      if (kind == "npy" .and. recording%options%skip > 0) what = &
+         "`skip` is for text (lines) and raw numbers (bytes)"
       if (kind /= "text" .and. allocated(recording%options%where)) what = "`where` is for text"
-      if (kind /= "binary" .and. recording%options%channels > 0) &
-         what = "`channels` is for raw numbers"
+      if (kind /= "binary" .and. recording%options%channels > 0) what = &
+         "`channels` is for raw numbers"
       if (allocated(what)) call fatal_error(error, status%invalid_argument, recording%path//": "//what//", and this is "//kind)
    end subroutine check_use
 

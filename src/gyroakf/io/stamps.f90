@@ -116,8 +116,8 @@ contains
       sure = .not. whole .and. step <= 1.5_dp .and. abs(first) <= 1.0e11_dp
       if (sure) return
       k = 1 + count(abs(first) > [1.0e11_dp, 1.0e14_dp, 1.0e17_dp])
-      if (k == 1 .and. step > merge(1.0_dp, 1.5_dp, equal)) &
-         k = 2 + count(step >= [1.0e3_dp, 1.0e6_dp])
+      if (k == 1 .and. step > merge(1.0_dp, 1.5_dp, equal)) k = 2 + &
+         count(step >= [1.0e3_dp, 1.0e6_dp])
       scale = units(k)
    end subroutine infer_scale
 
