@@ -5,7 +5,7 @@ module test_progress
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, run_pipeline
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_record, only : record_type
    use gyroakf_simulate_simulate_record, only : paper_preset, paper_seed, simulate_options, simulate_record
    implicit none (type, external)
@@ -59,10 +59,10 @@ contains
       type(gyro_error), allocatable :: failed
       type(witness_type) :: witness
 
-      call tell_progress("reading", 3_int64, 4_int64, failed, witness)
+      call report_progress("reading", 3_int64, 4_int64, failed, witness)
       call check(error, .not. allocated(failed), "nobody cancelled")
       if (allocated(error)) return
-      call tell_progress("reading", 4_int64, 4_int64, failed, witness)
+      call report_progress("reading", 4_int64, 4_int64, failed, witness)
       call check(error, allocated(failed), "the cancellation is lost")
       if (allocated(error)) return
       call check(error, failed%code, status%cancelled)
@@ -76,7 +76,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(gyro_error), allocatable :: failed
 
-      call tell_progress("reading", 4_int64, 4_int64, failed)
+      call report_progress("reading", 4_int64, 4_int64, failed)
       call check(error, .not. allocated(failed))
    end subroutine nobody_listens
 

@@ -13,7 +13,7 @@ module gyroakf_chunk_sums
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_group
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_threads, only : thread_count
    implicit none (type, external)
    private
@@ -77,7 +77,7 @@ contains
       allocate (part(size(total), held), stat=stat)
       do from = 1, chunk_count(n), held
          if (stat /= 0) exit
-         call tell_progress(stage, chunk_first(n, from) - 1, n, error, progress)
+         call report_progress(stage, chunk_first(n, from) - 1, n, error, progress)
          if (allocated(error)) return
          to = min(from + held - 1, chunk_count(n))
          part = 0.0_dp

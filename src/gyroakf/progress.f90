@@ -7,14 +7,14 @@
 !>     end type
 !>
 !> A procedure that may take longer than a tenth of a second has an optional argument `progress` and calls
-!> [[tell_progress]] several times a second, never from inside a parallel region. Where the caller answers with `cancel`, it
+!> [[report_progress]] several times a second, never from inside a parallel region. Where the caller answers with `cancel`, it
 !> frees what it holds and returns the error `cancelled`.
 module gyroakf_progress
    use gyroakf_kinds, only : int64
    use gyroakf_error, only : error_type, fatal_error, status
    implicit none (type, external)
    private
-   public :: progress_type, tell_progress
+   public :: progress_type, report_progress
 
    !> Progress callback, extended by the caller
    type, abstract :: progress_type
@@ -43,7 +43,7 @@ module gyroakf_progress
 contains
 
    !> Calls the progress callback, where there is one.
-   subroutine tell_progress(stage, done, total, error, progress)
+   subroutine report_progress(stage, done, total, error, progress)
       !> As those of `advance_interface`
       character(*), intent(in) :: stage
       integer(int64), intent(in) :: done, total
@@ -56,6 +56,6 @@ contains
       if (.not. present(progress)) return
       call progress%advance(stage, done, total, cancel)
       if (cancel) call fatal_error(error, status%cancelled, "cancelled while "//stage)
-   end subroutine tell_progress
+   end subroutine report_progress
 
 end module gyroakf_progress

@@ -5,7 +5,7 @@
 !> same length, all pairs of a level by all threads. The sorted array does not depend on the threads.
 module gyroakf_sort
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_chunks, only : threads_from
    implicit none (type, external)
@@ -42,7 +42,7 @@ contains
          end if
       end if
       do first = 1, n, report_numbers
-         if (n > report_numbers) call tell_progress("sorting", first - 1, n, error, progress)
+         if (n > report_numbers) call report_progress("sorting", first - 1, n, error, progress)
          if (allocated(error)) return
          !$omp parallel do if (n >= threads_from) default(shared) schedule(static)
          do i = first, min(first + report_numbers - 1, n), run_length
@@ -57,7 +57,7 @@ contains
       do while (width < n)
          step = 2*width*max(report_numbers/(2*width), 1_int64)
          do first = 1, n, step
-            call tell_progress("sorting", width, n, error, progress)
+            call report_progress("sorting", width, n, error, progress)
             if (allocated(error)) return
             call merge_level(from, to, width, first, min(first + step - 1, n))
          end do

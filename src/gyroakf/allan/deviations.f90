@@ -30,7 +30,7 @@ module gyroakf_allan_deviations
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_allan_degrees_of_freedom, only : chi_square_limits
    use gyroakf_allan_difference_kurtosis, only : find_kurtosis
    use gyroakf_allan_gaps, only : gapped_variances
@@ -124,7 +124,7 @@ contains
 
       call check_arguments(sample_interval, options, error)
       if (.not. allocated(error)) call choose_factors(options, size(rate, kind=int64), sample_interval, m, error)
-      if (.not. allocated(error)) call tell_progress("Allan deviation", 0_int64, 0_int64, error, progress)
+      if (.not. allocated(error)) call report_progress("Allan deviation", 0_int64, 0_int64, error, progress)
       if (.not. allocated(error)) call integrate_rate(rate, phase, missing, error, valid, progress)
       if (.not. allocated(error)) call curve_of_phase(phase, missing, m, sample_interval, options, curve, error, progress)
    end subroutine compute_allan

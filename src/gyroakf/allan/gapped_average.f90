@@ -20,7 +20,7 @@
 module gyroakf_allan_gapped_average
    use gyroakf_kinds, only : dp, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_threads, only : thread_count
    use gyroakf_allan_window_difference, only : gap_sums_type
    implicit none (type, external)
@@ -80,7 +80,7 @@ contains
       group = max(total, 1_int64)
       if (present(progress)) group = thread_count()
       do from = total, 1, -group
-         call tell_progress("Allan deviation", chain_least*(total - from), chain_least*total, error, progress)
+         call report_progress("Allan deviation", chain_least*(total - from), chain_least*total, error, progress)
          if (allocated(error)) return
          !$omp parallel do schedule(dynamic) private(i) if (term_count(phase, 1_int64)*size(m) >= parallel_from)
          do item = from, max(from - group + 1, 1_int64), -1

@@ -26,7 +26,7 @@ module gyroakf_allan_halves
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_special, only : chi_square_survival, digamma, normal_quantile, trigamma
    use gyroakf_allan_difference_kurtosis, only : find_kurtosis
    use gyroakf_allan_fit_covariance, only : covariance_basis, covariance_basis_type, mixture_covariances
@@ -117,14 +117,14 @@ contains
       call check_arguments(half, sample_interval, noise, options, error)
       if (.not. allocated(error)) call choose_factors(half, sample_interval, options, m, error)
       if (.not. allocated(error)) call integrate_rate(rate, phase, missing, error, valid, progress)
-      if (.not. allocated(error)) call tell_progress("comparing the halves", 0_int64, n, error, progress)
+      if (.not. allocated(error)) call report_progress("comparing the halves", 0_int64, n, error, progress)
       if (allocated(error)) return
       allocate (variance(size(m), 2), share(size(m), 2))
       call segment_variances(phase, missing, 1_int64, half, m, options%min_coverage, variance(:, 1), share(:, 1), &
          & error, progress)
       if (.not. allocated(error)) call segment_variances(phase, missing, n - half + 1, n, m, options%min_coverage, &
          & variance(:, 2), share(:, 2), error, progress)
-      if (.not. allocated(error)) call tell_progress("comparing the halves", n/2, n, error, progress)
+      if (.not. allocated(error)) call report_progress("comparing the halves", n/2, n, error, progress)
       if (allocated(error)) return
       if (any(minval(share, dim=2) > 0 .and. &
             & minval(variance, dim=2) <= max(constant_share*maxval(variance, dim=2), tiny(1.0_dp)))) then
@@ -133,7 +133,7 @@ contains
       end if
       halves%confidence = options%confidence
       call innovation_kurtosis(phase, missing, 0_int64, half, maxval(variance), kurtosis(1))
-      call tell_progress("comparing the halves", n - n/4, n, error, progress)
+      call report_progress("comparing the halves", n - n/4, n, error, progress)
       if (allocated(error)) return
       call innovation_kurtosis(phase, missing, n - half, n, maxval(variance), kurtosis(2))
       call compare_variances(half, sample_interval, m, variance, share, noise%squares, sum(kurtosis)/2, options, halves, error)

@@ -12,7 +12,7 @@ module gyroakf_allan_phase
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_large_pages, only : prefer_large_pages
    implicit none (type, external)
    private
@@ -364,7 +364,7 @@ contains
       step = max(blocks, 1_int64)
       if (present(progress)) step = report_blocks
       do from = 1, blocks, step
-         call tell_progress("Allan deviation", 0_int64, 0_int64, error, progress)
+         call report_progress("Allan deviation", 0_int64, 0_int64, error, progress)
          if (allocated(error)) return
          !$omp parallel do schedule(static) private(b, first, lost) if (n >= parallel_from)
          do group = from, min(from + step - 1, blocks), 4

@@ -10,7 +10,7 @@
 module gyroakf_allan_phase_average
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_threads, only : thread_count
    implicit none (type, external)
    private
@@ -78,7 +78,7 @@ contains
       group = stretches
       if (present(progress)) group = 8*thread_count()
       do from = 1, stretches, group
-         call tell_progress("Allan deviation", min(whole, (from - 1)*stretch_length*size(m)), whole, error, progress)
+         call report_progress("Allan deviation", min(whole, (from - 1)*stretch_length*size(m)), whole, error, progress)
          if (allocated(error)) return
          !$omp parallel do schedule(dynamic) private(i, first) if (terms*size(m) >= parallel_from)
          do s = from, min(stretches, from + group - 1)
@@ -139,7 +139,7 @@ contains
       group = max(total, 1_int64)
       if (present(progress)) group = thread_count()
       do from = total, 1, -group
-         call tell_progress("Allan deviation", done + (whole - done)/total*(total - from), whole, error, progress)
+         call report_progress("Allan deviation", done + (whole - done)/total*(total - from), whole, error, progress)
          if (allocated(error)) return
          !$omp parallel do schedule(dynamic) private(i, length) if (terms*size(m) >= parallel_from)
          do item = from, max(from - group + 1, 1_int64), -1

@@ -11,7 +11,7 @@ module gyroakf_allan_phase_difference
    use gyroakf_threads, only : thread_count
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    implicit none (type, external)
    private
    public :: sum_phase_differences
@@ -86,7 +86,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       class(progress_type), intent(inout), optional :: progress
 
-      call tell_progress("Allan deviation", n*(first - 1) + (from - 1)*(n/parts)*(last - first + 1), n*size(m), error, progress)
+      call report_progress("Allan deviation", n*(first - 1) + (from - 1)*(n/parts)*(last - first + 1), n*size(m), error, progress)
    end subroutine report
 
    !> All factors, over one part of the record.

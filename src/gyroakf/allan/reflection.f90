@@ -14,7 +14,7 @@
 module gyroakf_allan_reflection
    use gyroakf_kinds, only : dp, int32, int64
    use gyroakf_error, only : error_type
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_allan_window_difference, only : gap_sums_type
    implicit none (type, external)
    private
@@ -47,7 +47,7 @@ contains
       do i = 1, size(m)
          blocks = (m(i) + block_length - 2)/block_length
          do first = 1, blocks, batch
-            call tell_progress("ends of the record", sum(m(:i - 1)) + (first - 1)*block_length, sum(m), error, progress)
+            call report_progress("ends of the record", sum(m(:i - 1)) + (first - 1)*block_length, sum(m), error, progress)
             if (allocated(error)) return
             last = min(first + batch - 1, blocks)
             !$omp parallel do schedule(static) if (m(i) >= parallel_from)
@@ -110,7 +110,7 @@ contains
          sums(i)%weight = real(sums(i)%terms, dp)
          blocks = (m(i) + block_length - 2)/block_length
          do first = 1, blocks, batch
-            call tell_progress("ends of the record", sum(m(:i - 1)) + (first - 1)*block_length, sum(m), error, progress)
+            call report_progress("ends of the record", sum(m(:i - 1)) + (first - 1)*block_length, sum(m), error, progress)
             if (allocated(error)) return
             last = min(first + batch - 1, blocks)
             !$omp parallel do schedule(static) if (m(i) >= parallel_from)

@@ -7,7 +7,7 @@
 module gyroakf_allan_window_difference
    use gyroakf_kinds, only : dp, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_threads, only : thread_count
    implicit none (type, external)
    private
@@ -73,7 +73,7 @@ contains
          return
       end if
       do from = 0, n - 1, group*stretch_length
-         call tell_progress("Allan deviation", from, n, error, progress)
+         call report_progress("Allan deviation", from, n, error, progress)
          if (allocated(error)) return
          stretches = min(group, (n - from + stretch_length - 1)/stretch_length)
          !$omp parallel do schedule(dynamic) private(i, stride, first, last) &

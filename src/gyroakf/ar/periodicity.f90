@@ -7,7 +7,7 @@
 module gyroakf_ar_periodicity
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
    use gyroakf_stats_fisher, only : fisher_type, test_fisher_g
    use gyroakf_stats_residual_block, only : residual_block
@@ -223,7 +223,7 @@ contains
       end if
       call set_level(level, mean, 0.0_dp)
       do first = 1, count_white, reported
-         call tell_progress("whitening", first - 1, count_white, error, progress)
+         call report_progress("whitening", first - 1, count_white, error, progress)
          if (allocated(error)) return
          last = min(first + reported - 1, count_white)
          call residual_block(x, level, phi, 0.0_dp, first + p, white(first:last), &

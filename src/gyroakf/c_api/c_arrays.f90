@@ -5,7 +5,7 @@ module gyroakf_c_api_c_arrays
       & c_double, c_null_ptr, c_null_funptr, c_associated, c_f_pointer
    use gyroakf_kinds, only : int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : tell_progress
+   use gyroakf_progress, only : report_progress
    use gyroakf_io_reader, only : finish_record
    use gyroakf_record, only : record_type
    use gyroakf_utf8, only : make_readable
@@ -96,7 +96,7 @@ contains
       do j = 1, channels
          call c_f_pointer(given(j), x, [n])
          do first = 1, n, report_samples
-            if (n > report_samples) call tell_progress("copying the samples", (j - 1)*n + first - 1, channels*n, error, callback)
+            if (n > report_samples) call report_progress("copying the samples", (j - 1)*n + first - 1, channels*n, error, callback)
             if (allocated(error)) return
             do i = first, min(first + report_samples - 1, n)
                record%value(i, j) = x(i)

@@ -8,7 +8,7 @@ module gyroakf_c_api_c_filter
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, &
       & run_filter, freeze_filter
-   use gyroakf_progress, only : tell_progress
+   use gyroakf_progress, only : report_progress
    use gyroakf_c_api_c_host, only : callback_type, begin_step, end_step
    use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
       & check_struct_size, check_place, check_finite, take_text, max_samples
@@ -272,7 +272,7 @@ contains
       call c_f_pointer(x, output, [n])
       stride = max(1_int64, report_samples/int(filter%order, int64)**2)
       do first = 1, n, min(int(block, int64), stride)
-         if (modulo(first - 1, stride) == 0) call tell_progress("filtering", first - 1, n, error, callback)
+         if (modulo(first - 1, stride) == 0) call report_progress("filtering", first - 1, n, error, callback)
          if (allocated(error)) return
          m = min(int(block, int64), stride, n - first + 1)
          raw(:m) = input(first:first + m - 1)

@@ -2,7 +2,7 @@
 !> Linear convolution of two real series through the Fourier transform.
 module gyroakf_fft_convolution
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_fft_plan, only : smooth_length, max_length
    use gyroakf_fft_real, only : real_fft_plan_type, new_real_fft_plan, real_fft_forward, real_fft_backward
@@ -50,25 +50,25 @@ contains
          return
       end if
       call new_real_fft_plan(plan, n, error, progress)
-      if (.not. allocated(error)) call tell_progress("convolution", 0_int64, n, error, progress)
+      if (.not. allocated(error)) call report_progress("convolution", 0_int64, n, error, progress)
       if (allocated(error)) return
       padded(:na) = a(:na)
-      call tell_progress("convolution", 0_int64, n, error, progress)
+      call report_progress("convolution", 0_int64, n, error, progress)
       if (allocated(error)) return
       padded(na + 1:) = 0
       call real_fft_forward(plan, padded, spectrum, error, progress)
-      if (.not. allocated(error)) call tell_progress("convolution", n/4, n, error, progress)
+      if (.not. allocated(error)) call report_progress("convolution", n/4, n, error, progress)
       if (allocated(error)) return
       padded(:nb) = b(:nb)
       padded(nb + 1:) = 0
       call real_fft_forward(plan, padded, other, error, progress)
-      if (.not. allocated(error)) call tell_progress("convolution", n/2, n, error, progress)
+      if (.not. allocated(error)) call report_progress("convolution", n/2, n, error, progress)
       if (allocated(error)) return
       do k = 1, n/2 + 1
          spectrum(k) = spectrum(k)*other(k)
       end do
       call real_fft_backward(plan, spectrum, padded, error, progress)
-      if (.not. allocated(error)) call tell_progress("convolution", n, n, error, progress)
+      if (.not. allocated(error)) call report_progress("convolution", n, n, error, progress)
       if (.not. allocated(error)) c(:) = padded(:nc)
    end subroutine convolve
 

@@ -13,7 +13,7 @@
 !> to the computation of the discrete Fourier transform, IEEE Trans. Audio Electroacoust. 18 (1970) 451.
 module gyroakf_fft_plan
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_fft_butterfly, only : apply_radix
    implicit none (type, external)
@@ -77,7 +77,7 @@ contains
          return
       end if
       do j = 0, plan%inner - 1
-         if (iand(j, report_mask) == 0) call tell_progress("Fourier transform", j, plan%inner, error, progress)
+         if (iand(j, report_mask) == 0) call report_progress("Fourier transform", j, plan%inner, error, progress)
          if (allocated(error)) return
          plan%twiddle(j) = conjg(unit_root(j, plan%inner))
       end do
@@ -240,7 +240,7 @@ contains
       do i = 1, size(plan%radix)
          left = plan%inner/(done*plan%radix(i))
          do piece = 0, pieces - 1
-            if (plan%inner > report_mask) call tell_progress("Fourier transform", &
+            if (plan%inner > report_mask) call report_progress("Fourier transform", &
                & (i - 1)*plan%inner + (plan%inner/pieces)*piece, size(plan%radix)*plan%inner, error, progress)
             if (allocated(error)) return
             if (in_work) then
@@ -252,11 +252,11 @@ contains
          in_work = .not. in_work
          done = done*plan%radix(i)
       end do
-      if (plan%inner > report_mask) call tell_progress("Fourier transform", size(plan%radix)*plan%inner, &
+      if (plan%inner > report_mask) call report_progress("Fourier transform", size(plan%radix)*plan%inner, &
          & size(plan%radix)*plan%inner, error, progress)
       if (.not. in_work) return
       do piece = 0, plan%inner - 1
-         if (iand(piece + 1, report_mask) == 0) call tell_progress("Fourier transform", size(plan%radix)*plan%inner, &
+         if (iand(piece + 1, report_mask) == 0) call report_progress("Fourier transform", size(plan%radix)*plan%inner, &
             & size(plan%radix)*plan%inner, error, progress)
          if (allocated(error)) return
          x(piece) = work(piece)
@@ -280,13 +280,13 @@ contains
          return
       end if
       do j = 0, plan%inner - 1
-         if (iand(j, report_mask) == 0) call tell_progress("Fourier transform", 0_int64, plan%length, error, progress)
+         if (iand(j, report_mask) == 0) call report_progress("Fourier transform", 0_int64, plan%length, error, progress)
          if (allocated(error)) return
          plan%filter(j) = 0
       end do
       square = 0                                   ! j**2 modulo 2 n
       do j = 0, plan%length - 1
-         if (iand(j, report_mask) == 0) call tell_progress("Fourier transform", j, plan%length, error, progress)
+         if (iand(j, report_mask) == 0) call report_progress("Fourier transform", j, plan%length, error, progress)
          if (allocated(error)) return
          plan%chirp(j) = conjg(unit_root(square, 2*plan%length))
          plan%filter(j) = conjg(plan%chirp(j))
@@ -310,31 +310,31 @@ contains
       allocate (a(0:plan%inner - 1), stat=stat)
       if (stat /= 0) return
       do j = 0, plan%length - 1
-         if (iand(j, report_mask) == 0) call tell_progress("Fourier transform", j, plan%length, error, progress)
+         if (iand(j, report_mask) == 0) call report_progress("Fourier transform", j, plan%length, error, progress)
          if (allocated(error)) return
          a(j) = x(j)*plan%chirp(j)
       end do
       do j = plan%length, plan%inner - 1            ! memory touched for the first time, which may take a while
-         if (iand(j, report_mask) == 0) call tell_progress("Fourier transform", 0_int64, plan%length, error, progress)
+         if (iand(j, report_mask) == 0) call report_progress("Fourier transform", 0_int64, plan%length, error, progress)
          if (allocated(error)) return
          a(j) = 0
       end do
       call transform(plan, a, work, error, progress)
       if (allocated(error)) return
       do j = 0, plan%inner - 1
-         if (iand(j, report_mask) == 0) call tell_progress("Fourier transform", j, plan%inner, error, progress)
+         if (iand(j, report_mask) == 0) call report_progress("Fourier transform", j, plan%inner, error, progress)
          if (allocated(error)) return
          a(j) = conjg(a(j)*plan%filter(j))
       end do
       call transform(plan, a, work, error, progress)
       if (allocated(error)) return
       do j = 0, plan%length - 1
-         if (iand(j, report_mask) == 0) call tell_progress("Fourier transform", j, plan%length, error, progress)
+         if (iand(j, report_mask) == 0) call report_progress("Fourier transform", j, plan%length, error, progress)
          if (allocated(error)) return
          x(j) = plan%chirp(j)*conjg(a(j))/plan%inner
       end do
       deallocate (a)                               ! which takes a while
-      if (plan%inner > report_mask) call tell_progress("Fourier transform", plan%length, plan%length, error, progress)
+      if (plan%inner > report_mask) call report_progress("Fourier transform", plan%length, plan%length, error, progress)
    end subroutine transform_chirp
 
 end module gyroakf_fft_plan

@@ -10,7 +10,7 @@
 !> Source: C. Van Loan, Computational Frameworks for the FFT (SIAM, 1992), sec. 4.3.
 module gyroakf_fft_real
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_fft_plan, only : fft_plan_type, new_fft_plan, fft_forward, fft_backward, unit_root, max_length, report_mask
    implicit none (type, external)
@@ -59,7 +59,7 @@ contains
          return
       end if
       do k = 0, length/2
-         if (iand(k, report_mask) == 0) call tell_progress("Fourier transform", k, length/2, error, progress)
+         if (iand(k, report_mask) == 0) call report_progress("Fourier transform", k, length/2, error, progress)
          if (allocated(error)) return
          plan%twiddle(k) = conjg(unit_root(k, length))
       end do
@@ -93,23 +93,23 @@ contains
             return
          end if
          do k = 0, plan%length - 1
-            if (iand(k + 1, report_mask) == 0) call tell_progress("Fourier transform", k, plan%length, error, progress)
+            if (iand(k + 1, report_mask) == 0) call report_progress("Fourier transform", k, plan%length, error, progress)
             if (allocated(error)) return
             full(k) = x(k)
          end do
          call fft_forward(plan%complex, full, error, progress)
-         if (.not. allocated(error) .and. half > report_mask) call tell_progress("Fourier transform", half, half, error, progress)
+         if (.not. allocated(error) .and. half > report_mask) call report_progress("Fourier transform", half, half, error, progress)
          if (allocated(error)) return
          spectrum(:) = full(:half)
          return
       end if
       do k = 0, half - 1
-         if (iand(k + 1, report_mask) == 0) call tell_progress("Fourier transform", k, half, error, progress)
+         if (iand(k + 1, report_mask) == 0) call report_progress("Fourier transform", k, half, error, progress)
          if (allocated(error)) return
          spectrum(k) = cmplx(x(2*k), x(2*k + 1), dp)
       end do
       call fft_forward(plan%complex, spectrum(:half - 1), error, progress)
-      if (.not. allocated(error) .and. half > report_mask) call tell_progress("Fourier transform", half, half, error, progress)
+      if (.not. allocated(error) .and. half > report_mask) call report_progress("Fourier transform", half, half, error, progress)
       if (.not. allocated(error)) call unpack_spectrum(plan, spectrum, error, progress)
    end subroutine real_fft_forward
 
@@ -149,7 +149,7 @@ contains
          return
       end if
       call pack_spectrum(plan, spectrum)
-      if (half > report_mask) call tell_progress("Fourier transform", 0_int64, half, error, progress)
+      if (half > report_mask) call report_progress("Fourier transform", 0_int64, half, error, progress)
       if (allocated(error)) return
       call fft_backward(plan%complex, spectrum(:half - 1), error, progress)
       if (allocated(error)) return
@@ -174,7 +174,7 @@ contains
       z(0) = real(first, dp) + aimag(first)
       z(half) = real(first, dp) - aimag(first)
       do k = 1, half/2
-         if (iand(k, report_mask) == 0) call tell_progress("Fourier transform", half, half, error, progress)
+         if (iand(k, report_mask) == 0) call report_progress("Fourier transform", half, half, error, progress)
          if (allocated(error)) return
          even = 0.5_dp*(z(k) + conjg(z(half - k)))
          odd = 0.5_dp*(z(k) - conjg(z(half - k)))

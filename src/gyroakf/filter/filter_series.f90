@@ -6,7 +6,7 @@
 module gyroakf_filter_filter_series
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_record, only : text_type
    use gyroakf_special, only : chi_square_quantile
    use gyroakf_stats_moments, only : compute_moments, join_moments, moments_type
@@ -145,7 +145,7 @@ contains
          if (run%done == 0 .or. run%done == run%third) call restart_gain(filter)
          if (run%done >= run%next_report) then
             run%next_report = run%done + report_samples
-            call tell_progress("filtering", run%done, run%samples, error, progress)
+            call report_progress("filtering", run%done, run%samples, error, progress)
             if (allocated(error)) return
          end if
          first = last + 1

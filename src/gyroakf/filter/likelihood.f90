@@ -11,7 +11,7 @@
 module gyroakf_filter_likelihood
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_filter_components, only : component_model_type, component_state_type, most_components, &
       check_components, start_components, predict_components, correct_components, settling_type, judge_settling
    use gyroakf_filter_measurement, only : is_sample
@@ -75,7 +75,7 @@ contains
       last = 0
       do while (k <= size(z, kind=int64))
          if (k > last) then
-            call tell_progress("identifying", k - 1, size(z, kind=int64), error, progress)
+            call report_progress("identifying", k - 1, size(z, kind=int64), error, progress)
             if (allocated(error)) return
             last = min(k + report_samples - 1, size(z, kind=int64))
          end if

@@ -13,7 +13,7 @@
 module gyroakf_filter_smoother
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_filter_components, only : component_model_type, component_state_type, most_components, check_components, &
       start_components, predict_components, correct_components, settling_type, judge_settling
    use gyroakf_filter_measurement, only : is_sample
@@ -92,7 +92,7 @@ contains
          from = (b - 1)*length + 1
          to = min(n, b*length)
          call advance_smoother(model, z, from, to, state, settling, step, seen, valid, white)
-         call tell_progress("smoothing", to, 2*n, error, progress)
+         call report_progress("smoothing", to, 2*n, error, progress)
          if (allocated(error)) return
       end do
       if (seen == 0) then
@@ -105,7 +105,7 @@ contains
          settling = settling_type()
          if (b < blocks) call advance_smoother(model, z, from, to, start(b), settling, step, seen, valid, white)
          call smooth_back(model, slow, step, from, to, back, drift, variance)
-         call tell_progress("smoothing", 2*n - from, 2*n, error, progress)
+         call report_progress("smoothing", 2*n - from, 2*n, error, progress)
          if (allocated(error)) return
       end do
    end subroutine smooth_drift

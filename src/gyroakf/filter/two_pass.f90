@@ -6,7 +6,7 @@
 module gyroakf_filter_two_pass
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_kalman, only : filter_options, filter_type
    use gyroakf_filter_measurement, only : is_sample
@@ -82,7 +82,7 @@ contains
       filter = fresh
       do k = 1, n
          if (mod(k, report_samples) == 1) then
-            call tell_progress("weighing the samples", k - 1, 2*n, error, progress)
+            call report_progress("weighing the samples", k - 1, 2*n, error, progress)
             if (allocated(error)) return
          end if
          call weigh_sample(filter, z(k), is_here(z(k), k, valid), r(k))
@@ -91,7 +91,7 @@ contains
       filter = fresh
       do k = n, 1, -1
          if (mod(k, report_samples) == 1) then
-            call tell_progress("weighing the samples", 2*n - k, 2*n, error, progress)
+            call report_progress("weighing the samples", 2*n - k, 2*n, error, progress)
             if (allocated(error)) return
          end if
          call weigh_behind(fresh, filter, seen, z(k), is_here(z(k), k, valid), r(k))

@@ -6,7 +6,7 @@
 module gyroakf_io_audit
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_stats_extremes, only : scan_extremes
    use gyroakf_io_cadence, only : cadence_type, count_bursts, find_cadence
    use gyroakf_io_losses, only : add_gap, find_losses, gap_type
@@ -240,7 +240,7 @@ contains
       audit%samples = size(value, 1, kind=int64)
       audit%missing = 0
       do j = 1, channels
-         call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
+         call report_progress("completing the record", 0_int64, 0_int64, error, progress)
          if (allocated(error)) return
          if (allocated(present_mask)) then
             audit%missing = audit%missing + audit%samples - sum(int(present_mask(:, j), int64))

@@ -13,7 +13,7 @@ module gyroakf_io_binary
    use gyroakf_io_store, only : add_chunk, chunk_rows, count_rows
    use gyroakf_io_system, only : read_at
    use gyroakf_io_table, only : table_type
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_record, only : add_text
    implicit none (type, external)
    private
@@ -109,7 +109,7 @@ contains
          if (present(progress)) slice = max(chunk_rows, slice_values/size(chunk%value, 2))
          if (binary%descriptor < 0) slice = rows
          do while (chunk%rows < rows)
-            call tell_progress("reading", place_of(binary), source%length, error, progress)
+            call report_progress("reading", place_of(binary), source%length, error, progress)
             if (allocated(error)) return
             slice = min(slice, rows - chunk%rows)
             call fill_rows(binary, source, table, chunk%value, chunk%rows, slice, got, error)

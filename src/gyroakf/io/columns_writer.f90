@@ -14,7 +14,7 @@ module gyroakf_io_columns_writer
    use gyroakf_threads, only : thread_count
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_io_decimal, only : longest_real, real_to_text
    use gyroakf_io_npy, only : make_npy_header
    use gyroakf_io_writer, only : put, put_reals, writer_type
@@ -141,7 +141,7 @@ contains
             end do
          end if
          if (writer%failed) return
-         call tell_progress(trim(layout%stage), at - first, last - first + 1, error, progress)
+         call report_progress(trim(layout%stage), at - first, last - first + 1, error, progress)
          if (allocated(error)) return
       end do
    end subroutine put_rows

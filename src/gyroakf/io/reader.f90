@@ -21,7 +21,7 @@ module gyroakf_io_reader
       say_too_large
    use gyroakf_io_table, only : table_type
    use gyroakf_io_time_base, only : place_samples, set_rate, use_stamps
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_record, only : add_text, record_type
    implicit none (type, external)
    private
@@ -77,7 +77,7 @@ contains
          call take_values(options, table, record, stamps, error)
          if (.not. allocated(error)) call use_stamps(options, table, stamps, record, gaps, error)
          if (.not. allocated(error)) call set_rate(options, table, record, error)
-         if (.not. allocated(error)) call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
+         if (.not. allocated(error)) call report_progress("completing the record", 0_int64, 0_int64, error, progress)
          if (.not. allocated(error)) call place_samples(options, table, stamps, gaps, record, error)
          if (.not. allocated(error)) call mark_missing(record, largest_value/max(1.0_dp, abs(options%scale)), error, progress)
          if (.not. allocated(error)) call set_units(options%unit, options%input, table, record, error)
@@ -85,7 +85,7 @@ contains
          if (.not. allocated(error) .and. options%input == "angle" .and. wrap <= 0.0_dp) then
             if (.not. allocated(options%wrap)) call warn_of_wraps(record)
          end if
-         if (.not. allocated(error)) call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
+         if (.not. allocated(error)) call report_progress("completing the record", 0_int64, 0_int64, error, progress)
          if (.not. allocated(error)) call make_rates(record, options%input, options%scale, error, wrap)
          if (.not. allocated(error) .and. .not. record%audit%stamp_rate > 0.0_dp) then
             call cut(record, options%from, options%to, error)

@@ -4,7 +4,7 @@ module gyroakf_io_shape
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_io_audit, only : gap_type
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_place, only : integer_text
@@ -74,7 +74,7 @@ contains
       integer :: j, failed
 
       do j = 1, size(record%value, 2)
-         call tell_progress("completing the record", 0_int64, 0_int64, error, progress)
+         call report_progress("completing the record", 0_int64, 0_int64, error, progress)
          if (allocated(error)) return
          if (all_sound(record%value(:, j), largest)) cycle
          do i = 1, size(record%value, 1, kind=int64)

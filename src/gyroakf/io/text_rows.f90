@@ -18,7 +18,7 @@ module gyroakf_io_text_rows
    use gyroakf_io_store, only : count_rows, next_chunk
    use gyroakf_io_table, only : table_type
    use gyroakf_io_text, only : fields_type, line_end_from
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    implicit none (type, external)
    private
    public :: read_rows
@@ -61,7 +61,7 @@ contains
       do
          missing = most - count_rows(table%store)
          if (missing <= 0) return
-         call tell_progress("reading", lines%source%delivered, lines%source%length, error, progress)
+         call report_progress("reading", lines%source%delivered, lines%source%length, error, progress)
          if (allocated(error)) return
          table%whole = lines%ended .and. lines%at > lines%filled
          if (table%whole) return

@@ -5,7 +5,7 @@
 module gyroakf_pipeline_channel
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_record, only : add_text, record_type
    use gyroakf_preprocess_clean, only : clean_series
    use gyroakf_stats_moments, only : compute_moments, moments_type
@@ -128,7 +128,7 @@ contains
       end if
       if (allocated(error)) return
       if (options%do_ar .or. options%do_filter) then
-         call tell_progress("AR model", 0_int64, size(z, kind=int64), error, progress)
+         call report_progress("AR model", 0_int64, size(z, kind=int64), error, progress)
          if (allocated(error)) return
          call run_ar(z, options, channel, shared, error, valid, progress)
          if (allocated(error)) return
@@ -161,7 +161,7 @@ contains
       if (options%do_allan) then
          call warn_curve(channel, record)
          call warn_fit(channel)
-         call tell_progress("comparing the halves", 0_int64, size(x, kind=int64), error, progress)
+         call report_progress("comparing the halves", 0_int64, size(x, kind=int64), error, progress)
          if (allocated(error)) return
          call run_halves(x, record%sample_interval, options, channel, error, recorded, progress)
          if (allocated(error)) return
@@ -187,7 +187,7 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       class(progress_type), intent(inout), optional :: progress
 
-      call tell_progress("testing", 0_int64, 3*size(z, kind=int64), error, progress)
+      call report_progress("testing", 0_int64, 3*size(z, kind=int64), error, progress)
       if (allocated(error)) return
       call plan_pass(size(z, kind=int64), options, moments, shared)
       call run_adf(z, options, channel, shared, error, valid, progress)
@@ -198,7 +198,7 @@ contains
       if (is_fatal(error)) return
       channel%available%jarque_bera = .not. allocated(error)
       call note_failure(channel, "Jarque-Bera test", error)
-      call tell_progress("testing", 2*size(z, kind=int64), 3*size(z, kind=int64), error, progress)
+      call report_progress("testing", 2*size(z, kind=int64), 3*size(z, kind=int64), error, progress)
       if (allocated(error)) return
       call run_correlation(z, options, channel, error, valid, shared, progress)
       if (allocated(error)) return

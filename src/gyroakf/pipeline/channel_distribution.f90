@@ -3,7 +3,7 @@
 module gyroakf_pipeline_channel_distribution
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_record, only : add_text
    use gyroakf_io_writer, only : format_real
    use gyroakf_stats_moments, only : moments_type
@@ -35,7 +35,7 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
-      call tell_progress("steps of the samples", 0_int64, 0_int64, error, progress)
+      call report_progress("steps of the samples", 0_int64, 0_int64, error, progress)
       if (allocated(error)) return
       call find_quantisation(x, channel%cleaned%std, channel%quantisation, error, valid)
       if (is_fatal(error)) return
@@ -67,7 +67,7 @@ contains
       channel%available%anderson_darling = .not. allocated(error)
       call note_failure(channel, "Anderson-Darling test", error)
       call judge_distribution(channel)
-      call tell_progress("histogram", 0_int64, 0_int64, error, progress)
+      call report_progress("histogram", 0_int64, 0_int64, error, progress)
       if (allocated(error)) return
       bins = options%histogram
       bins%step = channel%quantisation%step

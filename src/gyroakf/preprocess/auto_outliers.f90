@@ -24,7 +24,7 @@ module gyroakf_preprocess_auto_outliers
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_chunks, only : threads_from
    use gyroakf_threads, only : thread_count
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_select, only : find_median
    use gyroakf_special, only : normal_quantile
    use gyroakf_preprocess_running_residual, only : block_residuals, block_size, find_coarse_step, half, present_bit, &
@@ -143,11 +143,11 @@ contains
          call fatal_error(error, status%no_memory, "no memory for the search for outliers")
          return
       end if
-      call tell_progress("looking for outliers", 0_int64, n, error, progress)
+      call report_progress("looking for outliers", 0_int64, n, error, progress)
       if (allocated(error)) return
       call scan_blocks(x, step, marks, loud, peak, counts)
       call compare_loudness(n, loud, error)
-      if (.not. allocated(error)) call tell_progress("looking for outliers", n/2, n, error, progress)
+      if (.not. allocated(error)) call report_progress("looking for outliers", n/2, n, error, progress)
       if (allocated(error)) return
       call recount_loud(x, step, marks, loud, peak, counts(:, 1))
       call find_threshold(counts(:, 1), z, limit, used)

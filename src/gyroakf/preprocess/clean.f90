@@ -4,7 +4,7 @@ module gyroakf_preprocess_clean
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_stats_moments, only : moments_type, compute_moments
    use gyroakf_stats_trend, only : largest_degree
    use gyroakf_preprocess_auto_outliers, only : find_auto_outliers
@@ -72,7 +72,7 @@ contains
             call run_rounds(x, options, cleaned, present_out, moments, result, error, valid, progress)
          end if
       end if
-      if (.not. allocated(error)) call tell_progress("cleaning", 0_int64, 0_int64, error, progress)
+      if (.not. allocated(error)) call report_progress("cleaning", 0_int64, 0_int64, error, progress)
       if (allocated(error)) return
       call finish(cleaned, present_out, found, options%max_passes, moments, result, error, valid)
    end subroutine clean_series

@@ -3,7 +3,7 @@
 module gyroakf_preprocess_clean_rounds
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_stats_moments, only : moments_type, compute_moments
    use gyroakf_preprocess_clean_types, only : clean_options, clean_type
    use gyroakf_stats_trend, only : trend_type, fit_trend, remove_trend
@@ -39,7 +39,7 @@ contains
       class(progress_type), intent(inout), optional :: progress
 
       call fit_trend(x, degree, trend, error, mask, progress)
-      if (.not. allocated(error)) call tell_progress("cleaning", 0_int64, 0_int64, error, progress)
+      if (.not. allocated(error)) call report_progress("cleaning", 0_int64, 0_int64, error, progress)
       if (allocated(error)) return
       cleaned(:) = x
       call remove_trend(trend, cleaned)
@@ -64,7 +64,7 @@ contains
       integer(int64) :: changed
       real(dp) :: step, limit
 
-      call tell_progress("cleaning", 0_int64, 0_int64, error, progress)
+      call report_progress("cleaning", 0_int64, 0_int64, error, progress)
       if (.not. allocated(error)) call find_coarse_step(x, step, error, valid)
       if (allocated(error)) return
       ! no limit is below that of half a quantization step, nor within rounding errors
@@ -72,7 +72,7 @@ contains
       do while (result%passes < options%max_passes)
          result%passes = result%passes + 1
          call detrend(x, options%degree, cleaned, result%trend, error, mask, progress)
-         if (.not. allocated(error)) call tell_progress("cleaning", 0_int64, 0_int64, error, progress)
+         if (.not. allocated(error)) call report_progress("cleaning", 0_int64, 0_int64, error, progress)
          if (.not. allocated(error)) call judge(cleaned, options, limit, mask, moments, changed, result, error, valid, progress)
          if (allocated(error)) return
          result%converged = changed == 0
@@ -117,7 +117,7 @@ contains
          centre = moments%mean
          scale = moments%std
       end if
-      call tell_progress("cleaning", 0_int64, 0_int64, error, progress)
+      call report_progress("cleaning", 0_int64, 0_int64, error, progress)
       if (allocated(error)) return
       call mark_outliers(cleaned, centre, max(result%threshold*scale, least), keep, mask, changed, result%removed, valid)
    end subroutine judge

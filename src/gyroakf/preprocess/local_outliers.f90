@@ -14,7 +14,7 @@ module gyroakf_preprocess_local_outliers
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_chunks, only : threads_from
    use gyroakf_threads, only : thread_count
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_preprocess_median_window, only : window_type, insert_value, remove_value, &
       replace_value, window_median, window_deviation
    implicit none (type, external)
@@ -80,7 +80,7 @@ contains
          last = min(first + size(window, kind=int64) - 1, stretches)
          do done = 0, steps - 1, part
             judged = (first - 1)*length + (last - first + 1)*max(done - 2*k, 0_int64)
-            call tell_progress("looking for outliers", min(judged, n), n, error, progress)
+            call report_progress("looking for outliers", min(judged, n), n, error, progress)
             if (allocated(error)) return
             !$omp parallel do if (n >= threads_from) default(shared) schedule(dynamic) &
             !$omp& reduction(+:changed, removed)

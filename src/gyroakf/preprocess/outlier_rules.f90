@@ -16,7 +16,7 @@ module gyroakf_preprocess_outlier_rules
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_chunks, only : threads_from
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_select, only : find_median, find_deviation
    use gyroakf_preprocess_auto_outliers, only : auto_threshold
    use gyroakf_preprocess_local_outliers, only : set_mark
@@ -74,7 +74,7 @@ contains
 
       scale = 0.0_dp
       call find_median(x, centre, error, valid)
-      if (.not. allocated(error)) call tell_progress("cleaning", 0_int64, 0_int64, error, progress)
+      if (.not. allocated(error)) call report_progress("cleaning", 0_int64, 0_int64, error, progress)
       if (allocated(error)) return
       call find_deviation(x, centre, scale, error, valid)
       scale = mad_to_sigma*scale

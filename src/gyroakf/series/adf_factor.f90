@@ -6,7 +6,7 @@
 module gyroakf_series_adf_factor
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_lapack, only : dpotrf, dgeqrf
    use gyroakf_stats_trend, only : trend_type, subtract_trend
    use gyroakf_stats_lagged_gram, only : gram_type
@@ -93,7 +93,7 @@ contains
       end if
       r = 0.0_dp
       do first = gram%lags + 1, n - 1, max(256, 2*k)
-         call tell_progress("unit-root test", first, n, error, progress)
+         call report_progress("unit-root test", first, n, error, progress)
          if (allocated(error)) return
          last = min(first + max(256, 2*k) - 1, n - 1)
          call join_rows(x, trend, gram, order, first, last, scale, mean, r, error, valid)

@@ -3,7 +3,7 @@
 module gyroakf_series_kpss
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_stats_autocovariance, only : check_series, series_mean
    use gyroakf_stats_trend, only : trend_type, fit_trend, set_level
    use gyroakf_stats_long_run, only : cumulative_type, sum_residuals, sum_bartlett, bartlett_variance, hobijn_lags, schwert_lags
@@ -95,7 +95,7 @@ contains
 
       call check_options(options, size(x, kind=int64), terms, error)
       if (allocated(error)) return
-      call tell_progress("stationarity test", 0_int64, 0_int64, error, progress)
+      call report_progress("stationarity test", 0_int64, 0_int64, error, progress)
       if (.not. allocated(error)) call fit(x, terms, trend, error, valid, progress)
       if (allocated(error)) return
       q = first_lags(size(x, kind=int64))

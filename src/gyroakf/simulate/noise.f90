@@ -18,7 +18,7 @@
 !> [[simulate_record]], its expected Allan variance in test/test_simulate.f90.
 module gyroakf_simulate_noise
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_fft, only : convolve
    use gyroakf_random, only : random_type, next_normal, next_uniform, next_laplace, next_t5
@@ -52,7 +52,7 @@ contains
 
       call next_normal(random, before)
       do i = 1, size(x, kind=int64)
-         if (iand(i - 1, report_mask) == 0) call tell_progress("simulating", i - 1, size(x, kind=int64), error, progress)
+         if (iand(i - 1, report_mask) == 0) call report_progress("simulating", i - 1, size(x, kind=int64), error, progress)
          if (allocated(error)) return
          call next_normal(random, after)
          x(i) = x(i) + q*(after - before)/t0
@@ -85,7 +85,7 @@ contains
 
       scale = n/sqrt(t0)
       do i = 1, size(x, kind=int64)
-         if (iand(i - 1, report_mask) == 0) call tell_progress("simulating", i - 1, size(x, kind=int64), error, progress)
+         if (iand(i - 1, report_mask) == 0) call report_progress("simulating", i - 1, size(x, kind=int64), error, progress)
          if (allocated(error)) return
          select case (tails)
          case ("laplace"); call next_laplace(random, g)
@@ -130,20 +130,20 @@ contains
          return
       end if
       do i = 1, n
-         if (iand(i - 1, report_mask) == 0) call tell_progress("simulating", i - 1, size(x, kind=int64), error, progress)
+         if (iand(i - 1, report_mask) == 0) call report_progress("simulating", i - 1, size(x, kind=int64), error, progress)
          if (allocated(error)) return
          call next_normal(random, g(i))
       end do
       h(1) = 1
       do i = 1, n - 1
-         if (iand(i - 1, report_mask) == 0) call tell_progress("simulating", i - 1, n, error, progress)
+         if (iand(i - 1, report_mask) == 0) call report_progress("simulating", i - 1, n, error, progress)
          if (allocated(error)) return
          h(i + 1) = h(i)*((i - 0.5_dp)/i)
       end do
       call convolve(h, g, noise, error, progress)
       if (allocated(error)) return
       do i = 1, n
-         if (iand(i - 1, report_mask) == 0) call tell_progress("simulating", i - 1, n, error, progress)
+         if (iand(i - 1, report_mask) == 0) call report_progress("simulating", i - 1, n, error, progress)
          if (allocated(error)) return
          x(i) = x(i) + b*noise(i)
       end do
@@ -174,7 +174,7 @@ contains
       step = k*sqrt(t0)
       w = 0
       do i = 1, size(x, kind=int64)
-         if (iand(i - 1, report_mask) == 0) call tell_progress("simulating", i - 1, size(x, kind=int64), error, progress)
+         if (iand(i - 1, report_mask) == 0) call report_progress("simulating", i - 1, size(x, kind=int64), error, progress)
          if (allocated(error)) return
          call next_normal(random, g1)
          call next_normal(random, g2)
@@ -231,7 +231,7 @@ contains
       if (allocated(error)) return
       allocate (past(p), source=0.0_dp)                ! past(j) is the value j samples ago
       do i = 1, size(x, kind=int64)
-         if (iand(i - 1, report_mask) == 0) call tell_progress("simulating", i - 1, size(x, kind=int64), error, progress)
+         if (iand(i - 1, report_mask) == 0) call report_progress("simulating", i - 1, size(x, kind=int64), error, progress)
          if (allocated(error)) return
          order = int(min(i - 1, int(p, int64)))
          call next_normal(random, g)

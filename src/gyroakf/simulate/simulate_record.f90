@@ -7,7 +7,7 @@
 !> Every term draws from a stream of its own: switching one on or off does not change the others' numbers.
 module gyroakf_simulate_simulate_record
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_stats_extremes, only : all_sound
    use gyroakf_units, only : parse_unit
@@ -156,7 +156,7 @@ contains
       if (allocated(error)) return
       call add_signal(options, all_noise, record%value(:, 1), error, progress)
       if (.not. allocated(error)) call add_disturbances(options, record, error)
-      if (.not. allocated(error)) call tell_progress("simulating", options%samples, options%samples, error, progress)
+      if (.not. allocated(error)) call report_progress("simulating", options%samples, options%samples, error, progress)
       if (.not. allocated(error)) call check_size(record, error)
       if (allocated(error)) return
       call audit_record(record)

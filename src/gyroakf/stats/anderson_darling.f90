@@ -2,7 +2,7 @@
 !> The Anderson-Darling test of normality, mean and variance estimated from the series.
 module gyroakf_stats_anderson_darling
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_chunks, only : chunk_group, threads_from, chunk_count, chunk_first, chunk_last
    use gyroakf_special, only : log1p
@@ -72,7 +72,7 @@ contains
       call take_samples(x, options, result, z, error, valid)
       if (allocated(error)) return
       call compute_moments(z, moments)
-      call tell_progress("normality test", 0_int64, result%samples, error, progress)
+      call report_progress("normality test", 0_int64, result%samples, error, progress)
       if (allocated(error)) return
       z(:) = z - moments%mean                                            ! an offset costs no digits: its rest is taken out below
       call compute_moments(z, moments)
@@ -157,7 +157,7 @@ contains
       statistic = 0.0_dp
       group = chunk_group(chunk_count(n), present(progress))
       do from = 1, chunk_count(n), group
-         call tell_progress("normality test", chunk_first(n, from) - 1, n, error, progress)
+         call report_progress("normality test", chunk_first(n, from) - 1, n, error, progress)
          if (allocated(error)) return
          !$omp parallel do if (n >= threads_from) default(shared) schedule(dynamic)
          do chunk = from, min(from + group - 1, chunk_count(n))

@@ -6,7 +6,7 @@
 module gyroakf_stats_fisher
    use, intrinsic :: iso_c_binding, only : c_double
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_fft, only : real_fft_plan_type, new_real_fft_plan, real_fft_forward
    use gyroakf_stats_extremes, only : scan_extremes
@@ -86,7 +86,7 @@ contains
       end if
       call new_real_fft_plan(plan, n, error, progress)
       if (.not. allocated(error)) call real_fft_forward(plan, centred, spectrum, error, progress)
-      if (.not. allocated(error)) call tell_progress("Fourier transform", n, n, error, progress)
+      if (.not. allocated(error)) call report_progress("Fourier transform", n, n, error, progress)
       if (.not. allocated(error)) call fisher_of_spectrum(spectrum, n, result, error)
    end subroutine test_fisher_g
 
@@ -127,7 +127,7 @@ contains
       lowest = scale(lowest, -size_of_all)
       power = exponent(scale(highest, -size_of_all) - lowest)
       do i = 0, n - 1
-         if (iand(i, report_mask) == 0) call tell_progress("Fourier transform", 0_int64, n, error, progress)
+         if (iand(i, report_mask) == 0) call report_progress("Fourier transform", 0_int64, n, error, progress)
          if (allocated(error)) return
          centred(i) = 0.0_dp
          if (present(valid)) then

@@ -14,7 +14,7 @@
 module gyroakf_stats_lagged_gram
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_stats_trend, only : trend_type, subtract_trend
    use gyroakf_stats_autocovariance, only : autocovariance_type
    use gyroakf_stats_lagged_rows, only : row_sums_type, sum_rows, time_of, level2, level_d, time0, time_level, time_d
@@ -207,7 +207,7 @@ contains
       stretch = 0
       do
          stretch = stretch + 1
-         if (mod(stretch, report_stretches) == 0) call tell_progress("unit-root test", finish, n, &
+         if (mod(stretch, report_stretches) == 0) call report_progress("unit-root test", finish, n, &
             & error, progress)
          if (allocated(error)) return
          call next_run(n, begin, finish, valid)

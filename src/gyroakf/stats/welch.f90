@@ -6,7 +6,7 @@
 module gyroakf_stats_welch
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_special, only : chi_square_quantile
    use gyroakf_fft, only : real_fft_plan_type, new_real_fft_plan
    use gyroakf_stats_welch_segment, only : make_window, add_segments, segment_type
@@ -108,7 +108,7 @@ contains
          call fatal_error(error, status%no_memory, "no memory for the segments of the spectrum")
          return
       end if
-      call tell_progress("spectrum", 0_int64, spectrum%segments, error, progress)
+      call report_progress("spectrum", 0_int64, spectrum%segments, error, progress)
       if (allocated(error)) return
       call make_window(trim(options%window), part%window, error, progress)
       if (allocated(error)) return
@@ -123,7 +123,7 @@ contains
                           "take shorter segments, or a smaller share that must be present")
          return
       end if
-      call tell_progress("spectrum", spectrum%segments, spectrum%segments, error, progress)
+      call report_progress("spectrum", spectrum%segments, spectrum%segments, error, progress)
       if (allocated(error)) return
       spectrum%density = spectrum%density*(dt/sum(share))
       call state(part, share, dt, spectrum, error, progress)
@@ -211,7 +211,7 @@ contains
       end if
       group = max(report_samples/part%length, 1_int64)
       do first = 0, segments - 1, group
-         call tell_progress("spectrum", first, segments, error, progress)
+         call report_progress("spectrum", first, segments, error, progress)
          if (allocated(error)) return
          associate (number => min(group, segments - first))
             !$omp parallel do default(shared) private(from, to, failed) schedule(dynamic) if (number*part%length > 60000)
@@ -255,7 +255,7 @@ contains
       do k = 0, last
          spectrum%frequency(k) = real(k, dp)/(real(part%length, dp)*dt)
       end do
-      call tell_progress("spectrum", spectrum%segments, spectrum%segments, error, progress)
+      call report_progress("spectrum", spectrum%segments, spectrum%segments, error, progress)
       if (allocated(error)) return
       spectrum%edf = spectrum%degrees_of_freedom
       spectrum%one_sided = 2.0_dp*spectrum%density
@@ -264,7 +264,7 @@ contains
          spectrum%edf(k) = 0.5_dp*spectrum%degrees_of_freedom
          spectrum%one_sided(k) = spectrum%density(k)
       end do
-      call tell_progress("spectrum", spectrum%segments, spectrum%segments, error, progress)
+      call report_progress("spectrum", spectrum%segments, spectrum%segments, error, progress)
       if (allocated(error)) return
       spectrum%lower = spectrum%density*(spectrum%degrees_of_freedom/chi_square_quantile(1.0_dp - tail, &
                                                                                           spectrum%degrees_of_freedom))

@@ -3,7 +3,7 @@
 module gyroakf_stats_welch_segment
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type, tell_progress
+   use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_fft, only : real_fft_plan_type, real_fft_forward
    implicit none (type, external)
    private
@@ -42,7 +42,7 @@ contains
 
       n = size(window, kind=int64)
       do t = 0, n - 1
-         if (iand(t + 1, report_mask) == 0) call tell_progress("spectrum", 0_int64, 0_int64, error, progress)
+         if (iand(t + 1, report_mask) == 0) call report_progress("spectrum", 0_int64, 0_int64, error, progress)
          if (allocated(error)) return
          c = cos(turn*(real(t, dp)/real(n, dp)))
          select case (name)
@@ -90,13 +90,13 @@ contains
       energy = sum(part%window**2)
       do i = from, to
          first = (i - 1)*part%step + 1
-         call tell_progress("spectrum", i - 1, 0_int64, error, progress)
+         call report_progress("spectrum", i - 1, 0_int64, error, progress)
          if (allocated(error)) return
          call cut(x(first:first + part%length - 1), part, energy, segment, share(i - from + 1), first, error, valid, progress)
          if (allocated(error)) return
          if (share(i - from + 1) <= 0.0_dp) cycle
          call real_fft_forward(plan, segment, spectrum, error, progress)
-         if (.not. allocated(error)) call tell_progress("spectrum", i, 0_int64, error, progress)
+         if (.not. allocated(error)) call report_progress("spectrum", i, 0_int64, error, progress)
          if (allocated(error)) return
          factor = 1.0_dp/energy                      ! share over the energy of what is present
          do k = 0, part%length/2
@@ -136,7 +136,7 @@ contains
          end if
       end if
       do begin = 0, part%length - 1, report_mask + 1
-         if (begin > 0) call tell_progress("spectrum", 0_int64, 0_int64, error, progress)
+         if (begin > 0) call report_progress("spectrum", 0_int64, 0_int64, error, progress)
          if (allocated(error)) return
          do t = begin, min(begin + report_mask, part%length - 1)
             segment(t) = part%window(t)*((x(t + 1) - origin) - mean)
@@ -172,7 +172,7 @@ contains
       squares = 0.0_dp
       here = 0
       do begin = 0, part%length - 1, report_mask + 1
-         if (begin > 0) call tell_progress("spectrum", 0_int64, 0_int64, error, progress)
+         if (begin > 0) call report_progress("spectrum", 0_int64, 0_int64, error, progress)
          if (allocated(error)) return
          do t = begin, min(begin + report_mask, part%length - 1)
             if (valid(first + t) == 0_int8) cycle
