@@ -46,8 +46,8 @@ contains
       call out%open("trend", "Trend")
       call out%put("degree", channel%clean%trend%degree)
       if (allocated(channel%clean%trend%power)) then
-         call out%put("coefficients", channel%clean%trend%power, title="coefficients of i^0, i^1, &
-                      ...")
+         call out%put("coefficients", channel%clean%trend%power, &
+                      title="coefficients of i^0, i^1, ...")
       else
          call out%absent("coefficients")
       end if
