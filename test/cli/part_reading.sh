@@ -134,3 +134,7 @@ good "labels before numbers" inspect labelled.txt --json -
 holds "their names" '"channels": ["gx", "gy"]' out
 printf '1 2 x\n3 4 5\n' >words.txt
 bad "columns of numbers are named" 2 "options that read it: --column 1,2" inspect words.txt
+# a condition on the last field, a long number: nothing behind the line is read with it
+awk 'BEGIN { print "gx,id"; for (i = 0; i < 40; i++) print i % 5 "," (i % 2 ? "1.234567890123" : "2.345678901234") }' >last.csv
+good "a condition on the last column" inspect last.csv --where id=1.234567890123 --rate 10
+holds "its rows" "20 in" out

@@ -2,7 +2,7 @@
 !> C: the AR model. What the function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_c_ar
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, &
-      & c_size_t, c_null_ptr, c_associated, c_f_pointer, c_sizeof
+      & c_size_t, c_null_ptr, c_associated, c_sizeof
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
    use gyroakf_c_api_c_host, only : progress_c, callback_type

@@ -10,6 +10,7 @@ module gyroakf_io_preamble
       suppose_record_names, take_heading
    use gyroakf_io_lines, only : next_line, lines_type, more_lines
    use gyroakf_io_marks, only : find_marks, marks_type, name_fields
+   use gyroakf_io_number, only : digits_ahead
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_selection, only : is_wanted, set_condition
@@ -119,12 +120,13 @@ contains
       type(column_names_type) :: names
       type(fields_type) :: fields
       type(marks_type) :: marks
-      integer(int8) :: line(lines%to)
+      integer(int8) :: line(lines%to + digits_ahead)
       integer :: array
 
       skipped = .false.
       if (.not. allocated(options%where)) return
-      line(:) = lines%bytes(:lines%to)
+      line(:lines%to) = lines%bytes(:lines%to)
+      line(lines%to + 1:) = 0_int8                            ! no digits of another line
       names = table%names
       call find_marks(line, lines%at, lines%to, .true., marks)
       call split_line(line, lines%at, lines%to, split%mixed, fields)

@@ -113,7 +113,7 @@ contains
          if (largest <= 0.0_dp .or. largest >= least_value) cycle
          call fatal_error(error, status%non_finite, "no value of '"//record%channel(j)%text//"' is larger than "// &
                           format_real(largest, 3)//"; the largest must be "//format_real(least_value, 3)//" at least to be "// &
-                          "analyzed: multiply them by a constant (--scale)")
+                          "analyzed: multiply them by a constant (`scale`)")
          return
       end do
    end subroutine refuse_tiny

@@ -149,6 +149,7 @@ contains
          do i = 1, size(value)
             if (allocated(self%member%std_errors)) then
                title = title//" "//rounded(value(i), self%member%std_errors(i))
+               if (i < size(value)) title = title//";"
             else
                title = title//" "//number(value(i), 6)
             end if
