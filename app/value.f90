@@ -165,19 +165,19 @@ contains
       integer(int64), intent(out) :: n
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: range
+      integer(int64) :: least
       integer :: stat
 
       n = -1
       if (stands_for_number(option, text)) return
       stat = 1
       if (verify(text, "0123456789") == 0 .and. len(text) <= 18) read (text, "(i18)", iostat=stat) n
-      range = " of at most 18 digits, 0 or more"
-      if (option%upper < huge(option%upper)) range = " from 0 to "//integer_text(int(option%upper, int64))
-      if (stat /= 0 .or. real(n, dp) > option%upper) then
-         call value_error(option, "'"//text//"' is not a whole number"//range, error)
-      else if (option%kind == "count" .and. n == 0) then
-         call value_error(option, "it is at least 1", error)
-      end if
+      least = merge(1_int64, 0_int64, option%kind == "count")
+      range = " of at most 18 digits, "//integer_text(least)//" or more"
+      if (option%upper < huge(option%upper)) range = " from "//integer_text(least)//" to "// &
+         & integer_text(int(option%upper, int64))
+      if (stat == 0 .and. n >= least .and. real(n, dp) <= option%upper) return
+      call value_error(option, "'"//text//"' is not a whole number"//range, error)
    end subroutine convert_count
 
    !> Bytes: 500MB, 2GB, 1.5G, 300MiB, or their number.

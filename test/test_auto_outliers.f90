@@ -9,6 +9,7 @@ module test_auto_outliers
    use gyroakf_select, only : find_median
    use allan_series, only : normal_series, uniform_series
    use testdrive, only : check, error_type, new_unittest, unittest_type
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
    private
    public :: collect_auto_outliers
@@ -29,7 +30,8 @@ contains
          & new_unittest("motion", test_motion), &
          & new_unittest("long_motion", test_long_motion), &
          & new_unittest("missing", test_missing), &
-         & new_unittest("low_threshold", test_low_threshold)]
+         & new_unittest("low_threshold", test_low_threshold), &
+         & new_unittest("huge_values", test_huge_values)]
    end subroutine collect_auto_outliers
 
    !> A threshold that most of the noise exceeds ends the search, too, and is the one that was asked for.
@@ -50,6 +52,29 @@ contains
          if (allocated(error)) return
       end do
    end subroutine test_low_threshold
+
+   !> Values near the largest number, whose differences overflow, end the search with a finite threshold.
+   subroutine test_huge_values(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64), parameter :: n = 3000
+      real(dp), parameter :: thresholds(4) = [1.0e-300_dp, 1.0_dp, 5.0_dp, 1.0e300_dp]
+      real(dp) :: x(n), used
+      integer(int8) :: inlier(n)
+      integer(int64), allocatable :: motion(:, :)
+      type(gyro_error), allocatable :: failure
+      integer :: i, sign_change
+
+      do sign_change = 0, 1
+         x = 1.0e307_dp*normal_series(n, 78_int64)
+         if (sign_change == 1) x = sign(huge(x), x)
+         do i = 1, size(thresholds)
+            call find_auto_outliers(x, thresholds(i), inlier, used, motion, failure)
+            call check(error, allocated(failure), .false.)
+            if (.not. allocated(error)) call check(error, ieee_is_finite(used) .and. used > 0.0_dp)
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_huge_values
 
    !> Residuals of a record of 600, some of it missing, against sorted windows of the mirrored and bridged record.
    subroutine test_residuals(error)

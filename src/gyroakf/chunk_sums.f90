@@ -52,7 +52,7 @@ module gyroakf_chunk_sums
 contains
 
    !> The pass over a series; progress is reported between some chunks.
-   subroutine sum_chunks(sums, x, n, stage, total, error, valid, progress)
+   subroutine sum_chunks(sums, x, n, stage, total, error, valid, progress, pass)
       !> What is summed
       class(chunk_sums_type), intent(inout) :: sums
       !> Series; not modified
@@ -69,15 +69,22 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
+      !> Which of how many passes this is for the progress callback; the only one if absent
+      integer, intent(in), optional :: pass(2)
       real(dp), allocatable :: part(:, :)
+      integer(int64) :: done, passes
       integer :: chunk, from, to, held, stat, bad
 
+      done = 0
+      passes = 1
+      if (present(pass)) done = (pass(1) - 1)*n
+      if (present(pass)) passes = pass(2)
       total = 0.0_dp
       held = min(chunk_group(chunk_count(n), present(progress)), max(fewest_held, 2*thread_count()))
       allocate (part(size(total), held), stat=stat)
       do from = 1, chunk_count(n), held
          if (stat /= 0) exit
-         call report_progress(stage, chunk_first(n, from) - 1, n, error, progress)
+         call report_progress(stage, done + chunk_first(n, from) - 1, passes*n, error, progress)
          if (allocated(error)) return
          to = min(from + held - 1, chunk_count(n))
          part = 0.0_dp

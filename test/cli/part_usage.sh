@@ -99,9 +99,9 @@ averaging times are larger than 0 ; x.txt --taus 1,-2
 --outlier-window goes with --outliers hampel ; x.txt --outlier-window 5
 --outlier-rounds without --outliers ; allan x.txt --outlier-rounds 1
 'chauvenet' is not one of these ; x.txt --outliers chauvenet
-it is at least 1 ; x.txt --outlier-rounds 0
-'5000' is not a whole number from 0 to 4096 ; tests x.txt --lags 5000
-'200000' is not a whole number from 0 to 100000 ; x.txt --outliers hampel --outlier-window 200000
+'0' is not a whole number from 1 to 1000 ; x.txt --outlier-rounds 0
+'5000' is not a whole number from 1 to 4096 ; tests x.txt --lags 5000
+'200000' is not a whole number from 1 to 100000 ; x.txt --outliers hampel --outlier-window 200000
 --outlier-threshold without --outliers ; allan x.txt --outlier-threshold 3
 '10' is not a whole number from 0 to 9 ; x.txt --detrend 10
 q, r, Q, R at most once ; x.txt --estimate q,r,Q,Q
@@ -146,7 +146,7 @@ motion must be a whole number of bursts ; simulate --motion 1.5,2,3
 '0' is not larger than 0 ; simulate --markov 1,0
 '1,2' has the wrong number of parts ; simulate --vibration 1,2
 'foo' is not one of these ; simulate --preset foo
-it is at least 1 ; x.txt --threads 0
+'0' is not a whole number from 1 to 4096 ; x.txt --threads 0
 --from is not before --to ; x.txt --from 5 --to 3
 '-1' is before the first sample ; x.txt --from -1
 --fit-tau-min is not below --fit-tau-max ; x.txt --fit-tau-min 5 --fit-tau-max 3

@@ -29,6 +29,8 @@ module gyroakf_allan_window_difference
 
    !> Samples of a stretch, and stretches that run in a batch
    integer(int64), parameter :: stretch_length = 65536, batch = 64
+   !> Averaging factors whose sums of a batch are held at a time
+   integer, parameter :: factors = 256
    !> Terms below which one thread is quicker
    integer(int64), parameter :: parallel_from = 500000
    !> Weights of the windows, of two and of three
@@ -61,12 +63,13 @@ contains
 
       type(gap_sums_type), allocatable :: part(:, :)
       integer(int64) :: n, from, stretches, group, s, stride, first, last
-      integer :: i, stat
+      integer :: i, low, high, stat
 
       n = ubound(phase, 1, kind=int64)
       group = batch
       if (present(progress)) group = min(batch, int(2*thread_count(), int64))
-      allocate (part(size(m), group), stat=stat)
+      group = max(1_int64, min(group, (n + stretch_length - 1)/stretch_length))
+      allocate (part(min(size(m), factors), group), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, &
             & "no memory for the partial sums of the Allan variances")
@@ -76,29 +79,41 @@ contains
          call report_progress("Allan deviation", from, n, error, progress)
          if (allocated(error)) return
          stretches = min(group, (n - from + stretch_length - 1)/stretch_length)
-         !$omp parallel do schedule(dynamic) private(i, stride, first, last) &
-         !$omp& if (n*size(m) >= parallel_from)
-         do s = 1, stretches
-            do i = 1, size(m)
-               stride = merge(1_int64, m(i), overlapping)
-               first = (from + (s - 1)*stretch_length + stride - 1)/stride*stride
-               last = min(from + s*stretch_length - 1, n - order*m(i))
-               if (present(missing)) then
-                  call add_gapped(phase, missing, m(i), order, stride, coverage(i), first, last, &
-                     & part(i, s))
-               else
-                  call add_complete(phase, m(i), order, stride, first, last, part(i, s))
-               end if
+         do low = 1, size(m), factors
+            high = min(low + factors - 1, size(m))
+            !$omp parallel do schedule(dynamic) private(i, stride, first, last) &
+            !$omp& if (n*size(m) >= parallel_from)
+            do s = 1, stretches
+               do i = low, high
+                  stride = merge(1_int64, m(i), overlapping)
+                  first = (from + (s - 1)*stretch_length + stride - 1)/stride*stride
+                  last = min(from + s*stretch_length - 1, n - order*m(i))
+                  if (present(missing)) then
+                     call add_gapped(phase, missing, m(i), order, stride, coverage(i), first, &
+                        & last, part(i - low + 1, s))
+                  else
+                     call add_complete(phase, m(i), order, stride, first, last, &
+                        & part(i - low + 1, s))
+                  end if
+               end do
             end do
-         end do
-         !$omp end parallel do
-         do s = 1, stretches
-            sums%squares = sums%squares + part(:, s)%squares
-            sums%inflation = sums%inflation + part(:, s)%inflation
-            sums%terms = sums%terms + part(:, s)%terms
+            !$omp end parallel do
+            do s = 1, stretches
+               call add_sums(part(:high - low + 1, s), sums(low:high))
+            end do
          end do
       end do
    end subroutine sum_windows
+
+   !> Adds the sums of a stretch.
+   elemental subroutine add_sums(part, total)
+      type(gap_sums_type), intent(in) :: part
+      type(gap_sums_type), intent(inout) :: total
+
+      total%squares = total%squares + part%squares
+      total%inflation = total%inflation + part%inflation
+      total%terms = total%terms + part%terms
+   end subroutine add_sums
 
    !> Terms of a complete record.
    pure subroutine add_complete(phase, m, order, stride, first, last, sums)

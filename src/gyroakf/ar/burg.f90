@@ -93,7 +93,7 @@ contains
       burg%phi = 0.0_dp
       burg%reflection = 0.0_dp
       lattice%level = level
-      call sum_chunks(lattice, x, n, "AR model", total, error, valid, progress)
+      call sum_chunks(lattice, x, n, "AR model", total, error, valid, progress, [1, order + 1])
       if (allocated(error)) return
       burg%r(0) = total(2)/total(3)
       burg%variance(0) = burg%r(0)
@@ -104,7 +104,7 @@ contains
             & "the series has no variance, no AR model describes it")
       end if
       do m = 1, order
-         if (.not. allocated(error)) call next_order(x, lattice, total, error, valid, progress)
+         if (.not. allocated(error)) call next_order(x, order, lattice, total, error, valid, progress)
          if (.not. allocated(error)) call take_order(burg, m, total(1), total(2), &
             & nint(total(3), int64), error)
          if (allocated(error)) return
@@ -149,8 +149,10 @@ contains
    end subroutine take_order
 
    !> Steps to the next order and sums what the one after that needs.
-   subroutine next_order(x, lattice, total, error, valid, progress)
+   subroutine next_order(x, last, lattice, total, error, valid, progress)
       real(dp), intent(in), contiguous :: x(:)
+      !> Largest order
+      integer, intent(in) :: last
       !> Of order m-1, or fresh; of order m afterwards
       type(lattice_type), intent(inout) :: lattice
       !> sum f_m(t) b_m(t-1) and sum f_m(t)^2 + b_m(t-1)^2 over the t where both are, and their
@@ -161,12 +163,11 @@ contains
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: n, begin, partner
       integer :: chunk
-      character(40) :: stage
 
       n = size(x, kind=int64)
       lattice%order = lattice%order + 1
-      write (stage, '("AR model of order ", i0)') lattice%order + 1
-      call sum_chunks(lattice, x, n, trim(stage), total, error, valid, progress)
+      call sum_chunks(lattice, x, n, "AR model", total, error, valid, progress, &
+         & [lattice%order + 2, last + 1])
       ! first samples, whose partners stand in the chunk before
       do chunk = 2, chunk_count(n)
          begin = chunk_first(n, chunk)

@@ -228,9 +228,11 @@ contains
          last = min(first + reported - 1, count_white)
          call residual_block(x, level, phi, 0.0_dp, first + p, white(first:last), &
             & flag(:last - first + 1), stat, valid)
+         if (stat /= 0) then
+            call fatal_error(error, status%no_memory, "no memory for the whitened series")
+            return
+         end if
          if (present(valid)) here(first:last) = nint(flag(:last - first + 1), int8)
-         if (stat /= 0) call fatal_error(error, status%no_memory, &
-            & "no memory for the whitened series")
       end do
    end subroutine whiten_series
 

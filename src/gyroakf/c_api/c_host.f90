@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> C: what belongs to the program that calls: its floating-point environment, and its progress function, which may cancel a long
-!> call. See c_api/include/gyroakf.h.
+!> The calling program's floating-point environment and its progress function, which may cancel a
+!> long call. See c_api/include/gyroakf.h.
 module gyroakf_c_api_c_host
    use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, c_char, c_null_char, c_null_ptr, &
       & c_null_funptr, c_associated, c_f_procpointer

@@ -5,7 +5,7 @@
 !> it: `design_kf`, `design_akf`. The recommended family takes drift plus white noise as identified from the
 !> record: `design_drift_kf`, `design_drift_akf`, with the model of `identify_drift_model` (random walk, AR(1), both).
 module gyroakf_filter_design
-   use gyroakf_kinds, only : dp, int64
+   use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_ar_model, only : ar_model_type
    use gyroakf_ar_roots, only : largest_modulus

@@ -15,7 +15,7 @@ module gyroakf_filter_drift_blocks
    use gyroakf_filter_components, only : component_model_type
    implicit none (type, external)
    private
-   public :: model_of_means, process_of_samples, share_of_means
+   public :: model_of_means, process_of_samples
 
    !> Blocks a correlation time below which a process is white in the means: its correlation from mean to mean is below e^-20
    real(dp), parameter :: white_below = 0.05_dp

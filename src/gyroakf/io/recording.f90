@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> A recording that is open: what stands above its rows is known, the rows are read as far as the memory allows.
 module gyroakf_io_recording
-   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_io_binary, only : binary_type, read_binary_rows
@@ -120,7 +120,7 @@ contains
       type(recording_type), intent(inout) :: recording
       type(error_type), allocatable, intent(out) :: error
 
-      call check_use("binary ", recording, error)
+      call check_use("binary", recording, error)
       if (allocated(error)) return
       call begin_raw(recording%lines%source, path, recording%options, max(1_int64, recording%options%channels), element, &
                      recording%binary, recording%table, error)
@@ -173,7 +173,8 @@ contains
       if (kind /= "text" .and. allocated(recording%options%where)) what = "`where` is for text"
       if (kind /= "binary" .and. recording%options%channels > 0) what = &
          "`channels` is for raw numbers"
-      if (allocated(what)) call fatal_error(error, status%invalid_argument, recording%path//": "//what//", and this is "//kind)
+      if (allocated(what)) call fatal_error(error, status%invalid_argument, recording%path//": "//what// &
+         & ", and this is "//trim(kind))
    end subroutine check_use
 
    !> True for the ending of another format.

@@ -5,7 +5,7 @@ module gyroakf_io_system
    use gyroakf_kinds, only : int8, int64
    implicit none (type, external)
    private
-   public :: c_open, c_read, c_pread, c_close, c_poll, poll_type
+   public :: c_open, c_read, c_close, c_poll, poll_type
    public :: c_creat, c_write, c_rename, c_unlink, c_truncate, c_getpid, c_mkdir
    public :: read_at, write_all
 

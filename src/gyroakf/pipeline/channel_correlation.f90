@@ -12,7 +12,7 @@ module gyroakf_pipeline_channel_correlation
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure
    implicit none (type, external)
    private
-   public :: run_stationarity, run_correlation, correlate, correlation_lags
+   public :: run_stationarity, run_correlation, correlation_lags
 
 contains
 

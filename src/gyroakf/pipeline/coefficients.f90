@@ -9,7 +9,7 @@ module gyroakf_pipeline_coefficients
    use gyroakf_allan_noise_fit, only : coefficient_type, noise_options, noise_type, fit_noise
    use gyroakf_allan_read_off, only : read_off_type, read_off
    use gyroakf_progress, only : progress_type
-   use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, allan_result_type, stated_coefficient_type, &
+   use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stated_coefficient_type, &
       & stated_noise_type, stated_read_off_type, stage, stage_names
    use gyroakf_pipeline_conventions, only : state_conventions
    use gyroakf_pipeline_verdict, only : octaves_without_trend, options_beside

@@ -205,7 +205,7 @@ contains
       do bit = class_bits - 1, 0, -1
          if (2*count(bin < found + 2**bit) <= n) found = found + 2**bit
       end do
-      middle_of = merge(0.5_dp*(class_start(found) + class_start(found + 1)), 0.0_dp, found > 0)
+      middle_of = merge(0.5_dp*class_start(found) + 0.5_dp*class_start(found + 1), 0.0_dp, found > 0)
    end function middle_of
 
    !> Makes the medians of blocks loudness: over their median, the largest of a block and its neighbors, 1 up to 1.5.
@@ -293,11 +293,11 @@ contains
          if (abs(kept - old) < 0.5_dp .or. 2*counts(0) > kept) exit
       end do
       if (2*counts(0) > kept) return
-      limit = middle*(tail_scale/median_residual*z)**g
+      limit = min(middle*(tail_scale/median_residual*z)**g, huge(limit))
       do
          expected = n*erfc((limit/1.5_dp/middle)**(1/g)*median_residual/tail_scale/sqrt(2.0_dp))
          band = below(counts, limit) - below(counts, limit/1.5_dp)
-         if (band - expected - 2*sqrt(expected) <= n - below(counts, limit)) exit
+         if (.not. band - expected - 2*sqrt(expected) > n - below(counts, limit)) exit
          limit = 1.1_dp*limit
       end do
       used = limit/middle*median_residual/tail_scale
@@ -311,7 +311,7 @@ contains
       integer :: bin
 
       bin = min(class_of(number), classes)
-      if (2*number < class_start(bin) + class_start(bin + 1)) bin = max(bin - 1, 0)
+      if (number < 0.5_dp*class_start(bin) + 0.5_dp*class_start(bin + 1)) bin = max(bin - 1, 0)
       below = real(sums(bin), dp)
    end function below
 
@@ -328,11 +328,12 @@ contains
          & /real(sums(bin) - sums(bin - 1), dp)
    end function quantile
 
-   !> The least number of a class.
+   !> The least number of a class; the largest number beyond the last.
    pure real(dp) function class_start(bin)
       integer, intent(in) :: bin
 
-      class_start = transfer(shiftl(int(bin, int64), fine_bits), class_start)
+      class_start = huge(class_start)
+      if (bin < classes) class_start = transfer(shiftl(int(bin, int64), fine_bits), class_start)
    end function class_start
 
    !> Marks what exceeds the limit and is no rounding error.

@@ -6,7 +6,7 @@
 !>
 !> Every term draws from a stream of its own: switching one on or off does not change the others' numbers.
 module gyroakf_simulate_simulate_record
-   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_kinds, only : dp, int64
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_stats_extremes, only : all_sound

@@ -11,7 +11,6 @@ module gyroakf_stats_anderson_darling
    implicit none (type, external)
    private
    public :: anderson_darling_options, anderson_darling_type, test_anderson_darling, anderson_darling_p, rounding_statistic
-   public :: largest_modified
 
    !> The p-value is not extrapolated beyond this modified statistic: p = 3.8e-24
    real(dp), parameter :: largest_modified = 10.0_dp

@@ -198,17 +198,18 @@ contains
       class(progress_type), intent(inout), optional :: progress
       real(dp) :: edge(0:gram%lags, 4), delta
       integer(int64) :: n, begin, finish, stretch
+      character(14) :: stage
       integer :: j
 
       n = size(x, kind=int64)
+      stage = merge("unit-root test", "AR model      ", gram%levels > 0)
       delta = 2.0_dp/real(n, dp)
       edge = 0.0_dp
       finish = -1
       stretch = 0
       do
          stretch = stretch + 1
-         if (mod(stretch, report_stretches) == 0) call report_progress("unit-root test", finish, n, &
-            & error, progress)
+         if (mod(stretch, report_stretches) == 0) call report_progress(trim(stage), finish, n, error, progress)
          if (allocated(error)) return
          call next_run(n, begin, finish, valid)
          if (begin >= n) exit

@@ -7,7 +7,7 @@ module gyroakf_stats_quantization
    use gyroakf_stats_extremes, only : scan_extremes
    implicit none (type, external)
    private
-   public :: quantisation_type, find_quantisation, most_levels, coarse_ratio
+   public :: quantisation_type, find_quantisation, coarse_ratio
 
    !> Levels are counted where no more than these fit between the extremes
    integer(int64), parameter :: most_levels = 65536
