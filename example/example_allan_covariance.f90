@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Correlation of Allan variances at neighboring averaging times: why a fit must not take them for independent.
 program example_allan_covariance
-   use gyroakf, only : covariance_basis, dp, int64, mixture_covariances
+   use gyroakf, only : dp, int64
+   use gyroakf_allan_fit_covariance, only : covariance_basis, mixture_covariances
    implicit none (type, external)
    integer(int64), parameter :: m(5) = [100_int64, 120_int64, 144_int64, 200_int64, 400_int64]
    real(dp), parameter :: squares(5) = [0.0_dp, 1.0_dp, 0.01_dp, 0.0_dp, 0.0_dp]   ! Q^2 N^2 B^2 K^2 R^2, sample interval 1

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Columns of numbers as text, with as few digits as read back to the same numbers; here on standard output.
 program example_write_rows
-   use gyroakf, only : dp, int8, int64, error_type, writer_type, open_writer, put_line, commit_writer, &
-      column_type, row_layout_type, set_even, begin_rows, put_rows
+   use gyroakf, only : dp, int8, int64, error_type, writer_type, open_writer, put_line, commit_writer
+   use gyroakf_io_columns_writer, only : column_type, row_layout_type, set_even, begin_rows, put_rows
    implicit none (type, external)
    type(error_type), allocatable :: error
    type(writer_type) :: writer

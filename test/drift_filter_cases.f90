@@ -7,7 +7,8 @@ module drift_filter_cases
    use gyroakf_filter_drift_filter, only : new_drift_filter
    use gyroakf_filter_kalman, only : filter_options, filter_type
    use filter_library, only : fill_noise
-   use testdrive, only : check, error_type
+   use expectations, only : check
+   use testdrive, only : error_type
    implicit none (type, external)
    private
    public :: rounding, some_model, adaptive, make, make_data

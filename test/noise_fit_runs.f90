@@ -6,7 +6,8 @@ module noise_fit_runs
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
    use gyroakf_allan_noise_fit, only : fit_noise, noise_options, noise_type
    use allan_series, only : flicker_of, normal_series, walk_of
-   use testdrive, only : check, error_type
+   use expectations, only : check
+   use testdrive, only : error_type
    implicit none (type, external)
    private
    public :: fit_record, mixed_record, correlated

@@ -12,7 +12,8 @@ module test_adf_table
    use gyroakf_stats_moments, only : moments_type, compute_moments
    use gyroakf_series_adf, only : adf_options, adf_type, run_adf => test_adf
    use series_library, only : reference_series
-   use testdrive, only : check, error_type, new_unittest, unittest_type
+   use expectations, only : check
+   use testdrive, only : error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
    public :: collect_adf_table
@@ -67,11 +68,8 @@ contains
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       call check(error, adf%table(1)%name == "constant" .and. adf%table(2)%name == "level", "names")
-      if (allocated(error)) return
       call check(error, maxval(abs(adf%table(:)%value - [constant, slope])), 0.0_dp, thr=1.0e-14_dp)
-      if (allocated(error)) return
       call check(error, adf%table(2)%std_error, sqrt(rss/(dot_product(l, l) - sum(l)**2/5.0_dp)), thr=1.0e-14_dp)
-      if (allocated(error)) return
       call check(error, adf%table(1)%std_error, sqrt(rss*(0.2_dp + (sum(l)/5.0_dp)**2 &
          & /(dot_product(l, l) - sum(l)**2/5.0_dp))), thr=1.0e-14_dp)
    end subroutine test_by_hand
@@ -132,16 +130,11 @@ contains
             call check(error, .not. allocated(problem), "it failed")
             if (allocated(error)) return
             call check(error, maxval(abs(adf%table%value - value)/std_error), 0.0_dp, thr=allowed)
-            if (allocated(error)) return
             call check(error, maxval(abs(adf%table%std_error/std_error - 1.0_dp)), 0.0_dp, thr=allowed)
-            if (allocated(error)) return
             call check(error, maxval(abs(adf%table%t - value/std_error)), 0.0_dp, thr=1.0e-7_dp)
-            if (allocated(error)) return
          end do
          call check(error, adf%table(4)%t, adf%statistic, thr=1.0e-10_dp)
-         if (allocated(error)) return
          call check(error, adf%table(3)%name == "time^2" .and. adf%table(4)%name == "level" .and. adf%table(6)%name == "lag 2")
-         if (allocated(error)) return
       end do
    end subroutine test_dense
 
@@ -160,9 +153,7 @@ contains
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       call check(error, maxval(abs(a%table(2:)%value - b%table(2:)%value)), 0.0_dp, thr=1.0e-12_dp)
-      if (allocated(error)) return
       call check(error, b%table(1)%value, a%table(1)%value - c*a%level, thr=1.0e-7_dp)
-      if (allocated(error)) return
       call check(error, maxval(abs(a%table(2:)%std_error/b%table(2:)%std_error - 1.0_dp)), 0.0_dp, thr=1.0e-11_dp)
    end subroutine test_offset
 
@@ -201,12 +192,10 @@ contains
          call check(error, .not. allocated(problem), "it failed")
          if (allocated(error)) return
          call agree(error, x, shared)
-         if (allocated(error)) return
          call compute_moments(x, moments, valid)
          call plan_autocovariance(shared, 20, moments%mean, moments%remainder)
          call run_adf(x, adf_options("n", 1), adf, problem, valid, shared)
          call agree(error, x, shared, valid)
-         if (allocated(error)) return
       end do
       x = [(real(2*mod(i, 2) - 1, dp), i=1, 200)]
       call plan_autocovariance(shared, 3, 0.0_dp, 0.0_dp)
@@ -235,7 +224,6 @@ contains
       if (allocated(error)) return
       call compute_autocovariance(x, shared%max_lag, mean, r, problem, valid, pairs)
       call check(error, maxval(abs(shared%r - r))/r(0), 0.0_dp, thr=1.0e-13_dp)
-      if (allocated(error)) return
       call check(error, all(shared%pairs == pairs) .and. shared%samples == size(x, kind=int64), "pairs")
    end subroutine agree
 
@@ -253,17 +241,13 @@ contains
       call compute_moments(x, moments)
       call need_autocovariance(x, shared, problem)
       call check(error, problem%code, status%invalid_argument)
-      if (allocated(error)) return
       call plan_autocovariance(shared, 20, moments%mean, moments%remainder)
       call need_autocovariance(x(:20), shared, problem)
       call check(error, problem%code, status%too_few_samples)
-      if (allocated(error)) return
       call need_autocovariance(x, shared, problem, valid)
       call check(error, problem%code, status%invalid_argument)
-      if (allocated(error)) return
       call need_autocovariance(x, shared, problem)
       call agree(error, x, shared)
-      if (allocated(error)) return
       call need_autocovariance(x(:1), shared, problem)
       call check(error, .not. allocated(problem) .and. shared%samples == 70001, "filled again")
    end subroutine test_shared_alone
@@ -286,10 +270,8 @@ contains
       if (allocated(error)) return
       ! from orthogonal columns in quadruple precision
       call check(error, adf%statistic, -0.128027682050915147_dp, thr=1.0e-12_dp)
-      if (allocated(error)) return
       call solve_dense(x, 1, 2, valid, value, std_error)
       call check(error, adf%statistic, value(2)/std_error(2), thr=1.0e-4_dp)
-      if (allocated(error)) return
       valid(300:310) = 0_int8
       call run_adf(x, adf_options("c", 2, table=.true.), adf, problem, valid)
       call check(error, .not. allocated(problem), "the ramp with a gap was refused")
@@ -315,7 +297,6 @@ contains
          call check(error, allocated(problem), "a perfect fit was accepted")
          if (allocated(error)) return
          call check(error, problem%code, status%singular)
-         if (allocated(error)) return
       end do
    end subroutine test_perfect
 
@@ -340,7 +321,6 @@ contains
          if (adf%lag > 20 .and. adf%lag < k) shorter = shorter + 1
          call solve_dense(x, 1, adf%lag, valid, value, std_error)
          call check(error, adf%statistic, value(2)/std_error(2), thr=1.0e-11_dp)
-         if (allocated(error)) return
       end do
       call check(error, shorter > 0, "no lag tests this")
    end subroutine test_many_gaps
@@ -356,7 +336,6 @@ contains
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       call check(error, adf%max_lags == 46 .and. adf%wanted_lags == huge(1) .and. adf%lag_chosen, "most lags")
-      if (allocated(error)) return
       call run_adf(reference_series("ar1", 100), adf_options(lags=2), adf, problem)
       call check(error, adf%max_lags == 2 .and. adf%wanted_lags == 2 .and. .not. adf%lag_chosen, "given lags")
    end subroutine test_capped

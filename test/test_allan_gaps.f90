@@ -11,7 +11,8 @@ module test_allan_gaps
    use gyroakf_allan_phase_difference, only : sum_phase_differences
    use gyroakf_allan_window_difference, only : gap_sums_type, sum_windows
    use allan_series, only : normal_series, uniform_series, walk_of
-   use testdrive, only : check, error_type, new_unittest, unittest_type
+   use expectations, only : check
+   use testdrive, only : error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
    public :: collect_allan_gaps
@@ -113,9 +114,7 @@ contains
       character(*), intent(in) :: label
 
       call check(error, found%terms == expected%terms, label//": terms")
-      if (allocated(error)) return
       call check(error, found%squares, expected%squares, thr=exact, rel=.true.)
-      if (allocated(error)) return
       call check(error, abs(found%inflation - white) <= exact*real(max(found%terms, 1_int64), dp), label//": inflation")
    end subroutine compare
 
@@ -209,17 +208,13 @@ contains
       call sum_gapped_averages(phase, missing, m, spread(1.0_dp, 1, size(m)), found, failure)
       call sum_phase_averages(phase, m, plain, failure)
       call check(error, all(abs(found%squares*real(m, dp)**4/plain - 1) < 1.0e-12_dp), "mdev")
-      if (allocated(error)) return
       call check(error, all(abs(found%inflation) <= 0) .and. all(found%terms == n - 3*m + 2), "mdev: terms")
-      if (allocated(error)) return
       call sum_windows(phase, m, 2, .true., found, failure, missing, spread(1.0_dp, 1, size(m)))
       call add_gapped_reflections(phase, missing, m, spread(1.0_dp, 1, size(m)), found, failure)
       call sum_phase_differences(phase, m, 2, plain)
       call add_reflected_differences(phase, m, plain, failure)
       call check(error, all(abs(found%squares*real(m, dp)**2/plain - 1) < 1.0e-12_dp), "totdev")
-      if (allocated(error)) return
       call check(error, all(found%terms == n - 1), "totdev: terms")
-      if (allocated(error)) return
       call check(error, all(abs([(complete_weight(int(n, int64), m(i)), i=1, 5)] - found%weight) < 1.0e-8_dp), "totdev: weight")
    end subroutine test_nothing_missing
 
@@ -350,11 +345,9 @@ contains
       options%kind = "mdev"
       call compute_allan(rate, 1.0_dp, options, curve, failure)
       call check(error, curve%terms(1) == 972 - 29, "mdev: terms")
-      if (allocated(error)) return
       options%kind = "totdev"
       call compute_allan(rate, 1.0_dp, options, curve, failure)
       call check(error, curve%terms(1) == 999 - 20, "totdev: terms")
-      if (allocated(error)) return
       rate(50::150) = rate(500)
       options%kind = "oadev"
       options%taus = "1,10,100"

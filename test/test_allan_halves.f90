@@ -9,7 +9,8 @@ module test_allan_halves
    use gyroakf_allan_halves, only : compare_halves, halves_options, halves_type
    use gyroakf_allan_noise_fit, only : fit_noise, noise_options, noise_type
    use allan_series, only : normal_series, walk_of
-   use testdrive, only : check, error_type, new_unittest, unittest_type
+   use expectations, only : check
+   use testdrive, only : error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
    public :: collect_allan_halves
@@ -66,12 +67,10 @@ contains
       change = log(sum((x(502:) - x(501:999))**2)/sum((x(2:500) - x(1:499))**2))
       nu = 499.0_dp**2*4/(499*4 + 2*498*1)
       call check(error, halves%ratio(1), exp(change/2), thr=1e-12_dp)
-      if (allocated(error)) return
       z1 = x(2:500) - x(1:499)
       z2 = x(502:) - x(501:999)
       kurtosis = excess(z1) + excess(z2)
       call check(error, halves%statistic, change**2/(2*trigamma(1/(2/nu + kurtosis/500))), thr=1e-8_dp)
-      if (allocated(error)) return
       call check(error, halves%p_value, chi_square_survival(halves%statistic, 1.0_dp), thr=1e-14_dp)
    end subroutine test_single_tau
 
@@ -100,7 +99,6 @@ contains
       call check(error, .not. allocated(failed))
       if (allocated(error)) return
       call check(error, maxval(abs(halves%ratio - 1.25_dp)), 0.0_dp, thr=1e-10_dp)
-      if (allocated(error)) return
       call check(error, halves%changed .and. halves%differs(1) .and. halves%p_value < 1e-10_dp .and. halves%lower(1) > 1.15_dp)
    end subroutine test_gain
 
@@ -125,7 +123,6 @@ contains
       call compare_halves(x, 0.5_dp, noise, halves_options(), halves, failed)
       k = size(halves%tau)
       call check(error, maxval(abs(halves%tau - first%tau(:k))), 0.0_dp, thr=1e-12_dp)
-      if (allocated(error)) return
       call check(error, maxval(abs(halves%ratio - second%deviation(:k)/first%deviation(:k))), 0.0_dp, thr=1e-10_dp)
    end subroutine test_curves
 
@@ -143,7 +140,6 @@ contains
       call compare_halves(x, 1.0_dp, noise, halves_options(), halves, failed)
       call compare_halves(x(3000:1:-1), 1.0_dp, noise, halves_options(), backwards, failed)
       call check(error, maxval(abs(halves%ratio*backwards%ratio - 1)), 0.0_dp, thr=1e-10_dp)
-      if (allocated(error)) return
       call check(error, halves%statistic, backwards%statistic, thr=1e-9_dp)
    end subroutine test_reversal
 
@@ -166,7 +162,6 @@ contains
       call fit_noise(curve, noise_options(), noise, failed)
       call compare_halves(1e-3_dp*x, 0.01_dp, noise, halves_options(), scaled, failed)
       call check(error, scaled%statistic/halves%statistic, 1.0_dp, thr=1e-6_dp)
-      if (allocated(error)) return
       call check(error, maxval(abs(scaled%lower/halves%lower - 1)), 0.0_dp, thr=1e-6_dp)
    end subroutine test_units
 
@@ -187,7 +182,6 @@ contains
          p_value(i) = halves%p_value
       end do
       call check(error, sum(p_value)/records, 0.5_dp, thr=3*sqrt(1/(12.0_dp*records)))
-      if (allocated(error)) return
       call check(error, real(count(p_value < 0.2_dp), dp)/records, 0.2_dp, thr=3*sqrt(0.16_dp/records))
    end subroutine test_uniform
 
@@ -231,7 +225,6 @@ contains
       end do
       call compare_halves(x, 1.0_dp, noise, halves_options(), halves, failed)
       call check(error, halves%ratio(1) > 1.06_dp .and. .not. halves%changed)
-      if (allocated(error)) return
       x = normal_series(20000_int64, 77_int64)
       x(10001:) = x(10001:)*halves%ratio(1)
       call compare_halves(x, 1.0_dp, noise, halves_options(), halves, failed)
@@ -259,9 +252,7 @@ contains
       x = merge(x, ieee_value(1.0_dp, ieee_quiet_nan), valid == 1)
       call compare_halves(x, 1.0_dp, noise, halves_options(), not_finite, failed)
       call check(error, maxval(abs(marked%ratio - not_finite%ratio)), 0.0_dp, thr=1e-14_dp)
-      if (allocated(error)) return
       call check(error, all(abs(marked%ratio(:5) - halves%ratio(:5)) < halves%upper(:5) - halves%lower(:5)))
-      if (allocated(error)) return
       call check(error, all(marked%upper(:5)/marked%lower(:5) > halves%upper(:5)/halves%lower(:5)) .and. marked%p_value > 1e-4_dp)
    end subroutine test_gaps
 
@@ -309,21 +300,16 @@ contains
       x = normal_series(1000_int64, 61_int64)
       call compare_halves(x, 1.0_dp, nothing, options, halves, failed)
       call check(error, failed%code, status%invalid_argument)
-      if (allocated(error)) return
       call compare_halves(x, 0.0_dp, noise, options, halves, failed)
       call check(error, failed%code, status%invalid_argument)
-      if (allocated(error)) return
       call compare_halves(x(:7), 1.0_dp, noise, options, halves, failed)
       call check(error, failed%code, status%too_few_samples)
-      if (allocated(error)) return
       options%taus = "all"
       call compare_halves(x, 1.0_dp, noise, options, halves, failed)
       call check(error, failed%code, status%invalid_argument)
-      if (allocated(error)) return
       options%taus = "200"
       call compare_halves(x, 1.0_dp, noise, options, halves, failed)
       call check(error, failed%code, status%too_few_samples)
-      if (allocated(error)) return
       x(:500) = 3
       call compare_halves(x, 1.0_dp, noise, halves_options(), halves, failed)
       call check(error, failed%code, status%constant_input)

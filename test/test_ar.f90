@@ -2,13 +2,13 @@
 !> Tests of the AR models and their criteria. The reference values were computed in exact arithmetic
 !> from the doubles of the series (series_library, 1000 samples each) and rounded once.
 module test_ar
-   use expectations, only : check_refused
+   use expectations, only : check, check_refused
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_ar_criteria, only : ar_order_type, best_order, criterion_number, order_criteria
    use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
    use series_library, only : reference_series, reference_names
-   use testdrive, only : check, error_type, new_unittest, unittest_type
+   use testdrive, only : error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
    public :: collect_ar
@@ -105,7 +105,6 @@ contains
       do p = 1, 3
          line = order_criteria(p, 5.24e-4_dp*(1.0_dp - 0.409975_dp**2), 12000_int64)
          call check(error, line%aic_per_observation, expected(p), thr=5.0e-5_dp)
-         if (allocated(error)) return
       end do
    end subroutine test_paper_table_1
 
@@ -119,15 +118,10 @@ contains
       line = order_criteria(2, 1.0_dp, 100_int64)
       l = 100.0_dp*(1.0_dp + log_two_pi)
       call check(error, line%aic, l + 8.0_dp, thr=tolerance, rel=.true.)
-      if (allocated(error)) return
       call check(error, line%aicc, l + 800.0_dp/95.0_dp, thr=tolerance, rel=.true.)
-      if (allocated(error)) return
       call check(error, line%bic, l + 4.0_dp*log(100.0_dp), thr=tolerance, rel=.true.)
-      if (allocated(error)) return
       call check(error, line%hqic, l + 8.0_dp*log(log(100.0_dp)), thr=tolerance, rel=.true.)
-      if (allocated(error)) return
       call check(error, line%fpe, 103.0_dp/97.0_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, line%aic_per_observation, 1.0_dp + log_two_pi + 0.04_dp, thr=tolerance)
    end subroutine test_criteria_by_hand
 
@@ -142,9 +136,7 @@ contains
       table = order_criteria([0, 1, 2, 3], [2.0_dp, 1.0_dp, 1.0_dp, 0.995_dp], 100_int64)
       do i = 1, 5
          call check(error, criterion_number(trim(name(i))), i)
-         if (allocated(error)) return
          call check(error, best_order(table, i), 1)
-         if (allocated(error)) return
       end do
       table(3)%aic = table(2)%aic
       call check(error, best_order(table, 1), 1)
@@ -165,15 +157,11 @@ contains
          call check(error, .not. allocated(problem), reference_names(i))
          if (allocated(error)) return
          call check(error, maxval(abs(model%coefficient - phi_of(:, i))), 0.0_dp, reference_names(i), thr=tolerance)
-         if (allocated(error)) return
          call check(error, model%noise_variance, variance_of(i), reference_names(i), thr=tolerance, rel=.true.)
-         if (allocated(error)) return
          call check(error, maxval(abs(model%table(2:)%aic - aic_of(:, i) - shift - 2.0_dp)), 0.0_dp, &
             & reference_names(i), thr=1.0e-8_dp)
-         if (allocated(error)) return
          call check(error, maxval(abs(model%table(2:)%bic - bic_of(:, i) - shift - 2.0_dp*log(1000.0_dp))), 0.0_dp, &
             & reference_names(i), thr=1.0e-8_dp)
-         if (allocated(error)) return
       end do
    end subroutine test_reference
 
@@ -188,7 +176,6 @@ contains
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       call check(error, model%std_error(1), sqrt((1.0_dp - model%coefficient(1)**2)/1000.0_dp), thr=tolerance)
-      if (allocated(error)) return
       call fit_ar(reference_series("ar2", 1000), ar_options(order=2), model, problem)
       call check(error, maxval(abs(model%std_error - sqrt((1.0_dp - model%coefficient(2)**2)/1000.0_dp))), 0.0_dp, thr=tolerance)
    end subroutine test_standard_errors
@@ -206,12 +193,9 @@ contains
          call check(error, .not. allocated(problem), "it failed")
          if (allocated(error)) return
          call check(error, model%order, i)
-         if (allocated(error)) return
          call check(error, .not. model%largest_order_chosen, "BIC did not choose the largest")
-         if (allocated(error)) return
          call fit_ar(reference_series(merge("ar1", "ar2", i == 1), 1000), ar_options(max_order=6), model, problem)
          call check(error, model%order == 6 .and. model%largest_order_chosen, "AIC chooses 6 of 6")
-         if (allocated(error)) return
       end do
       call check(error, size(model%table) == 7 .and. model%table(1)%order == 0, "the table begins with order 0")
    end subroutine test_choice
@@ -230,13 +214,9 @@ contains
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       call check(error, a%order, b%order)
-      if (allocated(error)) return
       call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, maxval(abs(a%std_error - b%std_error)), 0.0_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, b%noise_variance*2.0_dp**100, a%noise_variance, thr=tolerance, rel=.true.)
-      if (allocated(error)) return
       call check(error, b%residual_ljung_box%statistic, a%residual_ljung_box%statistic, thr=1.0e-10_dp, rel=.true.)
    end subroutine test_offset_scale
 
@@ -251,12 +231,9 @@ contains
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       call check(error, model%residual_ljung_box%lags == 20 .and. model%residual_ljung_box%fitted == 2, "degrees of freedom")
-      if (allocated(error)) return
       call check(error, model%residual_ljung_box%p_value > 0.01_dp, "residuals of AR(2) are white")
-      if (allocated(error)) return
       call fit_ar(reference_series("ar2", 5000), ar_options(order=1), model, problem)
       call check(error, model%residual_ljung_box%p_value < 1.0e-10_dp, "residuals of AR(1) are not")
-      if (allocated(error)) return
       call fit_ar(reference_series("ar2", 5000), ar_options(order=30), model, problem)
       call check(error, model%residual_ljung_box%lags, 50)
    end subroutine test_residuals
@@ -280,14 +257,10 @@ contains
          call check(error, .not. allocated(problem), "it failed")
          if (allocated(error)) return
          call check(error, all(abs(model%coefficient - whole%coefficient) < 3.0_dp*model%std_error), "coefficients")
-         if (allocated(error)) return
          call check(error, model%std_error(1)/whole%std_error(1), merge(1.0_dp/0.95_dp, 1.0_dp/0.6_dp, i == 1), &
             & "standard errors grow with the pairs that are lost", thr=0.02_dp, rel=.true.)
-         if (allocated(error)) return
          call check(error, model%samples == count(valid == 1_int8, kind=int64), "samples")
-         if (allocated(error)) return
          call check(error, model%residual_ljung_box%p_value > 0.001_dp, "residuals")
-         if (allocated(error)) return
       end do
    end subroutine test_missing
 
@@ -304,9 +277,7 @@ contains
       call check(error, size(model%coefficient) + size(model%std_error), 0)
       if (allocated(error)) return
       call check(error, model%noise_variance, 1.25_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, model%mean, 2.5_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, .not. model%largest_order_chosen, "there was nothing to choose")
    end subroutine test_order_zero
 

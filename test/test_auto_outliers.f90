@@ -8,7 +8,8 @@ module test_auto_outliers
    use gyroakf_preprocess_running_residual, only : block_residuals, block_size, find_coarse_step
    use gyroakf_select, only : find_median
    use allan_series, only : normal_series, uniform_series
-   use testdrive, only : check, error_type, new_unittest, unittest_type
+   use expectations, only : check
+   use testdrive, only : error_type, new_unittest, unittest_type
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
    private
@@ -49,7 +50,6 @@ contains
       do i = 1, size(wanted)
          call find_auto_outliers(x, wanted(i), inlier, used, motion, failure)
          call check(error, used, wanted(i), thr=0.05_dp*wanted(i))
-         if (allocated(error)) return
       end do
    end subroutine test_low_threshold
 
@@ -69,7 +69,7 @@ contains
          if (sign_change == 1) x = sign(huge(x), x)
          do i = 1, size(thresholds)
             call find_auto_outliers(x, thresholds(i), inlier, used, motion, failure)
-            call check(error, allocated(failure), .false.)
+            call check(error, .not. allocated(failure))
             if (.not. allocated(error)) call check(error, ieee_is_finite(used) .and. used > 0.0_dp)
             if (allocated(error)) return
          end do
@@ -109,14 +109,11 @@ contains
          do i = 1, min(block_size, n - (k - 1)*block_size)
             associate (at => (k - 1)*block_size + i)
                call check(error, there(i) .eqv. valid(at) == 1_int8, "what is present")
-               if (allocated(error)) return
                call find_median(y(at - 5:at + 5), middle, failure)
                call check(error, residual(i), merge(abs(y(at) - middle), 0.0_dp, there(i)), thr=1.0e-14_dp)
-               if (allocated(error)) return
             end associate
          end do
          call check(error, .not. any(there(i:)), "beyond the end")
-         if (allocated(error)) return
       end do
    end subroutine test_residuals
 
@@ -217,9 +214,7 @@ contains
          call contaminate(x, share(k), 4.0_dp, 50.0_dp, added)
          call search(x, marks, motion)
          call check(error, real(count(marks .and. abs(added) > 6), dp) >= 0.99_dp*count(abs(added) > 6), "not found")
-         if (allocated(error)) return
          call check(error, count(marks .and. .not. abs(added) > 0) <= 2, "false marks")
-         if (allocated(error)) return
       end do
    end subroutine test_contamination
 
@@ -271,7 +266,6 @@ contains
       x(15000) = 30
       call search(x, marks, motion)
       call check(error, count(marks(4900:5400)) == 0 .and. count(marks(8990:9311)) == 0 .and. marks(15000), "marks")
-      if (allocated(error)) return
       call check(error, size(motion, 2), 2)
       if (allocated(error)) return
       call check(error, abs(motion(1, 1) - 5001) < 150 .and. abs(motion(2, 1) - 5300) < 150 .and. abs(motion(1, 2) - 9001) < 520 &
@@ -292,7 +286,6 @@ contains
       call check(error, count(marks) <= 2 .and. size(motion, 2) == 1, "an excursion")
       if (allocated(error)) return
       call check(error, abs(motion(1, 1) - 90000) < 1500 .and. abs(motion(2, 1) - 93999) < 1500, "its time")
-      if (allocated(error)) return
       x(94000:) = x(94000:) + 1.5_dp
       call search(x, marks, motion)
       call check(error, count(marks) <= 2 .and. size(motion, 2) == 0, "a step")

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of AR models by Burg's recursion.
 module test_burg
-   use expectations, only : check_refused
+   use expectations, only : check, check_refused
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_stats_autocovariance, only : series_mean
@@ -10,7 +10,7 @@ module test_burg
    use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
    use ar_reference, only : burg_phi, burg_residual, burg_variance
    use series_library, only : reference_series, reference_names
-   use testdrive, only : check, error_type, new_unittest, unittest_type
+   use testdrive, only : error_type, new_unittest, unittest_type
    use gyroakf_threads, only : thread_count, set_thread_count
    implicit none (type, external)
    private
@@ -50,11 +50,8 @@ contains
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       call check(error, model%coefficient(1), -26.0_dp/39.0_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, model%noise_variance, 4.0_dp*(1.0_dp - 4.0_dp/9.0_dp), thr=tolerance)
-      if (allocated(error)) return
       call check(error, model%residual_variance, 39.0_dp*(1.0_dp - 4.0_dp/9.0_dp)/8.0_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, model%unbiased_variance, model%noise_variance*5.0_dp/3.0_dp, thr=tolerance)
    end subroutine test_by_hand
 
@@ -74,11 +71,8 @@ contains
             if (allocated(error)) return
             call check(error, maxval(abs(model%coefficient - burg_phi(p*(p - 1)/2 + 1:p*(p + 1)/2, i))), 0.0_dp, &
                & reference_names(i), thr=tolerance)
-            if (allocated(error)) return
             call check(error, model%noise_variance, burg_variance(p, i), reference_names(i), thr=tolerance, rel=.true.)
-            if (allocated(error)) return
             call check(error, model%residual_variance, burg_residual(p, i), reference_names(i), thr=tolerance, rel=.true.)
-            if (allocated(error)) return
             call check(error, model%stationary .and. size(model%root) == p, "Burg's models are stationary")
             if (allocated(error)) return
          end do
@@ -97,10 +91,8 @@ contains
       if (allocated(error)) return
       call check(error, maxval(abs(model%coefficient - [1.1733820965680746_dp, -0.4524316608865892_dp, &
          & -0.02507647054699809_dp])), 0.0_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, maxval(abs(model%table(2:)%noise_variance/[1.3015167566647547_dp, 0.9989434799248016_dp, &
          & 0.9983153149205658_dp] - 1.0_dp)), 0.0_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, model%residual_variance, 0.998370294143918_dp, thr=tolerance, rel=.true.)
    end subroutine test_long_reference
 
@@ -120,13 +112,9 @@ contains
          call check(error, .not. allocated(problem), "it failed")
          if (allocated(error)) return
          call check(error, a%order, b%order)
-         if (allocated(error)) return
          call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=tolerance)
-         if (allocated(error)) return
          call check(error, maxval(abs(a%std_error - b%std_error)), 0.0_dp, thr=tolerance)
-         if (allocated(error)) return
          call check(error, b%residual_variance*2.0_dp**100, a%residual_variance, thr=tolerance, rel=.true.)
-         if (allocated(error)) return
       end do
    end subroutine test_offset_scale
 
@@ -146,7 +134,6 @@ contains
          call check(error, .not. allocated(problem), "it failed")
          if (allocated(error)) return
          call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=tolerance)
-         if (allocated(error)) return
       end do
    end subroutine test_time_reversal
 
@@ -190,9 +177,7 @@ contains
          end do
       end do
       call check(error, maxval(abs(burg%reflection - k)), 0.0_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, burg%variance(4), variance, thr=tolerance, rel=.true.)
-      if (allocated(error)) return
       call check(error, burg%rows(4) == sum([(merge(1, 0, all(valid(t - 4:t) == 1_int8)), t=5, 600)]), "rows")
    end subroutine test_gaps_dense
 
@@ -220,7 +205,6 @@ contains
       do i = 1, 3
          if (allocated(error)) return
          call check(error, maxval(abs(model(1, i)%coefficient - model(2, i)%coefficient)), 0.0_dp, thr=tolerance)
-         if (allocated(error)) return
          call check(error, model(1, i)%residual_normality%statistic, model(2, i)%residual_normality%statistic, &
             & thr=1.0e-10_dp, rel=.true.)
       end do
@@ -250,9 +234,7 @@ contains
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       call check(error, model%stationary .and. model%root(1)%modulus > 0.999_dp, "the root near one")
-      if (allocated(error)) return
       call check(error, model%residual_variance, 1.0_dp, "the steps have variance 1", thr=0.03_dp)
-      if (allocated(error)) return
       call fit_ar(reference_series("rw", 30000), ar_options(method="burg", order=1, max_order=1), short, problem)
       call check(error, short%noise_variance, model%table(2)%noise_variance, thr=1.0e-9_dp, rel=.true.)
    end subroutine test_near_unit_root
@@ -270,7 +252,6 @@ contains
       call check(error, size(model%coefficient) + size(model%root), 0)
       if (allocated(error)) return
       call check(error, model%noise_variance, 1.25_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, model%residual_variance, 1.25_dp, thr=tolerance)
    end subroutine test_order_zero
 

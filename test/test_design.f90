@@ -10,7 +10,8 @@ module test_design
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, run_filter
    use gyroakf_filter_filter_series, only : filter_result_type, filter_series
    use filter_library, only : fill_noise, make_series, paper_phi
-   use testdrive, only : check, error_type, new_unittest, unittest_type
+   use expectations, only : check
+   use testdrive, only : error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
    public :: collect_design
@@ -63,13 +64,10 @@ contains
       model%noise_variance = model%variance*(1 - paper_phi**2)
       call design_kf(model, options, filter, failure)
       call check(error, filter%steady_gain(1), 0.4770139142617331_dp, thr=1.0e-12_dp)
-      if (allocated(error)) return
       call check(error, filter%p(1, 1), model%variance, thr=1.0e-14_dp, rel=.true.)
-      if (allocated(error)) return
       options%r_factor = 9.83897838_dp
       call design_kf(model, options, filter, failure)
       call check(error, filter%steady_gain(1), 0.09074925663875474_dp, thr=1.0e-10_dp)
-      if (allocated(error)) return
       call check(error,.not. filter%adaptive, "the fixed filter adapts")
    end subroutine test_kf
 
@@ -90,12 +88,9 @@ contains
       call check(error, sum(abs([filter%q - 1.5_dp, filter%r - 2, filter%p(1, 1) - 2, filter%p(2, 2) - 2, &
                                  filter%p(1, 2), &
                                  filter%x, filter%options%forgetting - 0.98_dp])), 0.0_dp)
-      if (allocated(error)) return
       associate (options => filter%options)
          call check(error, options%estimate_process_variance .and. options%estimate_measurement_variance, "not Q and R")
-         if (allocated(error)) return
-         call check(error, options%estimate_process_mean .or. options%estimate_measurement_mean, .false.)
-         if (allocated(error)) return
+         call check(error, .not. (options%estimate_process_mean .or. options%estimate_measurement_mean))
          call check(error, options%measurement_form, "paper")
       end associate
    end subroutine test_akf_start
@@ -116,11 +111,8 @@ contains
          call design_akf(model, differences, design_options(), filter, failure)
          call filter_series(filter, z, x, result, failure)
          call check(error, result%variance/model%variance, 0.0625_dp, thr=0.006_dp)
-         if (allocated(error)) return
          call check(error, result%clamped, 0_int64)
-         if (allocated(error)) return
          call check(error, result%gain, 0.175_dp, thr=0.015_dp)
-         if (allocated(error)) return
       end do
    end subroutine test_akf_variance
 
@@ -148,9 +140,7 @@ contains
                call check(error,.not. allocated(failure), "no result")
                if (allocated(error)) return
                call check(error, result%variance < 1.1_dp*model%variance, "diverged")
-               if (allocated(error)) return
                call check(error, result%gain > 0.01_dp, "collapsed")
-               if (allocated(error)) return
             end do
          end do
       end do
@@ -169,14 +159,11 @@ contains
       call fit(z, 1, model, differences)
       call design_akf(model, differences, design_options(akf="robust"), filter, failure)
       call check(error, filter%wait >= 20 .and. filter%options%huber > 2.4_dp, "no burn-in or no gate")
-      if (allocated(error)) return
       call check(error, filter%r_bounds(2), 50*differences, thr=1.0e-12_dp, rel=.true.)
-      if (allocated(error)) return
       call filter_series(filter, z, x, result, failure)
       call check(error, size(result%estimate), 1)
       if (allocated(error)) return
       call check(error, result%variance > 0.85_dp*model%variance, "the series does not pass")
-      if (allocated(error)) return
       call check(error, result%gain > 0.93_dp, "the gain is not near 1")
    end subroutine test_robust
 
@@ -194,14 +181,11 @@ contains
       call check(error, filter%options%estimate_process_mean .and. filter%options%estimate_measurement_mean &
                  .and. filter%options%estimate_process_variance .and. filter%options%estimate_measurement_variance, &
                  "not all four")
-      if (allocated(error)) return
       call design_akf(model, differences, design_options(estimate="Q"), filter, failure)
       call check(error, filter%options%estimate_process_variance .and. .not. filter%options%estimate_measurement_variance, &
                  "not Q alone")
-      if (allocated(error)) return
       call design_akf(model, differences, design_options(estimate="none"), filter, failure)
-      call check(error, filter%adaptive, .false.)
-      if (allocated(error)) return
+      call check(error, .not. filter%adaptive)
       call design_akf(model, differences, design_options(estimate="QX"), filter, failure)
       call check(error, allocated(failure), "X is not a letter")
       if (allocated(error)) return
@@ -224,7 +208,6 @@ contains
       if (allocated(error)) return
       call filter_series(filter, z, x, result, failure)
       call check(error, result%gain, 0.5_dp, thr=1.0e-12_dp)
-      if (allocated(error)) return
       call check(error, size(result%warnings) > 0, "nothing is said about it")
       if (allocated(error)) return
       call design_akf(model, differences, design_options(), filter, failure)
@@ -279,27 +262,21 @@ contains
       if (allocated(error)) return
       call identify_drift_model(z, drift_identification_options(), found, failure)
       call check(error, found%found, "the drift is not found")
-      if (allocated(error)) return
       call design_drift_kf(found, filter, failure)
       call run_filter(filter, z, x)
       call check(error, norm2(x - drift) <= 1.02_dp*best, "the fixed filter")
-      if (allocated(error)) return
       call check(error, filter%drift_model%count == found%model%count .and. .not. filter%adaptive, "another model is filtered")
-      if (allocated(error)) return
       differences = sum((z(2:) - z(:11999))**2)/11999
       do power = -3, 3, 3
          wrong = found
          wrong%model%r = found%model%r*10.0_dp**power
          call design_drift_akf(wrong, differences, drift_options(), filter, failure)
          call check(error, filter%wait >= 20 .and. filter%wait <= 1200, "the burn-in takes more than a tenth")
-         if (allocated(error)) return
          call run_filter(filter, z, x)
          call check(error, norm2(x - drift) <= 1.07_dp*best, "the adaptive filter")
-         if (allocated(error)) return
       end do
       options = adaptive_drift(drift_options(), 0.5_dp*differences)
       call check(error, filter%r_bounds(1), 0.5_dp*differences*options%r_lower, thr=1.0e-12_dp, rel=.true.)
-      if (allocated(error)) return
       found%found = .false.
       call design_drift_akf(found, differences, drift_options(), filter, failure)
       call check(error, allocated(failure), "a drift that was not found is followed")
@@ -327,7 +304,6 @@ contains
       call check(error, allocated(failure), "an unknown form")
       if (allocated(error)) return
       call check(error, failure%code, status%invalid_argument)
-      if (allocated(error)) return
       call design_drift_kf(drift, filter, failure)
       call check(error, allocated(failure), "no drift was found")
       if (allocated(error)) return
@@ -392,7 +368,6 @@ contains
       call check(error, allocated(failure), "a model that is not stationary made a filter")
       if (allocated(error)) return
       call check(error, failure%code, status%unstable)
-      if (allocated(error)) return
       call check(error, index(failure%message, "stationary") > 0, "the message does not say why: "//failure%message)
    end subroutine check_unstable
 end module test_design

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> The drift of a record: what is found, what is not, and how well.
 module test_drift_identification
-   use expectations, only : check_refused
-   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use expectations, only : check, check_refused
+   use testdrive, only : new_unittest, unittest_type, error_type
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_progress, only : progress_type
@@ -73,15 +73,11 @@ contains
       call check(error, .not. allocated(failed))
       if (allocated(error)) return
       call check(error, found%found .and. found%slow(1) .and. found%name == "ar1" .and. found%errors_known)
-      if (allocated(error)) return
       call check(error, found%source == "likelihood" .and. found%block == 1 .and. size(found%candidate) == 3)
       if (allocated(error)) return
       call check(error, found%correlation_samples, -1/log(found%model%phi(1)), thr=1.0e-12_dp, rel=.true.)
-      if (allocated(error)) return
       call check(error, found%white_std**2, 4.2e-4_dp, thr=4*found%std_error%r)
-      if (allocated(error)) return
       call check(error, found%drift_std**2, found%model%q(1)/(1 - found%model%phi(1)**2), thr=1.0e-12_dp, rel=.true.)
-      if (allocated(error)) return
       call check(error, found%samples == 12000_int64 .and. found%of_samples == 12000_int64)
    end subroutine test_ar1
 
@@ -106,21 +102,17 @@ contains
             n = found%model%count
             associate (fit => found%candidate(kind))
                call check(error, fit%name, names(kind))
-               if (allocated(error)) return
                n = fit%model%count
                if (kind /= 1) truth%phi(1) = 0.9_dp
                if (kind /= 1) truth%q(1) = 0.6_dp*0.19_dp
                if (kind /= 2) truth%phi(n) = 1.0_dp
                if (kind /= 2) truth%q(n) = 9.0e-4_dp
                call check(error, all(abs(fit%model%phi(:n) - truth%phi(:n)) <= 4*fit%std_error%phi(:n)))
-               if (allocated(error)) return
                call check(error, all(abs(fit%model%q(:n) - truth%q(:n)) <= 4*fit%std_error%q(:n)))
-               if (allocated(error)) return
                call check(error, abs(fit%model%r - truth%r) <= 4*fit%std_error%r)
             end associate
             if (allocated(error)) return
             call check(error, found%chosen == kind .or. found%candidate(found%chosen)%aic < found%candidate(kind)%aic)
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_within_errors
@@ -162,7 +154,6 @@ contains
          call check(error, .not. (allocated(failed) .or. found%found .or. any(found%slow)))
          if (allocated(error)) return
          call check(error, found%drift_std <= 0.0_dp .and. abs(found%white_std - 1) < 0.3_dp)
-         if (allocated(error)) return
          if (found%chosen == 0) call check(error, found%errors_known .and. abs(found%model%r - 1) < 5*found%std_error%r .and. &
                                            found%std_error%r < 2*sqrt(2.0_dp/size(z)), "the error of white noise alone")
          if (allocated(error)) return
@@ -189,9 +180,7 @@ contains
       call check(error, .not. allocated(failed) .and. found%found)
       if (allocated(error)) return
       call check(error, found%name, "walk+ar1")
-      if (allocated(error)) return
       call check(error, found%slow(2) .and. .not. found%slow(1))
-      if (allocated(error)) return
       call check(error, found%model%phi(1), paper_phi, thr=0.1_dp)
    end subroutine test_fast_noise
 
@@ -205,16 +194,12 @@ contains
       call make_series(71, exp(-1/5.6_dp), 2.0_dp, 1.0_dp, z)
       call identify_drift_model(z, drift_identification_options(drift_samples=5.0_dp), found, failed)
       call check(error, found%found .and. found%slow(1))
-      if (allocated(error)) return
       call identify_drift_model(z, drift_identification_options(drift_samples=8.0_dp), found, failed)
       call check(error, .not. found%found .and. found%model%count == 1)
-      if (allocated(error)) return
       call check(error, abs(found%model%phi(1) - exp(-1/5.6_dp)) <= 4*found%std_error%phi(1))
-      if (allocated(error)) return
       call add_walk(71, 0.05_dp, z)
       call identify_drift_model(z, drift_identification_options(drift_samples=1.0e6_dp), found, failed)
       call check(error, found%found .and. found%name == "walk+ar1" .and. all(found%slow(:2) .eqv. [.false., .true.]))
-      if (allocated(error)) return
       call check(error, found%drift_std, sqrt(found%model%q(2)), thr=1.0e-12_dp, rel=.true.)
    end subroutine test_limit
 
@@ -238,7 +223,6 @@ contains
       if (allocated(error)) return
       associate (fit => found%candidate(2))
          call check(error, abs(fit%model%phi(1) - 0.95_dp) <= 4*fit%std_error%phi(1))
-         if (allocated(error)) return
          call check(error, abs(fit%model%r - 1) <= 4*fit%std_error%r)
       end associate
    end subroutine test_gaps
@@ -256,13 +240,9 @@ contains
       z = scale*z - 1.0e-4_dp
       call identify_drift_model(z, drift_identification_options(), other, failed)
       call check(error, other%name, found%name)
-      if (allocated(error)) return
       call check(error, other%model%phi(1), found%model%phi(1), thr=1.0e-7_dp, rel=.true.)
-      if (allocated(error)) return
       call check(error, other%model%q(1), scale**2*found%model%q(1), thr=1.0e-7_dp, rel=.true.)
-      if (allocated(error)) return
       call check(error, other%model%r, scale**2*found%model%r, thr=1.0e-7_dp, rel=.true.)
-      if (allocated(error)) return
       call check(error, other%std_error%q(1), scale**2*found%std_error%q(1), thr=1.0e-6_dp, rel=.true.)
    end subroutine test_invariance
 
@@ -281,12 +261,9 @@ contains
       call check(error, .not. allocated(failed) .and. found%found .and. found%samples == 2000_int64)
       if (allocated(error)) return
       call check(error, found%block == 16_int64 .and. all(found%slow(:found%model%count)))
-      if (allocated(error)) return
       associate (model => found%model, last => found%model%count)
          call check(error, abs(model%q(last) - 0.05_dp*(1 - exp(-0.5e-3_dp))) <= 4*found%std_error%q(last))
-         if (allocated(error)) return
          call check(error, abs(model%phi(1) - exp(-0.1_dp)) <= 4*found%std_error%phi(1))
-         if (allocated(error)) return
          call check(error, abs(model%r - 1) <= 4*found%std_error%r)
       end associate
    end subroutine test_beyond_part
@@ -314,23 +291,17 @@ contains
       call model_of_means(model, m, means)
       associate (variance => means%q(1)/(1 - means%phi(1)**2))
          call check(error, variance + means%r, sums(0) + model%r/m, thr=1.0e-12_dp, rel=.true.)
-         if (allocated(error)) return
          call check(error, variance*means%phi(1), sums(1), thr=1.0e-12_dp, rel=.true.)
-         if (allocated(error)) return
          call check(error, variance*means%phi(1)**2, sums(2), thr=1.0e-12_dp, rel=.true.)
-         if (allocated(error)) return
       end associate
       call process_of_samples(means%phi(1), means%q(1), m, phi, q)
       call check(error, phi, model%phi(1), thr=1.0e-12_dp, rel=.true.)
-      if (allocated(error)) return
       call check(error, q, model%q(1), thr=1.0e-12_dp, rel=.true.)
-      if (allocated(error)) return
       ! steps of a walk from mean to mean: variance m q (2 + 1/m^2)/3 + 2 r/m, covariance with the next m q (1 - 1/m^2)/6 - r/m
       model%phi(1) = 1.0_dp
       model%q(1) = 0.5_dp
       call model_of_means(model, m, means)
       call check(error, means%q(1) + 2*means%r, 8*(2 + 1/256.0_dp)/3 + 60.0_dp/16, thr=1.0e-12_dp, rel=.true.)
-      if (allocated(error)) return
       call check(error, -means%r, 8*(1 - 1/256.0_dp)/6 - 30.0_dp/16, thr=1.0e-12_dp, rel=.true.)
    end subroutine test_means
 
@@ -348,7 +319,6 @@ contains
       call check_refused(error, failed, status%cancelled)
       if (allocated(error)) return
       call check(error, patience%calls, 30)
-      if (allocated(error)) return
       patience = patience_type(enough=1000000)
       call identify_drift_model(z, drift_identification_options(), found, failed, progress=patience)
       call check(error, .not. (allocated(failed) .or. patience%fell))

@@ -2,7 +2,8 @@
 !> Figures and result files of a run: axes, ticks, pixels, what each figure holds; no file of an earlier run is left.
 module test_figures
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_positive_inf, ieee_quiet_nan, ieee_value
-   use testdrive, only : check, error_type, new_unittest, unittest_type
+   use expectations, only : check
+   use testdrive, only : error_type, new_unittest, unittest_type
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, run_pipeline
@@ -125,25 +126,18 @@ contains
       axis%to = 300.0_dp
       call set_range(axis, -1.0_dp, 3.0_dp, 0.0_dp)
       call check(error, all(abs(position(axis, [-1.0_dp, 0.0_dp, 3.0_dp, 5.0_dp]) - [100, 150, 300, 400]) < 1.0e-9_dp), "linear")
-      if (allocated(error)) return
       call check(error, all(is_inside(axis, [-1.0_dp, 3.0_dp])) .and. .not. any(is_inside(axis, [-1.1_dp, 3.1_dp])), "ends")
-      if (allocated(error)) return
       call set_range(axis, 5.0_dp, 5.0_dp, 0.0_dp)
       call check(error, axis%last > 5.0_dp .and. axis%first < 5.0_dp .and. is_inside(axis, 5.0_dp), "one value")
-      if (allocated(error)) return
       call set_range(axis, 0.0_dp, 0.0_dp, 0.04_dp)
       call check(error, axis%last > axis%first, "zeros alone")
-      if (allocated(error)) return
       axis%logarithmic = .true.
       call set_range(axis, 0.01_dp, 100.0_dp, 0.0_dp)
       call check(error, all(abs(position(axis, [0.01_dp, 0.1_dp, 100.0_dp]) - [100, 150, 300]) < 1.0e-9_dp), "logarithmic")
-      if (allocated(error)) return
       call check(error, .not. any(is_shown(axis, [0.0_dp, -1.0_dp, 1.0e300_dp, ieee_value(0.0_dp, ieee_quiet_nan), &
                                                   ieee_value(0.0_dp, ieee_positive_inf)])), "not shown")
-      if (allocated(error)) return
       axis = scale_axis(axis, 3600.0_dp)
       call check(error, position(axis, 360.0_dp), 150.0_dp, thr=1.0e-9_dp, more="the second axis")
-      if (allocated(error)) return
       call set_range(axis, 2.0_dp, 3.0_dp, 0.0_dp)
       call check(error, axis%last - axis%first, 1.0_dp, thr=1.0e-9_dp, more="less than a decade")
    end subroutine test_axis
@@ -196,7 +190,6 @@ contains
 
       nan = ieee_value(0.0_dp, ieee_quiet_nan)
       call check(error, .not. has_points(figure), "an empty figure")
-      if (allocated(error)) return
       figure%title = "<a & b>"
       figure%caption = "c"
       figure%x_label = "x"
@@ -205,7 +198,6 @@ contains
       figure%series(1)%x = [nan]
       figure%series(1)%y = [1.0_dp]
       call check(error, .not. has_points(figure), "nothing but NaN")
-      if (allocated(error)) return
       figure%series(2) = series_type(label="<g>", style="line", color=3, x=[0.0_dp, 1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp], &
                                      y=[0.0_dp, 1.0_dp, nan, 1.0_dp, 0.0_dp])
       figure%series(3) = series_type(style="points", x=[2.0_dp, nan], y=[0.0_dp, 0.5_dp], lower=[nan, 0.0_dp], &
@@ -214,16 +206,11 @@ contains
       call write_svg(writer, figure, .true.)
       call end_text(writer, text)
       call check(error, has_points(figure) .and. index(text, "<?xml") == 1 .and. index(text, "</svg>") > 0, "a document")
-      if (allocated(error)) return
       call check(error, index(text, ">&lt;a &amp; b&gt;</text>") > 0 .and. index(text, ">&lt;g&gt;</text>") > 0, "escaped names")
-      if (allocated(error)) return
       call check(error, index(text, "<path d=""M84 356.5L222 69.48M498 69.48L636 356.5""/>") > 0, "the line: "//text)
-      if (allocated(error)) return
       call check(error, index(text, "<path class=""hollow"" data-i=""1"" d=""M356.2 356.5a") > 0, "the point")
-      if (allocated(error)) return
       call check(error, index(text, """bar""") == 0 .and. index(text, "data-i=""2""") == 0 .and. index(text, "NaN") == 0, &
                  "what cannot be shown")
-      if (allocated(error)) return
       call check(error, index(text, "class=""series line c3"" data-series=""2""") > 0 .and. &
                  index(text, "class=""key line c3"" data-series=""2""") > 0, "the legend's series")
    end subroutine test_svg
@@ -248,11 +235,8 @@ contains
       call write_svg(writer, figure, .false.)
       call end_text(writer, text)
       call check(error, index(text, "<path d=""M96 322.2L156 292.5""/>") > 0 .and. index(text, ">-1/2</text>") > 0, text)
-      if (allocated(error)) return
       call check(error, index(text, ">deg/h</text>") > 0 .and. index(text, ">1e+05</text>") > 0, "the second axis")
-      if (allocated(error)) return
       call check(error, index(text, "<?xml") == 0 .and. index(text, "<style>") == 0 .and. index(text, "xmlns") == 0, "in a page")
-      if (allocated(error)) return
       figure%series(1)%x = [1.2_dp, 1.2_dp, 8.0e3_dp, 8.0e3_dp]
       figure%series(1)%y = [100.0_dp, 1.0_dp, 100.0_dp, 1.0_dp]
       call begin_text(writer)
@@ -304,7 +288,6 @@ contains
 
          if (allocated(error)) return
          call check(error, index(text(which)%text, part) > 0, "no "//part)
-         if (allocated(error)) return
          call check(error, index(text(which)%text, "NaN") + index(text(which)%text, "Inf"), 0)
       end subroutine expect
 
@@ -330,9 +313,7 @@ contains
          call check(error, size(series%y) <= 2*max_blocks .and. count(.not. ieee_is_finite(series%y)) >= 1, "points")
          if (allocated(error)) return
          call check(error, any(abs(series%x - 77776.0_dp) < 0.5_dp), "the peak's place")
-         if (allocated(error)) return
          call check(error, maxval(series%y, mask=ieee_is_finite(series%y)), 8.0_dp, more="the peak")
-         if (allocated(error)) return
          call check(error, minval(series%y, mask=ieee_is_finite(series%y)), 0.5_dp, more="a missing sample")
       end associate
    end subroutine test_long
@@ -355,11 +336,9 @@ contains
       if (allocated(error)) return
       do i = 1, size(text)
          call check(error, index(text(i)%text, "</svg>") > 0)
-         if (allocated(error)) return
       end do
       call check(error, index(text(1)%text, ">Gx</text>") > 0 .and. index(text(1)%text, ">gX</text>") > 0 .and. &
                  index(text(1)%text, ">it&#39;s/c</text>") > 0, "every channel in the overlay")
-      if (allocated(error)) return
       allocate (record%channel_unit(3))
       record%channel_unit(1:2) = record%unit
       call parse_unit("m/s^2", record%channel_unit(3), failed)

@@ -6,7 +6,8 @@ module test_fisher
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_stats_fisher, only : fisher_type, test_fisher_g, fisher_tail
    use series_library, only : reference_series, reference_names
-   use testdrive, only : check, error_type, new_unittest, unittest_type
+   use expectations, only : check
+   use testdrive, only : error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
    public :: collect_fisher
@@ -54,16 +55,11 @@ contains
          call check(error, .not. allocated(problem), trim(reference_names(i)))
          if (allocated(error)) return
          call check(error, f%statistic, g_of(i), thr=tolerance*g_of(i), more=trim(reference_names(i)))
-         if (allocated(error)) return
          call check(error, int(f%ordinate), k_of(i), more=trim(reference_names(i)))
-         if (allocated(error)) return
          call check(error, f%p_value, p_of(i), thr=tail_tolerance*p_of(i), more=trim(reference_names(i)))
-         if (allocated(error)) return
          call check(error, f%log_p_value, log(p_of(i)), thr=tail_tolerance*max(1.0_dp, -log(p_of(i))))
-         if (allocated(error)) return
       end do
       call check(error, int(f%ordinates), 499)
-      if (allocated(error)) return
       call check(error, f%frequency, 0.05_dp, thr=tolerance)
    end subroutine test_reference
 
@@ -75,14 +71,10 @@ contains
 
       call test_fisher_g(reference_series("unif", 12000), f, problem)
       call check(error, f%statistic, 0.0013707465865103576_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, int(f%ordinate), 3963)
-      if (allocated(error)) return
       call check(error, f%p_value, 0.801715625136554_dp, thr=tail_tolerance)
-      if (allocated(error)) return
       call test_fisher_g(reference_series("sine", 12000), f, problem)
       call check(error, f%statistic, 0.047564375035466525_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, f%p_value/6.826468563413286e-124_dp, 1.0_dp, thr=1.0e-10_dp)
    end subroutine test_long
 
@@ -104,9 +96,7 @@ contains
             end do
             call fisher_tail(g, 1.0_dp - g, int(m, int64), p, log_p)
             call check(error, p, direct, thr=1.0e-12_dp*direct + 1.0e-14_dp)
-            if (allocated(error)) return
             call check(error, exp(log_p), p, thr=1.0e-13_dp)
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_tail_sum
@@ -122,11 +112,9 @@ contains
       do i = 1, 3
          call fisher_tail(five(i), 1.0_dp - five(i), m(i), p, log_p)
          call check(error, p, 0.05_dp, thr=2.0e-5_dp)
-         if (allocated(error)) return
          if (i > size(one)) cycle
          call fisher_tail(one(i), 1.0_dp - one(i), m(i), p, log_p)
          call check(error, p, 0.01_dp, thr=2.0e-5_dp)
-         if (allocated(error)) return
       end do
    end subroutine test_tail_published
 
@@ -137,19 +125,14 @@ contains
 
       call fisher_tail(1.0_dp, 0.0_dp, 1_int64, p, log_p)
       call check(error, p, 1.0_dp)
-      if (allocated(error)) return
       call fisher_tail(1.0_dp, 0.0_dp, 10_int64, p, log_p)
       call check(error, p <= 0.0_dp .and. log_p < -1.0e300_dp)
-      if (allocated(error)) return
       call fisher_tail(0.5_dp, 0.5_dp, 5000_int64, p, log_p)
       call check(error, p <= 0.0_dp)
-      if (allocated(error)) return
       call check(error, log_p, log(5000.0_dp) - 4999*log(2.0_dp), thr=1.0e-9_dp)
-      if (allocated(error)) return
       ! on either side of the change from the sum to the Poisson probability: lambda = 16.9 and 17.1, m = 50000
       call fisher_tail(1.598e-4_dp, 1.0_dp - 1.598e-4_dp, 50000_int64, p, log_p)
       call check(error, p, 1.0_dp, thr=2.0e-7_dp)
-      if (allocated(error)) return
       call fisher_tail(1.0e-5_dp, 1.0_dp - 1.0e-5_dp, 50000_int64, p, log_p)
       call check(error, p, 1.0_dp)
    end subroutine test_tail_extremes
@@ -165,12 +148,9 @@ contains
       call test_fisher_g(x, a, problem)
       call test_fisher_g(1.0e6_dp + 1.0e-3_dp*x, b, problem)
       call check(error, b%statistic, a%statistic, thr=1.0e-7_dp*a%statistic)
-      if (allocated(error)) return
       call check(error, int(b%ordinate), int(a%ordinate))
-      if (allocated(error)) return
       call test_fisher_g(1.0e-200_dp*x, b, problem)
       call check(error, b%statistic, a%statistic, thr=1.0e-14_dp)
-      if (allocated(error)) return
       call test_fisher_g(1.0e200_dp*x, b, problem)
       call check(error, b%statistic, a%statistic, thr=1.0e-14_dp)
    end subroutine test_invariance
@@ -186,7 +166,6 @@ contains
       call test_fisher_g(x, a, problem)
       call test_fisher_g(x(1001:1:-1), b, problem)
       call check(error, b%statistic, a%statistic, thr=1.0e-13_dp)
-      if (allocated(error)) return
       call check(error, b%p_value, a%p_value, thr=1.0e-11_dp)
    end subroutine test_reversed
 
@@ -203,13 +182,10 @@ contains
       valid = [(merge(0_int8, 1_int8, mod(i*i, 7) == 2), i=1, 1000)]
       call test_fisher_g(x, a, problem, valid)
       call check(error, int(a%ordinate), 50)
-      if (allocated(error)) return
       call check(error, a%p_value < 1.0e-3_dp)
-      if (allocated(error)) return
       where (valid == 0_int8) x = 1.0e5_dp
       call test_fisher_g(x, b, problem, valid)
       call check(error, b%statistic, a%statistic, thr=0.0_dp)
-      if (allocated(error)) return
       valid = 1_int8
       call test_fisher_g(reference_series("wn", 1000), a, problem, valid)
       call check(error, a%statistic, g_of(1), thr=tolerance)
@@ -232,7 +208,6 @@ contains
          if (f%p_value < 0.5_dp) half = half + 1
       end do
       call check(error, below >= 1 .and. below <= 14)            ! the binomial's 99.9 % limits
-      if (allocated(error)) return
       call check(error, half >= 17 .and. half <= 43)
    end subroutine test_uniform_p
 
@@ -248,18 +223,15 @@ contains
       call check(error, allocated(problem), "a constant")
       if (allocated(error)) return
       call check(error, problem%code, status%constant_input)
-      if (allocated(error)) return
       x(3) = 0.2_dp
       call test_fisher_g(x(2:3), f, problem)
       call check(error, allocated(problem), "two samples")
       if (allocated(error)) return
       call check(error, problem%code, status%too_few_samples)
-      if (allocated(error)) return
       call test_fisher_g(x, f, problem, [1_int8, 0_int8, 1_int8, 0_int8, 0_int8, 0_int8])
       call check(error, allocated(problem), "two samples present")
       if (allocated(error)) return
       call check(error, problem%code, status%too_few_samples)
-      if (allocated(error)) return
       call test_fisher_g(x(2:4), f, problem)
       call check(error, .not. allocated(problem), "three samples")
       if (allocated(error)) return

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Kalibr's imu.yaml: which number of which axis, limits, sensors that are not there, what is refused.
 module test_kalibr
-   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use expectations, only : check
+   use testdrive, only : new_unittest, unittest_type, error_type
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_io_writer, only : writer_type
@@ -109,7 +110,6 @@ contains
       call written(record, result, text, code)
       do i = 1, size(lines)
          call check(error, index(text, lf//trim(lines(i))//lf) > 0, trim(lines(i))//" is not in "//text)
-         if (allocated(error)) return
       end do
    end subroutine test_gyroscope
 
@@ -131,7 +131,6 @@ contains
       call written(record, result, text, code)
       do i = 1, size(lines)
          call check(error, index(text, lf//trim(lines(i))//lf) > 0, trim(lines(i))//" is not in "//text)
-         if (allocated(error)) return
       end do
       call check(error, index(text, ": 0.0000e+00") == 0, "a zero: "//text)
    end subroutine test_six_axes
@@ -165,9 +164,7 @@ contains
       result%channel(1)%allan(stage%input)%noise%described = .false.
       call written(record, result, text, code)
       call check(error, index(text, lf//"# gx: no run of octaves follows") > 0, text)
-      if (allocated(error)) return
       call check(error, index(text, lf//"# not used: gz, its unit is not known"//lf) > 0, text)
-      if (allocated(error)) return
       call check(error, index(text, lf//"gyroscope_noise_density: 3.4907e-02  # rad/s/sqrt(Hz), N of gy"//lf) > 0, text)
    end subroutine test_unknown_channel
 
@@ -187,7 +184,6 @@ contains
          record%sample_interval = 1/rate(i)
          call written(record, result, text, code)
          call check(error, index(text, lf//"update_rate: "//trim(expected(i))//"  # Hz"//lf) > 0, text)
-         if (allocated(error)) return
       end do
    end subroutine test_rates
 
@@ -204,7 +200,6 @@ contains
       call make_result(record, result)
       call written(record, result, text, code)
       call check(error, code == status%invalid_argument .and. index(text, "give --rate HZ or --dt S") > 0, text)
-      if (allocated(error)) return
       record%rate_known = .true.
       call check_kalibr(record, failed)
       call check(error, allocated(failed))
@@ -225,7 +220,6 @@ contains
       result%channel(1)%allan(stage%input)%stated%term(4)%fitted = .false.
       call written(record, result, text, code)
       call check(error, code == status%invalid_argument .and. index(text, "K of 'gx' was not fitted") > 0, text)
-      if (allocated(error)) return
       result%channel(1)%allan(stage%input)%fitted = .false.
       call written(record, result, text, code)
       call check(error, code == status%constant_input .and. index(text, "'gx' has no coefficients") > 0, text)

@@ -7,7 +7,8 @@ module test_kalman
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
    use gyroakf_filter_state_space, only : stationary_covariance
    use filter_library, only : fill_noise, make_series, dense_filter, dense_gaussian, paper_phi
-   use testdrive, only : check, error_type, new_unittest, unittest_type
+   use expectations, only : check
+   use testdrive, only : error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
    public :: collect_kalman
@@ -67,11 +68,8 @@ contains
          call step_filter(filter, 1.0_dp, x)
       end do
       call check(error, filter%settled, "the gain has not settled after 50 steps")
-      if (allocated(error)) return
       call check(error, filter%gain(1), 0.4770139142617331_dp, thr=1.0e-12_dp)
-      if (allocated(error)) return
       call check(error, x, 0.607205610250273_dp, thr=1.0e-12_dp)
-      if (allocated(error)) return
       call check(error, filter%steps, 50_int64)
    end subroutine test_settles
 
@@ -135,11 +133,8 @@ contains
       call run_filter(one, z, x1, valid, nu1)
       call run_filter(three, z, x3, valid, nu3)
       call check(error, maxval(abs(x1 - x3)) <= rounding, "the estimates differ")
-      if (allocated(error)) return
       call check(error, maxval(abs(nu1 - nu3)) <= rounding, "the innovations differ")
-      if (allocated(error)) return
       call check(error, one%measurements, sum(int(valid, int64)))
-      if (allocated(error)) return
       call check(error, three%gain_sum(1), one%gain_sum(1), thr=1.0e-12_dp, rel=.true.)
    end subroutine test_scalar_vector
 
@@ -160,9 +155,7 @@ contains
       call dense_filter(phi3, 0.5_dp, 2.0_dp, p0, z, valid == 1_int8, expected, gain)
       call run_filter(filter, z, x, valid)
       call check(error, maxval(abs(x - expected)) <= rounding, "differs from the matrices")
-      if (allocated(error)) return
       call check(error, maxval(abs(filter%gain - gain)) <= rounding, "the gain differs from the matrices")
-      if (allocated(error)) return
       call check(error,.not. any(abs(filter%p - transpose(filter%p)) > 0), "the covariance is not symmetric")
    end subroutine test_dense_reference
 
@@ -246,7 +239,6 @@ contains
                                                         + filter%innovation**2/filter%innovation_variance)
       end do
       call check(error, likelihood, expected, thr=1.0e-12_dp, rel=.true.)
-      if (allocated(error)) return
       call check(error, x, mean, thr=1.0e-12_dp)
    end subroutine test_dense_gaussian
 
@@ -282,7 +274,6 @@ contains
       if (allocated(error)) return
       call step_filter(filter, 5.0_dp, x)
       call check(error, x, 5.0_dp, thr=1.0e-7_dp)
-      if (allocated(error)) return
       do k = 1, 500
          call step_filter(filter, 5.0_dp, x)
       end do
@@ -317,7 +308,6 @@ contains
       if (allocated(error)) return
       call run_filter(filter, z, x, valid)
       call check(error, x(1000000), 0.0_dp)
-      if (allocated(error)) return
       call check(error, filter%p(1, 1), 1.0_dp, thr=1.0e-12_dp)
    end subroutine test_long_gap
 
@@ -334,7 +324,6 @@ contains
          call run_filter(filter, z, x)
       end do
       call check(error, all(ieee_is_finite(x)) .and. filter%settled, "not finite, or never settled")
-      if (allocated(error)) return
       call check(error, filter%steps, 1000000_int64)
       if (allocated(error)) return
       call freeze_filter(filter, .true.)
@@ -374,7 +363,6 @@ contains
          call check(error, allocated(failure), "a gate out of range is accepted")
          if (allocated(error)) return
          call check(error, failure%code, status%invalid_argument)
-         if (allocated(error)) return
       end do
    end subroutine test_gates
 
@@ -396,7 +384,6 @@ contains
          call check(error,.not. allocated(failure), "a filter is not made")
          if (allocated(error)) return
          call check(error, many%wait, few%wait)
-         if (allocated(error)) return
       end do
       call check(error, few%wait > 20, "nothing to wait for")
    end subroutine test_burn_in

@@ -1,14 +1,14 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of AR models by least squares (ols).
 module test_least_squares
-   use expectations, only : check_refused
+   use expectations, only : check, check_refused
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_lapack, only : dgels
    use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
    use ar_reference, only : ols_common, ols_criteria, ols_errors, ols_parameters, ols_variance
    use series_library, only : reference_series, reference_names
-   use testdrive, only : check, error_type, new_unittest, unittest_type
+   use testdrive, only : error_type, new_unittest, unittest_type
    use gyroakf_threads, only : thread_count, set_thread_count
    implicit none (type, external)
    private
@@ -50,11 +50,8 @@ contains
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       call check(error, model%coefficient(1), -0.75_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, model%intercept, 1.25_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, model%rows == 5 .and. model%compared_rows == 5, "rows")
-      if (allocated(error)) return
       call check(error, model%unbiased_variance, model%noise_variance*5.0_dp/3.0_dp, thr=tolerance)
    end subroutine test_by_hand
 
@@ -77,16 +74,11 @@ contains
             expected(:p + 1) = ols_parameters(k:k + p, i)
             spread(:p + 1) = ols_errors(k:k + p, i)*sqrt(real(999 - 2*p, dp)/real(1000 - p, dp))
             call check(error, maxval(abs(model%coefficient - expected(2:p + 1))), 0.0_dp, reference_names(i), thr=tolerance)
-            if (allocated(error)) return
             call check(error, abs(model%intercept - expected(1))/max(abs(expected(1)), abs(model%mean)), 0.0_dp, &
                & reference_names(i), thr=tolerance)
-            if (allocated(error)) return
             call check(error, maxval(abs(model%std_error/spread(2:p + 1) - 1.0_dp)), 0.0_dp, reference_names(i), thr=tolerance)
-            if (allocated(error)) return
             call check(error, model%intercept_std_error, spread(1), reference_names(i), thr=tolerance, rel=.true.)
-            if (allocated(error)) return
             call check(error, model%noise_variance, ols_variance(p, i), reference_names(i), thr=tolerance, rel=.true.)
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_reference_ols
@@ -108,7 +100,6 @@ contains
             associate (line => model%table(p + 1))
                call check(error, maxval(abs([line%aic, line%aicc, line%bic, line%hqic, line%fpe]/expected - 1.0_dp)), 0.0_dp, &
                   & reference_names(i), thr=1.0e-11_dp)
-               if (allocated(error)) return
             end associate
          end do
       end do
@@ -127,10 +118,8 @@ contains
          call check(error, .not. allocated(problem), "it failed")
          if (allocated(error)) return
          call check(error, model%compared_rows == 988 .and. model%rows == 1000 - model%order, "rows")
-         if (allocated(error)) return
          call check(error, maxval(abs(988.0_dp*model%table%noise_variance/ols_common(:, i) - 1.0_dp)), 0.0_dp, &
             & reference_names(i), thr=tolerance)
-         if (allocated(error)) return
       end do
    end subroutine test_common_rows
 
@@ -146,9 +135,7 @@ contains
       if (allocated(error)) return
       call check(error, maxval(abs([model%intercept, model%coefficient] - [-0.007209649564846636_dp, 1.1734540975554553_dp, &
          & -0.45248722180508255_dp, -0.02507909677464238_dp])), 0.0_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, model%noise_variance, 0.998474005145591_dp, thr=tolerance, rel=.true.)
-      if (allocated(error)) return
       call check(error, model%table(4)%aic, 34037.689822748966_dp, thr=tolerance, rel=.true.)
    end subroutine test_long_reference
 
@@ -166,13 +153,9 @@ contains
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       call check(error, a%order, b%order)
-      if (allocated(error)) return
       call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, maxval(abs(a%std_error - b%std_error)), 0.0_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, b%noise_variance*2.0_dp**100, a%noise_variance, thr=tolerance, rel=.true.)
-      if (allocated(error)) return
       call check(error, b%residual_normality%statistic, a%residual_normality%statistic, thr=1.0e-10_dp, rel=.true.)
    end subroutine test_offset_scale
 
@@ -193,9 +176,7 @@ contains
          call check(error, .not. allocated(problem), "it failed")
          if (allocated(error)) return
          call check(error, a%order, b%order)
-         if (allocated(error)) return
          call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=1.0e-7_dp)
-         if (allocated(error)) return
       end do
    end subroutine test_large_offset
 
@@ -225,9 +206,7 @@ contains
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       call check(error, maxval(abs(model%coefficient - y(:p, 1))), 0.0_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, model%noise_variance, sum(y(p + 2:m, 1)**2)/real(m, dp), thr=tolerance, rel=.true.)
-      if (allocated(error)) return
       call check(error, model%rows == m .and. model%compared_rows < model%rows, "rows")
    end subroutine test_gaps_dense
 
@@ -271,7 +250,6 @@ contains
       call check(error, .not. allocated(problem) .and. .not. model%stationary, "it grows")
       if (allocated(error)) return
       call check(error, model%root(1)%modulus, 1.05_dp, thr=1.0e-3_dp)
-      if (allocated(error)) return
       call fit_ar(x, ar_options(method="burg", order=1), model, problem)
       call check(error, .not. allocated(problem) .and. model%stationary, "burg")
    end subroutine test_unstable
@@ -293,12 +271,10 @@ contains
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       call check(error, model%root(1)%frequency, 0.05_dp, "ols", thr=1.0e-6_dp)
-      if (allocated(error)) return
       x = [(sin(0.1_dp*pi*real(t, dp) + 0.25_dp*pi), t=1, 25)]
       x = [x(1:20) + 1.0e-6_dp*reference_series("wn", 20), x(21:25)]
       call fit_ar(x(1:20), ar_options(method="burg", order=2, max_order=2), burg, problem)
       call check(error, abs(burg%root(1)%frequency - 0.05_dp) > 1.0e-4_dp, "Burg's shift is gone")
-      if (allocated(error)) return
       call check(error, burg%root(1)%frequency, 0.05_dp, "burg", thr=1.0e-2_dp)
    end subroutine test_sinusoid
 
@@ -315,7 +291,6 @@ contains
       call check(error, size(model%coefficient) + size(model%root), 0)
       if (allocated(error)) return
       call check(error, model%noise_variance, 1.25_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, model%intercept, 2.5_dp, thr=tolerance)
    end subroutine test_order_zero
 

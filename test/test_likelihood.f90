@@ -2,8 +2,8 @@
 !> The likelihood of drift models against dense Gaussians, and its gradient.
 module test_likelihood
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
-   use expectations, only : check_refused
-   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use expectations, only : check, check_refused
+   use testdrive, only : new_unittest, unittest_type, error_type
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_filter_components, only : component_model_type
@@ -209,7 +209,6 @@ contains
          near = moved(model, m, -h)
          call component_likelihood(near, z, below, failed)
          call check(error, gradient(m), (above - below)/(2*h), thr=1.0e-5_dp, rel=.true.)
-         if (allocated(error)) return
       end do
    end subroutine test_gradient
 
@@ -273,7 +272,6 @@ contains
       model%phi(1) = 0.85_dp
       call component_likelihood(model, z, other, failed)
       call check(error, value > other + 10)
-      if (allocated(error)) return
       model%phi(1) = 0.9_dp
       model%r = 1.2_dp
       call component_likelihood(model, z, other, failed)

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of gyroakf_io_machine_memory.
 module test_machine_memory
-   use testdrive, only : check, error_type, new_unittest, unittest_type
+   use expectations, only : check
+   use testdrive, only : error_type, new_unittest, unittest_type
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_machine_memory, only : free_memory, least_limit, memory_of, no_limit
    use scratch_file, only : remove_file, scratch_path

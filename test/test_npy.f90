@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> NumPy's array files: every type, byte order and layout against exact values, headers that lie.
 module test_npy
-   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use expectations, only : check
+   use testdrive, only : new_unittest, unittest_type, error_type
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_io_npy, only : make_npy_header, npy_magic
@@ -93,7 +94,6 @@ contains
       call check(error, .not. allocated(failed), type_name//" is not read")
       if (allocated(error)) return
       call check(error, record%format//", "//record%stored_type, "npy, "//type_name)
-      if (allocated(error)) return
       call check(error, size(record%value), size(expected))
       if (allocated(error)) return
       call check(error, all(abs(record%value(:, 1) - expected) <= 0.0_dp), type_name//" has other values")
@@ -205,7 +205,6 @@ contains
          call check(error, .not. allocated(failed))
          if (allocated(error)) return
          call check(error, all(nint(record%value) == reshape([99, 97, 98, 102, 100, 101], [3, 2])), "order "//text_of(k))
-         if (allocated(error)) return
          call check(error, .not. allocated(record%warnings), "a warning")
          if (allocated(error)) return
       end do
@@ -225,9 +224,7 @@ contains
          call check(error, .not. allocated(failed))
          if (allocated(error)) return
          call check(error, all(nint(record%value) == reshape([97, 98, 99, 100, 101, 102], [3, 2])), "order "//text_of(k))
-         if (allocated(error)) return
          call check(error, index(record%warnings(1)%text, "(2, 3)") > 0 .and. index(record%warnings(1)%text, "longer side") > 0)
-         if (allocated(error)) return
       end do
       call read_bytes_of(npy(dictionary("|u1", .false., "(1, 3)"), "abc"), reader_options(), record, failed)
       call check(error, .not. allocated(failed) .and. .not. allocated(record%warnings))
@@ -276,9 +273,7 @@ contains
          call check(error, .not. allocated(failed))
          if (allocated(error)) return
          call check(error, record%audit%missing, 3_int64)
-         if (allocated(error)) return
          call check(error, all(record%present(:, 1) == [0, 0, 0, 1]) .and. abs(record%value(4, 1) - 1) <= 0.0_dp)
-         if (allocated(error)) return
       end do
    end subroutine test_missing
 
@@ -421,13 +416,11 @@ contains
          do order = 0, 1
             call make_npy_header(3_int64, columns, order == 1, header)
             call check(error, modulo(len(header), 64), 0)
-            if (allocated(error)) return
             call read_bytes_of(header//repeat(achar(0), int(24*max(1_int64, columns))), &
                                reader_options(), record, failed)
             call check(error, .not. allocated(failed))
             if (allocated(error)) return
             call check(error, all(shape(record%value) == [3, max(1, int(columns))]))
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_own_header
@@ -450,9 +443,7 @@ contains
          call check(error, .not. allocated(failed))
          if (allocated(error)) return
          call check(error, all(nint(record%value) == reshape([103, 104, 105, 100, 101, 102], [3, 2])))
-         if (allocated(error)) return
          call check(error, record%rate_source == "timestamps" .and. abs(record%sample_interval - 1) <= 0.0_dp)
-         if (allocated(error)) return
       end do
       options%columns = "gx"
       call read_bytes_of(npy(dictionary("|u1", .false., "(3, 3)"), "abcdefghi"), options, record, failed)
@@ -484,7 +475,6 @@ contains
          do j = 1, 3
             call check(error, all(nint(record%value(:, j)) == [(modulo(i*j + 7*modulo(i, 3), 30011), i=1, rows)]), &
                        "column "//text_of(j))
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_large

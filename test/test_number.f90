@@ -4,7 +4,8 @@ module test_number
    use, intrinsic :: iso_c_binding, only : c_associated, c_char, c_double, c_int, c_null_char, c_null_ptr, c_ptr
    use, intrinsic :: ieee_exceptions, only : ieee_flag_type, ieee_get_halting_mode, ieee_overflow, ieee_set_flag, &
       ieee_set_halting_mode, ieee_underflow
-   use testdrive, only : new_unittest, unittest_type, error_type, check, test_failed
+   use expectations, only : check
+   use testdrive, only : new_unittest, unittest_type, error_type, test_failed
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_quick_number, only : quick_number, quick_type
    use gyroakf_io_wide_power, only : int128, least_power, power, wide_power
@@ -157,7 +158,6 @@ contains
       do k = least_power, ubound(power, 1)
          call wide_power(k, wide)
          call check(error, power(k) == int(shiftr(wide, 63), int64))
-         if (allocated(error)) return
       end do
    end subroutine test_powers
 
@@ -175,7 +175,6 @@ contains
 
       do i = 1, size(usual)
          call check(error, is_quick(usual(i)), "careful: "//usual(i))
-         if (allocated(error)) return
          call check(error, .not. is_quick(unusual(i)), "quick: "//unusual(i))
          if (allocated(error)) return
       end do
@@ -243,7 +242,6 @@ contains
          right = expected(i)
          if (i == 16) right = transfer(1_int64, right)
          call check(error, found == number%ok .and. transfer(value, 1_int64) == transfer(right, 1_int64), text(i))
-         if (allocated(error)) return
       end do
    end subroutine test_written
 
@@ -257,7 +255,6 @@ contains
       do i = 1, size(text)
          call parse_number(text(i), value, found)
          call check(error, found, number%none, more=text(i))
-         if (allocated(error)) return
       end do
    end subroutine test_refused
 
@@ -274,11 +271,9 @@ contains
       at = 1
       call scan_number(bytes, at, value, found)
       call check(error, at == 5 .and. value == 12.5_dp, "first")
-      if (allocated(error)) return
       at = 6
       call scan_number(bytes, at, value, found)
       call check(error, at == 10 .and. value == -300.0_dp, "second")
-      if (allocated(error)) return
       at = 11
       call scan_number(bytes, at, value, found)
       call check(error, at == 11 .and. found == number%none, "an exponent without digits")
@@ -291,16 +286,12 @@ contains
 
       call parse_number("-1e999", value, found)
       call check(error, found == number%overflow .and. value <= -huge(value), "-1e999")
-      if (allocated(error)) return
       call parse_number("1e99999999999999999999", value, found)
       call check(error, found, number%overflow)
-      if (allocated(error)) return
       call parse_number("1.7976931348623159e308", value, found)
       call check(error, found, number%overflow)
-      if (allocated(error)) return
       call parse_number("1e-99999999999999999999", value, found)
       call check(error, found == number%ok .and. value == 0.0_dp, "to zero")
-      if (allocated(error)) return
       call parse_number("0e999", value, found)
       call check(error, found == number%ok .and. value == 0.0_dp, "zero stays zero")
    end subroutine test_overflow
@@ -314,11 +305,9 @@ contains
 
       do i = 1, size(yes)
          call check(error, is_missing_word(trim(yes(i))), yes(i))
-         if (allocated(error)) return
       end do
       do i = 1, size(no)
          call check(error, .not. is_missing_word(trim(no(i))), "taken: "//no(i))
-         if (allocated(error)) return
       end do
    end subroutine test_missing
 
@@ -336,7 +325,6 @@ contains
       call check(error, c_associated(c_setlocale(1_c_int, "C"//c_null_char)), "locale C")
       if (allocated(error)) return
       call check(error, (plain < 1.25_dp) .eqv. german, "strtod does not heed the locale")
-      if (allocated(error)) return
       call check(error, found == number%ok .and. transfer(value, 1_int64) == transfer(9007199254740992.0_dp, 1_int64), tie)
    end subroutine test_locale
 

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> The main job from a record to results: the example of the paper, presets, gaps, outliers, what is kept.
 module test_pipeline
-   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use expectations, only : check
+   use testdrive, only : new_unittest, unittest_type, error_type
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
@@ -55,22 +56,14 @@ contains
 
       call paper_record(record)
       call check(error, run(record, result))
-      if (allocated(error)) return
       associate (c => result%channel(1))
          call check(error, c%clean%removed == 12 .and. c%ar%order == 1 .and. c%adf%stationary)
-         if (allocated(error)) return
          call check(error, minloc(c%ar%table%bic, 1) == 2, "order by BIC")
-         if (allocated(error)) return
          call check(error, abs(c%ar%coefficient(1) - 0.41_dp) < 3*c%ar%std_error(1))
-         if (allocated(error)) return
          call check(error, c%kf_figures%variance_ratio, 0.28447912860740027_dp, thr=0.06_dp, rel=.true.)
-         if (allocated(error)) return
          call check(error, c%kf%dc_gain, 0.6072_dp, thr=0.01_dp)
-         if (allocated(error)) return
          call check(error, c%akf%variance < c%kf%variance .and. c%akf%variance > 0)
-         if (allocated(error)) return
          call check(error, c%predictable_percent, 100*c%ar%coefficient(1)**2, thr=1.0e-9_dp)
-         if (allocated(error)) return
          ! the cubic of the record passes for a slow random walk, its AR(1) is too fast to be drift
          call check(error, c%available%drift .and. c%drift%found .and. .not. allocated(c%unavailable))
          if (allocated(error)) return
@@ -87,24 +80,18 @@ contains
 
       call paper_record(record)
       call check(error, run(record, result))
-      if (allocated(error)) return
       do which = stage%input, stage%akf
          associate (allan => result%channel(1)%allan(which))
             call check(error, allan%available .and. allan%fitted)
-            if (allocated(error)) return
             do term = 1, 5
                call check(error, ieee_is_finite(allan%stated%term(term)%value))
-               if (allocated(error)) return
                call check(error, allan%stated%term(term)%value >= 0 .and. allan%stated%term(term)%std_error >= 0)
-               if (allocated(error)) return
             end do
          end associate
       end do
       associate (n => result%channel(1)%allan(stage%input)%stated%term(2))
          call check(error, n%unit, "deg/sqrt(h)")
-         if (allocated(error)) return
          call check(error, n%detected .and. abs(n%value - 0.951_dp) < 0.4_dp)
-         if (allocated(error)) return
       end associate
       call check(error, result%channel(1)%allan(stage%input)%stated%density_two_sided, &
                  result%channel(1)%allan(stage%input)%stated%term(2)%value/60, thr=1.0e-12_dp, rel=.true.)
@@ -123,10 +110,8 @@ contains
       if (allocated(error)) return
       call paper_record(record)
       call check(error, run(record, result, options))
-      if (allocated(error)) return
       associate (c => result%channel(1))
          call check(error, c%clean%removed > 20 .and. c%clean%removed < 90 .and. c%clean%threshold == 3.0_dp)
-         if (allocated(error)) return
          call check(error, c%ar%order >= 1 .and. size(c%ar%table) == 4)
          if (allocated(error)) return
       end associate
@@ -219,17 +204,13 @@ contains
       end do
       call set_thread_count(before)
       call check(error, all(done))
-      if (allocated(error)) return
       associate (a => result(1)%channel(1), b => result(2)%channel(1))
          call check(error, all(abs(figures(a) - figures(b)) <= 1.0e-12_dp*abs(figures(a))))
-         if (allocated(error)) return
          do which = stage%input, stage%akf
             call check(error, all(abs(a%allan(which)%curve%deviation - b%allan(which)%curve%deviation) <= &
                                   1.0e-12_dp*a%allan(which)%curve%deviation))
-            if (allocated(error)) return
             call check(error, all(abs(a%allan(which)%stated%term%value - b%allan(which)%stated%term%value) <= &
                                   1.0e-12_dp*maxval(a%allan(which)%stated%term%value)))
-            if (allocated(error)) return
          end do
       end associate
    end subroutine test_threads
@@ -262,16 +243,13 @@ contains
       options%missing = share
       call simulate_record(options, holes, failed)
       call check(error, count(holes%present(:, 1) == 0) > share*10000)
-      if (allocated(error)) return
       only_allan%do_tests = .false.
       only_allan%do_filter = .false.
       call check(error, run(whole, a, only_allan) .and. run(holes, b, only_allan))
-      if (allocated(error)) return
       do term = 2, 4
          associate (x => a%channel(1)%allan(stage%input)%noise%coefficient(term), &
                     y => b%channel(1)%allan(stage%input)%noise%coefficient(term))
             call check(error, abs(x%value - y%value) <= max(x%std_error, y%std_error))
-            if (allocated(error)) return
          end associate
       end do
    end subroutine compare_missing
@@ -303,9 +281,7 @@ contains
       channel%allan(stage%akf)%stated%term%upper_limit = [6.0_dp, 6.0_dp, 2.0_dp, 11.0_dp, 6.0_dp]
       call compare_coefficients(channel)
       call check(error, all(channel%reduction_known .eqv. [.true., .true., .false., .false., .false.]), "known")
-      if (allocated(error)) return
       call check(error, maxval(abs(channel%reduction_percent(:2) - 60)) < 1.0e-12_dp, "60 %")
-      if (allocated(error)) return
       call check(error, abs(channel%reduction_at_least(3) - 80) < 1.0e-12_dp .and. channel%reduction_at_least(4) <= 0.0_dp, "80 %")
    end subroutine test_reduction
 
@@ -326,7 +302,6 @@ contains
       record%channel(2)%text = "gy"
       one%value = x(:, 2:2)
       call check(error, run(record, both) .and. run(one, alone))
-      if (allocated(error)) return
       call check(error, both%channel(2)%name == "gy" .and. size(both%channel) == 2)
       if (allocated(error)) return
       call check(error, all(abs(figures(both%channel(2)) - figures(alone%channel(1))) <= 0))
@@ -357,18 +332,14 @@ contains
          if (allocated(error)) return
          associate (c => result%channel(1))
             call check(error, c%clean%removed >= 40 .and. c%available%cleaned, "outliers")
-            if (allocated(error)) return
             call compute_allan(record%value(:, 1), record%sample_interval, options%allan, curve, failure, record%present(:, 1))
             call check(error, all(abs(c%allan(stage%input)%curve%deviation - curve%deviation) <= 1.0e-12_dp), "as read")
-            if (allocated(error)) return
             if (degree < 0) then
                without(c%clean%outlier) = 0_int8
                call compute_allan(record%value(:, 1), record%sample_interval, options%allan, curve, failure, without)
                call check(error, all(abs(c%allan(stage%cleaned)%curve%deviation - curve%deviation) <= 1.0e-12_dp), "without")
-               if (allocated(error)) return
             end if
             call check(error, 3*c%allan(stage%cleaned)%curve%deviation(1) < c%allan(stage%input)%curve%deviation(1), "the outliers")
-            if (allocated(error)) return
          end associate
       end do
    end subroutine test_raw
@@ -386,7 +357,6 @@ contains
          record%value(50*i, 1) = 2.0_dp*(-1)**i
       end do
       call check(error, run(record, result))
-      if (allocated(error)) return
       call check(error, allocated(result%channel(1)%warnings))
       if (allocated(error)) return
       call check(error, index(result%channel(1)%warnings(1)%text, "% of the samples") > 0 .and. &
@@ -404,12 +374,10 @@ contains
          call paper_record(record)
          if (half == 2) record%value(6001:, :) = 2*record%value(6001:, :)
          call check(error, run(record, result))
-         if (allocated(error)) return
          associate (list => result%channel(1)%warnings)
             i = findloc([(index(list(i)%text, "the noise changed during the record: at tau = ") == 1 .and. &
                           .not. list(i)%note, i=1, size(list))], .true., dim=1)
             call check(error, i > 0 .eqv. half == 2)
-            if (allocated(error)) return
          end associate
          if (half == 1) cycle
          associate (halves => result%channel(1)%halves)
@@ -430,18 +398,13 @@ contains
 
       call paper_record(record)
       call check(error, run(record, result))
-      if (allocated(error)) return
       call check(error, says(result%channel(1), "bends the Allan curve"), "AR(1) noise")
-      if (allocated(error)) return
       analysis%noise%terms = "QNBKR"
       call check(error, run(record, result, analysis))
-      if (allocated(error)) return
       call check(error, says(result%channel(1), "is not a sum of the fitted terms"), "AR(1) noise, five terms")
-      if (allocated(error)) return
       options%coefficient(2) = 0.01_dp
       call simulate_record(options, record, failed)
       call check(error, run(record, result))
-      if (allocated(error)) return
       call check(error, .not. (says(result%channel(1), "is not a sum") .or. says(result%channel(1), "bends")), "white noise")
    end subroutine test_misfit
 
@@ -459,17 +422,13 @@ contains
       options%clean%method = "none"
       call paper_record(record)
       call check(error, run(record, result, options))
-      if (allocated(error)) return
       associate (c => result%channel(1))
          call check(error, .not. (c%available%preprocess .or. c%available%adf .or. c%available%ar .or. c%available%kf))
-         if (allocated(error)) return
          call check(error, c%allan(stage%input)%fitted .and. .not. c%allan(stage%kf)%available)
-         if (allocated(error)) return
       end associate
       options%do_allan = .false.
       options%do_filter = .true.
       call check(error, run(record, result, options))
-      if (allocated(error)) return
       call check(error, result%channel(1)%available%akf .and. .not. result%channel(1)%allan(stage%input)%available)
    end subroutine test_single_rooms
 
@@ -486,18 +445,14 @@ contains
       options%do_allan = .false.
       call paper_record(record)
       call check(error, run(record, result, options))
-      if (allocated(error)) return
       associate (c => result%channel(1))
          there = c%series_present /= 0
          n = count(there)
          call check(error, size(there) == 12000 .and. n == 12000 - c%clean%removed)
          if (allocated(error)) return
          call check(error, .not. any(there(c%clean%outlier)))
-         if (allocated(error)) return
          call check(error, variance(pack(c%series_cleaned, there)), c%cleaned%variance, thr=1.0e-10_dp, rel=.true.)
-         if (allocated(error)) return
          call check(error, variance(pack(c%series_kf, there)), c%kf%variance, thr=1.0e-10_dp, rel=.true.)
-         if (allocated(error)) return
          call check(error, variance(pack(c%series_akf, there)), c%akf%variance, thr=1.0e-10_dp, rel=.true.)
       end associate
    end subroutine test_series
@@ -510,11 +465,8 @@ contains
       integer :: i
 
       call check(error, difference_variance(x(:4)), 1.0_dp, thr=1.0e-14_dp)
-      if (allocated(error)) return
       call check(error, difference_variance(x, valid=[1_int8, 1_int8, 1_int8, 1_int8, 0_int8]), 1.0_dp, thr=1.0e-14_dp)
-      if (allocated(error)) return
       call check(error, difference_variance(x, valid=[1_int8, 0_int8, 1_int8, 1_int8, 0_int8]), 0.0_dp)
-      if (allocated(error)) return
       do i = 1, size(long)
          long(i) = real(mod(i, 2), dp)
       end do
@@ -537,22 +489,16 @@ contains
       options%clean%method = "none"
       options%clean%degree = 3
       call check(error, run(record, level, options))
-      if (allocated(error)) return
       options%test_cleaned = .true.
       call check(error, run(record, paper, options))
-      if (allocated(error)) return
       options%clean%degree = -1
       call check(error, run(record, plain, options))
-      if (allocated(error)) return
       associate (a => level%channel(1), b => plain%channel(1), c => paper%channel(1))
          call check(error, trim(a%tested)//", "//trim(b%tested)//", "//trim(c%tested), &
                     "record as read, record as read, cleaned series")
-         if (allocated(error)) return
          call check(error, a%ljung_box%largest_rho > 0.6_dp .and. c%ljung_box%largest_rho < 0.5_dp)
-         if (allocated(error)) return
          call check(error, abs(a%adf%statistic - b%adf%statistic) <= 0 .and. all(a%histogram%count == b%histogram%count) .and. &
                     abs(a%jarque_bera%statistic - b%jarque_bera%statistic) <= 0 .and. abs(a%adf%statistic - c%adf%statistic) > 1)
-         if (allocated(error)) return
          call check(error, abs(a%ar%noise_variance - c%ar%noise_variance), 0.0_dp, thr=1.0e-12_dp)
       end associate
    end subroutine test_tested

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> The main job over records that drift: the model, its filters, what is left, what is stated of them.
 module test_pipeline_drift
-   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use expectations, only : check
+   use testdrive, only : new_unittest, unittest_type, error_type
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : gyro_error => error_type
    use gyroakf_record, only : record_type
@@ -41,23 +42,15 @@ contains
       options%ar_variance = 4.0e-4_dp
       call simulate_record(options, record, failed)
       call check(error, run(record, result))
-      if (allocated(error)) return
       associate (c => result%channel(1))
          call check(error, c%drift%found .and. c%available%drift_kf .and. c%available%drift_akf)
-         if (allocated(error)) return
          call check(error, c%drift_tau, 1.0_dp)
-         if (allocated(error)) return
          call check(error, c%drift_time, 9.95_dp, thr=4.0_dp)
-         if (allocated(error)) return
          call check(error, abs(c%drift%white_std - 0.01_dp*sqrt(10.0_dp)) < 4*c%white_std_error .and. c%white_std_error < 1.0e-3_dp)
-         if (allocated(error)) return
          call check(error, c%drift_process(1)%slow .and. .not. c%drift_process(1)%walk .and. &
                     abs(c%drift_process(1)%time - 9.95_dp) < 4*c%drift_process(1)%time_error, "the process as stated")
-         if (allocated(error)) return
          call check(error, c%drift_process(1)%time_error > 0.1_dp .and. c%drift_process(1)%time_error < 4.0_dp, "its error")
-         if (allocated(error)) return
          call check(error, abs(c%drift_process(1)%std - 0.02_dp) < 0.006_dp, "its standard deviation")
-         if (allocated(error)) return
          associate (model => c%drift%model)
             call check(error, c%drift%name == "ar1" .and. abs(c%drift_smoother%dc_gain - model%q(1)/(model%q(1) &
                        + model%r*(1 - model%phi(1))**2)) < 1.0e-12_dp, "the share of the spectrum at frequency 0")
@@ -87,12 +80,10 @@ contains
          if (truth(4, i) > 0) options%vibration = [truth(4, i), 2.3_dp, 0.02_dp]
          call simulate_record(options, record, failed)
          call check(error, run(record, result), "it fails")
-         if (allocated(error)) return
          associate (c => result%channel(1))
             call check(error, allocated(c%drift_process) .and. (i == 2 .or. c%drift%found), c%verdict%drift)
             if (allocated(error)) return
             call check(error, any(c%drift_process%k%detected) .eqv. i == 1, "stated")
-            if (allocated(error)) return
             call check(error, allocated(c%drift_doubt) .or. i < 3, "doubt")
             if (allocated(error)) return
             if (i == 1) call check(error, .not. allocated(c%drift_doubt))
@@ -116,16 +107,12 @@ contains
       options%ar_variance = 1.0e-4_dp
       call simulate_record(options, record, failed)
       call check(error, run(record, result), "the job fails")
-      if (allocated(error)) return
       associate (c => result%channel(1))
          call check(error, c%kf_figures%variance_ratio, c%kf%variance/c%cleaned%variance, thr=1.0e-14_dp, rel=.true.)
-         if (allocated(error)) return
          call check(error, c%akf_figures%raw_variance_ratio, c%akf%variance/c%raw%variance, thr=1.0e-14_dp, rel=.true.)
-         if (allocated(error)) return
          call check(error, c%drift%found .and. size(c%drift_process) == 1, "one process")
          if (allocated(error)) return
          call check(error, .not. c%drift_process(1)%walk, "a correlated process")
-         if (allocated(error)) return
          call check(error, c%drift_process(1)%time, -0.1_dp/log(c%drift%model%phi(1)), thr=1.0e-14_dp, rel=.true.)
       end associate
    end subroutine test_stated_figures
@@ -141,39 +128,26 @@ contains
       options%keep_series = .true.
       options%clean%degree = 3
       call check(error, run(record, result, options))
-      if (allocated(error)) return
       associate (c => result%channel(1), raw => record%value(:, 1))
          call check(error, c%available%drift_smoother .and. any(c%drift_process%walk .and. c%drift_process%slow))
-         if (allocated(error)) return
          call check(error, maxval(abs(c%series_drift + c%series_compensated - raw), mask=c%series_present /= 0) < 1.0e-13_dp)
-         if (allocated(error)) return
          call check(error, c%compensated%std, 0.0316_dp, thr=0.0008_dp)
-         if (allocated(error)) return
          call check(error, variance(pack(c%series_compensated, c%series_present /= 0)), c%compensated%variance, thr=1.0e-10_dp, &
                     rel=.true.)
-         if (allocated(error)) return
          call check(error, variance(pack(c%series_drift, c%series_present /= 0)), c%drift_smoother%variance, thr=1.0e-10_dp, &
                     rel=.true.)
-         if (allocated(error)) return
          call check(error, variance(pack(c%series_drift_akf, c%series_present /= 0)), c%drift_akf%variance, thr=1.0e-8_dp, &
                     rel=.true.)
-         if (allocated(error)) return
          call check(error, abs(c%compensated%mean) < 1.0e-4_dp .and. abs(c%drift_kf%mean - c%level%mean) < 0.01_dp, "the level")
-         if (allocated(error)) return
          call check(error, c%drift_smoother%dc_gain, 1.0_dp)
-         if (allocated(error)) return
          associate (before => c%allan(stage%input), after => c%allan(stage%compensated), n => size(c%allan(stage%input)%curve%tau))
             call check(error, after%stated%term(2)%value, before%stated%term(2)%value, thr=0.03_dp, rel=.true.)
-            if (allocated(error)) return
             call check(error, after%curve%deviation(n - 2) < 0.05_dp*before%curve%deviation(n - 2), "long averaging times")
-            if (allocated(error)) return
          end associate
          associate (before => c%allan(stage%input)%stated%term(4), after => c%allan(stage%compensated)%stated%term(4))
             call check(error, before%detected .and. .not. after%detected, "the random walk")
-            if (allocated(error)) return
             associate (walk => c%drift_process(size(c%drift_process)))
                call check(error, abs(walk%k%value - before%value) < 4*(walk%k%std_error + before%std_error), "K of the two")
-               if (allocated(error)) return
                call check(error, walk%k%unit, before%unit)
             end associate
          end associate
@@ -190,7 +164,6 @@ contains
       call paper_record(record)
       options%drift_tau = 0.1_dp
       call check(error, run(record, result, options))
-      if (allocated(error)) return
       associate (c => result%channel(1))
          call check(error, c%drift%found .and. c%drift_time < 1.0_dp .and. c%drift_time > 0.1_dp, "0.22 s is drift where asked for")
       end associate
@@ -198,7 +171,6 @@ contains
       options%drift_tau = 1.0e300_dp
       record%sample_interval = 1.0e-10_dp
       call check(error, run(record, result, options))
-      if (allocated(error)) return
       call check(error, any(result%channel(1)%drift%slow) .eqv. any(result%channel(1)%drift_process%walk), "only a walk is as slow")
    end subroutine test_drift_options
 

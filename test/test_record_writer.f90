@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Records written as text.
 module test_record_writer
-   use expectations, only : check_refused
-   use testdrive, only : error_type, unittest_type, new_unittest, check, test_failed
+   use expectations, only : check, check_refused
+   use testdrive, only : error_type, unittest_type, new_unittest, test_failed
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_record, only : record_type, text_type, add_text

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Reports on filters against the true drift: made-up numbers, and where each of them stands.
 module test_report_models
-   use testdrive, only : check, error_type, new_unittest, unittest_type
+   use expectations, only : check
+   use testdrive, only : error_type, new_unittest, unittest_type
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_options, pipeline_result_type
@@ -67,7 +68,6 @@ contains
 
       do i = 1, size(fragments)
          call check(error, index(line, trim(fragments(i))) > 0, "missing: "//trim(fragments(i)))
-         if (allocated(error)) return
       end do
    end subroutine check_fragments
 
@@ -87,7 +87,6 @@ contains
       call end_text(writer, text)
       call read_json(text, items, valid)
       call check(error, valid, "the document is no JSON")
-      if (allocated(error)) return
       call read_json(file_text("doc/schema.json"), schema, valid)
       wrong = ""
       call check_schema(schema, "", items, "", wrong)
@@ -105,7 +104,6 @@ contains
       do i = 1, size(places)
          call check(error, json_real(items, channel_path//part//trim(places(i))), values(i), thr=1.0e-14_dp, rel=.true., &
                     message=part//trim(places(i)))
-         if (allocated(error)) return
       end do
    end subroutine check_numbers
 

@@ -5,7 +5,8 @@ module test_sort
    use gyroakf_error, only : gyro_error => error_type
    use gyroakf_sort, only : sort_values
    use series_library, only : reference_series
-   use testdrive, only : check, error_type, new_unittest, unittest_type
+   use expectations, only : check
+   use testdrive, only : error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
    public :: collect_sort

@@ -6,7 +6,8 @@ module test_special
    use gyroakf_kinds, only : dp
    use gyroakf_special, only : chi_square_cdf, chi_square_quantile, chi_square_survival, digamma, normal_cdf, log_normal_cdf, &
       & normal_quantile, ln_gamma
-   use testdrive, only : check, error_type, new_unittest, unittest_type
+   use expectations, only : check
+   use testdrive, only : error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
    public :: collect_special
@@ -49,11 +50,9 @@ contains
 
       expected = [0.5_dp*log(acos(-1.0_dp)), log(24.0_dp), log(3628800.0_dp), 363.73937555556349014_dp]
       call check(error, all(abs(ln_gamma(at) - expected) <= 1.0e-15_dp*max(10.0_dp, expected)), "exact values")
-      if (allocated(error)) return
       do i = -60, 60
          x = 1.37_dp**i
          call check(error, abs(ln_gamma(x) - log_gamma(x)) <= 1.0e-15_dp*max(10.0_dp, abs(log_gamma(x))), "beside the intrinsic")
-         if (allocated(error)) return
       end do
    end subroutine test_ln_gamma
 
@@ -73,7 +72,6 @@ contains
       do i = 1, size(expected)
          write (text, '("number ", i0, ": ", es24.16e3, " is not ", es24.16e3)') i, actual(i), expected(i)
          call check(error, abs(actual(i) - expected(i)) <= allowed*abs(expected(i)), text)
-         if (allocated(error)) return
       end do
    end subroutine agree
 
@@ -98,9 +96,7 @@ contains
          & -203.917155371097264_dp, -35.0134371599145499_dp, -15.0649983939887257_dp, -1.84102164500926351_dp, &
          & -1.17591176159361861_dp, -0.693147188538790949_dp, -0.368946415288656393_dp, -0.0013508099647481938_dp, &
          & -6.22096057427178606e-16_dp], 2.0e-14_dp)
-      if (allocated(error)) return
       call check(error, log_normal_cdf(38.6_dp), 0.0_dp, thr=tiny(1.0_dp))
-      if (allocated(error)) return
       call check(error, log_normal_cdf(-1.0e200_dp) < -huge(1.0_dp), "minus infinity")
    end subroutine test_log_normal_cdf
 
@@ -124,7 +120,6 @@ contains
 
       p = [(10.0_dp**(-0.005_dp - 1.5_dp*real(i, dp)), i = 0, 199)]
       call agree(error, normal_cdf(normal_quantile(p)), p, deep_tolerance)
-      if (allocated(error)) return
       call check(error, abs(normal_quantile(0.5_dp)) <= 0.0_dp, "the median is 0")
    end subroutine test_normal_round_trip
 
@@ -137,7 +132,6 @@ contains
       call agree(error, chi_square_cdf(x, dof), [0.64015720608308411_dp, 0.16495975076841284_dp, &
          & 0.93863117086059783_dp, 0.1987480430987992_dp, 0.00033536248647043492_dp, 0.99999997742651254_dp, &
          & 0.4626418101319085_dp, 1.6828453408631519e-7_dp, 0.99999999996525969_dp], tolerance)
-      if (allocated(error)) return
       call agree(error, chi_square_survival(x, dof), [0.35984279391691589_dp, 0.83504024923158716_dp, &
          & 0.061368829139402173_dp, 0.8012519569012008_dp, 0.99966463751352957_dp, 2.2573487463962842e-8_dp, &
          & 0.5373581898680915_dp, 0.99999983171546591_dp, 3.4740307146208071e-11_dp], tolerance)
@@ -149,13 +143,10 @@ contains
 
       call agree(error, chi_square_cdf([1000.0_dp, 700.0_dp, 99500.0_dp], [1000.0_dp, 1000.0_dp, 1.0e5_dp]), &
          & [0.50594714617076036_dp, 2.8903599395611956e-14_dp, 0.13169564297235348_dp], tolerance)
-      if (allocated(error)) return
       call agree(error, chi_square_survival([1000.0_dp, 1500.0_dp, 99500.0_dp, 10042094.5_dp], &
          & [1000.0_dp, 1000.0_dp, 1.0e5_dp, 1.0e7_dp]), &
          & [0.49405285382923964_dp, 1.0454640385979657e-22_dp, 0.86830435702764652_dp, 2.7387946678993527e-21_dp], tolerance)
-      if (allocated(error)) return
       call agree(error, chi_square_cdf([86739.5_dp], [1.0e5_dp]), [2.8519681411424337e-212_dp], deep_tolerance)
-      if (allocated(error)) return
       call agree(error, chi_square_survival([106308.5_dp, 1400.0_dp], [1.0e5_dp, 2.0_dp]), &
          & [9.4483403242464563e-44_dp, 9.8596765437597709e-305_dp], deep_tolerance)
    end subroutine test_chi_square_large
@@ -187,7 +178,6 @@ contains
             term = exp(a*log(x) - x - log_gamma(a + 1.0_dp))
             call agree(error, [chi_square_survival(2.0_dp*x, 2.0_dp*a + 2.0_dp)], &
                & [chi_square_survival(2.0_dp*x, 2.0_dp*a) + term], tolerance)
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_chi_square_seams
@@ -200,7 +190,6 @@ contains
          & [0.1_dp, 0.1_dp, 1.0_dp, 2.0_dp, 3.3_dp, 10.0_dp]), &
          & [1.2257081808202556e-34_dp, 0.15263422781837701_dp, 0.039990068795612911_dp, 5.9914645471079802_dp, &
          & 2.2107259849912338e-6_dp, 20.483177350807394_dp], tolerance)
-      if (allocated(error)) return
       call agree(error, chi_square_quantile([0.1585_dp, 0.8415_dp, 1.0e-30_dp, 0.999_dp, 0.1585_dp, 0.8415_dp], &
          & [24.7_dp, 998.5_dp, 998.5_dp, 1.0e5_dp, 1.0e7_dp, 1.0e7_dp]), &
          & [17.764122633332471_dp, 1043.2024480472505_dp, 569.33100952547352_dp, 101387.69553252945_dp, &
@@ -220,9 +209,7 @@ contains
          dof = 10.0_dp**(-1.0_dp + 0.2_dp*real(i, dp))
          x = chi_square_quantile(p, dof)
          call agree(error, chi_square_cdf(x, dof), p, tolerance + 2.0e-15_dp*sqrt(dof))
-         if (allocated(error)) return
          call agree(error, chi_square_survival(x, dof), 1.0_dp - p, tolerance + 2.0e-15_dp*sqrt(dof))
-         if (allocated(error)) return
       end do
    end subroutine test_quantile_round_trip
 
@@ -233,7 +220,6 @@ contains
       call agree(error, digamma([0.001_dp, 0.5_dp, 1.0_dp, 2.5_dp, 10.0_dp, 123.25_dp, 5.0e6_dp, -10.2_dp]), &
          & [-1000.5755719318103_dp, -1.9635100260214235_dp, -0.57721566490153286_dp, 0.70315664064524319_dp, &
          & 2.2517525890667211_dp, 4.8101525319648189_dp, 15.424948370398371_dp, 6.6946384504175168_dp], 1.0e-14_dp)
-      if (allocated(error)) return
       call agree(error, [digamma(-0.5_dp)], [0.036489973978576521_dp], tolerance)
    end subroutine test_digamma
 
@@ -250,16 +236,11 @@ contains
          & .and. ieee_is_nan(chi_square_cdf(1.0_dp, -1.0_dp)) .and. ieee_is_nan(chi_square_cdf(nan, 1.0_dp)) &
          & .and. ieee_is_nan(chi_square_quantile(0.5_dp, nan)) .and. ieee_is_nan(digamma(-3.0_dp)) &
          & .and. ieee_is_nan(digamma(0.0_dp)), "outside of the domain is NaN")
-      if (allocated(error)) return
       call check(error, .not. (ieee_is_finite(normal_quantile(0.0_dp)) .or. ieee_is_finite(normal_quantile(1.0_dp)) &
          & .or. ieee_is_finite(chi_square_quantile(1.0_dp, 3.0_dp))), "the ends are infinite")
-      if (allocated(error)) return
       call check(error, chi_square_cdf(-1.0_dp, 3.0_dp), 0.0_dp, thr=tiny(inf))
-      if (allocated(error)) return
       call check(error, chi_square_survival(inf, 3.0_dp), 0.0_dp, thr=tiny(inf))
-      if (allocated(error)) return
       call check(error, chi_square_survival(1.0e300_dp, 3.0e4_dp), 0.0_dp, thr=tiny(inf))
-      if (allocated(error)) return
       call check(error, chi_square_cdf(1.0e-300_dp, 3.0e4_dp), 0.0_dp, thr=tiny(inf))
    end subroutine test_edges
 

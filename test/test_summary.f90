@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> The summary of many files: its document against the schema, its lines, its table.
 module test_summary
-   use testdrive, only : check, error_type, new_unittest, unittest_type
+   use expectations, only : check
+   use testdrive, only : error_type, new_unittest, unittest_type
    use gyroakf_kinds, only : dp
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_result_type
@@ -65,20 +66,14 @@ contains
       call two_rows(rows, "a.txt")
       call read_document("run", rows, items, valid)
       call check(error, valid, "the document is no JSON")
-      if (allocated(error)) return
       call read_json(file_text("doc/summary.schema.json"), schema, valid)
       call check(error, valid, "doc/summary.schema.json is no JSON")
-      if (allocated(error)) return
       wrong = ""
       call check_schema(schema, "", items, "", wrong)
       call check(error, wrong, "")
-      if (allocated(error)) return
       call check(error, json_text_at(items, "/files/0/channels/0/name"), '"gx"')
-      if (allocated(error)) return
       call check(error, json_real(items, "/files/0/duration_s"), 2.4_dp, thr=1.0e-15_dp)
-      if (allocated(error)) return
       call check(error, json_text_at(items, "/failed")//json_text_at(items, "/files/1/exit_code"), "12")
-      if (allocated(error)) return
       call check(error, json_text_at(items, "/files/1/message"), '"b: no such file\u000acheck the path"')
    end subroutine document
 
@@ -93,7 +88,6 @@ contains
       call summarise("inspect", "-", "", record, rows(1))
       call read_document("inspect", rows, items, valid)
       call check(error, valid)
-      if (allocated(error)) return
       call check(error, json_text_at(items, "/files/0/rate_hz")//json_text_at(items, "/files/0/duration_s")// &
                  json_text_at(items, "/files/0/folder")//json_text_at(items, "/files/0/channels/0/mean")// &
                  json_text_at(items, "/files/0/channels/0/coefficients/N"), repeat("null", 5))
@@ -123,9 +117,7 @@ contains
       first = index(text, nl) + 1
       last = first + index(text(first:), nl) - 2
       call check(error, index(text(first:last), "a.txt,out/a,0,") == 1, text(first:last))
-      if (allocated(error)) return
       call check(error, commas(text(:first - 2)), commas(text(first:last)), "columns of the head and of a line")
-      if (allocated(error)) return
       call check(error, count([(text(first:first) == nl, first=1, len(text))]), 3, "lines")
    end subroutine lines
 
@@ -135,7 +127,6 @@ contains
 
       call two_rows(rows, "a.txt")
       call check(error, index(rows(2)%csv, '"b ""c"", d",,2,0,b: no such file,nan,nan,nan,,,nan,') == 1, rows(2)%csv)
-      if (allocated(error)) return
       call check(error, commas(rows(2)%csv), commas(rows(1)%csv), "columns of a failed file")
    end subroutine failed_line
 
@@ -164,7 +155,6 @@ contains
       call write_summary_table(writer, "run", rows)
       call end_text(writer, text)
       call check(error, index(text, "  file") == 1 .and. index(text, "failed"//nl) > 0 .and. index(text, " deg/sqrt(h)") > 0, text)
-      if (allocated(error)) return
       call check(error, index(text, "  2 files, 1 failure"//nl) > 0, text)
    end subroutine table
 
@@ -180,12 +170,10 @@ contains
       call write_summary_table(writer, "run", rows)
       call end_text(writer, text)
       call check(error, index(text, "  ...") > 0 .and. index(text, "/end.txt ") > 0, text)
-      if (allocated(error)) return
       first = 1
       do while (first <= len(text))
          last = first + index(text(first:), nl) - 2
          call check(error, text_width(text(first:last)) <= 100, text(first:last))
-         if (allocated(error)) return
          first = last + 2
       end do
    end subroutine long_names

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> The tables for papers: what they hold, LaTeX.
 module test_tables
-   use testdrive, only : new_unittest, unittest_type, error_type, check
+   use expectations, only : check
+   use testdrive, only : new_unittest, unittest_type, error_type
    use gyroakf_record, only : record_type
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_result_type
@@ -58,17 +59,13 @@ contains
       if (allocated(error)) return
       do i = 1, 4
          call check(error, tables(i)%name, trim(names(i)))
-         if (allocated(error)) return
          call check(error, tables(i)%number, trim(numbers(i)))
-         if (allocated(error)) return
          call check(error, len(tables(i)%caption) > 0 .and. size(tables(i)%cell, 1) > tables(i)%head)
          if (allocated(error)) return
       end do
       call check(error, tables(1)%cell(2, 1)%text//" "//tables(1)%cell(2, 3)%text//" "//tables(1)%cell(2, 6)%text, &
                  "augmented Dickey-Fuller -71.5 yes")
-      if (allocated(error)) return
       call check(error, tables(3)%cell(2, 3)%text, "(deg/s)^2")
-      if (allocated(error)) return
       call check(error, tables(4)%cell(3, 3)%text, "0.948"//lf//"+/- 0.012")
    end subroutine test_descriptions
 
@@ -96,16 +93,11 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       call check(error, latex_text("-1.818e-04"), "$-$1.818$\times10^{-4}$")
-      if (allocated(error)) return
       call check(error, latex_text("1e+05 2e-10 3e+00"), "1$\times10^{5}$ 2$\times10^{-10}$ 3")
-      if (allocated(error)) return
       call check(error, latex_text("0.948"//lf//"+/- 0.012"), "0.948 $\pm$ 0.012")
-      if (allocated(error)) return
       call check(error, latex_text("deg/sqrt(h), deg/h^1.5, (deg/s)^2"), &
                  "deg/$\sqrt{\mathrm{h}}$, deg/h$^{1.5}$, (deg/s)$^{2}$")
-      if (allocated(error)) return
       call check(error, latex_text("> 85 %, |rho|, < 2"), "$>$ 85 \%, $|$$\rho$$|$, $<$ 2")
-      if (allocated(error)) return
       call check(error, latex_text("-")//latex_text("--akf a-b 2-3"), "---{}-akf a-b 2-3")
    end subroutine test_latex_text
 
@@ -114,7 +106,6 @@ contains
 
       call check(error, latex_text("a_b & c% $d #e {f} ~g ^h \i"//lf//char(7), verbatim=.true.), &
                  "a\_b \& c\% \$d \#e \{f\} \textasciitilde{}g \textasciicircum{}h \textbackslash{}i ?")
-      if (allocated(error)) return
       call check(error, latex_text("tau", verbatim=.true.)//latex_text("é"), "taué")
    end subroutine test_latex_escapes
 
@@ -134,7 +125,6 @@ contains
       call check(error, occurrences(text, "\begin{table}") == 4 .and. occurrences(text, "\end{table}") == 4 .and. &
                  occurrences(text, "\begin{tabular}") == 4 .and. occurrences(text, "\end{tabular}") == 4 .and. &
                  occurrences(text, "\midrule") == 4 .and. occurrences(text, "; channel g\_x \& 50\% \#1}") == 4)
-      if (allocated(error)) return
       call check(error, modulo(occurrences(text, "$"), 2) == 0 .and. occurrences(text, "{") == occurrences(text, "}"))
       first = 1
       columns = 0
@@ -148,9 +138,7 @@ contains
          if (line(len(line) - 1:) /= "\\") cycle
          rows = rows + 1
          call check(error, occurrences(line, " & "), columns - 1)
-         if (allocated(error)) return
          call check(error, occurrences(line, "_") + occurrences(line, "#"), 0)
-         if (allocated(error)) return
          call check(error, occurrences(line, "%"), occurrences(line, "\%"))
       end do
       if (.not. allocated(error)) call check(error, rows > 20)

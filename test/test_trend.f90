@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of the polynomial trend.
 module test_trend
-   use expectations, only : check_refused
+   use expectations, only : check, check_refused
    use gyroakf_threads, only : thread_count, set_thread_count
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
    use gyroakf_kinds, only : dp, int8, int64
@@ -9,7 +9,7 @@ module test_trend
    use gyroakf_lapack, only : dgels
    use gyroakf_stats_trend, only : trend_type, evaluate_trend, fit_trend, remove_trend
    use series_library, only : reference_series
-   use testdrive, only : check, error_type, new_unittest, unittest_type
+   use testdrive, only : error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
    public :: collect_trend
@@ -51,12 +51,9 @@ contains
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       call check(error, maxval(abs(trend%legendre - [7.0_dp/3.0_dp, 1.5_dp])), 0.0_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, maxval(abs(trend%power - [5.0_dp/6.0_dp, 1.5_dp])), 0.0_dp, thr=tolerance)
-      if (allocated(error)) return
       call remove_trend(trend, x)
       call check(error, maxval(abs(x - [1.0_dp, -2.0_dp, 1.0_dp]/6.0_dp)), 0.0_dp, thr=tolerance)
-      if (allocated(error)) return
       call check(error, evaluate_trend(trend, 4_int64), 5.0_dp/6.0_dp + 6.0_dp, thr=tolerance)
    end subroutine test_by_hand
 
@@ -102,10 +99,8 @@ contains
             call check(error, .not. allocated(problem), "it failed")
             if (allocated(error)) return
             call check(error, abs(evaluate_trend(trend, n/3) - x(n/3 + 1))/scale, 0.0_dp, thr=tolerance)
-            if (allocated(error)) return
             call remove_trend(trend, x)
             call check(error, maxval(abs(x))/scale, 0.0_dp, thr=tolerance)
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_exact_polynomials
@@ -129,7 +124,6 @@ contains
       if (allocated(error)) return
       do i = 0, 3
          call check(error, trend%power(i), c(i), thr=tolerance, rel=.true.)
-         if (allocated(error)) return
       end do
    end subroutine test_powers
 
@@ -153,7 +147,6 @@ contains
       right(:, 1) = x
       call dgels("N", n, d + 1, 1, matrix, n, right, n, work, size(work), info)
       call check(error, info, 0)
-      if (allocated(error)) return
       call fit_trend(x, d, trend, problem)
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
@@ -215,14 +208,12 @@ contains
          call check(error, .not. allocated(problem), "it failed")
          if (allocated(error)) return
          call check(error, evaluate_trend(trend, 7000_int64), polynomial(5, 7000_int64, n), thr=tolerance, rel=.true.)
-         if (allocated(error)) return
          x = merge(reference_series("rw", int(n)), 0.0_dp, valid == 1_int8)
          call fit_trend(x, 3, trend, problem, valid)
          call remove_trend(trend, x)
          do i = 0, 3
             call check(error, abs(sum(x*[(real(2*j - n, dp)/real(n, dp), j = 0, int(n - 1))]**int(i), mask=valid == 1_int8)), &
                & 0.0_dp, thr=1.0e-9_dp)
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_missing
@@ -282,9 +273,7 @@ contains
       if (allocated(error)) return
       call remove_trend(trend, x)
       call check(error, x(1), 5.0_dp, thr=tiny(x))
-      if (allocated(error)) return
       call check(error, evaluate_trend(trend, 0_int64), 0.0_dp, thr=tiny(x))
-      if (allocated(error)) return
       call fit_trend(x, 0, trend, problem)
       call check(error, .not. allocated(problem), "one sample failed")
       if (allocated(error)) return
