@@ -60,8 +60,7 @@ contains
       filter%q = sum(model%q(:model%count), mask=slow)
       filter%r = model%r
       filter%options = options
-      filter%drift_unit = difference_scale(model)
-      if (.not. options%r_scale > 0.0_dp) filter%options%r_scale = filter%drift_unit
+      if (.not. options%r_scale > 0.0_dp) filter%options%r_scale = difference_scale(model)
       filter%gain_sum = 0.0_dp
       filter%work = 0.0_dp
       call set_adaptation(filter)
@@ -72,9 +71,8 @@ contains
          end do
          filter%drift_state%started = .true.
       end if
-      if (model%count == 2) filter%drift_determinant = (filter%drift_state%p(1, 1)/filter%drift_unit)*filter%drift_state%p(2, 2)
       call show_drift(filter)
-      if (.not. (ieee_is_finite(filter%drift_determinant) .and. ieee_is_finite(filter%p(1, 1)))) then
+      if (.not. (all(ieee_is_finite(filter%drift_state%p)) .and. ieee_is_finite(filter%p(1, 1)))) then
          call fatal_error(error, status%non_finite, "the variances of a drift filter overflow: those of the model, and the "// &
                           "initial one, are too far apart")
          return

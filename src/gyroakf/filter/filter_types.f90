@@ -56,8 +56,6 @@ module gyroakf_filter_filter_types
       type(component_state_type) :: drift_state
       !> Sum of their gains, as `gain_sum`; the gains that they settle to
       real(dp) :: drift_gain_sum(most_components) = 0, drift_steady(most_components) = 0
-      !> Two processes: the determinant of their covariance over `drift_unit`, half the variance of the model's differences
-      real(dp) :: drift_determinant = 0, drift_unit = 1
       !> The process that a shift of the level is laid upon: the random walk, or the slowest
       integer :: drift_shifted = 0
       type(filter_options) :: options

@@ -16,7 +16,6 @@ module gyroakf_filter_kalman
    use gyroakf_filter_filter_types, only : filter_options, filter_type
    use gyroakf_filter_creation, only : new_filter
    use gyroakf_filter_state_space, only : predict_covariance, correct_covariance
-   use gyroakf_filter_drift_pair, only : run_pair
    use gyroakf_filter_drift_step, only : run_processes
    use gyroakf_filter_sage_husa, only : adapt_noise, gate_inflation, longest_run, shift_variance
    use gyroakf_filter_measurement, only : is_sample
@@ -43,14 +42,11 @@ contains
          return
       end if
       zs(1) = z
-      select case (filter%drift_model%count)
-      case (2)
-         call run_pair(filter, zs, xs)
-      case (3:)
+      if (filter%drift_model%count > 1) then
          call run_processes(filter, zs, xs)
-      case default
+      else
          call run_scalar(filter, zs, xs)
-      end select
+      end if
       x = xs(1)
    end subroutine step_filter
 
@@ -68,15 +64,12 @@ contains
       real(dp), intent(out), contiguous, optional :: normalised_innovation(:)
       procedure(run_vector), pointer :: run
 
-      select case (filter%drift_model%count)
-      case (2)
-         run => run_pair
-      case (3:)
+      run => run_vector
+      if (filter%drift_model%count > 1) then
          run => run_processes
-      case default
-         run => run_vector
-         if (filter%order == 1) run => run_scalar
-      end select
+      else if (filter%order == 1) then
+         run => run_scalar
+      end if
       ! an absent optional is not passed on: the undefined-behavior sanitizer of gfortran 12 stops there
       if (present(valid) .and. present(normalised_innovation)) then
          call run(filter, z, x, valid, normalised_innovation)

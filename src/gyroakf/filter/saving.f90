@@ -19,7 +19,7 @@ module gyroakf_filter_saving
    public :: save_filter, restore_filter, reset_filter
 
    !> First words: "GYROAKFF", version, words, checksum
-   integer(int64), parameter :: first_word = transfer("GYROAKFF", 0_int64), version = 1
+   integer(int64), parameter :: first_word = transfer("GYROAKFF", 0_int64), version = 2
    integer, parameter :: header = 4
    !> Largest state: as new_filter
    integer(int64), parameter :: largest_order = 1000
@@ -215,7 +215,6 @@ contains
       call exchange(box, filter%run)
       call exchange(box, filter%settled)
       call exchange(box, filter%drift_gain_sum)
-      call exchange(box, filter%drift_determinant)
       associate (state => filter%drift_state)
          call exchange(box, state%x)
          do i = 1, size(state%x)
