@@ -4,7 +4,7 @@ module gyroakf_filter_drift_step
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_filter_components, only : predict_components, correct_components
    use gyroakf_filter_measurement, only : is_sample
-   use gyroakf_filter_sage_husa, only : adapt_noise, gate_inflation, longest_run, shift_variance
+   use gyroakf_filter_sage_husa, only : adapt_noise, gate_inflation, watch_level
    use gyroakf_filter_scalar, only : settle_distance, vanished
    use gyroakf_filter_filter_types, only : filter_type
    implicit none (type, external)
@@ -72,8 +72,8 @@ contains
       type(filter_type), intent(inout) :: filter
       !> The measurement
       real(dp), intent(in) :: z
-      real(dp) :: inflation, prior
-      integer :: n
+      real(dp) :: inflation, prior, variance
+      integer :: i, n
 
       n = filter%drift_model%count
       associate (state => filter%drift_state)
@@ -90,7 +90,10 @@ contains
             filter%innovation_variance = prior + filter%r
             inflation = gate_inflation(filter%options%huber, filter%innovation, filter%innovation_variance)
             call correct_components(n, filter%r*inflation, z, state)
-            call watch_level(filter, inflation)
+            i = filter%drift_shifted
+            variance = state%p(i, i)
+            call watch_level(filter, inflation, variance)
+            state%p(i, i) = variance
             if (filter%adaptive .and. .not. filter%frozen) then
                call adapt_noise(filter, filter%innovation, filter%innovation_variance, prior)
             end if
@@ -106,27 +109,6 @@ contains
       filter%gain_measurements = filter%gain_measurements + 1
       filter%measurements = filter%measurements + 1
    end subroutine step_measured
-
-   !> Counts what the gate did; a run of innovations of one sign beyond it is a level that has shifted.
-   pure subroutine watch_level(filter, inflation)
-      !> Its innovation is set
-      type(filter_type), intent(inout) :: filter
-      !> Factor on R, 1 where the gate did not act
-      real(dp), intent(in) :: inflation
-
-      if (.not. inflation > 1.0_dp) then
-         filter%run = 0
-         return
-      end if
-      filter%gated = filter%gated + 1
-      if (real(filter%run, dp)*filter%innovation < 0.0_dp) filter%run = 0
-      filter%run = filter%run + merge(1, -1, filter%innovation > 0.0_dp)
-      if (abs(filter%run) <= longest_run) return
-      associate (i => filter%drift_shifted)
-         filter%drift_state%p(i, i) = filter%drift_state%p(i, i) + shift_variance*filter%r
-      end associate
-      filter%run = 0
-   end subroutine watch_level
 
    !> The drift out of its processes: x(1), p(1,1), gain(1).
    pure subroutine show_drift(filter)

@@ -15,11 +15,10 @@ module gyroakf_filter_kalman
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_filter_filter_types, only : filter_options, filter_type
    use gyroakf_filter_creation, only : new_filter
-   use gyroakf_filter_state_space, only : predict_covariance, correct_covariance
    use gyroakf_filter_drift_step, only : run_processes
-   use gyroakf_filter_sage_husa, only : adapt_noise, gate_inflation, longest_run, shift_variance
    use gyroakf_filter_measurement, only : is_sample
-   use gyroakf_filter_scalar, only : run_scalar, settle_distance
+   use gyroakf_filter_scalar, only : run_scalar
+   use gyroakf_filter_vector_step, only : step_vector
    implicit none (type, external)
    private
    public :: filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
@@ -37,7 +36,7 @@ contains
       real(dp) :: zs(1), xs(1)
 
       if (filter%drift_model%count == 0 .and. filter%order > 1) then
-         call step_vector(filter, z, is_sample(z))
+         call step_order(filter, z, is_sample(z))
          x = filter%x(1)
          return
       end if
@@ -108,7 +107,7 @@ contains
       do k = 1, size(z, kind=int64)
          here = is_sample(z(k))
          if (present(valid)) here = here .and. valid(k) /= 0_int8
-         call step_vector(filter, z(k), here)
+         call step_order(filter, z(k), here)
          x(k) = filter%x(1)
          if (present(normalised_innovation)) then
             normalised_innovation(k) = 0.0_dp
@@ -118,65 +117,18 @@ contains
    end subroutine run_vector
 
    !> One step of any order.
-   pure subroutine step_vector(filter, z, here)
+   pure subroutine step_order(filter, z, here)
       !> The filter
-      type(filter_type), intent(inout) :: filter
+      type(filter_type), intent(inout), target :: filter
       !> Measurement
       real(dp), intent(in) :: z
       !> Whether there is one
       logical, intent(in) :: here
-      real(dp) :: first, prior, inflation
-      integer :: i
 
-      filter%steps = filter%steps + 1
-      first = dot_product(filter%phi, filter%x) + filter%q_mean
-      do i = filter%order, 2, -1
-         filter%x(i) = filter%x(i - 1)
-      end do
-      filter%x(1) = first
-      if (.not. (here .and. filter%settled)) call predict_covariance(filter%phi, filter%q, filter%p, filter%work)
-      if (.not. here) then
-         filter%settled = .false.
-         return
-      end if
-      filter%innovation = z - first - filter%r_mean
-      if (.not. filter%settled) then
-         prior = filter%p(1, 1)
-         filter%innovation_variance = prior + filter%r
-         inflation = gate_inflation(filter%options%huber, filter%innovation, filter%innovation_variance)
-         call correct_gated(filter, inflation)
-         if (filter%adaptive .and. .not. filter%frozen) then
-            call adapt_noise(filter, filter%innovation, filter%innovation_variance, prior)
-         end if
-         if (.not. filter%varying) then
-            filter%settled = maxval(abs(filter%gain - filter%steady_gain)) <= settle_distance(maxval(abs(filter%steady_gain)))
-         end if
-      end if
-      filter%x = filter%x + filter%gain*filter%innovation
+      call step_vector(filter, filter%order, filter%phi, filter%steady_gain, filter%x, &
+         & filter%gain, filter%work, filter%p, z, here)
+      if (.not. here) return
       filter%gain_sum = filter%gain_sum + filter%gain
       filter%gain_measurements = filter%gain_measurements + 1
-      filter%measurements = filter%measurements + 1
-   end subroutine step_vector
-
-   !> Gain and covariance with R inflated by the gate, and the rule for a level that has shifted.
-   pure subroutine correct_gated(filter, inflation)
-      !> The filter, its innovation set
-      type(filter_type), intent(inout) :: filter
-      !> Factor on R, 1 where the gate does not act
-      real(dp), intent(in) :: inflation
-      real(dp) :: s
-
-      call correct_covariance(filter%r*inflation, filter%p, filter%gain, s)
-      if (inflation > 1.0_dp) then
-         filter%gated = filter%gated + 1
-         if (real(filter%run, dp)*filter%innovation < 0.0_dp) filter%run = 0
-         filter%run = filter%run + merge(1, -1, filter%innovation > 0.0_dp)
-         if (abs(filter%run) > longest_run) then
-            filter%p(1, 1) = filter%p(1, 1) + shift_variance*filter%r
-            filter%run = 0
-         end if
-      else
-         filter%run = 0
-      end if
-   end subroutine correct_gated
+   end subroutine step_order
 end module gyroakf_filter_kalman

@@ -6,10 +6,8 @@
 module gyroakf_filter_packed
    use gyroakf_kinds, only : dp, int64
    use gyroakf_filter_filter_types, only : filter_type
-   use gyroakf_filter_state_space, only : predict_covariance, correct_covariance
    use gyroakf_filter_measurement, only : is_sample
-   use gyroakf_filter_sage_husa, only : adapt_noise, gate_inflation, longest_run, shift_variance
-   use gyroakf_filter_scalar, only : settle_distance
+   use gyroakf_filter_vector_step, only : step_vector
    implicit none (type, external)
    private
    public :: packed_length, pack_filter, is_packed, step_packed, freeze_packed, packed_numbers
@@ -130,74 +128,12 @@ contains
 
       call take_numbers(state, filter)
       n = filter%order
-      call step_arrays(filter, n, state(head + 1:head + n), state(head + n + 1:head + 2*n), state(head + 2*n + 1:head + 3*n), &
-                       state(head + 3*n + 1:head + 4*n), state(head + 4*n + 1:head + 5*n), state(head + 5*n + 1:), z)
+      call step_vector(filter, n, state(head + 1:head + n), state(head + 3*n + 1:head + 4*n), &
+         & state(head + n + 1:head + 2*n), state(head + 2*n + 1:head + 3*n), &
+         & state(head + 4*n + 1:head + 5*n), state(head + 5*n + 1:), z, is_sample(z))
       call put_numbers(filter, state)
       estimate = state(head + n + 1)
    end subroutine step_packed
-
-   !> The recursion of `step_filter`, its arrays apart.
-   pure subroutine step_arrays(filter, n, phi, x, gain, steady_gain, work, p, z)
-      !> Its numbers
-      type(filter_type), intent(inout) :: filter
-      !> Its order, its arrays
-      integer, intent(in) :: n
-      real(dp), intent(in) :: phi(n), steady_gain(n)
-      real(dp), intent(inout) :: x(n), gain(n), work(n), p(n, n)
-      !> Measurement
-      real(dp), intent(in) :: z
-      real(dp) :: first, prior, inflation, s
-      integer :: i
-      logical :: here
-
-      here = is_sample(z)
-      filter%steps = filter%steps + 1
-      first = dot_product(phi, x) + filter%q_mean
-      do i = n, 2, -1
-         x(i) = x(i - 1)
-      end do
-      x(1) = first
-      if (.not. (here .and. filter%settled)) call predict_covariance(phi, filter%q, p, work)
-      if (.not. here) then
-         filter%settled = .false.
-         return
-      end if
-      filter%innovation = z - first - filter%r_mean
-      if (.not. filter%settled) then
-         prior = p(1, 1)
-         filter%innovation_variance = prior + filter%r
-         inflation = gate_inflation(filter%options%huber, filter%innovation, filter%innovation_variance)
-         call correct_covariance(filter%r*inflation, p, gain, s)
-         call mind_shift(filter, inflation, p(1, 1))
-         if (filter%adaptive .and. .not. filter%frozen) then
-            call adapt_noise(filter, filter%innovation, filter%innovation_variance, prior)
-         end if
-         if (.not. filter%varying) filter%settled = maxval(abs(gain - steady_gain)) <= settle_distance(maxval(abs(steady_gain)))
-      end if
-      x = x + gain*filter%innovation
-      filter%measurements = filter%measurements + 1
-   end subroutine step_arrays
-
-   !> After many gated innovations of one sign the level has shifted: the state may move.
-   pure subroutine mind_shift(filter, inflation, variance)
-      type(filter_type), intent(inout) :: filter
-      !> Factor on R, 1 where the gate does not act
-      real(dp), intent(in) :: inflation
-      !> Of the first state
-      real(dp), intent(inout) :: variance
-
-      if (.not. inflation > 1.0_dp) then
-         filter%run = 0
-         return
-      end if
-      filter%gated = filter%gated + 1
-      if (real(filter%run, dp)*filter%innovation < 0.0_dp) filter%run = 0
-      filter%run = filter%run + merge(1, -1, filter%innovation > 0.0_dp)
-      if (abs(filter%run) > longest_run) then
-         variance = variance + shift_variance*filter%r
-         filter%run = 0
-      end if
-   end subroutine mind_shift
 
    !> No adaptation from here on, or again, as `freeze_filter`.
    pure subroutine freeze_packed(state, frozen)

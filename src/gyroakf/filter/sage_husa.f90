@@ -20,7 +20,7 @@ module gyroakf_filter_sage_husa
    use gyroakf_filter_filter_types, only : filter_type
    implicit none (type, external)
    private
-   public :: adapt_noise, gate_inflation, consistency_factor, longest_run, shift_variance
+   public :: adapt_noise, gate_inflation, watch_level, consistency_factor, longest_run, shift_variance
 
    !> Gated innovations of one sign in succession after which the level is taken to have shifted
    integer, parameter :: longest_run = 10
@@ -111,6 +111,28 @@ contains
          if (innovation**2 > threshold**2*s) gate_inflation = abs(innovation)/(threshold*sqrt(s))
       end if
    end function gate_inflation
+
+   !> Counts what the gate did; a run of innovations of one sign beyond it is a level that has
+   !> shifted: the state may move.
+   pure subroutine watch_level(filter, inflation, variance)
+      !> Its innovation is set
+      type(filter_type), intent(inout) :: filter
+      !> Factor on R, 1 where the gate did not act
+      real(dp), intent(in) :: inflation
+      !> Of the state that a shift is laid upon
+      real(dp), intent(inout) :: variance
+
+      if (.not. inflation > 1.0_dp) then
+         filter%run = 0
+         return
+      end if
+      filter%gated = filter%gated + 1
+      if (real(filter%run, dp)*filter%innovation < 0.0_dp) filter%run = 0
+      filter%run = filter%run + merge(1, -1, filter%innovation > 0.0_dp)
+      if (abs(filter%run) <= longest_run) return
+      variance = variance + shift_variance*filter%r
+      filter%run = 0
+   end subroutine watch_level
 
    !> Mean of min(u^2, c^2) for standard normal u, by which the squares are divided under the gate.
    elemental real(dp) function consistency_factor(threshold)
