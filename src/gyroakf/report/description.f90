@@ -1,14 +1,17 @@
 ! SPDX-License-Identifier: MIT
-!> Results described once: groups of named values with units and standard errors, that JSON and the text of a report render.
+!> Results described once: groups of named values with units and standard errors, that JSON and the
+!> text of a report render.
 !>
 !>     call out%open("adf", "Dickey-Fuller")                         ! "adf": {
 !>     call out%put("p_value", 0.03_dp)                              ! "p_value": 0.03
 !>     call out%put("rmse", rmse, known=samples > 0, unit="deg/s")   ! null where it is not known
 !>     call out%close()                                              ! }
 !>
-!> A text shows the title; where none is given, the key in words. What is not `shown` stands in JSON only, a remark in texts only.
+!> A text shows the title; where none is given, the key in words. What is not `shown` stands in JSON
+!> only, a remark in texts only.
 module gyroakf_report_description
    use gyroakf_kinds, only : dp
+   use gyroakf_record, only : text_type
    implicit none (type, external)
    private
    public :: description_type
@@ -35,20 +38,27 @@ module gyroakf_report_description
       !> It shows remarks, and nothing of what is not known
       logical :: for_people = .false.
    contains
-      !> Begins a group of members, `open(key, title, shown)`; the key is "" at the root and in a list
+      !> Begins a group of members, `open(key, title, shown)`; the key is "" at the root and in a
+      !> list
       procedure, non_overridable :: open => open_group
       !> Begins a list of values or groups without keys, `open_list(key, title, shown)`
       procedure, non_overridable :: open_list
       !> Ends the group or list that was begun last
       procedure(end_group), deferred :: close
+      !> Begins a group that may be missing, `opens(key, known, title, shown)`: a member without a
+      !> value where it is not known
+      procedure, non_overridable :: opens
       !> A member without a value, `absent(key)`
       procedure, non_overridable :: absent
-      !> A sentence for people, `remark(text)`: a verdict on the values that follow, or what to mind about those before
+      !> A sentence for people, `remark(text)`: a verdict on the values that follow, or what to mind
+      !> about those before
       procedure, non_overridable :: remark
       !> One member, `put(key, value, known, ...)`; no value where it is not known (default: it is)
       generic :: put => put_value, put_values
       !> A text, or no value where it is unallocated or empty, `put_known_text(key, text, title)`
       procedure, non_overridable :: put_known_text
+      !> A list of texts, empty where it is unallocated, `put_texts(key, texts, title)`
+      procedure, non_overridable :: put_texts
       procedure, private, non_overridable :: put_value, put_values
       procedure(begin_group), deferred :: begin
       procedure(render_value), deferred :: value
@@ -124,6 +134,19 @@ contains
       call self%begin(key, .false.)
    end subroutine open_group
 
+   !> Whether the group is begun.
+   logical function opens(self, key, known, title, shown)
+      class(description_type), intent(inout) :: self
+      character(*), intent(in) :: key
+      logical, intent(in) :: known
+      character(*), intent(in), optional :: title
+      logical, intent(in), optional :: shown
+
+      opens = known
+      if (known) call self%open(key, title, shown)
+      if (.not. known) call self%absent(key)
+   end function opens
+
    subroutine open_list(self, key, title, shown)
       class(description_type), intent(inout) :: self
       character(*), intent(in) :: key
@@ -196,5 +219,19 @@ contains
          call self%absent(key)
       end if
    end subroutine put_known_text
+
+   subroutine put_texts(self, key, texts, title)
+      class(description_type), intent(inout) :: self
+      character(*), intent(in) :: key
+      type(text_type), allocatable, intent(in) :: texts(:)
+      character(*), intent(in), optional :: title
+      type(text_type) :: nothing(0)
+
+      if (allocated(texts)) then
+         call self%put(key, texts, title=title)
+      else
+         call self%put(key, nothing)
+      end if
+   end subroutine put_texts
 
 end module gyroakf_report_description

@@ -5,7 +5,7 @@ module gyroakf_report_text_overview
    use gyroakf_io_writer, only : put_line, writer_type
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage
    use gyroakf_record, only : record_type, view_channel
-   use gyroakf_report_document_parts, only : put_ar
+   use gyroakf_report_document_ar, only : put_ar
    use gyroakf_report_models, only : make_ar_table, upper_case
    use gyroakf_report_removed, only : cleaning_text
    use gyroakf_report_tests_table, only : bare, has_tests, kpss_p_text, make_tests_table
