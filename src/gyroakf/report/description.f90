@@ -14,7 +14,7 @@ module gyroakf_report_description
    use gyroakf_record, only : text_type
    implicit none (type, external)
    private
-   public :: description_type
+   public :: description_type, unknown_type
 
    !> How people see a member
    type :: member_type
@@ -29,6 +29,7 @@ module gyroakf_report_description
 
    !> The value of what is not known
    type :: unknown_type
+      logical :: number = .false.
    end type unknown_type
 
    !> A renderer
@@ -37,6 +38,8 @@ module gyroakf_report_description
       type(member_type) :: member
       !> It shows remarks, and nothing of what is not known
       logical :: for_people = .false.
+      !> It shows the members of a group that is not known, too
+      logical :: complete = .false.
    contains
       !> Begins a group of members, `open(key, title, shown)`; the key is "" at the root and in a
       !> list
@@ -142,9 +145,9 @@ contains
       character(*), intent(in), optional :: title
       logical, intent(in), optional :: shown
 
-      opens = known
-      if (known) call self%open(key, title, shown)
-      if (.not. known) call self%absent(key)
+      opens = known .or. self%complete
+      if (opens) call self%open(key, title, shown)
+      if (.not. opens) call self%absent(key)
    end function opens
 
    subroutine open_list(self, key, title, shown)
@@ -185,10 +188,20 @@ contains
       call set_member(self%member, title, unit, std_error, shown=shown)
       if (is_known(known)) then
          call self%value(key, value)
-      else
-         call self%absent(key)
+      else if (.not. self%for_people) then
+         call self%value(key, unknown_type(is_number(value)))
       end if
    end subroutine put_value
+
+   pure logical function is_number(value)
+      class(*), intent(in) :: value
+
+      select type (value)
+      type is (character(*)); is_number = .false.
+      type is (logical); is_number = .false.
+      class default; is_number = .true.
+      end select
+   end function is_number
 
    subroutine put_values(self, key, value, known, std_errors, title, shown)
       class(description_type), intent(inout) :: self
@@ -216,7 +229,7 @@ contains
       if (allocated(value)) then
          call self%put(key, value, value /= "", title=title)
       else
-         call self%absent(key)
+         call self%put(key, "", .false., title=title)
       end if
    end subroutine put_known_text
 
