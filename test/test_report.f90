@@ -125,7 +125,7 @@ contains
       call set_cell(table, 2, 1, "ab")
       call set_cell(table, 2, 2, "3")
       call begin_text(writer)
-      call put_table(writer, table, 1)
+      call put_table(writer, table)
       call end_text(writer, text)
       call check(error, text, "  "//char(194)//char(176)//"   12"//lf//"  ab   3"//lf)
    end subroutine test_table

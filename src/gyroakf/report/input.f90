@@ -8,7 +8,7 @@ module gyroakf_report_input
    use gyroakf_release, only : release_string
    use gyroakf_io_writer, only : writer_type, put_line
    use gyroakf_report_text_layout, only : put_title, put_heading, put_item, put_items, number, fixed, count_text, plural
-   use gyroakf_report_text_table, only : table_type, new_table, set_cell, put_table
+   use gyroakf_report_text_table, only : add_row, new_table, put_table, set_cell, table_type
    implicit none (type, external)
    private
    public :: report_inspect, put_input, put_source, has_unit, unit_name, time_unit, duration_text
@@ -213,18 +213,14 @@ contains
       type(writer_type), intent(inout) :: writer
       !> What was read
       type(record_type), intent(in) :: record
-      character(*), parameter :: titles(8) = [character(8) :: "column", "name", "class", "unit", "minimum", "maximum", "step", &
-                                              "use"]
       type(table_type) :: table
       real(dp) :: range(3)
       integer :: i, c
 
       if (.not. allocated(record%column)) return
       call put_heading(writer, "Columns", "-")
-      call new_table(table, size(record%column) + 1, size(titles), left=4)
-      do i = 1, size(titles)
-         call set_cell(table, 1, i, trim(titles(i)))
-      end do
+      call new_table(table, size(record%column) + 1, 8, left=4)
+      call add_row(table, "column", "name;class;unit;minimum;maximum;step;use")
       do i = 1, size(record%column)
          associate (column => record%column(i))
             c = column%channel
@@ -243,7 +239,7 @@ contains
             if (c > 0) call set_cell(table, i + 1, 8, "analyzed")
          end associate
       end do
-      call put_table(writer, table, 4, verbatim=.true.)
+      call put_table(writer, table, verbatim=.true.)
    end subroutine put_columns
 
    !> A number, "-" where it is not known.

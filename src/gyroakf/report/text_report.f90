@@ -13,7 +13,7 @@ module gyroakf_report_text_report
    use gyroakf_report_document_tests, only : put_tests, put_verdict
    use gyroakf_report_document_preprocess, only : put_preprocess
    use gyroakf_report_input, only : put_input, report_inspect, unit_name
-   use gyroakf_report_models, only : make_ar_table
+   use gyroakf_report_tables, only : make_ar_table
    use gyroakf_report_removed, only : put_alerts
    use gyroakf_report_text_answer, only : put_answer
    use gyroakf_report_text_description, only : text_description_type
