@@ -7,7 +7,7 @@ module gyroakf_report_text_answer
    use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, pipeline_result_type, stage, &
       stated_coefficient_type
    use gyroakf_report_input, only : has_unit, unit_name, time_unit
-   use gyroakf_report_text_layout, only : number, put_item, put_paragraph, report_width, rounded
+   use gyroakf_report_text_layout, only : if_known, number, put_item, put_paragraph, report_width, rounded
    use gyroakf_report_text_table, only : add_row, column_widths, new_table, put_table, table_type
    use gyroakf_units, only : quantity
    use gyroakf_report_verdicts, only : verdict_text
@@ -68,17 +68,14 @@ contains
       type(table_type) :: table
       type(record_type) :: view
       integer, allocatable :: width(:)
-      character(:), allocatable :: unit
       integer :: c
 
       call put_line(writer, "")
       call view_channel(record, first, view)
-      unit = ""
-      if (has_unit(view)) unit = unit_name(view)
       call new_table(table, 2, 8, head=2)
       call add_row(table, "", "mean;N;B;K;minimum;at tau;noise")
       associate (term => channel(1)%allan(stage%input)%stated%term)
-         call add_row(table, "", unit//";"//term(term_n)%unit//";"//term(3)%unit//";"// &
+         call add_row(table, "", if_known(has_unit(view), unit_name(view))//";"//term(term_n)%unit//";"//term(3)%unit//";"// &
                       term(term_k)%unit//";"// &
                       term(3)%unit//";"//time_unit(record))
       end associate
@@ -151,10 +148,8 @@ contains
       do term = term_n, term_k
          cells = cells//";"//coefficient_text(allan%stated%term(term))
       end do
-      cells = cells//";"
-      if (allan%read_off%known) cells = cells//number(allan%read_off%minimum, 3)
-      cells = cells//";"
-      if (allan%read_off%known) cells = cells//number(allan%read_off%minimum_tau, 4)
+      cells = cells//";"//if_known(allan%read_off%known, number(allan%read_off%minimum, 3))// &
+         ";"//if_known(allan%read_off%known, number(allan%read_off%minimum_tau, 4))
    end function cells_of
 
    !> "2.484 +/- 0.007", "< 130", "-".

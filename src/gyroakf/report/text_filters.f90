@@ -7,8 +7,8 @@ module gyroakf_report_text_filters
    use gyroakf_filter_filter_series, only : filter_result_type
    use gyroakf_pipeline_result, only : channel_result_type, filter_figures_type
    use gyroakf_report_input, only : has_unit, unit_name
-   use gyroakf_report_text_layout, only : put_heading, put_item, put_paragraph, number, scientific, fixed, &
-      count_text
+   use gyroakf_report_text_layout, only : put_heading, put_item, put_paragraph, percent, number, scientific, &
+      fixed, count_text
    use gyroakf_report_text_table, only : add_row, new_table, put_numbered, put_table, set_exact, &
       set_exacts, table_type
    use gyroakf_report_verdicts, only : whiteness_word
@@ -69,7 +69,7 @@ contains
                             channel%drift_smoother_figures)
             call add_series(table, "compensated", "", channel%compensated%mean, &
                             channel%compensated%variance, &
-                            number(100*channel%compensated_ratio, 3)//" %;;"// &
+                            percent(channel%compensated_ratio)//";;"// &
                             fixed(channel%drift_smoother_figures%lost_percent/100, 4))
          end if
       end associate
@@ -127,7 +127,7 @@ contains
       character(:), allocatable :: cells
       logical :: measured
 
-      cells = number(100*figures%variance_ratio, 3)//" %;"
+      cells = percent(figures%variance_ratio)//";"
       measured = filter%nis_high > 0.0_dp
       if (measured) cells = cells//number(filter%gain, 2)
       cells = cells//";"//fixed(filter%dc_gain, 4)

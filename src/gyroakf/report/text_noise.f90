@@ -7,7 +7,7 @@ module gyroakf_report_text_noise
    use gyroakf_io_writer, only : writer_type
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stage, stage_names
-   use gyroakf_report_text_layout, only : put_heading, number, count_text
+   use gyroakf_report_text_layout, only : count_text, if_known, number, put_heading
    use gyroakf_report_text_table, only : add_row, new_table, put_table, set_exact, set_exacts, &
       table_type
    use gyroakf_report_input, only : unit_name, time_unit
@@ -70,7 +70,7 @@ contains
       call add_row(table, "tau", "deviation;lower;upper;edf;terms;model")
       do i = 1, size(curve%tau)
          fitted = ""
-         if (present(model)) fitted = model_text(model(i))
+         if (present(model)) fitted = if_known(model(i) > 0.0_dp, number(model(i), 4), "-")
          call add_row(table, number(curve%tau(i), 6), number(curve%deviation(i), 6)//";"// &
                       number(curve%lower(i), 4)//";"//number(curve%upper(i), 4)//";"// &
                       number(curve%edf(i), 4)//";"//count_text(curve%terms(i))//";"//fitted)
@@ -80,15 +80,6 @@ contains
       end do
       call put_table(writer, table)
    end subroutine put_curve
-
-   !> A fitted deviation; "-" where the fit says nothing.
-   pure function model_text(model) result(text)
-      real(dp), intent(in) :: model
-      character(:), allocatable :: text
-
-      text = "-"
-      if (model > 0.0_dp) text = number(model, 4)
-   end function model_text
 
    !> Table III: a row for each series, a column for each term.
    subroutine make_comparison(record, channel, table)

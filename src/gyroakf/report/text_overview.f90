@@ -11,7 +11,7 @@ module gyroakf_report_text_overview
       make_tests_table, upper_case
    use gyroakf_report_text_description, only : text_description_type
    use gyroakf_report_text_filters, only : make_filter_table, put_rmse
-   use gyroakf_report_text_layout, only : count_text, number, put_item, put_paragraph, rounded, &
+   use gyroakf_report_text_layout, only : count_text, if_known, number, percent, put_item, put_paragraph, rounded, &
       scientific
    use gyroakf_report_text_table, only : add_row, new_table, put_numbered, put_table, set_cell, &
       table_type
@@ -154,7 +154,6 @@ contains
       type(writer_type), intent(inout) :: writer
       type(channel_result_type), intent(in) :: channel(:)
       type(table_type) :: table
-      character(:), allocatable :: outliers, order
       integer :: c
 
       call new_table(table, 2, 9, head=2)
@@ -162,34 +161,20 @@ contains
       call add_row(table, "", ";order;share;passes;share;passes;share;share")
       do c = 1, size(channel)
          associate (one => channel(c), is => channel(c)%available)
-            outliers = ""
-            order = ""
-            if (is%preprocess) outliers = count_text(one%clean%removed)
-            if (is%ar) order = count_text(int(one%ar%order, int64))
-            call add_row(table, one%name, outliers//";"//order//";"// &
-                         percent(is%kf, one%kf_figures%variance_ratio, "")//";"// &
-                         percent(is%kf, one%kf%dc_gain, "")//";"// &
-                         percent(is%akf, one%akf_figures%variance_ratio, "")//";"// &
-                         percent(is%akf, one%akf%dc_gain, "")//";"// &
-                         percent(is%drift_kf, one%drift_kf_figures%variance_ratio, "-")//";"// &
-                         percent(is%drift_smoother, one%drift_smoother_figures%variance_ratio, "-"))
+            call add_row(table, one%name, if_known(is%preprocess, count_text(one%clean%removed))//";"// &
+                         if_known(is%ar, count_text(int(one%ar%order, int64)))//";"// &
+                         if_known(is%kf, percent(one%kf_figures%variance_ratio))//";"// &
+                         if_known(is%kf, percent(one%kf%dc_gain))//";"// &
+                         if_known(is%akf, percent(one%akf_figures%variance_ratio))//";"// &
+                         if_known(is%akf, percent(one%akf%dc_gain))//";"// &
+                         if_known(is%drift_kf, percent(one%drift_kf_figures%variance_ratio), "-")//";"// &
+                         if_known(is%drift_smoother, percent(one%drift_smoother_figures%variance_ratio), "-"))
          end associate
       end do
       call put_line(writer, "")
       call put_table(writer, table)
       call put_paragraph(writer, "share: variance of the output over that of the input. passes: share of a constant rotation", 2)
    end subroutine put_filters
-
-   !> A share, or what stands for one that is not known.
-   pure function percent(known, share, other) result(text)
-      logical, intent(in) :: known
-      real(dp), intent(in) :: share
-      character(*), intent(in) :: other
-      character(:), allocatable :: text
-
-      text = other
-      if (known) text = number(100*share, 3)//" %"
-   end function percent
 
    !> The AR models of several channels.
    subroutine put_models(writer, channel)
@@ -215,8 +200,7 @@ contains
             cells = cells//scientific(ar%noise_variance, 4)//";"// &
                number(channel(c)%predictable_percent, 3)//" %;"// &
                number(test%largest_rho, 2)//";"
-            if (test%lags > 0) cells = cells//trim(whiteness_word(test))
-            call add_row(table, channel(c)%name, cells)
+            call add_row(table, channel(c)%name, cells//if_known(test%lags > 0, trim(whiteness_word(test))))
          end associate
       end do
       call put_line(writer, "")
@@ -230,7 +214,6 @@ contains
       type(writer_type), intent(inout) :: writer
       type(channel_result_type), intent(in) :: channel(:)
       type(table_type) :: table
-      character(:), allocatable :: cells
       integer :: c
 
       call new_table(table, 2, 8, head=2)
@@ -238,21 +221,13 @@ contains
       call add_row(table, "", "ADF;KPSS;Jarque-Bera;kurtosis;Ljung-Box;|rho|")
       do c = 1, size(channel)
          associate (one => channel(c), is => channel(c)%available)
-            cells = ""
-            if (is%adf) cells = bare(one%adf%p_value)
-            cells = cells//";"
-            if (is%kpss) cells = cells//kpss_p_text(one)
-            cells = cells//";"
-            if (is%jarque_bera) cells = cells//bare(one%jarque_bera%p_value)//";"// &
-               number(one%jarque_bera%kurtosis - 3, 2)
-            if (.not. is%jarque_bera) cells = cells//";"
-            cells = cells//";"
-            if (is%ljung_box) cells = cells//bare(one%ljung_box%p_value)//";"// &
-               number(one%ljung_box%largest_rho, 2)
-            if (.not. is%ljung_box) cells = cells//";"
-            cells = cells//";"
-            if (one%verdict%wanted) cells = cells//trim(verdict_text(one))
-            call add_row(table, one%name, cells)
+            call add_row(table, one%name, if_known(is%adf, bare(one%adf%p_value))//";"// &
+                         if_known(is%kpss, kpss_p_text(one))//";"// &
+                         if_known(is%jarque_bera, bare(one%jarque_bera%p_value))//";"// &
+                         if_known(is%jarque_bera, number(one%jarque_bera%kurtosis - 3, 2))//";"// &
+                         if_known(is%ljung_box, bare(one%ljung_box%p_value))//";"// &
+                         if_known(is%ljung_box, number(one%ljung_box%largest_rho, 2))//";"// &
+                         if_known(one%verdict%wanted, trim(verdict_text(one))))
          end associate
       end do
       call put_line(writer, "")
