@@ -158,7 +158,7 @@ contains
          call write_summary_json(writer, config%command, rows)
       else
          call adapt_writer(writer, config%colour, config%ascii)
-         call write_summary_table(writer, config%command, rows)
+         call write_summary_table(writer, rows)
       end if
       call commit_writer(writer, error)
    end subroutine print_summary

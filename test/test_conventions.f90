@@ -11,7 +11,7 @@ module test_conventions
    use gyroakf_pipeline_coefficients, only : state_noise
    use gyroakf_pipeline_result, only : pipeline_result_type, stated_noise_type, stage
    use gyroakf_record, only : record_type
-   use gyroakf_report_document_parts, only : put_noise
+   use gyroakf_report_document_allan, only : put_noise
    use gyroakf_report_text_description, only : text_description_type
    use report_fixture, only : make_record, make_result, begin_text, end_text
    implicit none (type, external)

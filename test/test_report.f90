@@ -16,7 +16,8 @@ module test_report
    use gyroakf_utf8, only : text_width
    use gyroakf_report_text_report, only : write_report, report_inspect
    use gyroakf_report_document, only : write_document
-   use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, series_output_type
+   use gyroakf_report_csv, only : write_series, series_output_type
+   use gyroakf_report_csv_tables, only : write_table
    use json_reader, only : json_item, read_json, json_text_at, json_real, check_schema, file_text
    use report_fixture, only : make_record, make_result, fill_drift, begin_text, end_text
    implicit none (type, external)
@@ -122,7 +123,7 @@ contains
       call set_cell(table, 2, 1, "ab")
       call set_cell(table, 2, 2, "3")
       call begin_text(writer)
-      call put_table(writer, table, 1)
+      call put_table(writer, table)
       call end_text(writer, text)
       call check(error, text, "  "//char(194)//char(176)//"   12"//lf//"  ab   3"//lf)
    end subroutine test_table
@@ -567,8 +568,8 @@ contains
       call make_result(record, result)
       result%channel(1)%name = 'a,"b"'
       call begin_text(writer)
-      call write_allan(writer, result)
-      call write_coefficients(writer, result)
+      call write_table(writer, "allan.csv", result, record%sample_interval)
+      call write_table(writer, "coefficients.csv", result, record%sample_interval)
       call end_text(writer, text)
       call check(error, index(text, "channel,series,kind,tau,deviation,lower,upper,edf,terms,model"//lf// &
                               '"a,""b""",input,oadev,0.2,0.02,0.018,0.022,11,11,0.02'//lf) == 1)

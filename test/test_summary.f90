@@ -152,7 +152,7 @@ contains
 
       call two_rows(rows, "a.txt")
       call begin_text(writer)
-      call write_summary_table(writer, "run", rows)
+      call write_summary_table(writer, rows)
       call end_text(writer, text)
       call check(error, index(text, "  file") == 1 .and. index(text, "failed"//nl) > 0 .and. index(text, " deg/sqrt(h)") > 0, text)
       call check(error, index(text, "  2 files, 1 failure"//nl) > 0, text)
@@ -167,7 +167,7 @@ contains
 
       call two_rows(rows, repeat("f"//achar(195)//achar(188)//"r/", 60)//"end.txt")
       call begin_text(writer)
-      call write_summary_table(writer, "run", rows)
+      call write_summary_table(writer, rows)
       call end_text(writer, text)
       call check(error, index(text, "  ...") > 0 .and. index(text, "/end.txt ") > 0, text)
       first = 1

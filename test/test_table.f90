@@ -6,7 +6,7 @@ module test_table
    use gyroakf_io_writer, only : writer_type
    use gyroakf_report_text_layout, only : put_heading, put_item, put_point, report_width
    use gyroakf_report_sign, only : to_unicode
-   use gyroakf_report_text_table, only : cell_line, cell_lines, new_table, put_table, set_cell, set_row, table_type
+   use gyroakf_report_text_table, only : add_row, cell_line, cell_lines, new_table, put_table, set_cell, table_type
    use report_fixture, only : begin_text, end_text
    implicit none (type, external)
    private
@@ -59,8 +59,8 @@ contains
       character(:), allocatable :: text
 
       call new_table(table, 2, 2)
-      call set_row(table, 1, [character(9) :: "", "sigma^2"])
-      call set_row(table, 2, [character(9) :: "gx", "1 +/- 0.1"])
+      call add_row(table, "", "sigma^2")
+      call add_row(table, "gx", "1 +/- 0.1")
       call begin_text(writer)
       writer%unicode = .true.
       call put_table(writer, table)
@@ -105,7 +105,7 @@ contains
       call check(error, cell_lines("") == 1 .and. cell_lines("a"//lf//"b") == 2)
       call check(error, cell_line("a"//lf//"bc", 2)//"|"//cell_line("a"//lf//"bc", 1)//"|"//cell_line("a", 2)//"|", "bc|a||")
       call new_table(table, 2, 3)
-      call set_row(table, 1, [character(4) :: "", "x", "y"])
+      call add_row(table, "", "x;y")
       call set_cell(table, 2, 1, "a")
       call set_cell(table, 2, 2, "12.5"//lf//"+/- 1")
       call set_cell(table, 2, 3, "7")
@@ -123,12 +123,12 @@ contains
       character(:), allocatable :: text
 
       call new_table(table, 1, 4)
-      call set_row(table, 1, [character(30) :: "name", repeat("b", 30), repeat("c", 30), repeat("d", 30)])
+      call add_row(table, "name", repeat("b", 30)//";"//repeat("c", 30)//";"//repeat("d", 30))
       call begin_text(writer)
       call put_table(writer, table)
       call end_text(writer, text)
       call check(error, text, "  name  "//repeat("b", 30)//"  "//repeat("c", 30)//lf//lf//"  name  "//repeat("d", 30)//lf)
-      call set_row(table, 1, [character(30) :: "name", repeat("b", 30), repeat("c", 30), repeat("d", 9)])
+      call set_cell(table, 1, 4, repeat("d", 9))
       call begin_text(writer)
       call put_table(writer, table)
       call end_text(writer, text)

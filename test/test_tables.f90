@@ -6,9 +6,9 @@ module test_tables
    use gyroakf_record, only : record_type
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_result_type
-   use gyroakf_report_latex, only : latex_text, write_latex
+   use gyroakf_report_latex, only : flat_text, latex_text, write_latex
    use gyroakf_report_text_table, only : table_type
-   use gyroakf_report_tables, only : flat_text, make_tables
+   use gyroakf_report_tables, only : make_tables
    use report_fixture, only : begin_text, end_text, fill_drift, make_record, make_result
    implicit none (type, external)
    private

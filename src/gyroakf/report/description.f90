@@ -1,17 +1,20 @@
 ! SPDX-License-Identifier: MIT
-!> Results described once: groups of named values with units and standard errors, that JSON and the text of a report render.
+!> Results described once: groups of named values with units and standard errors, that JSON and the
+!> text of a report render.
 !>
 !>     call out%open("adf", "Dickey-Fuller")                         ! "adf": {
 !>     call out%put("p_value", 0.03_dp)                              ! "p_value": 0.03
 !>     call out%put("rmse", rmse, known=samples > 0, unit="deg/s")   ! null where it is not known
 !>     call out%close()                                              ! }
 !>
-!> A text shows the title; where none is given, the key in words. What is not `shown` stands in JSON only, a remark in texts only.
+!> A text shows the title; where none is given, the key in words. What is not `shown` stands in JSON
+!> only, a remark in texts only.
 module gyroakf_report_description
    use gyroakf_kinds, only : dp
+   use gyroakf_record, only : text_type
    implicit none (type, external)
    private
-   public :: description_type
+   public :: description_type, unknown_type
 
    !> How people see a member
    type :: member_type
@@ -26,6 +29,7 @@ module gyroakf_report_description
 
    !> The value of what is not known
    type :: unknown_type
+      logical :: number = .false.
    end type unknown_type
 
    !> A renderer
@@ -34,21 +38,30 @@ module gyroakf_report_description
       type(member_type) :: member
       !> It shows remarks, and nothing of what is not known
       logical :: for_people = .false.
+      !> It shows the members of a group that is not known, too
+      logical :: complete = .false.
    contains
-      !> Begins a group of members, `open(key, title, shown)`; the key is "" at the root and in a list
+      !> Begins a group of members, `open(key, title, shown)`; the key is "" at the root and in a
+      !> list
       procedure, non_overridable :: open => open_group
       !> Begins a list of values or groups without keys, `open_list(key, title, shown)`
       procedure, non_overridable :: open_list
       !> Ends the group or list that was begun last
       procedure(end_group), deferred :: close
+      !> Begins a group that may be missing, `opens(key, known, title, shown)`: a member without a
+      !> value where it is not known
+      procedure, non_overridable :: opens
       !> A member without a value, `absent(key)`
       procedure, non_overridable :: absent
-      !> A sentence for people, `remark(text)`: a verdict on the values that follow, or what to mind about those before
+      !> A sentence for people, `remark(text)`: a verdict on the values that follow, or what to mind
+      !> about those before
       procedure, non_overridable :: remark
       !> One member, `put(key, value, known, ...)`; no value where it is not known (default: it is)
       generic :: put => put_value, put_values
       !> A text, or no value where it is unallocated or empty, `put_known_text(key, text, title)`
       procedure, non_overridable :: put_known_text
+      !> A list of texts, empty where it is unallocated, `put_texts(key, texts, title)`
+      procedure, non_overridable :: put_texts
       procedure, private, non_overridable :: put_value, put_values
       procedure(begin_group), deferred :: begin
       procedure(render_value), deferred :: value
@@ -124,6 +137,19 @@ contains
       call self%begin(key, .false.)
    end subroutine open_group
 
+   !> Whether the group is begun.
+   logical function opens(self, key, known, title, shown)
+      class(description_type), intent(inout) :: self
+      character(*), intent(in) :: key
+      logical, intent(in) :: known
+      character(*), intent(in), optional :: title
+      logical, intent(in), optional :: shown
+
+      opens = known .or. self%complete
+      if (opens) call self%open(key, title, shown)
+      if (.not. opens) call self%absent(key)
+   end function opens
+
    subroutine open_list(self, key, title, shown)
       class(description_type), intent(inout) :: self
       character(*), intent(in) :: key
@@ -162,10 +188,20 @@ contains
       call set_member(self%member, title, unit, std_error, shown=shown)
       if (is_known(known)) then
          call self%value(key, value)
-      else
-         call self%absent(key)
+      else if (.not. self%for_people) then
+         call self%value(key, unknown_type(is_number(value)))
       end if
    end subroutine put_value
+
+   pure logical function is_number(value)
+      class(*), intent(in) :: value
+
+      select type (value)
+      type is (character(*)); is_number = .false.
+      type is (logical); is_number = .false.
+      class default; is_number = .true.
+      end select
+   end function is_number
 
    subroutine put_values(self, key, value, known, std_errors, title, shown)
       class(description_type), intent(inout) :: self
@@ -193,8 +229,22 @@ contains
       if (allocated(value)) then
          call self%put(key, value, value /= "", title=title)
       else
-         call self%absent(key)
+         call self%put(key, "", .false., title=title)
       end if
    end subroutine put_known_text
+
+   subroutine put_texts(self, key, texts, title)
+      class(description_type), intent(inout) :: self
+      character(*), intent(in) :: key
+      type(text_type), allocatable, intent(in) :: texts(:)
+      character(*), intent(in), optional :: title
+      type(text_type) :: nothing(0)
+
+      if (allocated(texts)) then
+         call self%put(key, texts, title=title)
+      else
+         call self%put(key, nothing)
+      end if
+   end subroutine put_texts
 
 end module gyroakf_report_description

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> The JSON document of schema 1, as `doc/schema.json` states it: the contract for programs.
 !>
-!> Every key is always there; null: not requested, not computed by its stage, or not implemented yet.
+!> Every key is always there; null: not requested, not computed by its stage, or not implemented
+!> yet.
 module gyroakf_report_document
    use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : record_type, text_type, add_text, view_channel, sample_count
@@ -11,7 +12,9 @@ module gyroakf_report_document
    use gyroakf_report_description, only : description_type
    use gyroakf_report_json, only : json_type
    use gyroakf_report_document_preprocess, only : put_preprocess
-   use gyroakf_report_document_parts, only : put_verdict, put_tests, put_ar, put_allan, put_coefficients
+   use gyroakf_report_document_allan, only : put_allan, put_coefficients
+   use gyroakf_report_document_ar, only : put_ar
+   use gyroakf_report_document_tests, only : put_tests, put_verdict
    use gyroakf_report_document_filters, only : put_drift, put_filters
    implicit none (type, external)
    private
@@ -182,7 +185,8 @@ contains
       if (.not. allocated(result%channel)) return
       do c = 1, size(result%channel)
          call add_list(warnings, result%channel(c)%warnings, result%channel(c)%name//": ", note)
-         call add_list(warnings, result%channel(c)%unavailable, result%channel(c)%name//": not available: ", note)
+         call add_list(warnings, result%channel(c)%unavailable, result%channel(c)%name// &
+                       ": not available: ", note)
       end do
    end subroutine gather_warnings
 

@@ -1,12 +1,14 @@
 ! SPDX-License-Identifier: MIT
-!> The members of "tests" in the JSON document that tell the distribution of the samples.
+!> The members of "tests" that tell the distribution of the samples, and what is periodic.
 module gyroakf_report_document_distribution
-   use gyroakf_kinds, only : dp
+   use gyroakf_kinds, only : dp, int64
    use gyroakf_pipeline_result, only : channel_result_type
    use gyroakf_report_description, only : description_type
+   use gyroakf_report_verdicts, only : periodicity_text
+   use gyroakf_stats_histogram, only : histogram_type
    implicit none (type, external)
    private
-   public :: put_distribution
+   public :: put_distribution, put_fisher, put_welch
 
 contains
 
@@ -17,75 +19,95 @@ contains
       !> One channel
       type(channel_result_type), intent(in) :: channel
 
-      call out%put("normality", trim(channel%normality), channel%available%jarque_bera, shown=.false.)
-      if (channel%available%anderson_darling) then
-         call put_anderson_darling(out, channel)
-      else
-         call out%absent("anderson_darling")
-      end if
-      if (channel%available%histogram) then
-         call put_histogram(out, channel)
-      else
-         call out%absent("histogram")
-      end if
-      if (channel%available%quantisation) then
-         call put_quantisation(out, channel)
-      else
-         call out%absent("quantisation")
-      end if
+      call out%put("normality", trim(channel%normality), channel%available%jarque_bera, &
+                   shown=.false.)
+      associate (is => channel%available)
+         if (out%opens("anderson_darling", is%anderson_darling, "Anderson-Darling")) then
+            call out%put("statistic", channel%anderson_darling%statistic)
+            call out%put("modified", channel%anderson_darling%modified)
+            call out%put("p_value", channel%anderson_darling%p_value)
+            call out%put("distance", channel%anderson_darling%distance)
+            call out%put("samples", channel%anderson_darling%samples)
+            call out%put("stride", channel%anderson_darling%stride)
+            call out%close()
+         end if
+         if (out%opens("histogram", is%histogram, shown=.false.)) call put_histogram(out, &
+            channel%histogram)
+         if (out%opens("quantisation", is%quantisation, "Quantization", &
+                       channel%quantisation%quantised)) then
+            call out%put("quantised", channel%quantisation%quantised, title="quantized")
+            call out%put("step", channel%quantisation%step)
+            call out%put("step_over_std", channel%quantisation%ratio)
+            call out%put("variance_share", channel%quantisation%variance_share)
+            call out%put("levels", channel%quantisation%levels)
+            call out%put("corrected_std", channel%quantisation%corrected_std)
+            call out%close()
+         end if
+      end associate
    end subroutine put_distribution
 
-   subroutine put_anderson_darling(out, channel)
+   !> The members of "histogram".
+   subroutine put_histogram(out, histogram)
       class(description_type), intent(inout) :: out
-      type(channel_result_type), intent(in) :: channel
+      type(histogram_type), intent(in) :: histogram
 
-      call out%open("anderson_darling", "Anderson-Darling")
-      call out%put("statistic", channel%anderson_darling%statistic)
-      call out%put("modified", channel%anderson_darling%modified)
-      call out%put("p_value", channel%anderson_darling%p_value)
-      call out%put("distance", channel%anderson_darling%distance)
-      call out%put("samples", channel%anderson_darling%samples)
-      call out%put("stride", channel%anderson_darling%stride)
+      call out%put("samples", histogram%samples)
+      call out%put("mean", histogram%mean)
+      call out%put("std", histogram%std)
+      call out%put("bin_width", histogram%width)
+      call out%put("bin_steps", histogram%steps)
+      call out%put("bins_limited", histogram%limited)
+      call out%put("below", histogram%below)
+      call out%put("above", histogram%above)
+      call out%put("expected_below", histogram%expected_below)
+      call out%put("expected_above", histogram%expected_above)
+      call out%put("edges", histogram%edge)
+      call out%put("counts", real(histogram%count, dp))
+      call out%put("expected", histogram%expected)
       call out%close()
-   end subroutine put_anderson_darling
-
-   subroutine put_histogram(out, channel)
-      class(description_type), intent(inout) :: out
-      type(channel_result_type), intent(in) :: channel
-
-      associate (histogram => channel%histogram)
-         call out%open("histogram", shown=.false.)
-         call out%put("samples", histogram%samples)
-         call out%put("mean", histogram%mean)
-         call out%put("std", histogram%std)
-         call out%put("bin_width", histogram%width)
-         call out%put("bin_steps", histogram%steps)
-         call out%put("bins_limited", histogram%limited)
-         call out%put("below", histogram%below)
-         call out%put("above", histogram%above)
-         call out%put("expected_below", histogram%expected_below)
-         call out%put("expected_above", histogram%expected_above)
-         call out%put("edges", histogram%edge)
-         call out%put("counts", real(histogram%count, dp))
-         call out%put("expected", histogram%expected)
-         call out%close()
-      end associate
    end subroutine put_histogram
 
-   subroutine put_quantisation(out, channel)
+   !> "fisher_g".
+   subroutine put_fisher(out, channel)
+      !> The renderer
       class(description_type), intent(inout) :: out
+      !> One channel
       type(channel_result_type), intent(in) :: channel
 
-      associate (grid => channel%quantisation)
-         call out%open("quantisation", "Quantization", grid%quantised)
-         call out%put("quantised", grid%quantised, title="quantized")
-         call out%put("step", grid%step)
-         call out%put("step_over_std", grid%ratio)
-         call out%put("variance_share", grid%variance_share)
-         call out%put("levels", grid%levels)
-         call out%put("corrected_std", grid%corrected_std)
-         call out%close()
-      end associate
-   end subroutine put_quantisation
+      if (.not. out%opens("fisher_g", channel%available%periodicity, "Fisher's g")) return
+      call out%remark(periodicity_text(channel))
+      call out%put("statistic", channel%periodicity%fisher%statistic)
+      call out%put("p_value", channel%periodicity%fisher%p_value)
+      call out%put("frequency_hz", channel%fisher_frequency, unit=trim(channel%frequency_unit))
+      call out%put("log_p_value", channel%periodicity%fisher%log_p_value, shown=.false.)
+      call out%put("applied_to", trim(channel%whitened))
+      call out%put("samples", channel%periodicity%samples)
+      call out%put("frequency_unit", trim(channel%frequency_unit), shown=.false.)
+      call out%put("of_samples", channel%periodicity%total)
+      call out%put("first_sample", channel%periodicity%first, shown=.false.)
+      call out%close()
+   end subroutine put_fisher
+
+   !> "welch": what spectrum.csv holds.
+   subroutine put_welch(out, channel)
+      !> The renderer
+      class(description_type), intent(inout) :: out
+      !> One channel
+      type(channel_result_type), intent(in) :: channel
+
+      if (.not. out%opens("welch", channel%available%spectrum, "Spectrum (Welch)")) return
+      call out%put("window", trim(channel%spectrum%window))
+      call out%put("segment_samples", channel%spectrum%segment)
+      call out%put("segments", channel%spectrum%used)
+      call out%put("segments_left_out", channel%spectrum%segments - channel%spectrum%used)
+      call out%put("overlap", channel%spectrum%overlap)
+      call out%put("resolution_hz", channel%spectrum%resolution, unit=trim(channel%frequency_unit))
+      call out%put("noise_bandwidth_hz", channel%spectrum%noise_bandwidth, &
+                   unit=trim(channel%frequency_unit))
+      call out%put("degrees_of_freedom", channel%spectrum%degrees_of_freedom)
+      call out%put("confidence", channel%spectrum%confidence)
+      call out%put("frequencies", size(channel%spectrum%frequency, kind=int64))
+      call out%close()
+   end subroutine put_welch
 
 end module gyroakf_report_document_distribution

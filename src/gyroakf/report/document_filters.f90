@@ -2,13 +2,12 @@
 !> The filters of a channel and its drift in the JSON document.
 module gyroakf_report_document_filters
    use gyroakf_kinds, only : dp
-   use gyroakf_record, only : text_type
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_fit, only : drift_candidate_type
    use gyroakf_filter_filter_series, only : filter_result_type
    use gyroakf_pipeline_result, only : channel_result_type, filter_figures_type
    use gyroakf_report_description, only : description_type
-   use gyroakf_report_document_correlation, only : put_ljung_box
+   use gyroakf_report_document_tests, only : put_ljung_box
    use gyroakf_report_verdicts, only : drift_source_text
    implicit none (type, external)
    private
@@ -27,32 +26,31 @@ contains
       associate (is => channel%available)
          call put_filter(out, "kf", "KF (paper)", channel%kf, channel%kf_figures, is%kf)
          call put_filter(out, "akf", "AKF (paper)", channel%akf, channel%akf_figures, is%akf)
-         call put_filter(out, "drift_kf", "Drift KF", channel%drift_kf, channel%drift_kf_figures, is%drift_kf)
-         call put_filter(out, "drift_akf", "Drift AKF", channel%drift_akf, channel%drift_akf_figures, &
+         call put_filter(out, "drift_kf", "Drift KF", channel%drift_kf, channel%drift_kf_figures, &
+                         is%drift_kf)
+         call put_filter(out, "drift_akf", "Drift AKF", channel%drift_akf, &
+                         channel%drift_akf_figures, &
                          is%drift_akf)
-         call put_filter(out, "drift_smoother", "Smoother", channel%drift_smoother, channel%drift_smoother_figures, &
+         call put_filter(out, "drift_smoother", "Smoother", channel%drift_smoother, &
+                         channel%drift_smoother_figures, &
                          is%drift_smoother)
       end associate
       call out%close()
    end subroutine put_filters
 
-   !> One filter; "forgetting" is null where nothing is adapted. A smoother has no innovations, and no gain of its own.
+   !> One filter; "forgetting" is null where nothing is adapted. A smoother has no innovations, and
+   !> no gain of its own.
    subroutine put_filter(out, key, title, filter, figures, available)
       class(description_type), intent(inout) :: out
       character(*), intent(in) :: key, title
       type(filter_result_type), intent(in) :: filter
       type(filter_figures_type), intent(in) :: figures
       logical, intent(in) :: available
-      type(text_type) :: nothing(0)
-      logical :: measured
+      logical :: measured, adapts
       character(40) :: rmse_title
 
-      if (.not. available) then
-         call out%absent(key)
-         return
-      end if
+      if (.not. out%opens(key, available, title)) return
       measured = filter%nis_high > 0.0_dp
-      call out%open(key, title)
       call out%put("mean", filter%mean, shown=.false.)
       call out%put("variance", filter%variance, shown=.false.)
       call out%put("gain", filter%gain, measured, title="mean gain of the last third")
@@ -60,36 +58,22 @@ contains
       call out%put("q", filter%q, title="Q")
       call out%put("r", filter%r, title="R")
       call out%put("nis_mean", filter%nis_mean, measured, shown=.false.)
-      call put_ljung_box(out, "ljung_box", "Ljung-Box of the innovations", filter%ljung_box, filter%ljung_box%lags > 0)
-      if (adapts(filter)) then
-         call out%put("forgetting", filter%forgetting)
-         call out%put("estimate", filter%estimate, title="adapts")
-      else
-         call out%absent("forgetting")
-         call out%put("estimate", nothing)
-      end if
+      call put_ljung_box(out, "ljung_box", "Ljung-Box of the innovations", filter%ljung_box, &
+                         filter%ljung_box%lags > 0)
+      adapts = .false.
+      if (allocated(filter%estimate)) adapts = size(filter%estimate) > 0
+      call out%put("forgetting", filter%forgetting, adapts)
+      call out%put_texts("estimate", filter%estimate, title="adapts")
       call out%put("clamped", filter%clamped, title="steps at a bound")
       call out%put("gated", filter%gated, title="gated steps")
       write (rmse_title, "(a, i0, a)") "RMSE over ", figures%rmse_samples, " samples"
       call out%put("rmse", figures%rmse, figures%rmse_samples > 0, &
                    title=trim(rmse_title))
-      if (allocated(filter%warnings)) then
-         call out%put("warnings", filter%warnings, title="notes:")
-      else
-         call out%put("warnings", nothing)
-      end if
+      call out%put_texts("warnings", filter%warnings, title="notes:")
       call out%put("nis_low", filter%nis_low, measured, shown=.false.)
       call out%put("nis_high", filter%nis_high, measured, shown=.false.)
       call out%close()
    end subroutine put_filter
-
-   !> The filter estimates something.
-   pure logical function adapts(filter)
-      type(filter_result_type), intent(in) :: filter
-
-      adapts = .false.
-      if (allocated(filter%estimate)) adapts = size(filter%estimate) > 0
-   end function adapts
 
    !> "drift": the model, what speaks for it, and what is left of the record without it.
    subroutine put_drift(out, channel)
@@ -99,21 +83,15 @@ contains
       type(channel_result_type), intent(in) :: channel
       integer :: i
 
-      if (.not. channel%available%drift) then
-         call out%absent("drift")
-         return
-      end if
-      call out%open("drift", "Drift model")
+      if (.not. out%opens("drift", channel%available%drift, "Drift model")) return
       associate (drift => channel%drift)
          call out%put("found", drift%found)
-         if (allocated(channel%drift_doubt)) then
-            call out%put("doubt", channel%drift_doubt, title="no model describes the record:")
-         else
-            call out%absent("doubt")
-         end if
+         call out%put_known_text("doubt", channel%drift_doubt, &
+                                 title="no model describes the record:")
          call out%put("tau_s", channel%drift_tau, title="of processes slower than")
          call out%put("name", trim(drift%name), title="model")
-         if (channel%verdict%stationary .and. drift%found) call out%remark("an approximation of the slow part of stationary noise")
+         if (channel%verdict%stationary .and. &
+             drift%found) call out%remark("an approximation of the slow part of stationary noise")
          call out%remark(drift_source_text(channel))
          call out%put("source", trim(drift%source), shown=.false.)
          call put_model(out, drift%model)
@@ -126,7 +104,8 @@ contains
          call put_processes(out, channel)
          call out%put("correlation_s", channel%drift_time, &
                       drift%found .and. channel%drift_time > 0.0_dp, shown=.false.)
-         call out%put("drift_std", drift%drift_std, drift%found, title="standard deviation of the drift")
+         call out%put("drift_std", drift%drift_std, drift%found, &
+                      title="standard deviation of the drift")
          call out%put("white_std", drift%white_std, std_error=channel%white_std_error, &
                       title="standard deviation of the white noise")
          call out%put("white_std_error", channel%white_std_error, drift%errors_known, shown=.false.)
@@ -167,15 +146,9 @@ contains
       integer, intent(in) :: count
       logical, intent(in) :: known
 
-      if (known) then
-         call out%put("phi_std_error", std_error%phi(:count), shown=.false.)
-         call out%put("q_std_error", std_error%q(:count), shown=.false.)
-         call out%put("r_std_error", std_error%r, shown=.false.)
-      else
-         call out%absent("phi_std_error")
-         call out%absent("q_std_error")
-         call out%absent("r_std_error")
-      end if
+      call out%put("phi_std_error", std_error%phi(:count), known, shown=.false.)
+      call out%put("q_std_error", std_error%q(:count), known, shown=.false.)
+      call out%put("r_std_error", std_error%r, known, shown=.false.)
    end subroutine put_errors
 
    !> "processes": each of them as it is stated.
@@ -199,11 +172,7 @@ contains
                          process%k%std_error, "K")
             call out%put("k_std_error", process%k%std_error, known .and. process%k%detected, &
                          shown=.false.)
-            if (process%walk) then
-               call out%put("k_unit", process%k%unit, shown=.false.)
-            else
-               call out%absent("k_unit")
-            end if
+            call out%put("k_unit", process%k%unit, process%walk, shown=.false.)
             call out%close()
          end associate
       end do

@@ -18,11 +18,7 @@ contains
       type(channel_result_type), intent(in) :: channel
       integer(int64) :: k
 
-      if (.not. channel%available%preprocess) then
-         call out%absent("preprocess")
-         return
-      end if
-      call out%open("preprocess", "Removed")
+      if (.not. out%opens("preprocess", channel%available%preprocess, "Removed")) return
       call out%open("outliers", "Outliers")
       call out%put("method", trim(channel%clean%method))
       call out%put("threshold", channel%clean%threshold, unit="sigma")

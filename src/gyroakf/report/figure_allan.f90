@@ -11,11 +11,11 @@ module gyroakf_report_figure_allan
    use gyroakf_report_sign, only : to_unicode
    use gyroakf_report_svg, only : figure_type
    use gyroakf_report_svg_series, only : color_count, series_type
-   use gyroakf_report_text_layout, only : number, rounded
+   use gyroakf_report_text_layout, only : number, percent, rounded
    use gyroakf_units, only : coefficient_unit, coefficient_unit_type, term_names
    implicit none (type, external)
    private
-   public :: build_allan_figure, build_overlay, minimum_note
+   public :: build_allan_figure, build_overlay, minimum_note, alike_channels
 
    !> Terms that are drawn: K, B, N; slope of each, and its deviation at an averaging time of 1
    !> over the coefficient
@@ -45,8 +45,7 @@ contains
       call set_curve(figure%series(1), channel%allan(stage%akf), "AKF output", 4)
       call set_curve(figure%series(2), channel%allan(stage%kf), "KF output", 2)
       associate (allan => channel%allan(stage%input))
-         figure%caption = "Error bars: "//number(100*allan%curve%confidence, 3)// &
-            " % confidence limits"
+         figure%caption = "Error bars: "//percent(allan%curve%confidence)//" confidence limits"
          if (allan%noise%described) then
             figure%caption = figure%caption// &
                "; hollow: excluded from the fit. Dashed: detected terms"
@@ -79,11 +78,7 @@ contains
       logical :: alike(size(result%channel))
       integer :: c, drawn
 
-      do c = 1, size(alike)
-         call view_channel(record, c, view)
-         alike(c) = unit_name(view) == unit_of(record, first)
-         if (.not. result%channel(c)%allan(stage%input)%available) alike(c) = .false.
-      end do
+      alike = alike_channels(record, result, first)
       if (count(alike) < 2 .or. any(alike(:first - 1)) .or. .not. alike(first)) return
       call view_channel(record, first, view)
       call name_axes(view, figure)
@@ -103,16 +98,26 @@ contains
       end do
    end subroutine build_overlay
 
-   !> Unit of a channel.
-   function unit_of(record, channel) result(name)
+   !> Which channels have the unit of one of them, and an Allan deviation.
+   function alike_channels(record, result, channel) result(alike)
+      !> For the units
       type(record_type), intent(in) :: record
+      !> All channels
+      type(pipeline_result_type), intent(in) :: result
+      !> Number of the one
       integer, intent(in) :: channel
-      character(:), allocatable :: name
+      logical :: alike(size(result%channel))
       type(record_type) :: view
+      character(:), allocatable :: unit
+      integer :: c
 
       call view_channel(record, channel, view)
-      name = unit_name(view)
-   end function unit_of
+      unit = unit_name(view)
+      do c = 1, size(alike)
+         call view_channel(record, c, view)
+         alike(c) = unit_name(view) == unit .and. result%channel(c)%allan(stage%input)%available
+      end do
+   end function alike_channels
 
    !> Labels of the axes; on the right the unit of B.
    subroutine name_axes(record, figure)

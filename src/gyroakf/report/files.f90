@@ -12,11 +12,9 @@ module gyroakf_report_files
    use gyroakf_report_document, only : write_document
    use gyroakf_report_figures, only : build_figures, figure_folder, find_figures, name_length, named_figure_type
    use gyroakf_report_html_page, only : write_page
-   use gyroakf_report_spectrum_file, only : write_spectrum, has_spectrum, write_ar_spectrum
    use gyroakf_report_svg, only : svg_mark, write_svg
-   use gyroakf_report_csv, only : write_series, write_allan, write_coefficients, series_output_type
-   use gyroakf_report_text_histogram, only : write_histogram
-   use gyroakf_report_correlation_table, only : write_correlation
+   use gyroakf_report_csv, only : series_output_type, write_series
+   use gyroakf_report_csv_tables, only : write_table
    implicit none (type, external)
    private
    public :: write_results, remove_others, result_files, foreign_result, foreign_file, is_marked, series_output_type
@@ -153,7 +151,7 @@ contains
       wanted(:3) = options%keep_series .and. [character(3) :: "csv", "npy", "f64"] == series%form
       wanted(4:) = [options%do_allan, options%do_allan, options%do_ar, &
                     any(result%channel%available%correlation), options%do_tests, &
-                    options%do_tests .and. has_spectrum(result), .true., .true., .true.]
+                    options%do_tests .and. any(result%channel%available%spectrum), .true., .true., .true.]
       n = count(wanted)
       allocate (names(n + size(figures)), writer(n + size(figures)))
       names(:n) = pack(result_files, wanted)
@@ -194,16 +192,12 @@ contains
       logical, intent(in), optional :: chart
 
       select case (name)
-      case ("allan.csv"); call write_allan(writer, result)
-      case ("coefficients.csv"); call write_coefficients(writer, result)
-      case ("ar_spectrum.csv"); call write_ar_spectrum(writer, result, record%sample_interval)
-      case ("histogram.csv"); call write_histogram(writer, result)
-      case ("correlation.csv"); call write_correlation(writer, result)
-      case ("spectrum.csv"); call write_spectrum(writer, result)
       case ("report.txt"); call write_report(writer, command, record, options, result, chart)
       case ("results.json"); call write_document(writer, record, result, command_line)
       case ("report.html"); call write_page(writer, command, record, result, figures, command_line)
-      case default; call write_series(writer, record, result, series, error, progress)
+      case ("series.csv", "series.npy", "series.f64")
+         call write_series(writer, record, result, series, error, progress)
+      case default; call write_table(writer, name, result, record%sample_interval)
       end select
    end subroutine write_file
 

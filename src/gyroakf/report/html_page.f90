@@ -42,7 +42,10 @@ contains
       call begin_page(writer, command, record_name(record))
       if (command /= "run" .and. command /= "allan") then
          call summarise(command, record_name(record), "", record, row(1), result)
-         call put_summary(writer, command, row)
+         call put_element(writer, "h2", "Summary")
+         writer%markup%heading = "Summary"
+         call write_summary_table(writer, row)
+         call close_list(writer)
       end if
       call put_recording(writer, command, record, result, figures)
       call end_page(writer, command_line)
@@ -105,17 +108,5 @@ contains
       call put_line(writer, "</body>")
       call put_line(writer, "</html>")
    end subroutine end_page
-
-   !> One row of every channel.
-   subroutine put_summary(writer, command, rows)
-      type(writer_type), intent(inout) :: writer
-      character(*), intent(in) :: command
-      type(summary_row_type), intent(in) :: rows(:)
-
-      call put_element(writer, "h2", "Summary")
-      writer%markup%heading = "Summary"
-      call write_summary_table(writer, command, rows)
-      call close_list(writer)
-   end subroutine put_summary
 
 end module gyroakf_report_html_page

@@ -1,14 +1,13 @@
 ! SPDX-License-Identifier: MIT
 !> What was read and what was assumed about it.
 module gyroakf_report_input
-   use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : record_type, sample_count
    use gyroakf_units, only : quantity
    use gyroakf_release, only : release_string
    use gyroakf_io_writer, only : writer_type, put_line
-   use gyroakf_report_text_layout, only : put_title, put_heading, put_item, put_items, number, fixed, count_text, plural
-   use gyroakf_report_text_table, only : table_type, new_table, set_cell, put_table
+   use gyroakf_report_text_layout, only : put_title, put_heading, put_item, put_items, number, fixed, count_text, percent, plural
+   use gyroakf_report_text_table, only : add_row, new_table, put_table, set_cell, table_type
    implicit none (type, external)
    private
    public :: report_inspect, put_input, put_source, has_unit, unit_name, time_unit, duration_text
@@ -58,7 +57,7 @@ contains
       text = text//", "
       if (record%audit%missing == 0) text = text//"none missing"
       if (record%audit%missing > 0) text = text//plural(record%audit%missing, "value")//" ("// &
-         number(100*real(record%audit%missing, dp)/real(sample_count(record)*size(record%value, 2), dp), 3)//" %) missing"
+         percent(real(record%audit%missing, dp)/real(sample_count(record)*size(record%value, 2), dp))//") missing"
       if (record%audit%gaps > 0) text = text//" in "//plural(record%audit%gaps, "gap")
       call put_item(writer, "Record", text, verbatim=.true.)
       if (.not. record%rate_known) call put_rate(writer, record)
@@ -180,7 +179,7 @@ contains
 
       text = plural(record%audit%missing, "value")
       if (record%audit%missing > 0) text = text//" of "//count_text(sample_count(record)*size(record%value, 2))//" ("// &
-         number(100*real(record%audit%missing, dp)/real(sample_count(record)*size(record%value, 2), dp), 3)//" %)"
+         percent(real(record%audit%missing, dp)/real(sample_count(record)*size(record%value, 2), dp))//")"
       text = text//", "//plural(record%audit%gaps, "gap")
       if (record%audit%bad_lines > 0) text = text//", "//plural(record%audit%bad_lines, "line")//" that could not be read"
       call put_item(writer, "Missing", text)
@@ -213,18 +212,14 @@ contains
       type(writer_type), intent(inout) :: writer
       !> What was read
       type(record_type), intent(in) :: record
-      character(*), parameter :: titles(8) = [character(8) :: "column", "name", "class", "unit", "minimum", "maximum", "step", &
-                                              "use"]
       type(table_type) :: table
       real(dp) :: range(3)
       integer :: i, c
 
       if (.not. allocated(record%column)) return
       call put_heading(writer, "Columns", "-")
-      call new_table(table, size(record%column) + 1, size(titles), left=4)
-      do i = 1, size(titles)
-         call set_cell(table, 1, i, trim(titles(i)))
-      end do
+      call new_table(table, size(record%column) + 1, 8, left=4)
+      call add_row(table, "column", "name;class;unit;minimum;maximum;step;use")
       do i = 1, size(record%column)
          associate (column => record%column(i))
             c = column%channel
@@ -235,26 +230,16 @@ contains
             if (c > 0) call set_cell(table, i + 1, 4, text_or(channel_unit_name(record, c), text_or(column%unit, "-")))
             range = [column%minimum, column%maximum, column%step]
             if (c > 0) range = [record%audit%minimum(c), record%audit%maximum(c), record%audit%quantisation(c)]
-            call set_cell(table, i + 1, 5, known_number(range(1), 6))
-            call set_cell(table, i + 1, 6, known_number(range(2), 6))
-            call set_cell(table, i + 1, 7, known_number(range(3), 4))
+            call set_cell(table, i + 1, 5, number(range(1), 6))
+            call set_cell(table, i + 1, 6, number(range(2), 6))
+            call set_cell(table, i + 1, 7, number(range(3), 4))
             call set_cell(table, i + 1, 8, "not analyzed")
             if (column%is_time) call set_cell(table, i + 1, 8, "time")
             if (c > 0) call set_cell(table, i + 1, 8, "analyzed")
          end associate
       end do
-      call put_table(writer, table, 4, verbatim=.true.)
+      call put_table(writer, table, verbatim=.true.)
    end subroutine put_columns
-
-   !> A number, "-" where it is not known.
-   pure function known_number(x, digits) result(text)
-      real(dp), intent(in) :: x
-      integer, intent(in) :: digits
-      character(:), allocatable :: text
-
-      text = "-"
-      if (.not. ieee_is_nan(x)) text = number(x, digits)
-   end function known_number
 
    !> The unit of a channel; "" where it is not known.
    pure function channel_unit_name(record, channel) result(name)

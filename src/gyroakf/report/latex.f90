@@ -9,10 +9,10 @@ module gyroakf_report_latex
    use gyroakf_report_text_layout, only : count_text
    use gyroakf_report_sign, only : find_power, find_root, find_sign, signs
    use gyroakf_report_text_table, only : table_type
-   use gyroakf_report_tables, only : flat_text, make_tables
+   use gyroakf_report_tables, only : make_tables
    implicit none (type, external)
    private
-   public :: write_latex, latex_text, latex_mark
+   public :: write_latex, latex_text, flat_text, latex_mark
 
    !> Begins the file
    character(*), parameter :: latex_mark = "% Made by gyroakf "
@@ -103,6 +103,24 @@ contains
          i = last + 1
       end do
    end function latex_text
+
+   !> The lines of a cell in one: an uncertainty behind its value, the parts of a unit together.
+   pure function flat_text(text) result(line)
+      !> Of a cell
+      character(*), intent(in) :: text
+      character(:), allocatable :: line
+      integer :: i
+
+      line = ""
+      do i = 1, len(text)
+         if (text(i:i) /= new_line("a")) then
+            line = line//text(i:i)
+         else if (scan(text(min(i + 1, len(text)):min(i + 1, len(text))), "*/") == 0) then
+            line = line//" "
+         end if
+      end do
+      line = trim(adjustl(line))
+   end function flat_text
 
    !> What begins at a byte and is mathematics: `last` is its last byte, 0 where there is none.
    pure subroutine take_sign(text, i, piece, last)

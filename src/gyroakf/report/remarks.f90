@@ -110,41 +110,27 @@ contains
       type(remark_type), allocatable, intent(inout) :: remark(:)
       type(pipeline_result_type), intent(in) :: result
       character(:), allocatable :: text
-      real(dp) :: kf(2), akf(2)
-      integer :: i
 
-      kf = [huge(kf), -huge(kf)]
-      akf = kf
-      do i = 1, size(result%channel)
-         associate (channel => result%channel(i))
-            if (channel%available%kf) call widen(kf, channel%kf_figures%passed_percent)
-            if (channel%available%akf) call widen(akf, channel%akf_figures%passed_percent)
-         end associate
-      end do
-      text = ""
-      if (kf(1) <= kf(2)) text = ", KF "//range_text(kf)
-      if (akf(1) <= akf(2)) text = text//", AKF "//range_text(akf)
+      text = passed("KF", result%channel%kf_figures%passed_percent, result%channel%available%kf)// &
+         passed("AKF", result%channel%akf_figures%passed_percent, result%channel%available%akf)
       if (text == "") return
       call add_remark(remark, note, "the paper's filters pass a constant rotation in part (DC gain: "//text(3:)// &
                       "): their outputs are no input for navigation", "")
    end subroutine add_passing
 
-   !> Takes a value into a range.
-   pure subroutine widen(range, value)
-      real(dp), intent(inout) :: range(2)
-      real(dp), intent(in) :: value
-
-      range = [min(range(1), value), max(range(2), value)]
-   end subroutine widen
-
-   !> "61 %", "17 to 50 %".
-   pure function range_text(range) result(text)
-      real(dp), intent(in) :: range(2)
+   !> ", KF 61 %", ", AKF 17 to 50 %"; "" where no channel has the filter.
+   pure function passed(name, percent, available) result(text)
+      character(*), intent(in) :: name
+      !> [channel]
+      real(dp), intent(in) :: percent(:)
+      logical, intent(in) :: available(:)
       character(:), allocatable :: text
 
-      text = fixed(range(1), 0)
-      if (fixed(range(2), 0) /= text) text = text//" to "//fixed(range(2), 0)
-      text = text//" %"
-   end function range_text
+      text = ""
+      if (.not. any(available)) return
+      text = fixed(minval(percent, available), 0)
+      if (fixed(maxval(percent, available), 0) /= text) text = text//" to "//fixed(maxval(percent, available), 0)
+      text = ", "//name//" "//text//" %"
+   end function passed
 
 end module gyroakf_report_remarks

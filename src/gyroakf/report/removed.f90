@@ -6,7 +6,7 @@ module gyroakf_report_removed
    use gyroakf_preprocess_clean, only : clean_type
    use gyroakf_pipeline_result, only : channel_result_type, stage, stated_coefficient_type
    use gyroakf_pipeline_warnings, only : outlier_share
-   use gyroakf_report_text_layout, only : put_item, number, count_text, plural
+   use gyroakf_report_text_layout, only : count_text, number, percent, plural, put_item
    implicit none (type, external)
    private
    public :: put_alerts, cleaning_text
@@ -23,7 +23,7 @@ contains
 
       associate (raw => channel%allan(stage%input)%stated%term(2), cleaned => channel%allan(stage%outliers_removed)%stated%term(2))
          if (channel%clean%fraction > outlier_share) then
-            text = number(100*channel%clean%fraction, 3)//" % of the samples are rejected as outliers"
+            text = percent(channel%clean%fraction)//" of the samples are rejected as outliers"
             if (raw%detected .or. cleaned%detected) text = text//": N = "//stated(raw)//" of the raw record, "//stated(cleaned)// &
                & " without them"
             call put_item(writer, "Outliers", text)
@@ -52,7 +52,7 @@ contains
       character(:), allocatable :: text
 
       text = "no outliers looked for"
-      if (clean%method /= "none") text = plural(clean%removed, "outlier")//" ("//number(100*clean%fraction, 3)//" %) beyond "// &
+      if (clean%method /= "none") text = plural(clean%removed, "outlier")//" ("//percent(clean%fraction)//") beyond "// &
          number(clean%threshold, 4)//" sigma ("//trim(clean%method)//")"
       if (clean%trend%degree >= 0) text = text//"; "//degree_name(clean%trend%degree)//" trend"
    end function cleaning_text

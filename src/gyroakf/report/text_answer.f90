@@ -7,8 +7,8 @@ module gyroakf_report_text_answer
    use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, pipeline_result_type, stage, &
       stated_coefficient_type
    use gyroakf_report_input, only : has_unit, unit_name, time_unit
-   use gyroakf_report_text_layout, only : number, put_item, put_paragraph, report_width, rounded
-   use gyroakf_report_text_table, only : column_widths, new_table, put_table, set_cell, set_row, table_type
+   use gyroakf_report_text_layout, only : if_known, number, put_item, put_paragraph, report_width, rounded
+   use gyroakf_report_text_table, only : add_row, column_widths, new_table, put_table, table_type
    use gyroakf_units, only : quantity
    use gyroakf_report_verdicts, only : verdict_text
    implicit none (type, external)
@@ -68,27 +68,24 @@ contains
       type(table_type) :: table
       type(record_type) :: view
       integer, allocatable :: width(:)
-      integer :: c, row
+      integer :: c
 
       call put_line(writer, "")
       call view_channel(record, first, view)
-      call new_table(table, 2 + size(channel) + count(outliers_matter(channel)), 8, head=2)
-      call set_row(table, 1, [character(7) :: "", "mean", "N", "B", "K", "minimum", "at tau", "noise"])
-      if (has_unit(view)) call set_cell(table, 2, 2, unit_name(view))
+      call new_table(table, 2, 8, head=2)
+      call add_row(table, "", "mean;N;B;K;minimum;at tau;noise")
       associate (term => channel(1)%allan(stage%input)%stated%term)
-         call set_row(table, 2, [character(24) :: "", table%cell(2, 2)%text, term(term_n)%unit, term(3)%unit, term(term_k)%unit, &
-                                 term(3)%unit, time_unit(record)])
+         call add_row(table, "", if_known(has_unit(view), unit_name(view))//";"//term(term_n)%unit//";"//term(3)%unit//";"// &
+                      term(term_k)%unit//";"// &
+                      term(3)%unit//";"//time_unit(record))
       end associate
-      row = 2
       do c = 1, size(channel)
-         row = row + 1
-         call set_cell(table, row, 1, channel(c)%name)
-         call set_cell(table, row, 8, trim(verdict_text(channel(c))))
-         call fill_row(table, row, channel(c)%raw%mean, channel(c)%allan(stage%input))
-         if (.not. outliers_matter(channel(c))) cycle
-         row = row + 1
-         call set_cell(table, row, 1, " no outliers")
-         call fill_row(table, row, channel(c)%level%mean, channel(c)%allan(stage%outliers_removed))
+         call add_row(table, channel(c)%name, cells_of(channel(c)%raw%mean, &
+                                                       channel(c)%allan(stage%input))//";"// &
+                      trim(verdict_text(channel(c))))
+         if (outliers_matter(channel(c))) call add_row(table, " no outliers", &
+                                                       cells_of(channel(c)%level%mean, &
+                                                       channel(c)%allan(stage%outliers_removed)))
       end do
       call column_widths(table, width)
       if (2 + sum(width) + size(width) - 1 > report_width) then
@@ -141,21 +138,19 @@ contains
    end function outliers_matter
 
    !> Mean, N, B, K and the lowest Allan deviation of a series.
-   subroutine fill_row(table, row, mean, allan)
-      type(table_type), intent(inout) :: table
-      integer, intent(in) :: row
+   function cells_of(mean, allan) result(cells)
       real(dp), intent(in) :: mean
       type(allan_result_type), intent(in) :: allan
+      character(:), allocatable :: cells
       integer :: term
 
-      call set_cell(table, row, 2, number(mean, 3))
+      cells = number(mean, 3)
       do term = term_n, term_k
-         call set_cell(table, row, 1 + term, coefficient_text(allan%stated%term(term)))
+         cells = cells//";"//coefficient_text(allan%stated%term(term))
       end do
-      if (.not. allan%read_off%known) return
-      call set_cell(table, row, 6, number(allan%read_off%minimum, 3))
-      call set_cell(table, row, 7, number(allan%read_off%minimum_tau, 4))
-   end subroutine fill_row
+      cells = cells//";"//if_known(allan%read_off%known, number(allan%read_off%minimum, 3))// &
+         ";"//if_known(allan%read_off%known, number(allan%read_off%minimum_tau, 4))
+   end function cells_of
 
    !> "2.484 +/- 0.007", "< 130", "-".
    pure function coefficient_text(stated) result(text)

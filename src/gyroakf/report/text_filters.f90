@@ -7,9 +7,10 @@ module gyroakf_report_text_filters
    use gyroakf_filter_filter_series, only : filter_result_type
    use gyroakf_pipeline_result, only : channel_result_type, filter_figures_type
    use gyroakf_report_input, only : has_unit, unit_name
-   use gyroakf_report_text_layout, only : put_heading, put_item, put_paragraph, number, scientific, fixed, &
-      count_text
-   use gyroakf_report_text_table, only : table_type, new_table, set_exact, set_cell, set_row, put_numbered, put_table
+   use gyroakf_report_text_layout, only : put_heading, put_item, put_paragraph, percent, number, scientific, &
+      fixed, count_text
+   use gyroakf_report_text_table, only : add_row, new_table, put_numbered, put_table, set_exact, &
+      set_exacts, table_type
    use gyroakf_report_verdicts, only : whiteness_word
    implicit none (type, external)
    private
@@ -48,28 +49,28 @@ contains
       type(channel_result_type), intent(in) :: channel
       !> Described
       type(table_type), intent(out) :: table
-      integer :: row
 
       associate (is => channel%available)
-         row = merge(2, 1, has_unit(record))
-         call new_table(table, row + 2 + count([two_inputs(channel), is%kf, is%akf, is%drift_kf, is%drift_akf, &
-                                                is%drift_smoother, is%drift_smoother]), 9, head=row)
+         call new_table(table, 1, 9, head=merge(2, 1, has_unit(record)))
          call describe(record, channel, table)
-         call add_series(table, row, "raw", "raw", channel%raw%mean, channel%raw%variance, "")
-         call add_series(table, row, "cleaned", "preprocess", channel%cleaned%mean, channel%cleaned%variance, "100 %")
-         if (is%kf) call add_filter(table, row, "KF (paper)", "kf", channel%kf, channel%kf_figures)
-         if (is%akf) call add_filter(table, row, "AKF (paper)", "akf", channel%akf, channel%akf_figures)
-         if (two_inputs(channel)) call add_series(table, row, "no outliers", "", channel%level%mean, channel%level%variance, &
-                                                  "100 %")
-         if (is%drift_kf) call add_filter(table, row, "drift KF", "drift_kf", channel%drift_kf, &
-                                           channel%drift_kf_figures)
-         if (is%drift_akf) call add_filter(table, row, "drift AKF", "drift_akf", channel%drift_akf, &
-                                            channel%drift_akf_figures)
+         call add_series(table, "raw", "raw", channel%raw%mean, channel%raw%variance, "")
+         call add_series(table, "cleaned", "preprocess", channel%cleaned%mean, &
+                         channel%cleaned%variance, "100 %")
+         if (is%kf) call add_filter(table, "KF (paper)", "kf", channel%kf, channel%kf_figures)
+         if (is%akf) call add_filter(table, "AKF (paper)", "akf", channel%akf, channel%akf_figures)
+         if (two_inputs(channel)) call add_series(table, "no outliers", "", channel%level%mean, &
+                                                  channel%level%variance, "100 %")
+         if (is%drift_kf) call add_filter(table, "drift KF", "drift_kf", channel%drift_kf, &
+                                          channel%drift_kf_figures)
+         if (is%drift_akf) call add_filter(table, "drift AKF", "drift_akf", channel%drift_akf, &
+                                           channel%drift_akf_figures)
          if (is%drift_smoother) then
-            call add_filter(table, row, "smoother", "drift_smoother", channel%drift_smoother, channel%drift_smoother_figures)
-            call add_series(table, row, "compensated", "", channel%compensated%mean, channel%compensated%variance, &
-                            number(100*channel%compensated_ratio, 3)//" %")
-            call set_cell(table, row, 6, fixed(channel%drift_smoother_figures%lost_percent/100, 4))
+            call add_filter(table, "smoother", "drift_smoother", channel%drift_smoother, &
+                            channel%drift_smoother_figures)
+            call add_series(table, "compensated", "", channel%compensated%mean, &
+                            channel%compensated%variance, &
+                            percent(channel%compensated_ratio)//";;"// &
+                            fixed(channel%drift_smoother_figures%lost_percent/100, 4))
          end if
       end associate
    end subroutine make_filter_table
@@ -91,9 +92,9 @@ contains
       table%number = "II"
       table%caption = "Before and after the filters"
       if (.not. has_unit(record)) table%caption = table%caption//", in input units"
-      call set_row(table, 1, [character(8) :: "", "mean", "variance", "share", "gain", "passes", "NIS", "|rho|", "innov."])
-      if (has_unit(record)) call set_cell(table, 2, 2, unit_name(record))
-      if (has_unit(record)) call set_cell(table, 2, 3, "("//unit_name(record)//")^2")
+      call add_row(table, "", "mean;variance;share;gain;passes;NIS;|rho|;innov.")
+      if (has_unit(record)) call add_row(table, "", unit_name(record)//";("//unit_name(record)// &
+                                         ")^2")
       table%note = "share: variance over that of the series above that is filtered. gain: mean of the last third. passes: "// &
          "share of a constant rotation (DC gain). NIS: mean squared normalised innovation, 1 where Q and R describe the "// &
          "innovations"
@@ -103,46 +104,41 @@ contains
    end subroutine describe
 
    !> A series in the table.
-   subroutine add_series(table, row, name, key, mean, variance, share)
+   subroutine add_series(table, name, key, mean, variance, cells)
       type(table_type), intent(inout) :: table
-      !> The last one that is filled
-      integer, intent(inout) :: row
       !> What the row is called; where results.json has its mean and variance, "" where it has not
       character(*), intent(in) :: name, key
       real(dp), intent(in) :: mean, variance
-      character(*), intent(in) :: share
+      !> From the share on
+      character(*), intent(in) :: cells
 
-      row = row + 1
-      call set_cell(table, row, 1, name)
-      call set_cell(table, row, 2, scientific(mean, 4))
-      call set_cell(table, row, 3, scientific(variance, 5))
-      call set_cell(table, row, 4, share)
-      if (key == "") return
-      call set_exact(table, row, 2, key//".mean", mean)
-      call set_exact(table, row, 3, key//".variance", variance)
+      call add_row(table, name, scientific(mean, 4)//";"//scientific(variance, 5)//";"//cells)
+      if (key /= "") call set_exacts(table, 2, key//".", [character(8) :: "mean", "variance"], &
+                                     [mean, variance])
    end subroutine add_series
 
    !> One filter in the table; a smoother has no innovations.
-   subroutine add_filter(table, row, name, member, filter, figures)
+   subroutine add_filter(table, name, member, filter, figures)
       type(table_type), intent(inout) :: table
-      !> The last one that is filled
-      integer, intent(inout) :: row
       !> What the row is called; the filter among those of results.json
       character(*), intent(in) :: name, member
       type(filter_result_type), intent(in) :: filter
       type(filter_figures_type), intent(in) :: figures
+      character(:), allocatable :: cells
+      logical :: measured
 
-      call add_series(table, row, name, "filters."//member, filter%mean, filter%variance, &
-                      number(100*figures%variance_ratio, 3)//" %")
-      call set_cell(table, row, 6, fixed(filter%dc_gain, 4))
-      call set_exact(table, row, 6, "filters."//member//".dc_gain", filter%dc_gain)
-      if (.not. filter%nis_high > 0.0_dp) return
-      call set_cell(table, row, 5, number(filter%gain, 2))
-      call set_cell(table, row, 7, fixed(filter%nis_mean, 3))
-      call set_exact(table, row, 5, "filters."//member//".gain", filter%gain)
-      call set_exact(table, row, 7, "filters."//member//".nis_mean", filter%nis_mean)
-      call set_cell(table, row, 8, number(filter%ljung_box%largest_rho, 2))
-      call set_cell(table, row, 9, trim(whiteness_word(filter%ljung_box)))
+      cells = percent(figures%variance_ratio)//";"
+      measured = filter%nis_high > 0.0_dp
+      if (measured) cells = cells//number(filter%gain, 2)
+      cells = cells//";"//fixed(filter%dc_gain, 4)
+      if (measured) cells = cells//";"//fixed(filter%nis_mean, 3)//";"// &
+         number(filter%ljung_box%largest_rho, 2)// &
+         ";"//trim(whiteness_word(filter%ljung_box))
+      call add_series(table, name, "filters."//member, filter%mean, filter%variance, cells)
+      call set_exact(table, table%filled, 6, "filters."//member//".dc_gain", filter%dc_gain)
+      if (.not. measured) return
+      call set_exact(table, table%filled, 5, "filters."//member//".gain", filter%gain)
+      call set_exact(table, table%filled, 7, "filters."//member//".nis_mean", filter%nis_mean)
    end subroutine add_filter
 
    !> RMSE of every filter against the true drift; nothing where that is not known.
@@ -157,22 +153,19 @@ contains
                                              "drift AKF", "smoother"]
       type(filter_figures_type) :: figures(5)
       type(table_type) :: table
-      integer :: i, row
+      integer :: i
 
       figures = [channel%kf_figures, channel%akf_figures, channel%drift_kf_figures, channel%drift_akf_figures, &
                  channel%drift_smoother_figures]
       if (all(figures%rmse_samples == 0)) return
       call put_heading(writer, "Against the true drift")
-      call new_table(table, 1 + count(figures%rmse_samples > 0), 2)
-      call set_row(table, 1, [character(4) :: "", "RMSE"])
-      row = 1
+      call new_table(table, 1, 2)
+      call add_row(table, "", "RMSE")
       do i = 1, size(figures)
-         if (figures(i)%rmse_samples == 0) cycle
-         row = row + 1
-         call set_cell(table, row, 1, trim(name(i)))
-         call set_cell(table, row, 2, number(figures(i)%rmse, 4))
+         if (figures(i)%rmse_samples > 0) call add_row(table, trim(name(i)), &
+                                                       number(figures(i)%rmse, 4))
       end do
-      call put_table(writer, table, 1)
+      call put_table(writer, table)
       call put_item(writer, "", "RMSE in "//unit_name(record)//" over "// &
                     count_text(maxval(figures%rmse_samples))//" samples")
    end subroutine put_rmse

@@ -15,7 +15,7 @@ module gyroakf_report_text_layout
    private
    public :: report_width, pad_right, pad_left
    public :: put_title, put_heading, put_item, put_paragraph, put_point, put_items
-   public :: number, rounded, scientific, fixed, count_text, p_value_text, plural
+   public :: number, rounded, scientific, fixed, count_text, p_value_text, plural, percent, if_known
 
    !> No line is longer
    integer, parameter :: report_width = 80
@@ -368,6 +368,28 @@ contains
       text = count_text(value)//" "//noun
       if (value /= 1) text = text//"s"
    end function plural
+
+   !> "61.2 %".
+   pure function percent(share) result(text)
+      !> 1 is all
+      real(dp), intent(in) :: share
+      character(:), allocatable :: text
+
+      text = number(100*share, 3)//" %"
+   end function percent
+
+   !> A text where it is known, else another one.
+   pure function if_known(known, text, other) result(shown)
+      logical, intent(in) :: known
+      character(*), intent(in) :: text
+      !> Default: ""
+      character(*), intent(in), optional :: other
+      character(:), allocatable :: shown
+
+      shown = ""
+      if (present(other)) shown = other
+      if (known) shown = text
+   end function if_known
 
    !> "p = 0.031", "p < 1e-20".
    pure function p_value_text(p) result(text)

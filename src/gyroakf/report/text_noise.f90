@@ -7,8 +7,9 @@ module gyroakf_report_text_noise
    use gyroakf_io_writer, only : writer_type
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stage, stage_names
-   use gyroakf_report_text_layout, only : put_heading, number, count_text
-   use gyroakf_report_text_table, only : table_type, new_table, set_exact, set_cell, put_table
+   use gyroakf_report_text_layout, only : count_text, if_known, number, put_heading
+   use gyroakf_report_text_table, only : add_row, new_table, put_table, set_exact, set_exacts, &
+      table_type
    use gyroakf_report_input, only : unit_name, time_unit
    implicit none (type, external)
    private
@@ -56,44 +57,29 @@ contains
       !> Fitted deviation
       real(dp), intent(in), optional :: model(:)
       type(table_type) :: table
-      character(9), parameter :: head(7) = [character(9) :: "tau", "deviation", "lower", "upper", "edf", "terms", "model"]
-      character(:), allocatable :: row
+      character(9), parameter :: names(5) = [character(9) :: "tau_s", "deviation", "lower", &
+                                             "upper", "edf"]
+      character(:), allocatable :: fitted
       integer :: i
 
       call put_heading(writer, title//": "//trim(curve%kind)//" in "//unit_name(record)// &
                        trim(merge(" times tau", "          ", curve%kind == "tdev"))//", tau in "// &
                        time_unit(record)//", "// &
                        number(100*curve%confidence, 4)//" % limits")
-      call new_table(table, size(curve%tau) + 1, merge(7, 6, present(model)))
-      do i = 1, merge(7, 6, present(model))
-         call set_cell(table, 1, i, trim(head(i)))
-      end do
+      call new_table(table, size(curve%tau) + 1, merge(7, 6, present(model)), left=0)
+      call add_row(table, "tau", "deviation;lower;upper;edf;terms;model")
       do i = 1, size(curve%tau)
-         call set_cell(table, i + 1, 1, number(curve%tau(i), 6))
-         call set_cell(table, i + 1, 2, number(curve%deviation(i), 6))
-         call set_cell(table, i + 1, 3, number(curve%lower(i), 4))
-         call set_cell(table, i + 1, 4, number(curve%upper(i), 4))
-         call set_cell(table, i + 1, 5, number(curve%edf(i), 4))
-         call set_cell(table, i + 1, 6, count_text(curve%terms(i)))
-         if (present(model)) call set_cell(table, i + 1, 7, model_text(model(i)))
-         row = "."//count_text(int(i - 1, int64))
-         call set_exact(table, i + 1, 1, key//"tau_s"//row, curve%tau(i))
-         call set_exact(table, i + 1, 2, key//"deviation"//row, curve%deviation(i))
-         call set_exact(table, i + 1, 3, key//"lower"//row, curve%lower(i))
-         call set_exact(table, i + 1, 4, key//"upper"//row, curve%upper(i))
-         call set_exact(table, i + 1, 5, key//"edf"//row, curve%edf(i))
+         fitted = ""
+         if (present(model)) fitted = if_known(model(i) > 0.0_dp, number(model(i), 4), "-")
+         call add_row(table, number(curve%tau(i), 6), number(curve%deviation(i), 6)//";"// &
+                      number(curve%lower(i), 4)//";"//number(curve%upper(i), 4)//";"// &
+                      number(curve%edf(i), 4)//";"//count_text(curve%terms(i))//";"//fitted)
+         call set_exacts(table, 1, key, names, [curve%tau(i), curve%deviation(i), curve%lower(i), &
+                                                curve%upper(i), curve%edf(i)], "."// &
+                                                   count_text(int(i - 1, int64)))
       end do
-      call put_table(writer, table, 0)
+      call put_table(writer, table)
    end subroutine put_curve
-
-   !> A fitted deviation; "-" where the fit says nothing.
-   pure function model_text(model) result(text)
-      real(dp), intent(in) :: model
-      character(:), allocatable :: text
-
-      text = "-"
-      if (model > 0.0_dp) text = number(model, 4)
-   end function model_text
 
    !> Table III: a row for each series, a column for each term.
    subroutine make_comparison(record, channel, table)
@@ -106,32 +92,39 @@ contains
       character(11), parameter :: series(6) = [character(11) :: "raw", "no outliers", "cleaned", "KF", "AKF", "compensated"]
       character(:), allocatable :: key
       logical :: shown(size(series)), reduced
-      integer :: term, which, row
+      character(:), allocatable :: cells
+      integer :: term, which
 
       shown = channel%allan(:size(series))%available
       shown(stage%cleaned) = channel%available%cleaned
       reduced = any(channel%reduction_known .or. channel%reduction_at_least > 0.0_dp)
-      call new_table(table, merge(3, 2, reduced) + count(shown), 6, head=2)
+      call new_table(table, 2, 6, head=2)
       table%name = "coefficients"
       table%number = "III"
       table%caption = "Noise coefficients from the Allan deviation"
       table%note = terms_text(record)//" +/-: one standard error; <: not detected, one-sided 95 % limit."
+      cells = ""
       do term = 1, 5
-         call set_cell(table, 1, term + 1, term_names(term))
-         call set_cell(table, 2, term + 1, broken(coefficient_unit_name(channel, term), "*/", 12))
+         cells = cells//broken(coefficient_unit_name(channel, term), "*/", 12)//";"
       end do
-      row = 2
+      call add_row(table, "", "Q;N;B;K;R")
+      call add_row(table, "", cells)
       do which = stage%input, stage%compensated
          if (.not. shown(which)) cycle
-         row = row + 1
-         call set_cell(table, row, 1, trim(series(which)))
+         cells = ""
          do term = 1, 5
-            call set_cell(table, row, term + 1, compared_text(channel%allan(which), term))
+            cells = cells//compared_text(channel%allan(which), term)//";"
+         end do
+         call add_row(table, trim(series(which)), cells)
+         do term = 1, 5
             associate (allan => channel%allan(which), stated => channel%allan(which)%stated%term(term))
                if (.not. (allan%fitted .and. stated%fitted)) cycle
                key = "coefficients."//trim(stage_names(which))//"."//term_names(term)
-               if (stated%detected) call set_exact(table, row, term + 1, key//".value", stated%value)
-               if (.not. stated%detected) call set_exact(table, row, term + 1, key//".upper_limit", stated%upper_limit)
+               if (stated%detected) call set_exact(table, table%filled, term + 1, key//".value", &
+                                                   stated%value)
+               if (.not. stated%detected) call set_exact(table, table%filled, term + 1, key// &
+                                                         ".upper_limit", &
+                                                         stated%upper_limit)
             end associate
          end do
       end do
@@ -139,11 +132,14 @@ contains
          count_text(int(channel%allan(stage%compensated)%noise%points, int64))//" octaves."
       if (.not. reduced) return
       table%note = table%note//" reduction: from cleaned to AKF."
-      call set_cell(table, row + 1, 1, "reduction")
+      cells = ""
       do term = 1, 5
-         call set_cell(table, row + 1, term + 1, reduction_text(channel, term))
-         if (channel%reduction_known(term)) call set_exact(table, row + 1, term + 1, "coefficients.reduction_percent."// &
-                                                           term_names(term), channel%reduction_percent(term))
+         cells = cells//reduction_text(channel, term)//";"
+      end do
+      call add_row(table, "reduction", cells)
+      do term = 1, 5
+         if (channel%reduction_known(term)) call set_exact(table, table%filled, term + 1, &
+            "coefficients.reduction_percent."//term_names(term), channel%reduction_percent(term))
       end do
    end subroutine make_comparison
 

@@ -5,14 +5,16 @@ module gyroakf_report_text_overview
    use gyroakf_io_writer, only : put_line, writer_type
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage
    use gyroakf_record, only : record_type, view_channel
-   use gyroakf_report_document_parts, only : put_ar
-   use gyroakf_report_models, only : make_ar_table, upper_case
+   use gyroakf_report_document_ar, only : put_ar
    use gyroakf_report_removed, only : cleaning_text
-   use gyroakf_report_tests_table, only : bare, has_tests, kpss_p_text, make_tests_table
+   use gyroakf_report_tables, only : bare, has_tests, kpss_p_text, make_ar_table, &
+      make_tests_table, upper_case
    use gyroakf_report_text_description, only : text_description_type
    use gyroakf_report_text_filters, only : make_filter_table, put_rmse
-   use gyroakf_report_text_layout, only : count_text, number, p_value_text, put_item, put_paragraph, rounded, scientific
-   use gyroakf_report_text_table, only : new_table, put_numbered, put_table, set_cell, set_row, table_type
+   use gyroakf_report_text_layout, only : count_text, if_known, number, percent, put_item, put_paragraph, rounded, &
+      scientific
+   use gyroakf_report_text_table, only : add_row, new_table, put_numbered, put_table, set_cell, &
+      table_type
    use gyroakf_report_verdicts, only : verdict_text, whiteness_word
    implicit none (type, external)
    private
@@ -114,38 +116,35 @@ contains
       type(channel_result_type), intent(in) :: channel
       character(11), parameter :: shown(7) = [character(11) :: "raw", "cleaned", "KF (paper)", "AKF (paper)", &
                                               "drift KF", "drift AKF", "smoother"]
-      integer, parameter :: column(6) = [1, 3, 4, 0, 6, 9], n = 4
-      integer :: stages(4)
+      integer, parameter :: stages(4) = [stage%input, stage%cleaned, stage%kf, stage%akf], n = 4
       type(table_type) :: full, table
-      integer :: i, j, row
+      character(:), allocatable :: coefficient
+      integer :: i, j
 
-      if (.not. any([channel%available%kf, channel%available%akf, channel%available%drift_kf, channel%available%drift_akf])) return
-      stages = [stage%input, stage%cleaned, stage%kf, stage%akf]
+      associate (is => channel%available)
+         if (.not. (is%kf .or. is%akf .or. is%drift_kf .or. is%drift_akf)) return
+      end associate
       call make_filter_table(record, channel, full)
-      row = full%head
-      do i = full%head + 1, size(full%cell, 1)
-         if (any(shown == full%cell(i, 1)%text)) row = row + 1
-      end do
-      call new_table(table, row, size(column), head=full%head)
-      row = 0
+      call new_table(table, full%head, 6, head=full%head)
       do i = 1, size(full%cell, 1)
          if (i > full%head .and. .not. any(shown == full%cell(i, 1)%text)) cycle
-         row = row + 1
-         do j = 1, size(column)
-            if (column(j) > 0) call set_cell(table, row, j, full%cell(i, column(j))%text)
-         end do
-         if (i <= full%head) cycle
+         coefficient = ""
          do j = 1, size(stages)
-            if (shown(j) /= full%cell(i, 1)%text) cycle
+            if (i <= full%head .or. shown(j) /= full%cell(i, 1)%text) cycle
             associate (term => channel%allan(stages(j))%stated%term(2))
                if (.not. term%detected) cycle
-               call set_cell(table, row, n, number(term%value, 3))
+               coefficient = number(term%value, 3)
                if (full%head > 1) call set_cell(table, 2, n, term%unit)
             end associate
          end do
+         associate (cell => full%cell(i, :))
+            call add_row(table, cell(1)%text, cell(3)%text//";"//cell(4)%text//";"//coefficient// &
+                         ";"// &
+                         cell(6)%text//";"//cell(9)%text)
+         end associate
       end do
       call set_cell(table, 1, n, "N")
-      call set_cell(table, 1, size(column), "innovations")
+      call set_cell(table, 1, 6, "innovations")
       call put_line(writer, "")
       call put_table(writer, table)
    end subroutine put_series
@@ -157,36 +156,24 @@ contains
       type(table_type) :: table
       integer :: c
 
-      call new_table(table, 2 + size(channel), 9, head=2)
-      call set_row(table, 1, [character(8) :: "", "outliers", "AR", "KF", "", "AKF", "", "drift KF", "smoother"])
-      call set_row(table, 2, [character(8) :: "", "", "order", "share", "passes", "share", "passes", "share", "share"])
+      call new_table(table, 2, 9, head=2)
+      call add_row(table, "", "outliers;AR;KF;;AKF;;drift KF;smoother")
+      call add_row(table, "", ";order;share;passes;share;passes;share;share")
       do c = 1, size(channel)
-         associate (one => channel(c), row => c + 2, is => channel(c)%available)
-            call set_cell(table, row, 1, one%name)
-            if (is%preprocess) call set_cell(table, row, 2, count_text(one%clean%removed))
-            if (is%ar) call set_cell(table, row, 3, count_text(int(one%ar%order, int64)))
-            if (is%kf) call set_shares(4, one%kf_figures%variance_ratio, one%kf%dc_gain)
-            if (is%akf) call set_shares(6, one%akf_figures%variance_ratio, one%akf%dc_gain)
-            call set_cell(table, row, 8, "-")
-            call set_cell(table, row, 9, "-")
-            if (is%drift_kf) call set_cell(table, row, 8, number(100*one%drift_kf_figures%variance_ratio, 3)//" %")
-            if (is%drift_smoother) call set_cell(table, row, 9, number(100*one%drift_smoother_figures%variance_ratio, 3)//" %")
+         associate (one => channel(c), is => channel(c)%available)
+            call add_row(table, one%name, if_known(is%preprocess, count_text(one%clean%removed))//";"// &
+                         if_known(is%ar, count_text(int(one%ar%order, int64)))//";"// &
+                         if_known(is%kf, percent(one%kf_figures%variance_ratio))//";"// &
+                         if_known(is%kf, percent(one%kf%dc_gain))//";"// &
+                         if_known(is%akf, percent(one%akf_figures%variance_ratio))//";"// &
+                         if_known(is%akf, percent(one%akf%dc_gain))//";"// &
+                         if_known(is%drift_kf, percent(one%drift_kf_figures%variance_ratio), "-")//";"// &
+                         if_known(is%drift_smoother, percent(one%drift_smoother_figures%variance_ratio), "-"))
          end associate
       end do
       call put_line(writer, "")
       call put_table(writer, table)
       call put_paragraph(writer, "share: variance of the output over that of the input. passes: share of a constant rotation", 2)
-
-   contains
-
-      !> Share of the variance, and of a rotation
-      subroutine set_shares(first, variance, rotation)
-         integer, intent(in) :: first
-         real(dp), intent(in) :: variance, rotation
-         call set_cell(table, c + 2, first, number(100*variance, 3)//" %")
-         call set_cell(table, c + 2, first + 1, number(100*rotation, 3)//" %")
-      end subroutine set_shares
-
    end subroutine put_filters
 
    !> The AR models of several channels.
@@ -194,23 +181,26 @@ contains
       type(writer_type), intent(inout) :: writer
       type(channel_result_type), intent(in) :: channel(:)
       type(table_type) :: table
+      character(:), allocatable :: cells
       integer :: c, i
 
-      call new_table(table, 1 + size(channel), 9)
-      call set_row(table, 1, [character(9) :: "", "order", "phi_1", "phi_2", "phi_3", "variance", "predicts", "|rho|", &
-                              "residuals"])
+      call new_table(table, 1, 9)
+      call add_row(table, "", "order;phi_1;phi_2;phi_3;variance;predicts;|rho|;residuals")
       do c = 1, size(channel)
-         call set_cell(table, c + 1, 1, channel(c)%name)
-         if (.not. channel(c)%available%ar) cycle
-         associate (ar => channel(c)%ar)
-            call set_cell(table, c + 1, 2, count_text(int(ar%order, int64)))
-            do i = 1, min(3, ar%order)
-               call set_cell(table, c + 1, 2 + i, number(ar%coefficient(i), 4))
+         if (.not. channel(c)%available%ar) then
+            call add_row(table, channel(c)%name, "")
+            cycle
+         end if
+         associate (ar => channel(c)%ar, test => channel(c)%ar%residual_ljung_box)
+            cells = count_text(int(ar%order, int64))//";"
+            do i = 1, 3
+               if (i <= ar%order) cells = cells//number(ar%coefficient(i), 4)
+               cells = cells//";"
             end do
-            call set_cell(table, c + 1, 6, scientific(ar%noise_variance, 4))
-            call set_cell(table, c + 1, 7, number(channel(c)%predictable_percent, 3)//" %")
-            call set_cell(table, c + 1, 8, number(ar%residual_ljung_box%largest_rho, 2))
-            if (ar%residual_ljung_box%lags > 0) call set_cell(table, c + 1, 9, trim(whiteness_word(ar%residual_ljung_box)))
+            cells = cells//scientific(ar%noise_variance, 4)//";"// &
+               number(channel(c)%predictable_percent, 3)//" %;"// &
+               number(test%largest_rho, 2)//";"
+            call add_row(table, channel(c)%name, cells//if_known(test%lags > 0, trim(whiteness_word(test))))
          end associate
       end do
       call put_line(writer, "")
@@ -226,19 +216,18 @@ contains
       type(table_type) :: table
       integer :: c
 
-      call new_table(table, 2 + size(channel), 8, head=2)
-      call set_row(table, 1, [character(11) :: "", "unit root", "level", "normal", "excess", "white", "largest", "noise"])
-      call set_row(table, 2, [character(11) :: "", "ADF", "KPSS", "Jarque-Bera", "kurtosis", "Ljung-Box", "|rho|", ""])
+      call new_table(table, 2, 8, head=2)
+      call add_row(table, "", "unit root;level;normal;excess;white;largest;noise")
+      call add_row(table, "", "ADF;KPSS;Jarque-Bera;kurtosis;Ljung-Box;|rho|")
       do c = 1, size(channel)
          associate (one => channel(c), is => channel(c)%available)
-            call set_cell(table, c + 2, 1, one%name)
-            if (is%adf) call set_cell(table, c + 2, 2, bare(p_value_text(one%adf%p_value)))
-            if (is%kpss) call set_cell(table, c + 2, 3, bare(kpss_p_text(one)))
-            if (is%jarque_bera) call set_cell(table, c + 2, 4, bare(p_value_text(one%jarque_bera%p_value)))
-            if (is%jarque_bera) call set_cell(table, c + 2, 5, number(one%jarque_bera%kurtosis - 3, 2))
-            if (is%ljung_box) call set_cell(table, c + 2, 6, bare(p_value_text(one%ljung_box%p_value)))
-            if (is%ljung_box) call set_cell(table, c + 2, 7, number(one%ljung_box%largest_rho, 2))
-            if (one%verdict%wanted) call set_cell(table, c + 2, 8, trim(verdict_text(one)))
+            call add_row(table, one%name, if_known(is%adf, bare(one%adf%p_value))//";"// &
+                         if_known(is%kpss, kpss_p_text(one))//";"// &
+                         if_known(is%jarque_bera, bare(one%jarque_bera%p_value))//";"// &
+                         if_known(is%jarque_bera, number(one%jarque_bera%kurtosis - 3, 2))//";"// &
+                         if_known(is%ljung_box, bare(one%ljung_box%p_value))//";"// &
+                         if_known(is%ljung_box, number(one%ljung_box%largest_rho, 2))//";"// &
+                         if_known(one%verdict%wanted, trim(verdict_text(one))))
          end associate
       end do
       call put_line(writer, "")

@@ -8,10 +8,12 @@ module gyroakf_report_text_report
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, stage
    use gyroakf_report_advice, only : put_advice, put_warnings
    use gyroakf_report_document_filters, only : put_drift, put_filters
-   use gyroakf_report_document_parts, only : put_ar, put_halves, put_noise, put_tests, put_verdict
+   use gyroakf_report_document_allan, only : put_halves, put_noise
+   use gyroakf_report_document_ar, only : put_ar
+   use gyroakf_report_document_tests, only : put_tests, put_verdict
    use gyroakf_report_document_preprocess, only : put_preprocess
    use gyroakf_report_input, only : put_input, report_inspect, unit_name
-   use gyroakf_report_models, only : make_ar_table
+   use gyroakf_report_tables, only : make_ar_table
    use gyroakf_report_removed, only : put_alerts
    use gyroakf_report_text_answer, only : put_answer
    use gyroakf_report_text_description, only : text_description_type

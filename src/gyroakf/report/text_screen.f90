@@ -6,6 +6,7 @@ module gyroakf_report_text_screen
    use gyroakf_pipeline_result, only : pipeline_result_type, stage
    use gyroakf_record, only : record_type, text_type, view_channel
    use gyroakf_report_chart, only : draw_chart
+   use gyroakf_report_figure_allan, only : alike_channels
    use gyroakf_report_input, only : put_source, unit_name, time_unit
    use gyroakf_report_remarks, only : put_remarks
    use gyroakf_report_text_answer, only : put_answer
@@ -87,18 +88,13 @@ contains
       type(text_type), allocatable, intent(out) :: lines(:)
       !> "x gx, y gy"
       character(:), allocatable, intent(out) :: legend
-      type(record_type) :: first, view
       real(dp), allocatable :: tau(:), deviation(:)
       character(1), allocatable :: mark(:)
       logical :: drawn(size(result%channel))
       character(1) :: letter
       integer :: c, i
 
-      call view_channel(record, 1, first)
-      do c = 1, size(result%channel)
-         call view_channel(record, c, view)
-         drawn(c) = unit_name(view) == unit_name(first) .and. result%channel(c)%allan(stage%input)%available
-      end do
+      drawn = alike_channels(record, result, 1)
       allocate (tau(0), deviation(0), mark(0))
       legend = ""
       do c = 1, size(result%channel)

@@ -10,7 +10,8 @@ module gyroakf_report_text_table
    use gyroakf_utf8, only : is_continuation, text_width
    implicit none (type, external)
    private
-   public :: table_type, new_table, set_cell, set_row, set_exact, put_table, put_numbered, cell_lines, cell_line, column_widths
+   public :: table_type, new_table, add_row, set_cell, set_exact, set_exacts, put_table, &
+      put_numbered, cell_lines, cell_line, column_widths
 
    !> Rows and columns of text with what a paper prints about them. Read freely, filled by the subroutines below.
    type :: table_type
@@ -31,6 +32,8 @@ module gyroakf_report_text_table
       character(:), allocatable :: note
       !> The numbers behind the cells, as far as set by [[set_exact]]: [rows, columns]
       type(exact_type), allocatable :: exact(:, :)
+      !> The row that was added last
+      integer :: filled = 0
    end type table_type
 
    !> Characters of a column that is text; what is longer loses its end
@@ -42,7 +45,7 @@ contains
    pure subroutine new_table(table, rows, columns, head, left)
       !> The table
       type(table_type), intent(out) :: table
-      !> The head included
+      !> The head included; [[add_row]] adds further ones
       integer, intent(in) :: rows
       !> All columns
       integer, intent(in) :: columns
@@ -76,20 +79,34 @@ contains
       table%cell(row, column)%text = text
    end subroutine set_cell
 
-   !> Fills the first cells of a row.
-   pure subroutine set_row(table, row, texts)
+   !> Fills the next row, which makes the table longer where it has no place.
+   pure subroutine add_row(table, name, cells)
       !> The table
       type(table_type), intent(inout) :: table
-      !> From 1
-      integer, intent(in) :: row
-      !> Blanks at their ends do not count
-      character(*), intent(in) :: texts(:)
-      integer :: j
+      !> The first cell
+      character(*), intent(in) :: name
+      !> The others with a semicolon between two of them; those that it does not have are empty
+      character(*), intent(in) :: cells
+      type(table_type) :: longer
+      integer :: first, length, j, n
 
-      do j = 1, size(texts)
-         table%cell(row, j)%text = trim(texts(j))
+      n = table%filled
+      if (n == size(table%cell, 1)) then
+         call new_table(longer, n + 1, size(table%cell, 2))
+         longer%cell(:n, :) = table%cell
+         longer%exact(:n, :) = table%exact
+         call move_alloc(longer%cell, table%cell)
+         call move_alloc(longer%exact, table%exact)
+      end if
+      table%filled = n + 1
+      table%cell(n + 1, 1)%text = name
+      first = 1
+      do j = 2, size(table%cell, 2)
+         length = index(cells(first:)//";", ";") - 1
+         table%cell(n + 1, j)%text = cells(first:first + length - 1)
+         first = first + length + 1
       end do
-   end subroutine set_row
+   end subroutine add_row
 
    !> Sets the number behind a cell: a page has it in full, with its place in results.json.
    pure subroutine set_exact(table, row, column, key, value)
@@ -105,6 +122,27 @@ contains
       table%exact(row, column)%key = key
       table%exact(row, column)%value = value
    end subroutine set_exact
+
+   !> Sets the numbers behind neighboring cells of the row that was added last.
+   pure subroutine set_exacts(table, column, prefix, names, values, suffix)
+      !> The table
+      type(table_type), intent(inout) :: table
+      !> The first one
+      integer, intent(in) :: column
+      !> Their keys: a prefix, a name of each, and what is behind it
+      character(*), intent(in) :: prefix, names(:)
+      !> Any
+      real(dp), intent(in) :: values(:)
+      character(*), intent(in), optional :: suffix
+      character(:), allocatable :: key
+      integer :: i
+
+      do i = 1, size(values)
+         key = prefix//trim(names(i))
+         if (present(suffix)) key = key//suffix
+         call set_exact(table, table%filled, column + i - 1, key, values(i))
+      end do
+   end subroutine set_exacts
 
    !> Lines of a cell.
    pure integer function cell_lines(text)
@@ -140,13 +178,11 @@ contains
 
    !> Writes the table: columns as wide as they need to be, two blanks between them, or one where it would else be too wide. What
    !> is still wider than a line goes on below, the columns of text repeated.
-   subroutine put_table(writer, table, left, verbatim)
+   subroutine put_table(writer, table, verbatim)
       !> The report
       type(writer_type), intent(inout) :: writer
       !> Filled
       type(table_type), intent(in) :: table
-      !> Columns that are text, where the table does not say it
-      integer, intent(in), optional :: left
       !> The texts are the user's: they are shown as they are
       logical, intent(in), optional :: verbatim
       type(table_type) :: shown
@@ -154,7 +190,6 @@ contains
       integer :: gap, first, last
 
       shown = table
-      if (present(left)) shown%left = left
       if (writer%unicode .and. .not. present(verbatim)) call use_signs(shown)
       if (writer%markup%on) then
          call html_table(writer, shown%cell, shown%exact, shown%head, shown%left)

@@ -1,0 +1,274 @@
+! SPDX-License-Identifier: MIT
+!> Results as comma-separated tables: a head line, a line per row, `nan` where something is missing.
+module gyroakf_report_csv_tables
+   use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
+   use gyroakf_kinds, only : dp
+   use gyroakf_units, only : term_names
+   use gyroakf_io_writer, only : put, put_line, put_real, writer_type
+   use gyroakf_allan_deviations, only : allan_curve_type
+   use gyroakf_ar_model, only : ar_model_type
+   use gyroakf_ar_spectrum, only : ar_spectrum
+   use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage, stage_names
+   use gyroakf_report_csv, only : quoted
+   use gyroakf_stats_correlation, only : correlation_type
+   use gyroakf_stats_histogram, only : histogram_type
+   use gyroakf_stats_welch, only : welch_type
+   implicit none (type, external)
+   private
+   public :: write_table
+
+   !> Enough for every number of a file that was written with 15 digits; for an estimated spectrum
+   integer, parameter :: digits = 15, spectrum_digits = 10
+   !> Intervals between 0 and the Nyquist frequency in ar_spectrum.csv
+   integer, parameter :: frequency_steps = 1024
+
+contains
+
+   !> One of the tables below.
+   !>
+   !> - allan.csv: a line per channel, series and tau; deviations in the unit of the input
+   !> - coefficients.csv: a line per channel, series and term; the reduction stands with akf
+   !> - correlation.csv: a line per channel and lag: autocorrelation, partial autocorrelation (nan
+   !>   where it does not exist), the 95 % limit of white noise and Bartlett's, Ljung-Box over the lags
+   !>   so far with its p, present pairs
+   !> - histogram.csv: a line per channel and bin: edges, samples, samples of the fitted normal
+   !>   distribution, and both as densities at the center; the first line of a channel counts what is
+   !>   below the bins (its lower edge is nan), the last what is above
+   !> - spectrum.csv: a line per channel and frequency of Welch's spectrum of the cleaned series:
+   !>   frequency in Hz (cycles per sample without a rate), two-sided density with its limits and
+   !>   one-sided density in the unit of the input squared over that of the frequency, degrees of
+   !>   freedom
+   !> - ar_spectrum.csv: the two-sided density of each channel's model from 0 to the Nyquist
+   !>   frequency, in the unit of the record squared times s; cycles a sample and samples where no rate
+   !>   is known. A model that is not stationary has none
+   subroutine write_table(writer, table, result, interval)
+      !> Open
+      type(writer_type), intent(inout) :: writer
+      !> Name of its file
+      character(*), intent(in) :: table
+      !> What came out
+      type(pipeline_result_type), intent(in) :: result
+      !> Sample interval, s; 1 without a rate
+      real(dp), intent(in) :: interval
+      character(:), allocatable :: name
+      integer :: c
+
+      call put_line(writer, head_of(table))
+      do c = 1, size(result%channel)
+         name = quoted(result%channel(c)%name)
+         associate (channel => result%channel(c), is => result%channel(c)%available)
+            select case (table)
+            case ("allan.csv"); call put_curves(writer, name, channel)
+            case ("coefficients.csv"); call put_coefficients(writer, name, channel)
+            case ("correlation.csv")
+               if (is%correlation) call put_correlation(writer, name, channel%correlation)
+            case ("histogram.csv")
+               if (is%histogram) call put_bins(writer, name, channel%histogram)
+            case ("spectrum.csv")
+               if (is%spectrum) call put_spectrum(writer, name, channel%spectrum)
+            case default
+               if (is%ar) call put_ar_spectrum(writer, name, channel%ar, interval)
+            end select
+         end associate
+      end do
+   end subroutine write_table
+
+   !> The names of the columns.
+   pure function head_of(table) result(head)
+      character(*), intent(in) :: table
+      character(:), allocatable :: head
+
+      select case (table)
+      case ("allan.csv"); head = "series,kind,tau,deviation,lower,upper,edf,terms,model"
+      case ("coefficients.csv")
+         head = "series,term,value,std_error,upper_limit_95,detected,unit,reduction_percent,"// &
+            "read_off,value_si,std_error_si,upper_limit_95_si,unit_si,definition,state"
+      case ("correlation.csv"); head = "lag,acf,pacf,limit,ljung_box,p_value,bartlett_limit,pairs"
+      case ("histogram.csv"); head = "lower,upper,count,expected,density,normal_density"
+      case ("spectrum.csv"); head = "frequency,density_two_sided,lower,upper,density_one_sided,edf"
+      case default; head = "frequency,density"
+      end select
+      head = "channel,"//head
+   end function head_of
+
+   !> Numbers with a comma in front of each.
+   subroutine put_numbers(writer, values, significant)
+      type(writer_type), intent(inout) :: writer
+      real(dp), intent(in) :: values(:)
+      !> Digits (default 15)
+      integer, intent(in), optional :: significant
+      integer :: i, wanted
+
+      wanted = digits
+      if (present(significant)) wanted = significant
+      do i = 1, size(values)
+         call put(writer, ",")
+         call put_real(writer, values(i), wanted)
+      end do
+   end subroutine put_numbers
+
+   !> Lines of names and numbers.
+   subroutine put_rows(writer, names, n, values, significant)
+      type(writer_type), intent(inout) :: writer
+      !> Of every line
+      character(*), intent(in) :: names
+      !> Lines
+      integer, intent(in) :: n
+      !> Column after column, n of each
+      real(dp), intent(in) :: values(:)
+      integer, intent(in), optional :: significant
+      integer :: i
+
+      do i = 1, n
+         call put(writer, names)
+         call put_numbers(writer, values(i::n), significant)
+         call put_line(writer, "")
+      end do
+   end subroutine put_rows
+
+   !> A value, NaN where it is not known.
+   elemental real(dp) function where_known(value, known)
+      real(dp), intent(in) :: value
+      logical, intent(in) :: known
+
+      where_known = ieee_value(value, ieee_quiet_nan)
+      if (known) where_known = value
+   end function where_known
+
+   !> The curves of every series, with the model where one was fitted.
+   subroutine put_curves(writer, name, channel)
+      type(writer_type), intent(inout) :: writer
+      character(*), intent(in) :: name
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: names
+      integer :: which, i
+
+      do which = stage%input, stage%compensated
+         names = name//","//trim(stage_names(which))//","
+         associate (allan => channel%allan(which))
+            if (.not. allan%available) cycle
+            if (allan%fitted) then
+               call put_curve(writer, names, allan%curve, allan%noise%model)
+            else
+               call put_curve(writer, names, allan%curve, 0*allan%curve%tau)
+            end if
+            if (.not. allocated(allan%other)) cycle
+            do i = 1, size(allan%other)
+               if (.not. allocated(allan%other(i)%tau)) cycle
+               call put_curve(writer, names, allan%other(i), 0*allan%other(i)%tau)
+            end do
+         end associate
+      end do
+   end subroutine put_curves
+
+   !> One curve.
+   subroutine put_curve(writer, names, curve, model)
+      type(writer_type), intent(inout) :: writer
+      character(*), intent(in) :: names
+      type(allan_curve_type), intent(in) :: curve
+      !> Fitted deviations, not positive where the fit says nothing
+      real(dp), intent(in) :: model(:)
+
+      call put_rows(writer, names//trim(curve%kind), size(curve%tau), &
+                    [curve%tau, curve%deviation, curve%lower, curve%upper, curve%edf, &
+                     real(curve%terms, dp), where_known(model, model > 0.0_dp)])
+   end subroutine put_curve
+
+   !> The terms of every series.
+   subroutine put_coefficients(writer, name, channel)
+      type(writer_type), intent(inout) :: writer
+      character(*), intent(in) :: name
+      type(channel_result_type), intent(in) :: channel
+      integer :: which, term
+
+      do which = stage%input, stage%compensated
+         if (.not. channel%allan(which)%fitted) cycle
+         do term = 1, 5
+            call put(writer, name//","//trim(stage_names(which))//","//term_names(term))
+            call put_coefficient(writer, channel, which, term)
+         end do
+      end do
+   end subroutine put_coefficients
+
+   !> The columns of a term.
+   subroutine put_coefficient(writer, channel, which, term)
+      type(writer_type), intent(inout) :: writer
+      type(channel_result_type), intent(in) :: channel
+      !> Component of [[gyroakf_pipeline_result:stage]]; 1 .. 5
+      integer, intent(in) :: which, term
+      logical :: reduced, in_units
+
+      reduced = which == stage%akf .and. channel%reduction_known(term)
+      associate (allan => channel%allan(which), is => channel%allan(which)%stated%term(term))
+         in_units = is%fitted .and. allan%stated%in_units
+         call put_numbers(writer, where_known([is%value, is%std_error, is%upper_limit], is%fitted))
+         call put(writer, ","//trim(merge("true ", "false", is%detected))//","//quoted(is%unit))
+         call put_numbers(writer, where_known([channel%reduction_percent(term)], reduced))
+         call put_numbers(writer, where_known([allan%read_off%value(term)], &
+                                              allan%read_off%found(term)))
+         call put_numbers(writer, &
+                          where_known([is%value_si, is%std_error_si, is%upper_limit_si], in_units))
+         call put_line(writer, ","//quoted(is%unit_si)//","//quoted(is%definition)//","// &
+                       trim(is%state))
+      end associate
+   end subroutine put_coefficient
+
+   !> The lags from 1 on.
+   subroutine put_correlation(writer, name, is)
+      type(writer_type), intent(inout) :: writer
+      character(*), intent(in) :: name
+      type(correlation_type), intent(in) :: is
+      integer :: lag(is%lags), k
+
+      lag = [(k, k=1, is%lags)]
+      call put_rows(writer, name, is%lags, [real(lag, dp), is%acf(1:is%lags), &
+                    where_known(is%pacf(1:is%lags), lag <= is%partial_lags), is%limit(1:is%lags), &
+                    is%ljung_box(1:is%lags), is%ljung_box_p(1:is%lags), is%bartlett(1:is%lags), &
+                    real(is%pairs(1:is%lags), dp)])
+   end subroutine put_correlation
+
+   !> What is below, the bins, what is above.
+   subroutine put_bins(writer, name, is)
+      type(writer_type), intent(inout) :: writer
+      character(*), intent(in) :: name
+      type(histogram_type), intent(in) :: is
+      real(dp) :: none
+      integer :: n
+
+      none = where_known(0.0_dp, .false.)
+      n = size(is%count)
+      call put_rows(writer, name, 1, &
+                    [none, is%edge(0), real(is%below, dp), is%expected_below, none, none])
+      call put_rows(writer, name, n, [is%edge(0:n - 1), is%edge(1:n), real(is%count, dp), &
+                                      is%expected, is%density, is%normal_density])
+      call put_rows(writer, name, 1, &
+                    [is%edge(n), none, real(is%above, dp), is%expected_above, none, none])
+   end subroutine put_bins
+
+   !> The frequencies from the first on.
+   subroutine put_spectrum(writer, name, is)
+      type(writer_type), intent(inout) :: writer
+      character(*), intent(in) :: name
+      type(welch_type), intent(in) :: is
+
+      call put_rows(writer, name, size(is%frequency), [is%frequency, is%density, is%lower, &
+                                                       is%upper, &
+                                                       is%one_sided, is%edf], spectrum_digits)
+   end subroutine put_spectrum
+
+   !> The density of a model.
+   subroutine put_ar_spectrum(writer, name, model, interval)
+      type(writer_type), intent(inout) :: writer
+      character(*), intent(in) :: name
+      type(ar_model_type), intent(in) :: model
+      real(dp), intent(in) :: interval
+      real(dp) :: frequency(0:frequency_steps)
+      integer :: i
+
+      if (.not. model%stationary) return
+      frequency = [(real(i, dp), i=0, frequency_steps)]/(2.0_dp*real(frequency_steps, dp)*interval)
+      call put_rows(writer, name, size(frequency), &
+                    [frequency, (ar_spectrum(model, frequency(i), interval), i=0, frequency_steps)])
+   end subroutine put_ar_spectrum
+
+end module gyroakf_report_csv_tables

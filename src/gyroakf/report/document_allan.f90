@@ -1,0 +1,245 @@
+! SPDX-License-Identifier: MIT
+!> Allan deviations and noise coefficients of a channel, described: coefficients in the stated unit,
+!> in SI, with what they are the coefficients of.
+module gyroakf_report_document_allan
+   use gyroakf_kinds, only : dp
+   use gyroakf_units, only : term_names
+   use gyroakf_allan_deviations, only : allan_curve_type
+   use gyroakf_allan_noise_fit, only : noise_type
+   use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, stage, stage_names, &
+      stated_coefficient_type, &
+      stated_noise_type, stated_read_off_type
+   use gyroakf_report_description, only : description_type
+   use gyroakf_report_verdicts, only : slopes_text
+   implicit none (type, external)
+   private
+   public :: put_allan, put_halves, put_coefficients, put_noise
+
+contains
+
+   !> "allan".
+   subroutine put_allan(out, channel)
+      !> The renderer
+      class(description_type), intent(inout) :: out
+      !> One channel
+      type(channel_result_type), intent(in) :: channel
+      integer :: which
+
+      call out%open("allan")
+      do which = stage%input, stage%compensated
+         associate (allan => channel%allan(which))
+            if (.not. out%opens(trim(stage_names(which)), allan%available)) cycle
+            call put_curve(out, allan%curve)
+            if (out%opens("other_kinds", allocated(allan%other))) call put_other_kinds(out, &
+               allan%other)
+            call out%close()
+         end associate
+      end do
+      call put_halves(out, channel)
+      call out%close()
+   end subroutine put_allan
+
+   !> "halves": the second half of the record against the first.
+   subroutine put_halves(out, channel)
+      !> The renderer
+      class(description_type), intent(inout) :: out
+      !> One channel
+      type(channel_result_type), intent(in) :: channel
+
+      if (.not. out%opens("halves", channel%available%halves, &
+                          "Second half against the first")) return
+      associate (halves => channel%halves)
+         call out%put("statistic", halves%statistic, title="chi-square")
+         call out%put("freedom", halves%freedom, title="degrees of freedom")
+         call out%put("p_value", halves%p_value)
+         call out%put("tau_s", halves%tau, shown=.false.)
+         call out%put("ratio", halves%ratio, shown=.false.)
+         call out%put("lower", halves%lower, shown=.false.)
+         call out%put("upper", halves%upper, shown=.false.)
+         call out%close()
+      end associate
+   end subroutine put_halves
+
+   !> Members of a curve.
+   subroutine put_curve(out, curve)
+      class(description_type), intent(inout) :: out
+      type(allan_curve_type), intent(in) :: curve
+
+      call out%put("kind", trim(curve%kind))
+      call out%put("tau_s", curve%tau)
+      call out%put("deviation", curve%deviation)
+      call out%put("lower", curve%lower)
+      call out%put("upper", curve%upper)
+      call out%put("edf", curve%edf)
+      call out%put("terms", real(curve%terms, dp))
+   end subroutine put_curve
+
+   !> The members of "other_kinds": the curves of the further kinds, each under its name.
+   subroutine put_other_kinds(out, curves)
+      class(description_type), intent(inout) :: out
+      !> The curves; those that could not be computed are left out
+      type(allan_curve_type), intent(in) :: curves(:)
+      integer :: i
+
+      do i = 1, size(curves)
+         if (.not. allocated(curves(i)%tau)) cycle
+         call out%open(trim(curves(i)%kind))
+         call put_curve(out, curves(i))
+         call out%absent("other_kinds")
+         call out%close()
+      end do
+      call out%close()
+   end subroutine put_other_kinds
+
+   !> "coefficients".
+   subroutine put_coefficients(out, channel)
+      !> The renderer
+      class(description_type), intent(inout) :: out
+      !> One channel
+      type(channel_result_type), intent(in) :: channel
+      integer :: which, term
+
+      call out%open("coefficients")
+      do which = stage%input, stage%compensated
+         call put_noise(out, trim(stage_names(which)), "Noise coefficients", channel%allan(which))
+      end do
+      call out%open("reduction_percent")
+      do term = 1, 5
+         call out%put(term_names(term), channel%reduction_percent(term), &
+                      channel%reduction_known(term))
+      end do
+      call out%close()
+      call out%close()
+   end subroutine put_coefficients
+
+   !> The coefficients of one series; the numbers of a term that was not fitted are null.
+   subroutine put_noise(out, key, title, allan)
+      !> The renderer
+      class(description_type), intent(inout) :: out
+      !> The series, and what a text calls its coefficients
+      character(*), intent(in) :: key, title
+      !> Absent where nothing was fitted
+      type(allan_result_type), intent(in) :: allan
+      integer :: term
+
+      if (.not. out%opens(key, allan%fitted, title)) return
+      do term = 1, 5
+         call put_stated(out, term_names(term), allan%stated%term(term), allan%stated%in_units)
+      end do
+      call put_unquantized(out, allan%stated)
+      call out%put("chi2_reduced", allan%noise%chi2_reduced, shown=.false.)
+      call put_read_off(out, allan%read_off)
+      call put_densities(out, allan%stated)
+      call put_description(out, allan%noise, allan%curve)
+      call out%close()
+   end subroutine put_noise
+
+   !> "read_off": what the curve alone says, null where there is no segment.
+   subroutine put_read_off(out, read_off)
+      class(description_type), intent(inout) :: out
+      type(stated_read_off_type), intent(in) :: read_off
+      integer :: term
+
+      call out%open("read_off", "Read off")
+      do term = 1, 5
+         call out%put(term_names(term), read_off%value(term), read_off%found(term))
+      end do
+      call out%put("minimum", read_off%minimum, read_off%known)
+      call out%put("minimum_tau_s", read_off%minimum_tau, read_off%known, title="at tau =")
+      call out%put("falling", read_off%falling, title="falling at the end")
+      call out%close()
+   end subroutine put_read_off
+
+   !> "density": N as a density in both conventions; null where rate or unit is not known.
+   subroutine put_densities(out, stated)
+      !> The renderer
+      class(description_type), intent(inout) :: out
+      !> The coefficients of one series
+      type(stated_noise_type), intent(in) :: stated
+
+      if (.not. out%opens("density", stated%in_units, "Density of N")) return
+      call put_stated(out, "two_sided", stated%density(1), .true.)
+      call put_stated(out, "one_sided", stated%density(2), .true.)
+      call out%close()
+   end subroutine put_densities
+
+   !> A coefficient, or N as a density, in the stated unit and in SI.
+   subroutine put_stated(out, key, stated, in_units, title, shown)
+      !> The renderer
+      class(description_type), intent(inout) :: out
+      !> Its letter, or the density's convention
+      character(*), intent(in) :: key
+      !> The numbers; null where the term was not fitted
+      type(stated_coefficient_type), intent(in) :: stated
+      !> Rate and unit are known; the SI numbers are null otherwise
+      logical, intent(in) :: in_units
+      !> What a text calls it (default: its letter)
+      character(*), intent(in), optional :: title
+      !> A text has it (default: yes)
+      logical, intent(in), optional :: shown
+      logical :: known
+
+      call out%open(key, title, shown)
+      call out%put("value", stated%value, stated%fitted, stated%unit, stated%std_error, &
+                   "=", stated%detected)
+      call out%put("std_error", stated%std_error, stated%fitted, shown=.false.)
+      call out%put("upper_limit", stated%upper_limit, stated%fitted, stated%unit, title="<", &
+                   shown=.not. stated%detected)
+      call out%put("detected", stated%detected, shown=.false.)
+      call out%put("state", trim(stated%state), shown=.not. (stated%fitted .or. stated%state == ""))
+      call out%put("unit", stated%unit, shown=.false.)
+      known = stated%fitted .and. in_units
+      call out%put("value_si", stated%value_si, known, stated%unit_si, stated%std_error_si, "SI:", &
+                   stated%detected)
+      call out%put("std_error_si", stated%std_error_si, known, shown=.false.)
+      call out%put("upper_limit_si", stated%upper_limit_si, known, stated%unit_si, title="SI: <", &
+                   shown=.not. stated%detected)
+      call out%put("unit_si", stated%unit_si, in_units, shown=.false.)
+      call out%put("definition", stated%definition)
+      call out%close()
+   end subroutine put_stated
+
+   !> "N_without_quantization" and "lsb_ratio", null where the step of the samples is of no account.
+   subroutine put_unquantized(out, stated)
+      !> The renderer
+      class(description_type), intent(inout) :: out
+      !> The coefficients of one series
+      type(stated_noise_type), intent(in) :: stated
+
+      call put_stated(out, "N_without_quantization", stated%unquantized, stated%in_units, &
+                      "N unquantized", stated%unquantized%state /= "")
+      call out%put("lsb_ratio", stated%lsb_ratio, stated%unquantized%state /= "")
+   end subroutine put_unquantized
+
+   !> "fit": how the terms were fitted.
+   subroutine put_description(out, noise, curve)
+      !> The renderer
+      class(description_type), intent(inout) :: out
+      !> The fit
+      type(noise_type), intent(in) :: noise
+      !> What was fitted
+      type(allan_curve_type), intent(in) :: curve
+
+      call out%open("fit", "Fit")
+      call out%put("described", noise%described)
+      call out%put("points", noise%points, title="octaves")
+      call out%put("left_out", noise%left_out, title="octaves excluded at short tau")
+      call out%put("cut_off", noise%cut_off, title="at long tau")
+      call out%put("tau_first_s", noise%tau_first, noise%described, title="tau from")
+      call out%put("tau_last_s", noise%tau_last, noise%described, title="to")
+      call out%put("chi2_freedom", noise%chi2_freedom, title="degrees of freedom")
+      call out%put("p_value", noise%chi2_probability)
+      call out%put("floor_percent", 50*noise%floor, title="misfit allowed for")
+      call out%put("kurtosis", noise%kurtosis)
+      if (.not. noise%described) call out%remark(slopes_text(curve))
+      if (allocated(noise%tau)) then
+         call out%put("tau_s", noise%tau, shown=.false.)
+         call out%put("residual", noise%residual, shown=.false.)
+      else
+         call out%absent("tau_s")
+         call out%absent("residual")
+      end if
+      call out%close()
+   end subroutine put_description
+
+end module gyroakf_report_document_allan
