@@ -185,9 +185,9 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer(int64) :: rows
 
-      if (columns < 256 .or. .not. lines%ended) return
+      if (columns < 64 .or. .not. lines%ended) return
       rows = count(lines%bytes(lines%at:lines%last) == 10_int8, kind=int64)
-      if (16*rows > columns) return
+      if (8*rows > columns) return
       call fatal_error(error, status%parse, name//":"//integer_text(lines%number)//":1: the number of rows is "// &
          integer_text(rows)//", that of columns "//integer_text(int(columns, int64))//": a series in each row?"//new_line("a")// &
          "a column for each: python3 -c ""import numpy; numpy.savetxt('columns.txt', numpy.array([r.replace(',', ' ').split() "// &
