@@ -22,6 +22,8 @@ module gyroakf_app_remedy
    integer, parameter :: most_lines = 4000, most_kinds = 4
    !> Lines of a record, at most
    integer, parameter :: most_together = 64
+   !> A choice of more columns is not named
+   integer, parameter :: most_columns = 64
 
    !> The sign of degrees in UTF-8
    character(*), parameter :: degree = char(194)//char(176)
@@ -323,6 +325,7 @@ contains
       if (size(line) > 0) n = len(line((size(line) + 1)/2)%pattern)
       fits = [(len(line(i)%pattern) == n, i=1, size(line))]
       list = ""
+      if (n > most_columns) return
       do j = 1, n
          if (names%known) then
             if (j > size(names%name)) return

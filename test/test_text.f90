@@ -297,10 +297,11 @@ contains
       if (allocated(error)) return
       call check(error, named_scale("SampleTimeFine", "", 16667.0_dp), 1.0e-6_dp)
       if (allocated(error)) return
-      call check(error, named_scale("gps_tow_s", "", 0.0_dp) + named_scale("t", "100us", 0.0_dp), 1.0001_dp, thr=1.0e-12_dp)
+      call check(error, named_scale("gps_tow_s", "", 0.0_dp) + named_scale("t", "100us", 0.0_dp), &
+                 1.0001_dp, thr=1.0e-12_dp)
       if (allocated(error)) return
-      call check(error, named_scale("epoc", "ms", 0.0_dp) + named_scale("t", "min", 0.0_dp) + named_scale("t", "12", 0.0_dp), &
-                 60.001_dp, thr=1.0e-12_dp)
+      call check(error, named_scale("epoc", "ms", 0.0_dp) + named_scale("t", "min", 0.0_dp) &
+                 + named_scale("t", "12", 0.0_dp), 60.001_dp, thr=1.0e-12_dp)
    end subroutine test_time_units
 
    subroutine test_inferred(error)

@@ -186,7 +186,8 @@ contains
          call parse_quietly(text, found)
          if (k == 1 .and. any(["g  ", "mg ", "ug "] == word(last)%text)) then
             call join_name(word(:last - 1), text)
-            if (class_of_words(word(:last - 1), text) /= column_class%acceleration .or. index(name, "/") > 0) found = unit_type()
+            if (class_of_words(word(:last - 1), text) /= column_class%acceleration &
+                .or. index(name, "/") > 0) found = unit_type()
          end if
          if (found%quantity /= quantity%unknown) return
       end do

@@ -41,8 +41,9 @@ contains
       may(:) = .true.
       do j = 1, size(keep)
          if (table%names%known) then
-            associate (name => table%names%name(table%chosen(j))%text, unit => table%names%unit(table%chosen(j))%text)
-               may(j) = may_hold_time(name, unit) .or. name == "T"
+            associate (names => table%names, column => table%chosen(j))
+               may(j) = may_hold_time(names%name(column)%text, names%unit(column)%text) &
+                        .or. names%name(column)%text == "T"
             end associate
          end if
          if (.not. may(j) .or. input == "angle") cycle

@@ -235,8 +235,8 @@ contains
       part = real(value, dp)/real(ten(digits), dp)
    end subroutine scan_decimals
 
-   !> `Z` or the hours and minutes that the clock is ahead of universal time, behind a blank where a comma, semicolon or tab
-   !> follows; none leaves the time as it is.
+   !> `Z` or the hours and minutes that the clock is ahead of universal time, behind a blank where a
+   !> comma, semicolon or tab follows; none leaves the time as it is.
    pure subroutine scan_zone(bytes, p, whole, found)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: p, whole
@@ -247,8 +247,9 @@ contains
 
       found = .true.
       if (bytes(p) == blank) then
-         if ((bytes(p + 1) /= plus .and. bytes(p + 1) /= minus) .or. .not. is_digit(bytes(p + 2))) return
-         if (.not. all(is_digit(bytes(p + 3:p + 5))) .or. all(bytes(p + 6) /= [comma, semicolon, tab])) return
+         if (all(bytes(p + 1) /= [plus, minus]) .or. .not. is_digit(bytes(p + 2))) return
+         if (.not. all(is_digit(bytes(p + 3:p + 5)))) return
+         if (all(bytes(p + 6) /= [comma, semicolon, tab])) return
          p = p + 1
       end if
       if (bytes(p) == iachar("Z") .or. bytes(p) == iachar("z")) p = p + 1

@@ -72,7 +72,8 @@ contains
          next = achar(iand(int(bytes(min(p + 1, last))), 255))
          if (sign == ">" .and. (p == first .or. bytes(max(first, p - 1)) == iachar("-"))) then    ! ">gx:1", "->"
             fresh = p == first
-         else if ((fresh .and. is_in(sign, opening)) .or. is_in(sign, closing) .or. (sign == "|" .and. parts(bytes, p, last))) then
+         else if (merge(fresh, parts(bytes, p, last), sign /= "|") .and. is_in(sign, opening//"|") &
+                  .or. is_in(sign, closing)) then
             if (marks%values > 0) pending = mixed(pending, int(iachar(sign) + 256*marks%values, int64))
             marks%brackets = marks%brackets + 1
             if (erase) bytes(p) = blank
@@ -306,8 +307,8 @@ contains
       end do
    end subroutine find_labels
 
-   !> A label as name and unit of field j; a unit that stands before it is that of field j - 1. "rotation rate x" begins a group
-   !> of axes, to which "y" and "z" belong.
+   !> A label as name and unit of field j; a unit that stands before it is that of field j - 1.
+   !> "rotation rate x" begins a group of axes, to which "y" and "z" belong.
    pure subroutine take_label(label, within, j, group, named)
       character(*), intent(in) :: label
       logical, intent(in) :: within
@@ -343,10 +344,12 @@ contains
       do j = size(named%name), 1, -1
          n = len(named%name(j)%text)
          if (n == 0) cycle
-         if (k > 0) then
-            if (n == len(named%name(k)%text) .and. scan(named%name(j)%text, "xyzXYZ", back=.true.) == n &
-                .and. named%name(j)%text(:n - 1) == named%name(k)%text(:min(n, len(named%name(k)%text)) - 1) &
-                .and. len(named%unit(j)%text) == 0) named%unit(j)%text = named%unit(k)%text
+         if (k > 0 .and. len(named%unit(j)%text) == 0) then
+            associate (this => named%name(j)%text, next => named%name(k)%text)
+               if (n == len(next) .and. scan(this, "xyzXYZ", back=.true.) == n) then
+                  if (this(:n - 1) == next(:n - 1)) named%unit(j)%text = named%unit(k)%text
+               end if
+            end associate
          end if
          k = j
       end do

@@ -86,7 +86,8 @@ contains
       end do
    end subroutine split_row
 
-   !> Makes one field of a date and the time of day and zone behind it, where the layout says that they are one column.
+   !> Makes one field of a date and the time of day and zone behind it, where the layout says that they
+   !> are one column.
    pure subroutine join_fields(bytes, layout, fields)
       !> Holds the fields
       integer(int8), intent(in), contiguous :: bytes(:)

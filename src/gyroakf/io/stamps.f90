@@ -47,7 +47,7 @@ contains
    end subroutine fraction_of
 
    !> Seconds in the unit that the name says by its brackets or its end; 0 where it says none.
-   !> Xsens' SampleTimeFine counts in 100 us (MTi, MTw), or in us (DOT) where it would be slower than 2 Hz.
+   !> Xsens' SampleTimeFine counts in 100 us (MTi, MTw), or in us (DOT) where that would be below 2 Hz.
    pure real(dp) function named_scale(name, unit, step)
       !> "time_ms", or "time" with its brackets' content as unit
       character(*), intent(in) :: name, unit

@@ -219,7 +219,8 @@ contains
       else if (table%names%known) then
          rows = int(min(size(stamps, kind=int64), 1000_int64))
          step = (stamps(rows) - stamps(1))/max(1, rows - 1)
-         scale = named_scale(table%names%name(table%time)%text, table%names%unit(table%time)%text, step)
+         scale = named_scale(table%names%name(table%time)%text, &
+                             table%names%unit(table%time)%text, step)
       end if
       if (scale <= 0.0_dp) then
          given = merge(options%rate_hz, table%header%rate_hz, options%rate_hz > 0.0_dp)
