@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Options that read a recording which cannot be read as it is: each is tried on the first megabyte before it is named.
+!> Options and commands that read a recording which cannot be read as it is: each is tried on the first megabyte before it is
+!> named.
 module gyroakf_app_remedy
    use gyroakf_kinds, only : int8, int64
    use gyroakf_column_class, only : is_time_name
@@ -19,6 +20,13 @@ module gyroakf_app_remedy
 
    !> So many lines are searched for kinds of records, and so many kinds are tried
    integer, parameter :: most_lines = 4000, most_kinds = 4
+   !> Lines of a record, at most
+   integer, parameter :: most_together = 64
+   !> A choice of more columns is not named
+   integer, parameter :: most_columns = 64
+
+   !> The sign of degrees in UTF-8
+   character(*), parameter :: degree = char(194)//char(176)
 
    !> A line of the file
    type :: line_type
@@ -29,7 +37,8 @@ module gyroakf_app_remedy
 
 contains
 
-   !> Adds a line "options that read it: --where 1=IMU; --where 1=GPS" to the message, where there are any.
+   !> Adds a line "options that read it: --where 1=IMU; --where 1=GPS" to the message, where there are
+   !> any, else one of a command.
    subroutine add_remedies(recording, error)
       !> Could not be read
       type(recording_type), intent(in) :: recording
@@ -39,16 +48,26 @@ contains
       type(text_type), allocatable :: kinds(:)
       integer(int8), allocatable, target :: head(:)
       character(:), allocatable :: list
-      integer :: i
+      integer :: i, tried
 
-      if (.not. allocated(recording%lines%head)) return
+      tried = 0
+      if (.not. (allocated(recording%lines%head) .and. allocated(recording%table%name))) return
       allocate (head, source=recording%lines%head)
       call take_lines(head, line)
       list = ""
-      call list_kinds(line, recording%table%kinds, kinds)
-      do i = 1, size(kinds)
+      if (allocated(recording%table%kinds)) then
+         do i = 1, size(recording%table%kinds)
+            call try("where", recording%table%kinds(i)%text)
+         end do
+         if (tried < size(recording%table%kinds)) list = ""
+      end if
+      call list_kinds(line, kinds)
+      do i = 1, merge(size(kinds), 0, len(list) == 0)
          call try("where", kinds(i)%text)
       end do
+      if (len(list) == 0) call try_commands()
+      if (index(list, "|") > 0) error%message = error%message//new_line("a")//"a command that reads it: "//list(3:)
+      if (index(list, "|") > 0) return
       if (recording%table%rows < 16) call try("skip", integer_text(lines_above(line)))
       if (recording%table%rows == 0) call try("column", number_columns(line, recording%table%names))
       if (index(error%message, "decimal comma") > 0) call try("decimal-comma", "")
@@ -60,6 +79,44 @@ contains
 
    contains
 
+      !> Joins the lines of a record, or parts what stands together in the field that is no number.
+      subroutine try_commands()
+         character(:), allocatable :: field
+         integer :: lines, mark
+         character(1) :: sign
+
+         lines = lines_together(line)
+         if (lines > 1) call try_text("paste -d' '"//repeat(" -", lines), &
+                                      joined_lines(recording%lines%head, lines))
+         mark = index(error%message, "' is not a number")
+         if (mark == 0 .or. len(list) > 0) return
+         field = error%message(index(error%message(:mark - 1), "'", back=.true.) + 1:mark - 1)
+         mark = verify(field, "0123456789+-.")
+         if (mark < 2) return
+         sign = field(mark:mark)
+         if (scan(sign, "/|#~&!@_^") > 0) then
+            call try_text("tr '"//sign//"' ' '", &
+                          merge(int(iachar(" "), int8), head, head == iachar(sign)))
+         else if (sign /= "e" .and. sign /= "E") then
+            call try_text("sed -E 's/([0-9.])([a-df-zA-DF-Z"//degree//"])/\1 \2/g'", &
+                          parted_units(recording%lines%head))
+         end if
+      end subroutine try_commands
+
+      !> Reads what a command makes of the head; names the command where that succeeds.
+      subroutine try_text(command, text)
+         character(*), intent(in) :: command
+         integer(int8), intent(in) :: text(:)
+         character(:), allocatable :: file
+
+         deallocate (head)
+         allocate (head, source=text)
+         call try("", "")
+         file = ""
+         if (recording%path /= "-") file = " < "//shell_word(recording%path)
+         if (list == "; ") list = list//command//file//" | gyroakf run -"
+      end subroutine try_text
+
       !> Reads the head with an option more, or with that and --bad-lines; names it where that succeeds and few lines are bad.
       subroutine try(name, value)
          character(*), intent(in) :: name, value
@@ -68,7 +125,7 @@ contains
          type(error_type), allocatable :: failed
          character(:), allocatable :: also
 
-         if (value == "" .and. name /= "decimal-comma") return
+         if (value == "" .and. name /= "decimal-comma" .and. name /= "") return
          options = recording%options
          select case (name)
          case ("where"); options%where = value
@@ -76,6 +133,7 @@ contains
          case ("column"); options%columns = value
          case ("time-column"); options%time_column = value
          case ("decimal-comma"); options%decimal_comma = .true.
+         case (""); continue
          case default; options%bad_lines_missing = .true.
          end select
          options%bytes => head
@@ -88,11 +146,78 @@ contains
          end if
          if (allocated(failed)) return
          if (size(record%value, 1) < 2 .or. 8*record%audit%bad_lines > size(record%value, 1)) return
-         list = list//"; --"//name
+         list = list//"; "
+         if (len(name) > 0) list = list//"--"//name
          if (len(value) > 0) list = list//" "//shell_word(value)
          list = list//also
+         tried = tried + 1
       end subroutine try
    end subroutine add_remedies
+
+   !> How many lines a record spans: after so many the patterns and kinds repeat; 1 where all lines are
+   !> alike or none repeat.
+   pure integer function lines_together(line) result(lines)
+      type(line_type), intent(in) :: line(:)
+      logical :: again
+      integer :: i
+
+      do lines = 1, min(most_together, size(line)/3)
+         do i = lines + 1, size(line)
+            associate (this => line(i), earlier => line(i - lines))
+               again = this%pattern == earlier%pattern
+               again = again .and. (allocated(this%kind) .eqv. allocated(earlier%kind))
+               if (again .and. allocated(this%kind)) again = this%kind == earlier%kind
+            end associate
+            if (.not. again) exit
+         end do
+         if (i > size(line)) return
+      end do
+      lines = 1
+   end function lines_together
+
+   !> A text with blanks for all line feeds but those that end a record; what stands behind the last
+   !> record is left out.
+   pure function joined_lines(bytes, lines) result(text)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer, intent(in) :: lines
+      integer(int8), allocatable :: text(:)
+      integer :: i, k, last
+
+      text = bytes
+      k = 0
+      last = 0
+      do i = 1, size(text)
+         if (text(i) /= 10_int8) cycle
+         k = k + 1
+         if (modulo(k, lines) == 0) last = i
+         if (modulo(k, lines) /= 0) text(i) = iachar(" ")
+      end do
+      text = text(:last)
+   end function joined_lines
+
+   !> A text with a blank between a number and the unit behind it.
+   pure function parted_units(bytes) result(text)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int8), allocatable :: text(:)
+      character(*), parameter :: units = "abcdfghijklmnopqrstuvwxyzABCDFGHIJKLMNOPQRSTUVWXYZ"//degree(1:1)
+      character(1) :: sign, before
+      integer :: i, n
+
+      allocate (text(2*size(bytes)))
+      n = 0
+      before = " "
+      do i = 1, size(bytes)
+         sign = achar(iand(int(bytes(i)), 255))
+         if (index("0123456789.", before) > 0 .and. index(units, sign) > 0) then
+            n = n + 1
+            text(n) = iachar(" ")
+         end if
+         n = n + 1
+         text(n) = bytes(i)
+         before = sign
+      end do
+      text = text(:n)
+   end function parted_units
 
    !> The lines of a text, with their patterns and kinds.
    subroutine take_lines(bytes, line)
@@ -124,25 +249,31 @@ contains
       integer(int8) :: plain(size(bytes))
       type(column_names_type) :: names
       type(fields_type) :: fields
-      integer :: array, word
+      integer :: array, word, label, i
 
       plain(:) = bytes
       call find_marks(plain, 1_int64, size(plain, kind=int64), .true., marks)
       call split_line(plain, 1_int64, size(plain, kind=int64), split%mixed, fields)
       word = index(line%pattern, "t")
-      if (marks%labels > 0 .and. word == 0 .and. len(line%pattern) > 1) then
+      label = 0
+      if (marks%labels > 0 .and. len(line%pattern) > 1) then
          call name_fields(bytes, 1_int64, fields, names, array)
-         if (names%known) line%kind = "1="//names%name(1)%text(:index(names%name(1)%text//"[", "[") - 1)
+         if (names%known) label = findloc([(len(names%name(i)%text) > 0, i=1, size(names%name))], .true., dim=1)
+      end if
+      if (word > 0) then
+         if (verify(bytes_text(plain, fields%first(word), fields%last(word)), "->:=|") == 0) word = max(0, label)
+      end if
+      if (label > 0 .and. (word == 0 .or. word >= label)) then
+         line%kind = integer_text(int(label, int64))//"="// &
+            names%name(label)%text(:index(names%name(label)%text//"[", "[") - 1)
       else if (word > 0 .and. index(line%pattern, "n") > 0) then
          line%kind = integer_text(int(word, int64))//"="//bytes_text(plain, fields%first(word), fields%last(word))
       end if
    end subroutine find_kind
 
    !> Kinds of records that are met three times at least, those that are met most first; none where all lines are of one.
-   subroutine list_kinds(line, known, kinds)
+   subroutine list_kinds(line, kinds)
       type(line_type), intent(in) :: line(:)
-      !> Sensors that are distinguished by a column of numbers; unallocated: none
-      type(text_type), allocatable, intent(in) :: known(:)
       type(text_type), allocatable, intent(out) :: kinds(:)
       type(text_type), allocatable :: found(:)
       integer :: times(64), i, k
@@ -165,7 +296,6 @@ contains
          call add_text(kinds, found(k)%text)
          times(k) = 0
       end do
-      if (allocated(known)) kinds = known
    end subroutine list_kinds
 
    !> Lines above the first three in a row that hold as many numbers each and nothing else; but for names right above these.
@@ -195,6 +325,7 @@ contains
       if (size(line) > 0) n = len(line((size(line) + 1)/2)%pattern)
       fits = [(len(line(i)%pattern) == n, i=1, size(line))]
       list = ""
+      if (n > most_columns) return
       do j = 1, n
          if (names%known) then
             if (j > size(names%name)) return

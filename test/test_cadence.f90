@@ -137,6 +137,15 @@ contains
       call audit_stamps(t, audit, gaps)
       call check(error, gaps%count == 118 .and. abs(audit%stamp_rate - 1000.0_dp) < 1.0e-6_dp .and. audit%other_rate > 983.0_dp, &
                  "every 60th lost")
+      t(:) = [(interval*(i + count(i >= [1750, 3500, 5250])), i=1, 7000)]
+      audit = audit_type()
+      call audit_stamps(t, audit, gaps)
+      call check(error, gaps%count == 3 .and. audit%other_rate > 999.0_dp .and. audit%other_rate < 999.9_dp, &
+                 "three at even distances: both rates are known")
+      t(:) = [(interval*(i + count(i >= [1750, 1800, 1850])), i=1, 7000)]
+      audit = audit_type()
+      call audit_stamps(t, audit, gaps)
+      call check(error, gaps%count == 3 .and. audit%other_rate <= 0.0_dp, "three near each other: lost")
    end subroutine test_two_rates
 
    !> Lost samples among stamps that are up to an interval late are found where they were lost.

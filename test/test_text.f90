@@ -267,15 +267,18 @@ contains
    subroutine test_time_units(error)
       type(error_type), allocatable, intent(out) :: error
 
-      call check(error, named_scale("time_ms", ""), 1.0e-3_dp)
-      call check(error, named_scale("Time", "us"), 1.0e-6_dp)
-      call check(error, named_scale("t_ns", ""), 1.0e-9_dp)
-      call check(error, named_scale("seconds", ""), 1.0_dp)
-      call check(error, named_scale("time", "deg"), 0.0_dp)
-      call check(error, named_scale("TimeUS", ""), 1.0e-6_dp)
-      call check(error, named_scale("SampleTimeFine", ""), 1.0e-4_dp)
-      call check(error, named_scale("gps_tow_s", "") + named_scale("t", "100us"), 1.0001_dp, thr=1.0e-12_dp)
-      call check(error, named_scale("epoc", "ms") + named_scale("t", "min") + named_scale("t", "12"), 60.001_dp, thr=1.0e-12_dp)
+      call check(error, named_scale("time_ms", "", 0.0_dp), 1.0e-3_dp)
+      call check(error, named_scale("Time", "us", 0.0_dp), 1.0e-6_dp)
+      call check(error, named_scale("t_ns", "", 0.0_dp), 1.0e-9_dp)
+      call check(error, named_scale("seconds", "", 0.0_dp), 1.0_dp)
+      call check(error, named_scale("time", "deg", 0.0_dp), 0.0_dp)
+      call check(error, named_scale("TimeUS", "", 0.0_dp), 1.0e-6_dp)
+      call check(error, named_scale("SampleTimeFine", "", 100.0_dp), 1.0e-4_dp)
+      call check(error, named_scale("SampleTimeFine", "", 16667.0_dp), 1.0e-6_dp)
+      call check(error, named_scale("gps_tow_s", "", 0.0_dp) + named_scale("t", "100us", 0.0_dp), &
+                 1.0001_dp, thr=1.0e-12_dp)
+      call check(error, named_scale("epoc", "ms", 0.0_dp) + named_scale("t", "min", 0.0_dp) &
+                 + named_scale("t", "12", 0.0_dp), 60.001_dp, thr=1.0e-12_dp)
    end subroutine test_time_units
 
    subroutine test_inferred(error)

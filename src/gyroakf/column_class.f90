@@ -186,7 +186,8 @@ contains
          call parse_quietly(text, found)
          if (k == 1 .and. any(["g  ", "mg ", "ug "] == word(last)%text)) then
             call join_name(word(:last - 1), text)
-            if (class_of_words(word(:last - 1), text) /= column_class%acceleration) found = unit_type()
+            if (class_of_words(word(:last - 1), text) /= column_class%acceleration &
+                .or. index(name, "/") > 0) found = unit_type()
          end if
          if (found%quantity /= quantity%unknown) return
       end do
@@ -277,11 +278,12 @@ contains
    end function unit_fits
 
    !> False for the names of what rises evenly too, but is no time: angles, rates, positions.
-   pure logical function may_hold_time(name)
-      !> Without its unit
-      character(*), intent(in) :: name
+   pure logical function may_hold_time(name, unit)
+      !> As those of [[class_of]]
+      character(*), intent(in) :: name, unit
 
       may_hold_time = any(class_of(name, "") == [column_class%unknown, column_class%time, column_class%counter])
+      if (is_unit(unit)) may_hold_time = may_hold_time .and. time_scale(lower(unit)) > 0.0_dp
    end function may_hold_time
 
    !> True for the names that mean a time: t, time_ms, Timestamp [us], TimeUS, SampleTimeFine,

@@ -14,7 +14,7 @@ white() { sed -nE 's/.*"input": \{ "Q": \{[^}]*\}, "N": \{ "value": ([0-9.e+-]+)
 remedies() {
    is "options in the message of $1" "$(grep -v '^options that read it: ' err | grep -cE -- '(^|[^-[:alnum:]])--[a-z]')" 0
    sed -n 's/^options that read it: //p' err | sed 's/; /\n/g' | sed "s|^|gyroakf $2 |" >typed
-   grep -oE "(tr|iconv) -.* \\| gyroakf .*" err >>typed
+   grep -oE "(tr|iconv|paste|sed) [-'].* \\| gyroakf .*" err >>typed
    if python3 -c 'import numpy' 2>err.numpy; then grep -oE 'python3 -c "[^"]*"' err >>typed; fi
    while IFS= read -r remedy; do
       if PATH=$work:$PATH bash -c "$remedy" >out 2>err; then pass; else fail "remedy of $1: $remedy: $(head -c 300 err)"; fi

@@ -106,13 +106,15 @@ contains
    end subroutine audit_stretches
 
    !> Counts duplicates, rollovers and backward steps; a clock that starts again is continued, one
-   !> that was set back by more than ten samples otherwise goes on by one sample.
+   !> that was set back by more than ten samples otherwise goes on by one sample. Up to eight stamps
+   !> that are ahead of the next ones by more lie evenly between their neighbors.
    subroutine count_steps(t, interval, audit)
       real(dp), intent(inout), contiguous :: t(:)
       real(dp), intent(in) :: interval
       type(audit_type), intent(inout) :: audit
       real(dp) :: step, shift, period
       integer(int64) :: i
+      integer :: j, k
 
       shift = 0.0_dp
       do i = 2, size(t, kind=int64)
@@ -128,7 +130,13 @@ contains
             else
                audit%backward_steps = audit%backward_steps + 1
                if (audit%line_of_first(2) == 0) audit%line_of_first(2) = i
-               if (interval <= 0.0_dp .or. step > -10.0_dp*interval) cycle
+               if (interval <= 0.0_dp .or. step > -3.0_dp*interval) cycle
+               do k = 2, int(min(9_int64, i - 1))
+                  if (t(i - k) < t(i)) exit
+               end do
+               if (k <= min(9_int64, i - 1)) t(i - k + 1:i - 1) = t(i - k) + &
+                  [(j, j=1, k - 1)]*(t(i) - t(i - k))/k
+               if (k <= min(9_int64, i - 1) .or. step > -10.0_dp*interval) cycle
                period = interval - step
             end if
             shift = shift + period

@@ -16,8 +16,8 @@ module gyroakf_io_column_behavior
 
    !> Behavior of a column: rises from row to row, unevenly; rises evenly, perhaps with equal values
    !> or a rollover; holds whole numbers that rise by 1 in most rows, or is a counter by name that
-   !> never falls: these may start again
-   integer, parameter :: other = 0, rising = 1, even_time = 2, counter = 3
+   !> never falls: these may start again; holds one value
+   integer, parameter :: other = 0, rising = 1, even_time = 2, counter = 3, constant = 4
    !> A column rises by chance in fewer rows
    integer(int64), parameter :: least_rises = 20
 
@@ -40,8 +40,12 @@ contains
       kind(:) = other
       may(:) = .true.
       do j = 1, size(keep)
-         if (table%names%known) may(j) = may_hold_time(table%names%name(table%chosen(j))%text)
-         if (table%names%known) may(j) = may(j) .or. table%names%name(table%chosen(j))%text == "T"
+         if (table%names%known) then
+            associate (names => table%names, column => table%chosen(j))
+               may(j) = may_hold_time(names%name(column)%text, names%unit(column)%text) &
+                        .or. names%name(column)%text == "T"
+            end associate
+         end if
          if (.not. may(j) .or. input == "angle") cycle
          kind(j) = behavior_of(table%store, j, table%class(table%chosen(j)) == column_class%counter)
       end do
@@ -58,7 +62,7 @@ contains
             if (kind(j) == counter) then
                class(table%chosen(j)) = column_class%counter
             else if (class(table%chosen(j)) == column_class%counter .and. input /= "angle") then
-               class(table%chosen(j)) = column_class%unknown
+               class(table%chosen(j)) = merge(column_class%flag, column_class%unknown, kind(j) == constant)
             end if
          end do
          keep(:) = .false.
@@ -123,6 +127,7 @@ contains
             end associate
          end do
       end do
+      if (rows > 0 .and. lowest >= highest) found = constant
       if (rises < least_rises .or. 20*rises < rows) return
       found = rising
       if (whole .and. (2*ones >= rises .or. named_counter)) then

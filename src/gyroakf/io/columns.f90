@@ -57,6 +57,7 @@ contains
       do i = 1, fields%count
          word = bytes_text(bytes, fields%first(i), fields%last(i))
          call make_readable(word)
+         if (way == split%mixed .and. word == "|") cycle
          if (way == split%mixed .and. count > 0 .and. scan(word, "[(") == 1) then
             call take_name(names%name(count)%text//" "//word, names%name(count)%text, names%unit(count)%text)
          else

@@ -235,15 +235,23 @@ contains
       part = real(value, dp)/real(ten(digits), dp)
    end subroutine scan_decimals
 
-   !> `Z` or the hours and minutes that the clock is ahead of universal time; none leaves the time as it is.
+   !> `Z` or the hours and minutes that the clock is ahead of universal time, behind a blank where a
+   !> comma, semicolon or tab follows; none leaves the time as it is.
    pure subroutine scan_zone(bytes, p, whole, found)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: p, whole
       logical, intent(out) :: found
       integer(int64) :: hour, minute
+      integer(int8), parameter :: tab = 9, semicolon = 59
       integer :: digits, ahead
 
       found = .true.
+      if (bytes(p) == blank) then
+         if (all(bytes(p + 1) /= [plus, minus]) .or. .not. is_digit(bytes(p + 2))) return
+         if (.not. all(is_digit(bytes(p + 3:p + 5)))) return
+         if (all(bytes(p + 6) /= [comma, semicolon, tab])) return
+         p = p + 1
+      end if
       if (bytes(p) == iachar("Z") .or. bytes(p) == iachar("z")) p = p + 1
       if (bytes(p) /= plus .and. bytes(p) /= minus) return
       ahead = merge(1, -1, bytes(p) == plus)

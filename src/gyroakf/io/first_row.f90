@@ -16,7 +16,7 @@ module gyroakf_io_first_row
    use gyroakf_io_selection, only : find_interleaved, find_kinds_of_records, first_rows, set_condition
    use gyroakf_io_stamp_columns, only : find_joined, find_kinds, pair_stamps
    use gyroakf_io_table, only : choose, table_type
-   use gyroakf_io_text, only : fields_type, has_fields, split, split_line
+   use gyroakf_io_text, only : fields_type, has_fields, line_feed_from, split, split_line
    use gyroakf_record, only : add_text, text_type
    implicit none (type, external)
    private
@@ -183,15 +183,25 @@ contains
       integer, intent(in) :: columns
       character(*), intent(in) :: name
       type(error_type), allocatable, intent(out) :: error
-      integer(int64) :: rows
+      type(fields_type) :: fields
+      integer(int64) :: rows, at, to
+      character(:), allocatable :: advice
 
-      if (columns < 256 .or. .not. lines%ended) return
+      if (columns < 64 .or. .not. lines%ended) return
       rows = count(lines%bytes(lines%at:lines%last) == 10_int8, kind=int64)
-      if (16*rows > columns) return
+      if (8*rows > columns) return
+      advice = "a column for each: python3 -c ""import numpy; numpy.savetxt('columns.txt', "// &
+         "numpy.array([r.replace(',', ' ').split() for r in open('"//name//"') if r[0] != '#'], float).T)"""
+      at = lines%at
+      do while (at <= lines%last)
+         to = line_feed_from(lines%bytes, at)
+         call split_line(lines%bytes, at, to - 1, split%mixed, fields)
+         if (fields%count /= columns) advice = "write a column for each, all of one length"
+         at = to + 1
+      end do
       call fatal_error(error, status%parse, name//":"//integer_text(lines%number)//":1: the number of rows is "// &
-         integer_text(rows)//", that of columns "//integer_text(int(columns, int64))//": a series in each row?"//new_line("a")// &
-         "a column for each: python3 -c ""import numpy; numpy.savetxt('columns.txt', numpy.array([r.replace(',', ' ').split() "// &
-         "for r in open('"//name//"') if r[0] != '#'], float).T)""")
+         integer_text(rows)//", that of columns "//integer_text(int(columns, int64))// &
+         ": a series in each row?"//new_line("a")//advice)
    end subroutine refuse_long_rows
 
    !> Takes the names of the header's key `columns`, else the words of a comment or of the definition of a record, where their

@@ -22,13 +22,15 @@ contains
       !> Of a row
       character(*), intent(in) :: field
       character(*), parameter :: beginnings = "abcdefghijklmnopqrstuvwxyz_=:|>$"
+      character(2), parameter :: degree = char(194)//char(176)
       character(min(len(field), 64)) :: word
       integer :: mark
 
       is_text = .false.
       if (len(field) == 0) return
       word = lower(field(:len(word)))
-      is_text = index(beginnings, word(1:1)) > 0 .or. any(["->", "0x"] == word(1:min(2, len(word))))
+      is_text = index(beginnings, word(1:1)) > 0 .or. verify(word, "-") == 0 .or. any(&
+         ["->", "0x", degree] == word(1:min(2, len(word))))
       mark = scan(word(:len(word) - 1), ":=")
       if (mark > 0) is_text = is_text .and. verify(word(mark + 1:mark + 1), "0123456789+-.") > 0
       if (is_text) is_text = .not. is_missing_word(word)

@@ -64,7 +64,8 @@ contains
       integer, intent(out) :: found
       !> Samples from loss to loss where most are alike, 0 where none are
       integer(int64), intent(out) :: distance
-      !> A clock that runs so much fast or slow explains single double steps
+      !> A clock that runs so much fast or slow explains up to three double steps, several at even
+      !> distances from each other and no farther from the ends
       real(dp), parameter :: usual_drift = 3.0e-4_dp
       integer(int64) :: between(max(gaps%count - 1, 0))
       real(dp) :: usual
@@ -77,6 +78,10 @@ contains
       between(:) = gaps%before(2:gaps%count) - gaps%before(:m)
       if (m < 3) then
          if (any(gaps%length(:gaps%count) > 1)) return
+         if (m > 0) distance = maxval(between)
+         if (m > 0 .and. (10*minval(between) < 9*distance .or. 10*max(gaps%before(1), &
+                          n - gaps%before(gaps%count)) > 11*distance)) return
+         if (m > 0) found = periodic
          if (real(gaps%count, dp) < usual_drift*real(n, dp)) found = beating
          return
       end if

@@ -4,7 +4,7 @@
 !> They become blanks in the rows where they are those of the first row, which leaves numbers between separators.
 module gyroakf_io_marks
    use gyroakf_kinds, only : int8, int64
-   use gyroakf_column_class, only : is_unit
+   use gyroakf_column_class, only : class_of, column_class, is_unit
    use gyroakf_io_columns, only : column_names_type, take_name
    use gyroakf_io_layout, only : layout_type
    use gyroakf_io_place, only : integer_text
@@ -72,7 +72,8 @@ contains
          next = achar(iand(int(bytes(min(p + 1, last))), 255))
          if (sign == ">" .and. (p == first .or. bytes(max(first, p - 1)) == iachar("-"))) then    ! ">gx:1", "->"
             fresh = p == first
-         else if ((fresh .and. is_in(sign, opening)) .or. is_in(sign, closing)) then
+         else if (merge(fresh, parts(bytes, p, last), sign /= "|") .and. is_in(sign, opening//"|") &
+                  .or. is_in(sign, closing)) then
             if (marks%values > 0) pending = mixed(pending, int(iachar(sign) + 256*marks%values, int64))
             marks%brackets = marks%brackets + 1
             if (erase) bytes(p) = blank
@@ -111,6 +112,17 @@ contains
          p = to + 1
       end do
    end subroutine find_marks
+
+   !> True for a sign with blanks, digits or the ends of the line on both sides.
+   pure logical function parts(bytes, p, last)
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: p, last
+      character(*), parameter :: beside = " 0123456789+-."//achar(9)//achar(10)//achar(13)
+
+      parts = p == last
+      if (.not. parts) parts = is_in(achar(iand(int(bytes(p + 1)), 255)), beside)
+      if (p > 1) parts = parts .and. is_in(achar(iand(int(bytes(p - 1)), 255)), beside)
+   end function parts
 
    !> Writes blanks for the marks of b'1.2,3.4\r\n', as Python writes bytes.
    pure subroutine take_bytes_off(bytes)
@@ -237,14 +249,15 @@ contains
          else if (size(labels) > 0) then
             labeled = .true.
             start = j
-            if (size(labels) > 1) group = labels(size(labels) - 1)%text
-            call take_label(labels(size(labels))%text, group, depth(j) > base, j, named)
+            if (size(labels) > 1) group = labels(size(labels) - 1)%text//" "
+            call take_label(labels(size(labels))%text, depth(j) > base, j, group, named)
          else if (start > 0) then
             if (depth(j) == depth(start) .and. (cell(j) == cell(start) .or. depth(j) == base)) then
                call take_follower(bytes_text(bytes, fields%first(j), fields%last(j)), start, j, named)
             end if
          end if
       end do
+      if (.not. names%known) call spread_units(named)
       named%known = names%known .or. labeled
       named%line = names%line
       if (named%known) names = named
@@ -295,23 +308,52 @@ contains
    end subroutine find_labels
 
    !> A label as name and unit of field j; a unit that stands before it is that of field j - 1.
-   pure subroutine take_label(label, group, within, j, named)
-      character(*), intent(in) :: label, group
+   !> "rotation rate x" begins a group of axes, to which "y" and "z" belong.
+   pure subroutine take_label(label, within, j, group, named)
+      character(*), intent(in) :: label
       logical, intent(in) :: within
       integer, intent(in) :: j
+      character(:), allocatable, intent(inout) :: group
       type(column_names_type), intent(inout) :: named
       integer :: at
+      logical :: axis
 
       at = merge(index(label, " "), 0, j > 1)
       if (.not. is_unit(label(:max(0, at - 1)))) at = 0
       if (at > 0) named%unit(j - 1)%text = label(:at - 1)
       call take_name(trim(adjustl(label(at + 1:))), named%name(j)%text, named%unit(j)%text)
       associate (name => named%name(j)%text)
-         if (len(group) > 0 .and. (within .or. scan(name, "xyzXYZ", back=.true.) == len(name) .and. len(name) == 1)) then
-            named%name(j)%text = group//" "//name
+         axis = scan(name, "wxyzWXYZ", back=.true.) == len(name)
+         at = scan(name(:max(0, len(name) - 1)), " ._>-/", back=.true.)
+         if (axis .and. at > 1 .and. at == len(name) - 1) then
+            group = name(:at)
+         else if (len(group) > 0) then
+            axis = within .or. (axis .and. len(name) == 1)
+            if (axis .or. any(class_of(group, "") == [column_class%flag, column_class%other])) &
+               named%name(j)%text = group//name
          end if
       end associate
    end subroutine take_label
+
+   !> A unit behind the last axis is that of the axes before it, too: "gx: 1 gy: 2 gz: 3 deg/s".
+   pure subroutine spread_units(named)
+      type(column_names_type), intent(inout) :: named
+      integer :: j, k, n
+
+      k = 0
+      do j = size(named%name), 1, -1
+         n = len(named%name(j)%text)
+         if (n == 0) cycle
+         if (k > 0 .and. len(named%unit(j)%text) == 0) then
+            associate (this => named%name(j)%text, next => named%name(k)%text)
+               if (n == len(next) .and. scan(this, "xyzXYZ", back=.true.) == n) then
+                  if (this(:n - 1) == next(:n - 1)) named%unit(j)%text = named%unit(k)%text
+               end if
+            end associate
+         end if
+         k = j
+      end do
+   end subroutine spread_units
 
    !> Names a field behind one with a label: the next of an array, or its unit.
    pure subroutine take_follower(word, start, j, named)

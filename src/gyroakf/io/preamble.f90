@@ -51,6 +51,8 @@ contains
          else if (is_no_row(lines%bytes, lines%at, lines%to) .and. .not. begins_with_names(lines)) then
             call read_comment(lines, table%header, table%warnings)
             call suppose_names(lines, table%supposed)
+         else if (verify(bytes_text(lines%bytes, lines%at, lines%to), "-=+*_|~ "//achar(9)) == 0) then
+            continue                                            ! a rule
          else
             call find_pattern(lines%bytes, lines%at, lines%to, pattern, marks)
             if (len_trim(pattern) == 0 .and. (len(pattern) == 0 .or. &

@@ -86,25 +86,28 @@ contains
       end do
    end subroutine split_row
 
-   !> Makes one field of a date and the time of day behind it, where the layout says that they are one column.
+   !> Makes one field of a date and the time of day and zone behind it, where the layout says that they
+   !> are one column.
    pure subroutine join_fields(bytes, layout, fields)
       !> Holds the fields
       integer(int8), intent(in), contiguous :: bytes(:)
       !> Its `joined` is the column
       type(layout_type), intent(in) :: layout
-      !> One less where there are two to join
+      !> One or two less where there are some to join
       type(fields_type), intent(inout) :: fields
-      integer :: i, j
+      integer :: i, j, behind
 
       j = layout%joined
-      if (j == 0 .or. fields%count <= j) return
-      if (kind_of_field(bytes, fields%first(j), fields%last(j)) /= stamp_kind%date) return
-      if (kind_of_field(bytes, fields%first(j + 1), fields%last(j + 1)) /= stamp_kind%clock) return
-      fields%last(j) = fields%last(j + 1)
-      fields%count = fields%count - 1
-      do i = j + 1, fields%count
-         fields%first(i) = fields%first(i + 1)
-         fields%last(i) = fields%last(i + 1)
+      if (j == 0) return
+      do behind = min(2, fields%count - j), 1, -1
+         if (kind_of_field(bytes, fields%first(j), fields%last(j + behind)) /= stamp_kind%moment) cycle
+         fields%last(j) = fields%last(j + behind)
+         fields%count = fields%count - behind
+         do i = j + 1, fields%count
+            fields%first(i) = fields%first(i + behind)
+            fields%last(i) = fields%last(i + behind)
+         end do
+         return
       end do
    end subroutine join_fields
 

@@ -47,8 +47,8 @@ contains
       advice = mend
       if (index(bytes_text(bytes, first, last), dash) > 0) advice = "the minus sign is not that of ASCII: replace it by '-'"
       if (has_groups(bytes_text(bytes, first, last))) advice = "commas that group digits are not read: take them out"
-      if (last == first + 1 .and. verify(bytes_text(bytes, first, last), "0123456789ABCDEFabcdef") == 0) then
-         advice = "bytes of a hex dump are not read: decode them into numbers first"
+      if (last > first .and. verify(bytes_text(bytes, first, last), "0123456789ABCDEFabcdef") == 0) then
+         advice = "hexadecimal digits are not read: decode them into numbers first"
       end if
       if (has_label(bytes_text(bytes, first, last))) advice = "the labels are not those of the first row; "//mend
       if (kind_of_field(bytes, first, last) /= stamp_kind%number) advice = "the first row has a number in this column, not a "// &

@@ -34,18 +34,19 @@ contains
 
       layout%joined = 0
       count_fields = fields%count - merge(1, 0, fields%trailing)
-      if (named > 0 .and. named /= count_fields - 1) return
+      if (named > 0 .and. named /= count_fields - 1 .and. named /= count_fields - 2) return
       parted = named > 0
       do j = 1, count_fields - 1
          if (kind_of_field(bytes, fields%first(j), fields%last(j)) /= stamp_kind%date) cycle
-         if (kind_of_field(bytes, fields%first(j + 1), fields%last(j + 1)) /= stamp_kind%clock) cycle
          if (any(bytes(fields%last(j) + 1:fields%first(j + 1) - 1) /= blank)) cycle
          if (.not. parted) parted = any(bytes(first:last) == comma .or. bytes(first:last) == semicolon .or. &
                                         bytes(first:last) == tab)
          if (parted) layout%joined = j
          exit
       end do
+      j = fields%count
       call join_fields(bytes, layout, fields)
+      if (fields%count == j) layout%joined = 0
    end subroutine find_joined
 
    !> What each column of the first row holds.

@@ -47,10 +47,12 @@ contains
    end subroutine fraction_of
 
    !> Seconds in the unit that the name says by its brackets or its end; 0 where it says none.
-   !> Xsens' SampleTimeFine counts in 100 us.
-   pure real(dp) function named_scale(name, unit)
+   !> Xsens' SampleTimeFine counts in 100 us (MTi, MTw), or in us (DOT) where that would be below 2 Hz.
+   pure real(dp) function named_scale(name, unit, step)
       !> "time_ms", or "time" with its brackets' content as unit
       character(*), intent(in) :: name, unit
+      !> Of the stamps, in their unit
+      real(dp), intent(in) :: step
       type(text_type), allocatable :: word(:)
 
       named_scale = time_scale(trim(adjustl(lower(unit))))
@@ -58,7 +60,7 @@ contains
       call split_name(name, word)
       if (size(word) == 0) return
       named_scale = time_scale(word(size(word))%text)
-      if (word(size(word))%text == "fine") named_scale = 1.0e-4_dp
+      if (word(size(word))%text == "fine") named_scale = merge(1.0e-4_dp, 1.0e-6_dp, step < 5.0e3_dp)
    end function named_scale
 
    !> Seconds in the unit that the stamps themselves suggest.

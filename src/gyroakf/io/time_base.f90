@@ -206,9 +206,9 @@ contains
       real(dp), intent(out) :: scale
       character(2), parameter :: words(4) = ["s ", "ms", "us", "ns"]
       character(:), allocatable :: word
-      real(dp) :: given
+      real(dp) :: given, step
       logical :: sure
-      integer :: kind
+      integer :: kind, rows
 
       scale = 0.0_dp
       kind = abs(table%layout%kind(table%time))
@@ -217,7 +217,10 @@ contains
       else if (allocated(options%time_unit)) then
          scale = time_scale(lower(options%time_unit))
       else if (table%names%known) then
-         scale = named_scale(table%names%name(table%time)%text, table%names%unit(table%time)%text)
+         rows = int(min(size(stamps, kind=int64), 1000_int64))
+         step = (stamps(rows) - stamps(1))/max(1, rows - 1)
+         scale = named_scale(table%names%name(table%time)%text, &
+                             table%names%unit(table%time)%text, step)
       end if
       if (scale <= 0.0_dp) then
          given = merge(options%rate_hz, table%header%rate_hz, options%rate_hz > 0.0_dp)
