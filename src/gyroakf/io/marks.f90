@@ -329,8 +329,8 @@ contains
             group = name(:at)
          else if (len(group) > 0) then
             axis = within .or. (axis .and. len(name) == 1)
-            if (axis .or. any(class_of(group, "") == [column_class%flag, column_class%other])) &
-               named%name(j)%text = group//name
+            axis = axis .or. any(class_of(group, "") == [column_class%flag, column_class%other])
+            if (axis) named%name(j)%text = group//name
          end if
       end associate
    end subroutine take_label
