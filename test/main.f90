@@ -43,7 +43,6 @@ program test_main
    use test_two_pass, only : collect_two_pass
    use test_filter_series, only : collect_filter_series
    use test_html, only : collect_html
-   use test_identification, only : collect_identification
    use test_likelihood, only : collect_likelihood
    use test_truth, only : collect_truth
    use test_smoother, only : collect_smoother
@@ -149,7 +148,6 @@ program test_main
    call add("drift_adaptation", collect_drift_adaptation)
    call add("drift_filter", collect_drift_filter)
    call add("two_pass", collect_two_pass)
-   call add("identification", collect_identification)
    call add("likelihood", collect_likelihood)
    call add("truth", collect_truth)
    call add("smoother", collect_smoother)

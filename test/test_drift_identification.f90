@@ -73,7 +73,7 @@ contains
       call check(error, .not. allocated(failed))
       if (allocated(error)) return
       call check(error, found%found .and. found%slow(1) .and. found%name == "ar1" .and. found%errors_known)
-      call check(error, found%source == "likelihood" .and. found%block == 1 .and. size(found%candidate) == 3)
+      call check(error, found%block == 1 .and. size(found%candidate) == 3)
       if (allocated(error)) return
       call check(error, found%correlation_samples, -1/log(found%model%phi(1)), thr=1.0e-12_dp, rel=.true.)
       call check(error, found%white_std**2, 4.2e-4_dp, thr=4*found%std_error%r)

@@ -11,16 +11,65 @@
 !>
 !> Source: Working, Econometrica 28 (1960) 916-918, for the random walk; the others are sums of geometric series.
 module gyroakf_filter_drift_blocks
-   use gyroakf_kinds, only : dp, int64
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_filter_components, only : component_model_type
    implicit none (type, external)
    private
-   public :: model_of_means, process_of_samples
+   public :: block_means, model_of_means, process_of_samples
 
    !> Blocks a correlation time below which a process is white in the means: its correlation from mean to mean is below e^-20
    real(dp), parameter :: white_below = 0.05_dp
 
 contains
+
+   !> Means of m successive samples; missing where more than half of them are.
+   subroutine block_means(x, m, means, present_means, error, valid)
+      !> Series, [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> Samples a block
+      integer(int64), intent(in) :: m
+      !> [n/m]
+      real(dp), allocatable, intent(out) :: means(:)
+      !> [n/m], allocated only where one is missing
+      integer(int8), allocatable, intent(out) :: present_means(:)
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing, [n]
+      integer(int8), intent(in), optional :: valid(:)
+      integer(int64) :: count, i, k, n
+      real(dp) :: total
+      integer :: stat
+
+      n = size(x, kind=int64)/m
+      allocate (means(n), stat=stat)
+      if (stat == 0 .and. present(valid)) allocate (present_means(n), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the block means of a series")
+         return
+      end if
+      do i = 1, n
+         total = 0.0_dp
+         count = m
+         if (present(valid)) then
+            count = 0
+            do k = (i - 1)*m + 1, i*m
+               if (valid(k) == 0_int8) cycle
+               total = total + x(k)
+               count = count + 1
+            end do
+            present_means(i) = merge(1_int8, 0_int8, 2*count >= m)
+         else
+            do k = (i - 1)*m + 1, i*m
+               total = total + x(k)
+            end do
+         end if
+         means(i) = 0.0_dp
+         if (2*count >= m) means(i) = total/real(count, dp)
+      end do
+      if (.not. allocated(present_means)) return
+      if (all(present_means /= 0_int8)) deallocate (present_means)
+   end subroutine block_means
 
    !> The model of the means of m samples.
    pure subroutine model_of_means(model, m, means)

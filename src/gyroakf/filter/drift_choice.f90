@@ -34,8 +34,6 @@ module gyroakf_filter_drift_choice
       logical :: slow(most_components) = .false.
       !> "walk", "ar1", "walk+ar1", "white": whether there is a random walk, whether there are AR(1) processes (one or two)
       character(8) :: name = "white"
-      !> "likelihood", "autocov"
-      character(10) :: source = "likelihood"
       !> Standard errors of phi, q and r, 0 where they are not known
       type(component_model_type) :: std_error
       logical :: errors_known = .false.
@@ -45,8 +43,7 @@ module gyroakf_filter_drift_choice
       real(dp) :: drift_std = 0.0_dp
       !> Of the white noise, u
       real(dp) :: white_std = 0.0_dp
-      !> All that were fitted to the part, and which of them was chosen; 0: white noise, or a model from elsewhere (block means,
-      !> autocovariances)
+      !> All that were fitted to the part, and which of them was chosen; 0: white noise, or a model from block means
       type(drift_candidate_type), allocatable :: candidate(:)
       integer :: chosen = 0
       !> Used by the likelihood (the middle of the record), of the record

@@ -3,8 +3,7 @@
 !>
 !> Three candidates, all with white noise: a random walk, an AR(1) process, and both. Each is fitted by the BFGS method to the exact
 !> Gaussian likelihood ([[gyroakf_filter_likelihood]]) in the logarithms of the variances (of the AR(1) process itself, not of its
-!> driving noise) and artanh(phi), from several starts, the model of least squares on the autocovariances and the best of the models
-!> that it contains among them ([[gyroakf_filter_drift_starts]]); the curvature at the best of their ends gives the last steps and
+!> driving noise) and artanh(phi), from several starts, the best of the models that it contains among them ([[gyroakf_filter_drift_starts]]); the curvature at the best of their ends gives the last steps and
 !> the standard errors. A variance that the likelihood does not tell from 0 is 0.
 !> $$ \mathrm{AIC} = -2 \ln L + 2 k, \quad \mathrm{BIC} = -2 \ln L + k \ln n $$
 !> with k variances and coefficients, and the mean where no random walk takes its place. What counts as drift is not theirs to say:
@@ -19,7 +18,7 @@ module gyroakf_filter_drift_fit
    use gyroakf_quasi_newton, only : minimise, minimise_options, minimum_type
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_objective, only : likelihood_objective, give_errors, invert_curvature, model_of, parameters_of, value_at
-   use gyroakf_filter_drift_starts, only : from_ar, from_walk, known_type, list_starts, look_at_autocovariances, of_all_kinds
+   use gyroakf_filter_drift_starts, only : from_ar, from_walk, known_type, list_starts, of_all_kinds
    implicit none (type, external)
    private
    public :: drift_fit_type, drift_candidate_type, fit_drift, is_slow
@@ -111,7 +110,6 @@ contains
       allocate (fit%candidate(0))
       if (present(progress)) objective%progress%whole => progress
       objective%candidates = size(names)
-      call look_at_autocovariances(objective, known)
       do k = 1, size(names)
          objective%walk = with_walk(k)
          objective%ar = with_ar(k)

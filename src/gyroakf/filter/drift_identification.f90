@@ -18,11 +18,10 @@ module gyroakf_filter_drift_identification
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_filter_components, only : component_model_type
-   use gyroakf_filter_drift_blocks, only : model_of_means, process_of_samples
+   use gyroakf_filter_drift_blocks, only : block_means, model_of_means, process_of_samples
    use gyroakf_filter_drift_choice, only : choose_model, drift_identification_options, drift_identification_type, evident, &
       set_model, state_numbers
    use gyroakf_filter_drift_fit, only : drift_fit_type, fit_drift, is_slow
-   use gyroakf_filter_identification, only : block_means, drift_model_type, identify_drift
    use gyroakf_filter_likelihood, only : component_likelihood
    use gyroakf_filter_drift_objective, only : progress_share_type
    implicit none (type, external)
@@ -74,15 +73,11 @@ contains
       share%total = length
       if (length > options%most) share%share = part_share
       call fit_drift(z, fit, error, valid, options%most, share)
-      if (allocated(error)) then
-         if (error%code /= status%not_converged) return
-         deallocate (error)
-         call take_autocovariances(z, options, identification, error, valid)
-      else
-         call choose_model(fit, options%drift_samples, identification)
-         call move_alloc(fit%candidate, identification%candidate)
-         if (length > fit%samples) call identify_from_means(z, fit, options%drift_samples, share, identification, error, valid)
-      end if
+      if (allocated(error)) return
+      call choose_model(fit, options%drift_samples, identification)
+      call move_alloc(fit%candidate, identification%candidate)
+      if (length > fit%samples) call identify_from_means(z, fit, options%drift_samples, share, &
+         & identification, error, valid)
       if (allocated(error)) return
       identification%samples = fit%samples
       identification%of_samples = length
@@ -104,31 +99,6 @@ contains
          call fatal_error(error, status%invalid_argument, "the likelihood of a drift model needs a part of at least 50 samples")
       end if
    end subroutine check_options
-
-   !> The model of least squares on the autocovariances, where no likelihood has a maximum.
-   subroutine take_autocovariances(z, options, identification, error, valid)
-      real(dp), intent(in), contiguous :: z(:)
-      type(drift_identification_options), intent(in) :: options
-      type(drift_identification_type), intent(inout) :: identification
-      type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
-      type(drift_model_type) :: found
-      type(component_model_type) :: model
-
-      call identify_drift(z, found, error, valid, options%drift_samples)
-      if (allocated(error)) return
-      model%r = found%measurement_variance
-      if (found%process_variance > 0.0_dp) then
-         model%count = 1
-         model%phi(1) = found%phi
-         model%q(1) = found%process_variance
-      end if
-      allocate (identification%candidate(0))
-      call set_model(model, options%drift_samples, identification)
-      identification%found = found%found
-      identification%slow(1) = found%found
-      identification%source = "autocov"
-   end subroutine take_autocovariances
 
    !> Looks in block means of a record that is longer than the part for what is slower than the part shows.
    subroutine identify_from_means(z, fit, limit, share, identification, error, valid)

@@ -1,8 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Starting points of the maximum likelihood search for a drift model.
 !>
-!> Drifts from fast to slow, small and large; what least squares on the autocovariances found ([[identify_drift]]); for the model of
-!> both processes the best models of each alone, with some of the other added. Besides the best models of those that a candidate
+!> Drifts from fast to slow, small and large; for the model of both processes the best models of each alone, with some of the other added. Besides the best models of those that a candidate
 !> contains: a random walk is an AR(1) process whose correlation time is long, the model of both processes is that of either with
 !> next to nothing of the other. A search never ends above its start: a candidate ends no lower than what it contains, but for the
 !> diffuse start of the random walk, as against a mean that is fitted: the deviance -2 ln L of an AR(1) process in white noise,
@@ -11,19 +10,14 @@
 !> for the first measurement, which has no density, and what is not known of the level.
 module gyroakf_filter_drift_starts
    use gyroakf_kinds, only : dp
-   use gyroakf_error, only : error_type
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_objective, only : likelihood_objective, parameters_of, starting_point
-   use gyroakf_filter_identification, only : drift_model_type, identify_drift
    implicit none (type, external)
    private
-   public :: known_type, look_at_autocovariances, list_starts, of_all_kinds, from_walk, from_ar
+   public :: known_type, list_starts, of_all_kinds, from_walk, from_ar
 
-   !> What is known of a series of variance 1 before a candidate is fitted
+   !> The candidates of a series of variance 1 that were fitted before, where count is not 0
    type :: known_type
-      !> From the autocovariances
-      type(drift_model_type) :: autocovariance
-      !> From the likelihood, where count is not 0
       type(component_model_type) :: walk, ar
    end type known_type
 
@@ -33,7 +27,7 @@ module gyroakf_filter_drift_starts
 
    !> Correlation times, variances of the AR(1) process and of the steps of the random walk that are tried
    real(dp), parameter :: times(5) = [1.0_dp, 4.0_dp, 30.0_dp, 300.0_dp, 3000.0_dp], shares(2) = [0.3_dp, 0.03_dp]
-   real(dp), parameter :: steps(4) = [1.0e-2_dp, 1.0e-4_dp, 1.0e-6_dp, 1.0e-8_dp]
+   real(dp), parameter :: steps(5) = [1.0e-1_dp, 1.0e-2_dp, 1.0e-4_dp, 1.0e-6_dp, 1.0e-8_dp]
    !> Those that are tried beside a process that is known: times and steps
    integer, parameter :: beside_times = 3
    real(dp), parameter :: beside_steps(3) = [1.0e-3_dp, 1.0e-5_dp, 1.0e-7_dp]
@@ -43,8 +37,8 @@ module gyroakf_filter_drift_starts
    !> white noise; steps of a random walk, next to nothing
    real(dp), parameter :: faint_phis(4) = [-0.4_dp, 0.37_dp, 0.78_dp, 0.97_dp], faint_shares(2) = [0.3_dp, 1.0e-4_dp]
    real(dp), parameter :: faint_steps(2) = [1.0e-9_dp, 1.0e-12_dp]
-   !> Least variance of a start that the autocovariances tell; that stands for 0
-   real(dp), parameter :: least = 1.0e-3_dp, tiniest = 1.0e-20_dp
+   !> Least variance of a start: it stands for 0
+   real(dp), parameter :: tiniest = 1.0e-20_dp
 
    !> A start
    type :: start_type
@@ -54,21 +48,6 @@ module gyroakf_filter_drift_starts
    end type start_type
 
 contains
-
-   !> What the autocovariances tell.
-   subroutine look_at_autocovariances(objective, known)
-      !> Its series is looked at
-      type(likelihood_objective), intent(in) :: objective
-      type(known_type), intent(out) :: known
-      type(error_type), allocatable :: failed
-
-      if (allocated(objective%here)) then
-         call identify_drift(objective%z, known%autocovariance, failed, objective%here)
-      else
-         call identify_drift(objective%z, known%autocovariance, failed)
-      end if
-      if (allocated(failed)) known%autocovariance = drift_model_type()
-   end subroutine look_at_autocovariances
 
    !> The starts of a candidate.
    pure subroutine list_starts(objective, known, start, group)
@@ -84,7 +63,7 @@ contains
       integer :: i, j
 
       phi = exp(-1.0_dp/times)
-      associate (walk => known%walk, ar => known%ar, a => known%autocovariance)
+      associate (walk => known%walk, ar => known%ar)
          if (.not. objective%ar) then
             list = [(start_type(0.0_dp, 1.0_dp, steps(i), 0.5_dp), i=1, size(steps))]
          else if (.not. objective%walk) then
@@ -96,14 +75,12 @@ contains
                [(start_type(ar%phi(1), variance_of(ar), beside_steps(i), ar%r), i=1, size(beside_steps))]
             if (walk%count > 0) list = [list, ((beside(walk, phi(i), shares(j), of_all_kinds), i=1, beside_times), &
                                                j=1, size(shares))]
-            if (size(list) == 0) list = [start_type(phi(1), shares(1), steps(2), 1.0_dp - shares(1))]
+            if (size(list) == 0) list = [start_type(phi(1), shares(1), steps(3), 1.0_dp - shares(1))]
             if (walk%count > 0) list = [list, ((beside(walk, faint_phis(i), faint_shares(j), from_walk), &
                                                 i=1, size(faint_phis)), j=1, size(faint_shares))]
             if (ar%count > 0) list = [list, (start_type(ar%phi(1), variance_of(ar), faint_steps(i), ar%r, from_ar), &
                                              i=1, size(faint_steps))]
          end if
-         if (a%drift_variance > least) list = [list, start_type(a%phi, a%drift_variance, &
-            merge(beside_steps(2), a%process_variance, objective%ar), max(a%measurement_variance, least))]
       end associate
       allocate (start(parameters_of(objective), size(list)))
       group = list%group

@@ -93,7 +93,6 @@ contains
          if (channel%verdict%stationary .and. &
              drift%found) call out%remark("an approximation of the slow part of stationary noise")
          call out%remark(drift_source_text(channel))
-         call out%put("source", trim(drift%source), shown=.false.)
          call put_model(out, drift%model)
          call out%open_list("slow", shown=.false.)
          do i = 1, drift%model%count

@@ -132,9 +132,7 @@ contains
       character(remark_length) :: text
 
       associate (drift => channel%drift)
-         if (drift%source == "autocov") then
-            text = "least squares on the autocovariances, because no likelihood has a maximum"
-         else if (drift%samples < drift%of_samples) then
+         if (drift%samples < drift%of_samples) then
             write (text, "(2(a, i0), a)") "maximum likelihood from the middle ", drift%samples, " of ", &
                drift%of_samples, " samples"
          else
