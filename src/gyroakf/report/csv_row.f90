@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> The CSV renderer of a description: its members in a line, and the names of the columns; lists are
-!> left out.
+!> The CSV renderer of a description: its members in a line, and the names of the columns; of a
+!> list how many values it has.
 module gyroakf_report_csv_row
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_writer, only : format_real
@@ -69,12 +69,13 @@ contains
       end if
    end subroutine put_value
 
+   !> Of a list, how many values it has.
    subroutine put_values(self, key, value)
       class(csv_row_type), intent(inout) :: self
       character(*), intent(in) :: key
       class(*), intent(in) :: value(:)
 
-      if (size(value) < 0) self%line = self%line//key
+      call put_value(self, key, size(value))
    end subroutine put_values
 
 end module gyroakf_report_csv_row

@@ -11,10 +11,9 @@ module gyroakf_report_document
    use gyroakf_pipeline_result, only : pipeline_result_type, channel_result_type
    use gyroakf_report_description, only : description_type
    use gyroakf_report_json, only : json_type
-   use gyroakf_report_document_preprocess, only : put_preprocess
+   use gyroakf_report_document_distribution, only : put_preprocess
    use gyroakf_report_document_allan, only : put_allan, put_coefficients
-   use gyroakf_report_document_ar, only : put_ar
-   use gyroakf_report_document_tests, only : put_tests, put_verdict
+   use gyroakf_report_document_tests, only : put_ar, put_tests, put_verdict
    use gyroakf_report_document_filters, only : put_drift, put_filters
    implicit none (type, external)
    private

@@ -7,8 +7,7 @@ module gyroakf_report_document_allan
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_allan_noise_fit, only : noise_type
    use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, stage, stage_names, &
-      stated_coefficient_type, &
-      stated_noise_type, stated_read_off_type
+      stated_coefficient_type, stated_read_off_type
    use gyroakf_report_description, only : description_type
    use gyroakf_report_verdicts, only : slopes_text
    implicit none (type, external)
@@ -23,15 +22,23 @@ contains
       class(description_type), intent(inout) :: out
       !> One channel
       type(channel_result_type), intent(in) :: channel
-      integer :: which
+      integer :: which, i
 
       call out%open("allan")
       do which = stage%input, stage%compensated
          associate (allan => channel%allan(which))
             if (.not. out%opens(trim(stage_names(which)), allan%available)) cycle
             call put_curve(out, allan%curve)
-            if (out%opens("other_kinds", allocated(allan%other))) call put_other_kinds(out, &
-               allan%other)
+            if (out%opens("other_kinds", allocated(allan%other))) then
+               do i = 1, size(allan%other)
+                  if (.not. allocated(allan%other(i)%tau)) cycle     ! it could not be computed
+                  call out%open(trim(allan%other(i)%kind))
+                  call put_curve(out, allan%other(i))
+                  call out%absent("other_kinds")
+                  call out%close()
+               end do
+               call out%close()
+            end if
             call out%close()
          end associate
       end do
@@ -74,23 +81,6 @@ contains
       call out%put("terms", real(curve%terms, dp))
    end subroutine put_curve
 
-   !> The members of "other_kinds": the curves of the further kinds, each under its name.
-   subroutine put_other_kinds(out, curves)
-      class(description_type), intent(inout) :: out
-      !> The curves; those that could not be computed are left out
-      type(allan_curve_type), intent(in) :: curves(:)
-      integer :: i
-
-      do i = 1, size(curves)
-         if (.not. allocated(curves(i)%tau)) cycle
-         call out%open(trim(curves(i)%kind))
-         call put_curve(out, curves(i))
-         call out%absent("other_kinds")
-         call out%close()
-      end do
-      call out%close()
-   end subroutine put_other_kinds
-
    !> "coefficients".
    subroutine put_coefficients(out, channel)
       !> The renderer
@@ -112,7 +102,9 @@ contains
       call out%close()
    end subroutine put_coefficients
 
-   !> The coefficients of one series; the numbers of a term that was not fitted are null.
+   !> The coefficients of one series; the numbers of a term that was not fitted are null,
+   !> "lsb_ratio" where the step of the samples is of no account, "density" (N in both conventions)
+   !> where rate or unit is not known.
    subroutine put_noise(out, key, title, allan)
       !> The renderer
       class(description_type), intent(inout) :: out
@@ -123,13 +115,21 @@ contains
       integer :: term
 
       if (.not. out%opens(key, allan%fitted, title)) return
-      do term = 1, 5
-         call put_stated(out, term_names(term), allan%stated%term(term), allan%stated%in_units)
-      end do
-      call put_unquantized(out, allan%stated)
-      call out%put("chi2_reduced", allan%noise%chi2_reduced, shown=.false.)
-      call put_read_off(out, allan%read_off)
-      call put_densities(out, allan%stated)
+      associate (stated => allan%stated, plain => allan%stated%unquantized)
+         do term = 1, 5
+            call put_stated(out, term_names(term), stated%term(term), stated%in_units)
+         end do
+         call put_stated(out, "N_without_quantization", plain, stated%in_units, "N unquantized", &
+                         plain%state /= "")
+         call out%put("lsb_ratio", stated%lsb_ratio, plain%state /= "")
+         call out%put("chi2_reduced", allan%noise%chi2_reduced, shown=.false.)
+         call put_read_off(out, allan%read_off)
+         if (out%opens("density", stated%in_units, "Density of N")) then
+            call put_stated(out, "two_sided", stated%density(1), .true.)
+            call put_stated(out, "one_sided", stated%density(2), .true.)
+            call out%close()
+         end if
+      end associate
       call put_description(out, allan%noise, allan%curve)
       call out%close()
    end subroutine put_noise
@@ -149,19 +149,6 @@ contains
       call out%put("falling", read_off%falling, title="falling at the end")
       call out%close()
    end subroutine put_read_off
-
-   !> "density": N as a density in both conventions; null where rate or unit is not known.
-   subroutine put_densities(out, stated)
-      !> The renderer
-      class(description_type), intent(inout) :: out
-      !> The coefficients of one series
-      type(stated_noise_type), intent(in) :: stated
-
-      if (.not. out%opens("density", stated%in_units, "Density of N")) return
-      call put_stated(out, "two_sided", stated%density(1), .true.)
-      call put_stated(out, "one_sided", stated%density(2), .true.)
-      call out%close()
-   end subroutine put_densities
 
    !> A coefficient, or N as a density, in the stated unit and in SI.
    subroutine put_stated(out, key, stated, in_units, title, shown)
@@ -198,18 +185,6 @@ contains
       call out%put("definition", stated%definition)
       call out%close()
    end subroutine put_stated
-
-   !> "N_without_quantization" and "lsb_ratio", null where the step of the samples is of no account.
-   subroutine put_unquantized(out, stated)
-      !> The renderer
-      class(description_type), intent(inout) :: out
-      !> The coefficients of one series
-      type(stated_noise_type), intent(in) :: stated
-
-      call put_stated(out, "N_without_quantization", stated%unquantized, stated%in_units, &
-                      "N unquantized", stated%unquantized%state /= "")
-      call out%put("lsb_ratio", stated%lsb_ratio, stated%unquantized%state /= "")
-   end subroutine put_unquantized
 
    !> "fit": how the terms were fitted.
    subroutine put_description(out, noise, curve)

@@ -5,13 +5,14 @@ module gyroakf_report_figure_allan
    use gyroakf_allan_read_off, only : least_edf
    use gyroakf_kinds, only : dp
    use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, pipeline_result_type, &
-      stage, stated_coefficient_type
+      stage
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_report_input, only : has_unit, unit_name, time_unit
    use gyroakf_report_sign, only : to_unicode
    use gyroakf_report_svg, only : figure_type
    use gyroakf_report_svg_series, only : color_count, series_type
-   use gyroakf_report_text_layout, only : number, percent, rounded
+   use gyroakf_report_text_answer, only : coefficient_text
+   use gyroakf_report_text_layout, only : if_known, number, percent
    use gyroakf_units, only : coefficient_unit, coefficient_unit_type, term_names
    implicit none (type, external)
    private
@@ -172,22 +173,13 @@ contains
          if (.not. stated%fitted) return
          series%style = "guide"
          series%color = 1 + term
-         series%label = term_names(term)//" "//to_unicode(stated_text(stated))
+         series%label = term_names(term)//if_known(stated%detected, " = ", " ")// &
+            to_unicode(coefficient_text(stated)//" "//stated%unit)
          if (.not. stated%detected) return
          call fill_between(tau(1), tau(size(tau)), series%x)
          series%y = term_height(term)*allan%noise%coefficient(term)%value*series%x**term_slope(term)
       end associate
    end subroutine set_term
-
-   !> "= 2.484 +/- 0.017 deg/sqrt(h)" or "< 57 deg/h^1.5".
-   pure function stated_text(stated) result(text)
-      type(stated_coefficient_type), intent(in) :: stated
-      character(:), allocatable :: text
-
-      text = "< "//number(stated%upper_limit, 3)
-      if (stated%detected) text = "= "//rounded(stated%value, stated%std_error)
-      text = text//" "//stated%unit
-   end function stated_text
 
    !> 200 averaging times from the first to the last, so that a line ends where it leaves the frame.
    pure subroutine fill_between(first, last, tau)

@@ -10,7 +10,7 @@ module gyroakf_report_html_markup
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
    private
-   public :: html_heading, html_item, html_paragraph, html_point, close_list
+   public :: html_heading, html_item, html_block, close_list
    public :: put_escaped, put_attribute, put_number_attribute, put_element
 
 contains
@@ -39,7 +39,7 @@ contains
       character(*), intent(in) :: label, text
 
       if (label == "" .and. writer%markup%list /= "dl") then
-         call html_paragraph(writer, text)
+         call html_block(writer, "", "p", text)
          return
       end if
       call open_list(writer, "dl")
@@ -51,27 +51,17 @@ contains
       call put_element(writer, "dd", text)
    end subroutine html_item
 
-   !> Sentences.
-   subroutine html_paragraph(writer, text)
+   !> Text in an element of its own.
+   subroutine html_block(writer, list, tag, text)
       !> The page
       type(writer_type), intent(inout) :: writer
-      !> Any text
-      character(*), intent(in) :: text
+      !> The list that it belongs to, "" for none; its element; any text
+      character(*), intent(in) :: list, tag, text
 
-      call close_list(writer)
-      call put_element(writer, "p", text)
-   end subroutine html_paragraph
-
-   !> A sentence with a mark in front.
-   subroutine html_point(writer, text)
-      !> The page
-      type(writer_type), intent(inout) :: writer
-      !> Any text
-      character(*), intent(in) :: text
-
-      call open_list(writer, "ul")
-      call put_element(writer, "li", text)
-   end subroutine html_point
+      if (list == "") call close_list(writer)
+      if (list /= "") call open_list(writer, list)
+      call put_element(writer, tag, text)
+   end subroutine html_block
 
    !> Begins a list, where it is not the one that is open.
    subroutine open_list(writer, tag)

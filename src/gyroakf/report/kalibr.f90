@@ -37,7 +37,8 @@ contains
       if (.not. record%rate_known) then
          call fatal_error(error, status%invalid_argument, "Kalibr's file needs the rate, and "//record%path// &
                           " does not tell it: give --rate HZ or --dt S")
-      else if (channels_of(record, quantity%angular_rate) + channels_of(record, quantity%acceleration) == 0) then
+      else if (.not. any(quantities(record) == quantity%angular_rate .or. &
+                         quantities(record) == quantity%acceleration)) then
          call fatal_error(error, status%invalid_argument, "Kalibr's file needs the unit, and "//record%path// &
                           " does not tell it: give --unit rad/s (or deg/s, m/s^2, g, ...), or a list with one for each channel")
       end if
@@ -80,10 +81,11 @@ contains
       type(pipeline_result_type), intent(in) :: result
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: reason
-      integer :: c, term
+      integer :: what(size(result%channel)), c, term
 
+      what = quantities(record)
       do c = 1, size(result%channel)
-         if (quantity_of(record, c) == quantity%unknown) cycle
+         if (what(c) == quantity%unknown) cycle
          associate (channel => result%channel(c), allan => result%channel(c)%allan(stage%input))
             if (.not. allan%fitted) then
                reason = ""
@@ -111,7 +113,7 @@ contains
       character(*), intent(in) :: sensor, density_unit, walk_unit, asked
 
       call put_line(writer, "")
-      if (channels_of(record, what) == 0) then
+      if (all(quantities(record) /= what)) then
          call put_line(writer, "# The record has no channel in "//asked//": fill in the "//sensor//"'s numbers.")
          call put_line(writer, "#"//sensor//"_noise_density:  # "//density_unit//"/sqrt(Hz)")
          call put_line(writer, "#"//sensor//"_random_walk:  # "//walk_unit//"/sqrt(Hz)")
@@ -129,26 +131,20 @@ contains
       integer, intent(in) :: what, term
       character(*), intent(in) :: key, unit
       character(:), allocatable :: text
-      real(dp) :: most
+      logical :: of(size(result%channel))
       integer :: c, largest
 
-      most = -1.0_dp
-      largest = 0
-      do c = 1, size(result%channel)
-         if (quantity_of(record, c) /= what) cycle
-         if (strength(result%channel(c)%allan(stage%input)%stated%term(term)) <= most) cycle
-         most = strength(result%channel(c)%allan(stage%input)%stated%term(term))
-         largest = c
-      end do
-      text = key//": "//scientific(most, 5)//"  # "//unit//", "//term_names(term)//" of "//plain(result%channel(largest)%name)
-      if (.not. result%channel(largest)%allan(stage%input)%stated%term(term)%detected) text = text// &
-         " is not detectable: its 95 % upper limit"
-      call put_line(writer, text)
-      do c = 1, size(result%channel)
-         if (quantity_of(record, c) /= what) cycle
-         call put_line(writer, "#   "//plain(result%channel(c)%name)//": "// &
-                       axis_text(result%channel(c)%allan(stage%input)%stated%term(term)))
-      end do
+      of = quantities(record) == what
+      associate (stated => result%channel%allan(stage%input)%stated%term(term))
+         largest = maxloc(strength(stated), dim=1, mask=of)
+         text = key//": "//scientific(strength(stated(largest)), 5)//"  # "//unit//", "//term_names(term)// &
+                " of "//plain(result%channel(largest)%name)
+         if (.not. stated(largest)%detected) text = text//" is not detectable: its 95 % upper limit"
+         call put_line(writer, text)
+         do c = 1, size(of)
+            if (of(c)) call put_line(writer, "#   "//plain(result%channel(c)%name)//": "//axis_text(stated(c)))
+         end do
+      end associate
    end subroutine put_number
 
    !> The coefficient of one axis, in SI.
@@ -164,7 +160,7 @@ contains
    end function axis_text
 
    !> What stands for an axis: its value, or its limit where it has none; 0 where the term was not fitted.
-   pure real(dp) function strength(stated)
+   elemental real(dp) function strength(stated)
       type(stated_coefficient_type), intent(in) :: stated
 
       strength = 0.0_dp
@@ -178,12 +174,13 @@ contains
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in) :: result
       character(:), allocatable :: name
-      integer :: c
+      integer :: what(size(result%channel)), c
 
+      what = quantities(record)
       do c = 1, size(result%channel)
          name = plain(result%channel(c)%name)
          associate (allan => result%channel(c)%allan(stage%input))
-            if (quantity_of(record, c) == quantity%unknown) then
+            if (what(c) == quantity%unknown) then
                call put_line(writer, lf//"# not used: "//name//", its unit is not known")
             else if (allan%fitted .and. .not. allan%noise%described) then
                call put_line(writer, lf//"# "//name//": "//not_described// &
@@ -193,26 +190,14 @@ contains
       end do
    end subroutine put_remarks
 
-   !> What a channel measures.
-   pure integer function quantity_of(record, channel)
+   !> What the channels measure.
+   pure function quantities(record) result(what)
       type(record_type), intent(in) :: record
-      integer, intent(in) :: channel
+      integer :: what(size(record%value, 2))
 
-      quantity_of = record%unit%quantity
-      if (allocated(record%channel_unit)) quantity_of = record%channel_unit(channel)%quantity
-   end function quantity_of
-
-   !> How many channels measure that.
-   pure integer function channels_of(record, what)
-      type(record_type), intent(in) :: record
-      integer, intent(in) :: what
-      integer :: c
-
-      channels_of = 0
-      do c = 1, size(record%value, 2)
-         if (quantity_of(record, c) == what) channels_of = channels_of + 1
-      end do
-   end function channels_of
+      what = record%unit%quantity
+      if (allocated(record%channel_unit)) what = record%channel_unit%quantity
+   end function quantities
 
    !> A number that every YAML reader takes for a real one: "200.0", "99.98412", "1.000000e+06" (never "1e6").
    pure function rate_text(rate) result(text)

@@ -101,29 +101,37 @@ contains
       call put_paragraph(writer, text, 2)
    end subroutine write_summary_table
 
+   !> The blank before a number's unit, 0 where it has none.
+   pure integer function unit_blank(text)
+      character(*), intent(in) :: text
+
+      unit_blank = index(text, " ", back=.true.)
+      if (unit_blank == 0) return
+      if (scan(text(unit_blank + 1:unit_blank + 1), "0123456789") > 0) unit_blank = 0
+   end function unit_blank
+
    !> A unit that all numbers of a column have goes into its head.
    pure subroutine move_unit(table, column)
       type(table_type), intent(inout) :: table
       integer, intent(in) :: column
       character(:), allocatable :: unit
-      integer :: i, first
+      integer :: i, blank
 
       unit = ""
       do i = 2, size(table%cell, 1)
          associate (text => table%cell(i, column)%text)
             if (text == "" .or. text == "-") cycle
-            first = index(text, " ", back=.true.)
-            if (first == 0) return
-            if (scan(text(first + 1:first + 1), "0123456789") > 0) return
-            if (unit == "") unit = text(first:)
-            if (text(first:) /= unit) return
+            blank = unit_blank(text)
+            if (blank == 0) return
+            if (unit == "") unit = text(blank:)
+            if (text(blank:) /= unit) return
          end associate
       end do
       if (unit == "") return
       table%cell(1, column)%text = table%cell(1, column)%text//new_line("a")//unit(2:)
       do i = 2, size(table%cell, 1)
-         first = index(table%cell(i, column)%text, " ", back=.true.)
-         if (first > 0) table%cell(i, column)%text = table%cell(i, column)%text(:first - 1)
+         blank = unit_blank(table%cell(i, column)%text)
+         if (blank > 0) table%cell(i, column)%text = table%cell(i, column)%text(:blank - 1)
       end do
    end subroutine move_unit
 
@@ -134,12 +142,8 @@ contains
 
       do j = 3, size(table%cell, 2)
          do i = 2, size(table%cell, 1)
-            associate (text => table%cell(i, j)%text)
-               blank = index(text, " ", back=.true.)
-               if (blank == 0) cycle
-               if (scan(text(blank + 1:blank + 1), &
-                        "0123456789") == 0) text(blank:blank) = new_line("a")
-            end associate
+            blank = unit_blank(table%cell(i, j)%text)
+            if (blank > 0) table%cell(i, j)%text(blank:blank) = new_line("a")
          end do
       end do
    end subroutine break_cells

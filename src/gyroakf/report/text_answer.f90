@@ -13,7 +13,7 @@ module gyroakf_report_text_answer
    use gyroakf_report_verdicts, only : verdict_text
    implicit none (type, external)
    private
-   public :: put_answer
+   public :: put_answer, coefficient_text
 
    integer, parameter :: term_n = 2, term_k = 4
 
@@ -154,6 +154,7 @@ contains
 
    !> "2.484 +/- 0.007", "< 130", "-".
    pure function coefficient_text(stated) result(text)
+      !> In the stated unit
       type(stated_coefficient_type), intent(in) :: stated
       character(:), allocatable :: text
 

@@ -50,9 +50,21 @@ contains
       !> Described
       type(table_type), intent(out) :: table
 
+      call new_table(table, 1, 9, head=merge(2, 1, has_unit(record)))
+      table%name = "filters"
+      table%number = "II"
+      table%caption = "Before and after the filters"
+      if (.not. has_unit(record)) table%caption = table%caption//", in input units"
+      call add_row(table, "", "mean;variance;share;gain;passes;NIS;|rho|;innov.")
+      if (has_unit(record)) call add_row(table, "", unit_name(record)//";("//unit_name(record)// &
+                                         ")^2")
+      table%note = "share: variance over that of the series above that is filtered. gain: mean of the last third. passes: "// &
+         "share of a constant rotation (DC gain). NIS: mean squared normalised innovation, 1 where Q and R describe the "// &
+         "innovations"
+      if (channel%available%kf .and. channel%kf%nis_high > 0.0_dp) table%note = table%note//" (95 % of such filters within "// &
+         fixed(channel%kf%nis_low, 3)//" to "//fixed(channel%kf%nis_high, 3)//")"
+      table%note = table%note//". |rho|: largest autocorrelation of the innovations."
       associate (is => channel%available)
-         call new_table(table, 1, 9, head=merge(2, 1, has_unit(record)))
-         call describe(record, channel, table)
          call add_series(table, "raw", "raw", channel%raw%mean, channel%raw%variance, "")
          call add_series(table, "cleaned", "preprocess", channel%cleaned%mean, &
                          channel%cleaned%variance, "100 %")
@@ -81,27 +93,6 @@ contains
 
       two_inputs = channel%drift%found .and. channel%available%preprocess
    end function two_inputs
-
-   !> Caption, heads of the columns, and what these mean.
-   subroutine describe(record, channel, table)
-      type(record_type), intent(in) :: record
-      type(channel_result_type), intent(in) :: channel
-      type(table_type), intent(inout) :: table
-
-      table%name = "filters"
-      table%number = "II"
-      table%caption = "Before and after the filters"
-      if (.not. has_unit(record)) table%caption = table%caption//", in input units"
-      call add_row(table, "", "mean;variance;share;gain;passes;NIS;|rho|;innov.")
-      if (has_unit(record)) call add_row(table, "", unit_name(record)//";("//unit_name(record)// &
-                                         ")^2")
-      table%note = "share: variance over that of the series above that is filtered. gain: mean of the last third. passes: "// &
-         "share of a constant rotation (DC gain). NIS: mean squared normalised innovation, 1 where Q and R describe the "// &
-         "innovations"
-      if (channel%available%kf .and. channel%kf%nis_high > 0.0_dp) table%note = table%note//" (95 % of such filters within "// &
-         fixed(channel%kf%nis_low, 3)//" to "//fixed(channel%kf%nis_high, 3)//")"
-      table%note = table%note//". |rho|: largest autocorrelation of the innovations."
-   end subroutine describe
 
    !> A series in the table.
    subroutine add_series(table, name, key, mean, variance, cells)

@@ -9,7 +9,7 @@ module gyroakf_report_text_layout
    use gyroakf_io_writer, only : writer_type, put_line, format_real
    use gyroakf_report_sign, only : to_unicode
    use gyroakf_utf8, only : text_width, is_continuation
-   use gyroakf_report_html_markup, only : html_heading, html_item, html_paragraph, html_point
+   use gyroakf_report_html_markup, only : html_block, html_heading, html_item
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
    private
@@ -163,7 +163,7 @@ contains
       integer, intent(in) :: indent
 
       if (writer%markup%on) then
-         call html_paragraph(writer, with_signs(writer, text))
+         call html_block(writer, "", "p", with_signs(writer, text))
          return
       end if
       call put_wrapped(writer, repeat(" ", indent), with_signs(writer, text), indent, "")
@@ -177,7 +177,7 @@ contains
       character(*), intent(in) :: text
 
       if (writer%markup%on) then
-         call html_point(writer, with_signs(writer, text))
+         call html_block(writer, "ul", "li", with_signs(writer, text))
          return
       end if
       call put_wrapped(writer, "  - ", with_signs(writer, text), 4, "")

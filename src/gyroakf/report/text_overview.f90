@@ -4,14 +4,14 @@ module gyroakf_report_text_overview
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_writer, only : put_line, writer_type
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage
+   use gyroakf_preprocess_clean, only : clean_type
    use gyroakf_record, only : record_type, view_channel
-   use gyroakf_report_document_ar, only : put_ar
-   use gyroakf_report_removed, only : cleaning_text
+   use gyroakf_report_document_tests, only : put_ar
    use gyroakf_report_tables, only : bare, has_tests, kpss_p_text, make_ar_table, &
       make_tests_table, upper_case
    use gyroakf_report_text_description, only : text_description_type
    use gyroakf_report_text_filters, only : make_filter_table, put_rmse
-   use gyroakf_report_text_layout, only : count_text, if_known, number, percent, put_item, put_paragraph, rounded, &
+   use gyroakf_report_text_layout, only : count_text, if_known, number, percent, plural, put_item, put_paragraph, rounded, &
       scientific
    use gyroakf_report_text_table, only : add_row, new_table, put_numbered, put_table, set_cell, &
       table_type
@@ -108,6 +108,31 @@ contains
          if (ar%residual_ljung_box%lags > 0) text = text//"; residuals "//trim(whiteness_word(ar%residual_ljung_box))
       end associate
    end function model_text
+
+   !> Outliers and trend in a line: "12 outliers (0.1 %) beyond 4.493 sigma (auto); cubic trend".
+   pure function cleaning_text(clean) result(text)
+      type(clean_type), intent(in) :: clean
+      character(:), allocatable :: text
+
+      text = "no outliers looked for"
+      if (clean%method /= "none") text = plural(clean%removed, "outlier")//" ("//percent(clean%fraction)//") beyond "// &
+         number(clean%threshold, 4)//" sigma ("//trim(clean%method)//")"
+      if (clean%trend%degree >= 0) text = text//"; "//degree_name(clean%trend%degree)//" trend"
+   end function cleaning_text
+
+   !> The trend in words.
+   pure function degree_name(degree) result(name)
+      integer, intent(in) :: degree
+      character(:), allocatable :: name
+
+      select case (degree)
+      case (0); name = "constant"
+      case (1); name = "straight line"
+      case (2); name = "parabola"
+      case (3); name = "cubic"
+      case default; name = "polynomial of degree "//count_text(int(degree, int64))
+      end select
+   end function degree_name
 
    !> Before and after: the series and the filters of one channel.
    subroutine put_series(writer, record, channel)

@@ -2,23 +2,25 @@
 !> The reports of a terminal, at most 80 columns wide: the first screen, and all details. They print numbers of the result and
 !> compute nothing.
 module gyroakf_report_text_report
+   use gyroakf_kinds, only : int64
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_io_writer, only : writer_type
    use gyroakf_release, only : release_string
-   use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, stage
+   use gyroakf_pipeline_result, only : channel_result_type, pipeline_options, pipeline_result_type, &
+      stage, stated_coefficient_type
+   use gyroakf_pipeline_warnings, only : outlier_share
    use gyroakf_report_advice, only : put_advice, put_warnings
    use gyroakf_report_document_filters, only : put_drift, put_filters
    use gyroakf_report_document_allan, only : put_halves, put_noise
-   use gyroakf_report_document_ar, only : put_ar
-   use gyroakf_report_document_tests, only : put_tests, put_verdict
-   use gyroakf_report_document_preprocess, only : put_preprocess
+   use gyroakf_report_document_tests, only : put_ar, put_tests, put_verdict
+   use gyroakf_report_document_distribution, only : put_preprocess
    use gyroakf_report_input, only : put_input, report_inspect, unit_name
    use gyroakf_report_tables, only : make_ar_table
-   use gyroakf_report_removed, only : put_alerts
    use gyroakf_report_text_answer, only : put_answer
    use gyroakf_report_text_description, only : text_description_type
    use gyroakf_report_text_filters, only : put_filter_table
-   use gyroakf_report_text_layout, only : put_heading, put_paragraph, put_title
+   use gyroakf_report_text_layout, only : count_text, number, percent, plural, put_heading, put_item, &
+      put_paragraph, put_title
    use gyroakf_report_text_noise, only : make_comparison, put_curves_of
    use gyroakf_report_text_screen, only : put_chart, put_screen
    use gyroakf_report_text_table, only : put_numbered, table_type
@@ -126,6 +128,36 @@ contains
       call put_noise(out, "cleaned", "Noise coefficients: "//title, channel%allan(stage%cleaned))
       call put_curves_of(writer, record, channel%allan(stage%cleaned), title, "cleaned")
    end subroutine put_sections
+
+   !> The first lines of a channel, where more than 1 % of its samples are outliers or the sensor moves.
+   subroutine put_alerts(writer, channel)
+      type(writer_type), intent(inout) :: writer
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
+
+      associate (raw => channel%allan(stage%input)%stated%term(2), cleaned => channel%allan(stage%outliers_removed)%stated%term(2))
+         if (channel%clean%fraction > outlier_share) then
+            text = percent(channel%clean%fraction)//" of the samples are rejected as outliers"
+            if (raw%detected .or. cleaned%detected) text = text//": N = "//stated(raw)//" of the raw record, "//stated(cleaned)// &
+               & " without them"
+            call put_item(writer, "Outliers", text)
+         end if
+      end associate
+      if (.not. allocated(channel%clean%motion)) return
+      if (size(channel%clean%motion) > 0) call put_item(writer, "Motion", "motion or vibration in "// &
+         & plural(size(channel%clean%motion, 2, kind=int64), "place")//", of samples "// &
+         & count_text(channel%clean%motion(1, 1))//" to "//count_text(channel%clean%motion(2, 1))//" first: nothing is "// &
+         & "rejected there, see the warnings")
+   end subroutine put_alerts
+
+   !> "0.9687 deg/sqrt(h)".
+   pure function stated(term) result(text)
+      type(stated_coefficient_type), intent(in) :: term
+      character(:), allocatable :: text
+
+      text = "(not stated)"
+      if (term%detected) text = number(term%value, 4)//" "//term%unit
+   end function stated
 
    !> What the report of a command is about.
    pure function report_subject(command) result(text)

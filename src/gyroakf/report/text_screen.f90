@@ -54,6 +54,7 @@ contains
       type(text_type), allocatable :: lines(:)
       type(record_type) :: first
       character(:), allocatable :: legend
+      real(dp), allocatable :: model(:)
       integer :: i
 
       call view_channel(record, 1, first)
@@ -63,13 +64,11 @@ contains
       else if (result%channel(1)%allan(stage%input)%available) then
          legend = "o measured, | limits"
          associate (allan => result%channel(1)%allan(stage%input), curve => result%channel(1)%allan(stage%input)%curve)
-            if (allan%fitted) then
-               legend = legend//", . fitted"
-               call draw_chart(curve%tau, curve%deviation, curve%lower, curve%upper, writer%unicode, lines, allan%noise%model, &
-                               chart_rows)
-            else
-               call draw_chart(curve%tau, curve%deviation, curve%lower, curve%upper, writer%unicode, lines, rows=chart_rows)
-            end if
+            model = 0*curve%tau
+            if (allan%fitted) model = allan%noise%model
+            if (allan%fitted) legend = legend//", . fitted"
+            call draw_chart(curve%tau, curve%deviation, curve%lower, curve%upper, writer%unicode, lines, model, &
+                            chart_rows)
          end associate
       end if
       if (size(lines) == 0) return
