@@ -1,9 +1,11 @@
 ! SPDX-License-Identifier: MIT
 !> Drift models identified from a record by maximum likelihood.
 !>
-!> Three candidates, all with white noise: a random walk, an AR(1) process, and both. Each is fitted by the BFGS method to the exact
-!> Gaussian likelihood ([[gyroakf_filter_likelihood]]) in the logarithms of the variances (of the AR(1) process itself, not of its
-!> driving noise) and artanh(phi), from several starts, the best of the models that it contains among them ([[gyroakf_filter_drift_starts]]); the curvature at the best of their ends gives the last steps and
+!> Three candidates, all with white noise: a random walk, an AR(1) process, and both. Each is fitted
+!> by the BFGS method to the exact Gaussian likelihood ([[gyroakf_filter_likelihood]]) in the
+!> logarithms of the variances (of the AR(1) process itself, not of its driving noise) and
+!> artanh(phi), from several starts, the best of the models that it contains among them
+!> ([[gyroakf_filter_drift_starts]]); the curvature at the best of their ends gives the last steps and
 !> the standard errors. A variance that the likelihood does not tell from 0 is 0.
 !> $$ \mathrm{AIC} = -2 \ln L + 2 k, \quad \mathrm{BIC} = -2 \ln L + k \ln n $$
 !> with k variances and coefficients, and the mean where no random walk takes its place. What counts as drift is not theirs to say:
@@ -12,6 +14,7 @@
 !> Source: Durbin & Koopman, Time Series Analysis by State Space Methods, 2nd ed. (2012), 7.3; Harvey, Forecasting, Structural Time
 !> Series Models and the Kalman Filter (1989), 4.5.
 module gyroakf_filter_drift_fit
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
@@ -164,11 +167,14 @@ contains
          return
       end if
       call centre(objective, fit%mean, scale)
-      if (.not. scale > 0.0_dp) then
+      fit%variance = scale**2
+      if (.not. ieee_is_finite(fit%variance)) then
+         call fatal_error(error, status%non_finite, &
+            & "the samples are too large: their variance is not a finite number")
+      else if (scale <= 0.0_dp) then
          call fatal_error(error, status%constant_input, "a series without variance has no drift")
       else
          objective%z = objective%z/scale
-         fit%variance = scale**2
          fit%white_aic = real(fit%measurements, dp)*(log_two_pi + 1.0_dp + log(fit%variance)) + 4.0_dp
       end if
    end subroutine take_part

@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> Starting points of the maximum likelihood search for a drift model.
 !>
-!> Drifts from fast to slow, small and large; for the model of both processes the best models of each alone, with some of the other added. Besides the best models of those that a candidate
-!> contains: a random walk is an AR(1) process whose correlation time is long, the model of both processes is that of either with
+!> Drifts from fast to slow, small and large; for the model of both processes the best models of each
+!> alone, with some of the other added. Besides the best models of those that a candidate contains: a
+!> random walk is an AR(1) process whose correlation time is long, the model of both processes is that of either with
 !> next to nothing of the other. A search never ends above its start: a candidate ends no lower than what it contains, but for the
 !> diffuse start of the random walk, as against a mean that is fitted: the deviance -2 ln L of an AR(1) process in white noise,
 !> covariance Sigma, of a series of variance 1 is less than that of the same with a level of diffuse prior that never moves by

@@ -168,7 +168,7 @@ contains
       end if
    end subroutine explain_nulls
 
-   !> The kind of file that begins so, of [[gyroakf_io_format:magics]]; 0 for none.
+   !> The kind of file that begins so, as a place in `magics`; 0 for none.
    pure integer function magic_of(bytes) result(found)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64) :: at

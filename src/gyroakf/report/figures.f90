@@ -105,7 +105,7 @@ contains
 
    !> Builds a figure of a channel; without series where the channel has none of the kind.
    subroutine build_figure(kind, record, result, c, figure)
-      !> One of figure_kinds
+      !> One of `figure_kinds`
       character(*), intent(in) :: kind
       !> With its samples
       type(record_type), intent(in) :: record
